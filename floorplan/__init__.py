@@ -1,0 +1,46 @@
+"""Where things are: the floor, and what stands on it."""
+
+from .document import Document, Place, field_name, parse_yaml, read_text, read_yaml
+from .loading import build, builtin, load, parse
+from .model import (
+    Axis,
+    Floorplan,
+    Gantry,
+    Human,
+    Lane,
+    Obstacle,
+    Point,
+    SafeZone,
+    Station,
+)
+from .problems import FloorplanError, InputError, Problem
+from .schema import Number, Pair, Positive, Strictly
+
+__all__ = [
+    "Axis",
+    "Document",
+    "Floorplan",
+    "FloorplanError",
+    "Gantry",
+    "Human",
+    "InputError",
+    "Lane",
+    "Number",
+    "Obstacle",
+    "Pair",
+    "Place",
+    "Point",
+    "Positive",
+    "Problem",
+    "SafeZone",
+    "Station",
+    "Strictly",
+    "build",
+    "builtin",
+    "field_name",
+    "load",
+    "parse",
+    "parse_yaml",
+    "read_text",
+    "read_yaml",
+]

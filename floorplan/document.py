@@ -1,0 +1,175 @@
+"""A YAML document that remembers on which line each value stands."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeVar
+
+import yaml
+from pydantic import BaseModel, ValidationError
+
+from .problems import InputError, Problem
+
+Place = tuple[str | int, ...]
+"""The keys and indices that lead to a value."""
+
+MOST_VALUES = 1_000_000
+"""A document with more values than this (aliases count each time) is refused."""
+
+EXPECTED = {
+    "bool_type": "true or false",
+    "dict_type": "keys with values",
+    "finite_number": "a finite number",
+    "float_parsing": "a number",
+    "float_type": "a number",
+    "greater_than": "more than {gt:g}",
+    "greater_than_equal": "at least {ge:g}",
+    "int_type": "a whole number",
+    "less_than": "less than {lt:g}",
+    "less_than_equal": "at most {le:g}",
+    "list_type": "a list",
+    "literal_error": "{expected}",
+    "model_type": "keys with values",
+    "string_type": "text",
+    "too_long": "a list of {max_length}",
+    "too_short": "a list of at least {min_length}",
+    "tuple_type": "a list",
+}
+"""What should have stood there, by pydantic's name for the misfit."""
+
+_Schema = TypeVar("_Schema", bound=BaseModel)
+
+
+@dataclass(frozen=True)
+class Document:
+    """The values of a YAML file, and the line each of them stands on."""
+
+    file: str
+    data: Any
+    lines: dict[Place, int]
+
+    def problem(self, message: str, *place: str | int) -> Problem:
+        """A problem at the value that `place` leads to, or the nearest value around it."""
+        known = place
+        while known and known not in self.lines:
+            known = known[:-1]
+        return Problem(message, field_name(place), self.lines.get(known))
+
+    def checked(self, schema: type[_Schema], error: type[InputError]) -> _Schema:
+        """The values as `schema`; every misfit at once in one `error`."""
+        if not isinstance(self.data, dict):
+            found = "nothing" if self.data is None else "a " + _kind(self.data)
+            message = f"expected keys with values, found {found}"
+            raise error(self.file, [self.problem(message)])
+        try:
+            return schema.model_validate(self.data)
+        except ValidationError as misfits:
+            known = sorted(schema.model_fields)
+            raise error(
+                self.file,
+                [self._misfit(dict(misfit), known) for misfit in misfits.errors()],
+            ) from None
+
+    def _misfit(self, misfit: dict[str, Any], known: list[str]) -> Problem:
+        place: Place = misfit["loc"]
+        kind, context = misfit["type"], misfit.get("ctx", {})
+        if kind == "missing":
+            return self.problem("is missing", *place)
+        if kind == "extra_forbidden":
+            hint = f" (known are: {', '.join(known)})" if len(place) == 1 else ""
+            return self.problem("unknown key" + hint, *place)
+        if kind == "value_error":
+            return self.problem(str(context["error"]), *place)
+        expected = EXPECTED.get(kind)
+        if expected is None:
+            message = str(misfit["msg"])
+            message = message[:1].lower() + message[1:]
+        else:
+            message = "expected " + expected.format(**context)
+        return self.problem(f"{message}, found {_shown(misfit['input'])}", *place)
+
+
+def field_name(place: Place) -> str:
+    """`("people", 0, "start")` as people write it: `people[0].start`."""
+    text = ""
+    for part in place:
+        text += f"[{part}]" if isinstance(part, int) else f".{part}" if text else part
+    return text
+
+
+def read_text(path: Path, error: type[InputError]) -> str:
+    """The text of a UTF-8 file; `error` says why it can't be read."""
+    try:
+        return path.read_text(encoding="utf-8")
+    except FileNotFoundError:
+        raise error(str(path), [Problem("there is no such file")]) from None
+    except UnicodeDecodeError as why:
+        raise error(str(path), [Problem(f"is not UTF-8 text (byte {why.start})")]) from None
+    except OSError as why:
+        raise error(str(path), [Problem(f"can't be read: {why.strerror}")]) from None
+
+
+def read_yaml(path: Path, error: type[InputError]) -> Document:
+    """The document in the YAML file at `path`; `error` if it isn't one."""
+    return parse_yaml(read_text(path, error), str(path), error)
+
+
+def parse_yaml(text: str, file: str, error: type[InputError]) -> Document:
+    """The document in `text`, which stands in `file`; `error` if it isn't one."""
+    loader = yaml.SafeLoader(text)
+    try:
+        node = loader.get_single_node()
+        if node is None:
+            return Document(file, None, {(): 1})
+        lines: dict[Place, int] = {}
+        problems = _survey(node, (), lines, frozenset())
+        if problems:
+            raise error(file, problems)
+        return Document(file, loader.construct_document(node), lines)
+    except yaml.MarkedYAMLError as why:
+        mark = why.problem_mark or why.context_mark
+        reason = " ".join(part for part in (why.problem, why.context) if part)
+        line = mark.line + 1 if mark else None
+        raise error(file, [Problem(f"is not YAML: {reason}", line=line)]) from None
+    except (yaml.YAMLError, ValueError, RecursionError) as why:
+        raise error(file, [Problem(f"is not YAML: {why}")]) from None
+    finally:
+        loader.dispose()
+
+
+def _survey(
+    node: yaml.Node, place: Place, lines: dict[Place, int], above: frozenset[int]
+) -> list[Problem]:
+    """Note the line of every value under `node`; say which keys stand twice."""
+    if id(node) in above:
+        return [Problem("an alias (*) to something that contains it", field_name(place))]
+    if len(lines) > MOST_VALUES:
+        raise ValueError(f"it has more than {MOST_VALUES:,} values")
+    lines.setdefault(place, node.start_mark.line + 1)
+    within = above | {id(node)}
+    problems: list[Problem] = []
+    if isinstance(node, yaml.SequenceNode):
+        for index, child in enumerate(node.value):
+            problems += _survey(child, (*place, index), lines, within)
+    elif isinstance(node, yaml.MappingNode):
+        seen: set[Hashable] = set()
+        for key, child in node.value:
+            inner = (*place, str(key.value))
+            line = key.start_mark.line + 1
+            if key.value in seen and key.tag != "tag:yaml.org,2002:merge":
+                problems.append(Problem("this key stands twice", field_name(inner), line))
+            seen.add(key.value)
+            lines.setdefault(inner, line)
+            problems += _survey(child, inner, lines, within)
+    return problems
+
+
+def _kind(value: object) -> str:
+    return {list: "list", str: "text", bool: "yes/no value"}.get(type(value), "number")
+
+
+def _shown(value: object) -> str:
+    text = repr(value)
+    return text if len(text) <= 60 else text[:57] + "..."

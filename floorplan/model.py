@@ -1,0 +1,190 @@
+"""What a floor is: an immutable value of named things and where they stand.
+
+All lengths are metres, angles radians, speeds m/s, heights above the floor; z points up.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Protocol, TypeVar
+
+import shapely
+from shapely.geometry import Polygon
+
+Point = tuple[float, float]
+"""A place on the floor: x, y in metres."""
+
+
+@dataclass(frozen=True)
+class Obstacle:
+    """Something that stands on or hangs over the floor: a footprint from `bottom` up to `top`."""
+
+    name: str
+    footprint: Polygon
+    bottom: float
+    top: float
+
+    def overlaps(self, bottom: float, top: float) -> bool:
+        """Whether its heights and the open range from `bottom` to `top` (metres) share any."""
+        return self.bottom < top and bottom < self.top
+
+
+@dataclass(frozen=True)
+class Station:
+    """A named place that people go to."""
+
+    name: str
+    position: Point
+
+
+@dataclass(frozen=True)
+class SafeZone:
+    """Where people start, and are put after a violation."""
+
+    position: Point
+    heading: float = 0.0
+
+
+@dataclass(frozen=True)
+class Human:
+    """The measures of the people on this floor, unless a trial says otherwise."""
+
+    radius: float = 0.3
+    height: float = 1.75
+    max_speed: float = 1.0
+    max_acceleration: float = 2.5
+    goal_tolerance: float = 0.25
+
+
+@dataclass(frozen=True)
+class Lane:
+    """The straight lane of one AGV.
+
+    The AGV's centre is at `origin` where its lane position q is 0, and moves by `heading` from
+    there. `locations` names lane positions, `serves` the locations by the names orders use.
+    """
+
+    name: str
+    origin: Point
+    heading: float
+    limits: tuple[float, float]
+    locations: Mapping[str, float]
+    start: str
+    length: float
+    width: float
+    height: float
+    max_speed: float
+    max_acceleration: float
+    serves: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def direction(self) -> Point:
+        """The unit vector along the lane; exact where the lane follows an axis."""
+        return (round(math.cos(self.heading), 15), round(math.sin(self.heading), 15))
+
+    def position(self, q: float) -> Point:
+        """The centre of the AGV (x, y) at lane position `q`, all in metres."""
+        (x, y), (c, s) = self.origin, self.direction
+        return (x + q * c, y + q * s)
+
+    def footprint(self, q: float) -> Polygon:
+        """The rectangle that the AGV covers at lane position `q` (metres)."""
+        (x, y), (c, s) = self.position(q), self.direction
+        corners = [
+            (x + u * c - v * s, y + u * s + v * c)
+            for u, v in (
+                (-self.length / 2, -self.width / 2),
+                (self.length / 2, -self.width / 2),
+                (self.length / 2, self.width / 2),
+                (-self.length / 2, self.width / 2),
+            )
+        ]
+        return Polygon(corners)
+
+
+@dataclass(frozen=True)
+class Axis:
+    """One axis of the gantry: its range and limits, in metres or radians, and seconds."""
+
+    low: float
+    high: float
+    max_speed: float
+    max_acceleration: float
+    max_jerk: float
+
+
+@dataclass(frozen=True)
+class Gantry:
+    """An overhead robot: a bridge (x), a trolley (y) and a rotation about z that carry a torso.
+
+    `torso` is the box around the axis (length, width, bottom, top) in metres; the folded arm
+    stays within `arm_reach` of the axis above `arm_bottom`. `start` is x, y, rotation.
+    """
+
+    x: Axis
+    y: Axis
+    rotation: Axis
+    start: tuple[float, float, float]
+    torso: tuple[float, float, float, float]
+    arm_mount: tuple[float, float]
+    arm_reach: float
+    arm_bottom: float
+    rail_height: float
+    tray_height: float
+
+    @property
+    def axes(self) -> tuple[Axis, Axis, Axis]:
+        """x, y and rotation."""
+        return (self.x, self.y, self.rotation)
+
+
+@dataclass(frozen=True)
+class Floorplan:
+    """A floor: its boundary and what stands on it. Compare with `==`, share freely."""
+
+    name: str
+    boundary: Polygon
+    obstacles: tuple[Obstacle, ...] = ()
+    stations: tuple[Station, ...] = ()
+    patrol: tuple[str, ...] = ()
+    safe_zone: SafeZone | None = None
+    human: Human = Human()
+    lanes: tuple[Lane, ...] = ()
+    gantry: Gantry | None = None
+    title: str = ""
+    source: str = ""
+
+    def station(self, name: str) -> Station:
+        """The station called `name`; `KeyError` that names those there are."""
+        return _named(self.stations, name, "station")
+
+    def lane(self, name: str) -> Lane:
+        """The lane of the AGV called `name`; `KeyError` that names those there are."""
+        return _named(self.lanes, name, "AGV")
+
+    def obstacle(self, name: str) -> Obstacle:
+        """The obstacle called `name`; `KeyError` that names those there are."""
+        return _named(self.obstacles, name, "obstacle")
+
+    def free(self, bottom: float, top: float) -> Polygon:
+        """The boundary minus every obstacle with heights between `bottom` and `top` (metres)."""
+        blocked = [o.footprint for o in self.obstacles if o.overlaps(bottom, top)]
+        return self.boundary.difference(shapely.union_all(blocked))
+
+
+class _Named(Protocol):
+    @property
+    def name(self) -> str: ...
+
+
+_Thing = TypeVar("_Thing", bound=_Named)
+
+
+def _named(things: tuple[_Thing, ...], name: str, kind: str) -> _Thing:
+    for thing in things:
+        if thing.name == name:
+            return thing
+    known = ", ".join(thing.name for thing in things) or "none"
+    raise KeyError(f"no {kind} called {name!r} (there are: {known})")

@@ -1,0 +1,41 @@
+"""What is wrong with a file that somebody wrote, and where: all of it in one error."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Problem:
+    """One thing that is wrong: what, and its place in the file where there is one."""
+
+    message: str
+    field: str = ""
+    line: int | None = None
+
+    def __str__(self) -> str:
+        place = [f"line {self.line}"] if self.line is not None else []
+        place += [self.field] if self.field else []
+        return f"{', '.join(place)}: {self.message}" if place else self.message
+
+
+class InputError(ValueError):
+    """A file that can't be used: `file` and every one of its `problems`."""
+
+    def __init__(self, file: str, problems: Iterable[Problem]) -> None:
+        self.file = file
+        self.problems = tuple(problems)
+        lines = [str(problem) for problem in self.problems]
+        if len(lines) == 1:
+            text = f"{file}: {lines[0]}"
+        else:
+            text = "\n  ".join([f"{file}: {len(lines)} problems", *lines])
+        super().__init__(text)
+
+    def __reduce__(self) -> tuple[type[InputError], tuple[str, tuple[Problem, ...]]]:
+        return (type(self), (self.file, self.problems))
+
+
+class FloorplanError(InputError):
+    """A floorplan that can't be used."""
