@@ -1,0 +1,69 @@
+"""How bodies move: collision, paths, motions in continuous time, and separation."""
+
+from .machines import (
+    ARIAC_GANTRY,
+    GantryLimits,
+    agv_run,
+    gantry_limits,
+    gantry_move,
+    gantry_stop,
+    lane_state,
+)
+from .monitor import (
+    RESOLUTION,
+    STANDING_SPEED,
+    Apart,
+    Approaching,
+    Both,
+    Condition,
+    Moving,
+    TooClose,
+    first_time,
+    first_violation,
+    minimum_separation,
+    violations,
+    when,
+)
+from .motion import Motion, Piece, State, join, standing
+from .profiles import AxisLimits, AxisState
+from .separation import FixedDistance, Law, Scaled, SeparationLaw
+from .walk import can_go_on, corner_speed, remaining_path, stop_walking, walk
+
+__all__ = [
+    "ARIAC_GANTRY",
+    "RESOLUTION",
+    "STANDING_SPEED",
+    "Apart",
+    "Approaching",
+    "AxisLimits",
+    "AxisState",
+    "Both",
+    "Condition",
+    "FixedDistance",
+    "GantryLimits",
+    "Law",
+    "Motion",
+    "Moving",
+    "Piece",
+    "Scaled",
+    "SeparationLaw",
+    "State",
+    "TooClose",
+    "agv_run",
+    "can_go_on",
+    "corner_speed",
+    "first_time",
+    "first_violation",
+    "gantry_limits",
+    "gantry_move",
+    "gantry_stop",
+    "join",
+    "lane_state",
+    "minimum_separation",
+    "remaining_path",
+    "standing",
+    "stop_walking",
+    "violations",
+    "walk",
+    "when",
+]

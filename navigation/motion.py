@@ -1,0 +1,223 @@
+"""Motions: where a body is at every instant, as polynomials in time.
+
+Nothing in Floorwalker ticks. A body's motion is known in closed form until somebody changes
+their mind, so that questions about it ("when do these two get too close?") are solved rather
+than sampled.
+"""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_right
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Cubic = tuple[float, float, float, float]
+"""Coefficients c of c[0] + c[1] u + c[2] u² + c[3] u³, with u the time since a piece began."""
+
+Array = NDArray[np.float64]
+
+JUMP_TOLERANCE = 1e-6
+"""Metres. Pieces that meet no closer than this are a jump, not rounding."""
+
+
+class Piece(NamedTuple):
+    """One stretch of a motion: x, y (metres) and rotation (radians) as cubics of time."""
+
+    begin: float
+    end: float
+    x: Cubic
+    y: Cubic
+    rotation: Cubic
+
+    def cut(self, begin: float, end: float) -> Piece:
+        """The same motion between two instants within the piece."""
+        if begin == self.begin:
+            return self._replace(end=end)
+        u = begin - self.begin
+        return Piece(begin, end, shift(self.x, u), shift(self.y, u), shift(self.rotation, u))
+
+
+class State(NamedTuple):
+    """A body at an instant: x, y, rotation of each (metres, radians, seconds)."""
+
+    position: tuple[float, float, float]
+    velocity: tuple[float, float, float]
+    acceleration: tuple[float, float, float]
+
+    @property
+    def at(self) -> tuple[float, float]:
+        """The position on the floor: x, y."""
+        return self.position[:2]
+
+    @property
+    def speed(self) -> float:
+        """The speed over the floor, m/s."""
+        return math.hypot(self.velocity[0], self.velocity[1])
+
+
+@dataclass(frozen=True)
+class Motion:
+    """A function of continuous time: piecewise cubic, still before `start` and after `end`.
+
+    `pieces` follow each other without a gap in time. The position is continuous, except at the
+    instants in `jumps`, where the body was put elsewhere. `ValueError` if this does not hold.
+    """
+
+    pieces: tuple[Piece, ...]
+    jumps: frozenset[float] = frozenset()
+
+    def __post_init__(self) -> None:
+        if not self.pieces:
+            raise ValueError("a motion needs at least one piece")
+        for before, after in zip(self.pieces, self.pieces[1:], strict=False):
+            if before.end != after.begin:
+                raise ValueError(f"a motion has a gap from t = {before.end} s to {after.begin} s")
+            gap = _gap(before, after)
+            if gap > JUMP_TOLERANCE and after.begin not in self.jumps:
+                raise ValueError(f"a motion jumps by {gap:.6g} m at t = {after.begin} s")
+
+    @property
+    def start(self) -> float:
+        """The instant at which it begins, seconds."""
+        return self.pieces[0].begin
+
+    @property
+    def end(self) -> float:
+        """The instant from which on the body stands, seconds."""
+        return self.pieces[-1].end
+
+    def position(self, t: ArrayLike) -> Array:
+        """Where the body is at `t` (seconds): x, y in metres, (2,) or (N, 2)."""
+        return self._sample(t, derivative=0)[..., :2]
+
+    def velocity(self, t: ArrayLike) -> Array:
+        """The velocity at `t` (seconds): m/s, (2,) or (N, 2). At a change, the one after it."""
+        return self._sample(t, derivative=1)[..., :2]
+
+    def rotation(self, t: ArrayLike) -> Array:
+        """The rotation at `t` (seconds): radians, () or (N,); 0 along x, counterclockwise."""
+        return self._sample(t, derivative=0)[..., 2]
+
+    def state(self, t: float) -> State:
+        """Position, velocity and acceleration at the instant `t` (seconds)."""
+        piece = self.pieces[max(0, bisect_right(self._begins, t) - 1)]
+        u = min(max(t, piece.begin), piece.end) - piece.begin
+        axes = piece[2:]
+        moving = self.start <= t < self.end
+        x, y, r = (value(c, u) for c in axes)
+        if not moving:
+            return State((x, y, r), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+        vx, vy, vr = (c[1] + u * (2 * c[2] + u * 3 * c[3]) for c in axes)
+        ax, ay, ar = (2 * c[2] + 6 * u * c[3] for c in axes)
+        return State((x, y, r), (vx, vy, vr), (ax, ay, ar))
+
+    def cut(self, begin: float, end: float) -> Motion:
+        """What happens from `begin` to `end` (seconds, `begin` <= `end`) and nothing else."""
+        pieces = [
+            piece.cut(max(begin, piece.begin), min(end, piece.end))
+            for piece in self.pieces
+            if piece.begin < end and begin < piece.end
+        ]
+        if not pieces:
+            at = self.state(begin if begin > self.start else end).position
+            pieces = [still(at, begin, end)]
+        return Motion(tuple(pieces), self.jumps)
+
+    def pieces_from(self, t: float) -> tuple[Piece, ...]:
+        """The pieces that are not over at `t` (seconds)."""
+        return self.pieces[max(0, bisect_right(self._begins, t) - 1) :]
+
+    @cached_property
+    def _begins(self) -> list[float]:
+        return [piece.begin for piece in self.pieces]
+
+    @cached_property
+    def _tables(self) -> tuple[Array, Array, Array]:
+        """Begins (P,), durations (P,) and coefficients (P, 3, 4)."""
+        begins = np.array(self._begins)
+        durations = np.array([piece.end - piece.begin for piece in self.pieces])
+        coefficients = np.array([(p.x, p.y, p.rotation) for p in self.pieces])
+        return begins, durations, coefficients
+
+    def _sample(self, t: ArrayLike, derivative: int) -> Array:
+        times = np.asarray(t, dtype=np.float64)
+        begins, durations, table = self._tables
+        index = np.searchsorted(begins, times, side="right") - 1
+        index = np.maximum(index, 0)
+        u = np.clip(times - begins[index], 0.0, durations[index])[..., None]
+        c = table[index]
+        if derivative == 0:
+            return np.asarray(c[..., 0] + u * (c[..., 1] + u * (c[..., 2] + u * c[..., 3])))
+        moving = ((times >= self.start) & (times < self.end))[..., None]
+        return np.where(moving, c[..., 1] + u * (2 * c[..., 2] + u * 3 * c[..., 3]), 0.0)
+
+
+def standing(at: tuple[float, float], *, heading: float = 0.0, start: float = 0.0) -> Motion:
+    """Standing at `at` (x, y in metres), for ever."""
+    return Motion((still((*at, heading), start, start),))
+
+
+def still(at: tuple[float, float, float], begin: float, end: float) -> Piece:
+    """Standing at `at` (x, y, rotation) from `begin` to `end` (seconds)."""
+    x, y, rotation = (float(c) for c in at)
+    return Piece(begin, end, (x, 0.0, 0.0, 0.0), (y, 0.0, 0.0, 0.0), (rotation, 0.0, 0.0, 0.0))
+
+
+def join(motions: Iterable[Motion], *, end: float | None = None) -> Motion:
+    """Motions one after another as one: each until the next starts, the last until `end`.
+
+    In between the body stands; where a motion starts elsewhere than the one before ended, the
+    whole has a jump.
+    """
+    pieces: list[Piece] = []
+    jumps: set[float] = set()
+    for motion in motions:
+        if pieces:
+            _stand_until(pieces, motion.start)
+            if _gap(pieces[-1], motion.pieces[0]) > JUMP_TOLERANCE:
+                jumps.add(motion.start)
+        pieces += [piece for piece in motion.pieces if piece.end > piece.begin or not pieces]
+        jumps |= motion.jumps
+    if end is not None:
+        _stand_until(pieces, end)
+    return Motion(tuple(pieces), frozenset(jumps))
+
+
+def _stand_until(pieces: list[Piece], t: float) -> None:
+    """End `pieces` at `t`: leave out what comes later, stand where something is missing."""
+    while len(pieces) > 1 and pieces[-1].begin >= t:
+        pieces.pop()
+    last = pieces[-1]
+    if last.end > t:
+        pieces[-1] = last.cut(last.begin, t)
+    elif last.end < t:
+        u = last.end - last.begin
+        at = (value(last.x, u), value(last.y, u), value(last.rotation, u))
+        pieces.append(still(at, last.end, t))
+
+
+def _gap(before: Piece, after: Piece) -> float:
+    """The distance between the end of one piece and the beginning of the next (metres)."""
+    u = before.end - before.begin
+    return math.hypot(value(before.x, u) - after.x[0], value(before.y, u) - after.y[0])
+
+
+def value(c: Cubic, u: float) -> float:
+    """The cubic `c` at `u` seconds after its piece began."""
+    return c[0] + u * (c[1] + u * (c[2] + u * c[3]))
+
+
+def shift(c: Cubic, u: float) -> Cubic:
+    """The same cubic, counted from `u` seconds later."""
+    return (
+        value(c, u),
+        c[1] + u * (2 * c[2] + u * 3 * c[3]),
+        c[2] + u * 3 * c[3],
+        c[3],
+    )

@@ -1,0 +1,121 @@
+"""Time-optimal motion along axes with limits, by Ruckig, as cubics of time.
+
+Ruckig: L. Berscheid and T. Kröger, "Jerk-limited Real-time Trajectory Generation with
+Arbitrary Target States", Robotics: Science and Systems 2021.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import ruckig
+
+from .motion import Cubic, shift
+
+
+@dataclass(frozen=True)
+class AxisLimits:
+    """What one axis can do: m/s, m/s², m/s³ (or the same in radians). No jerk limit is inf."""
+
+    max_speed: float
+    max_acceleration: float
+    max_jerk: float = math.inf
+
+    def __post_init__(self) -> None:
+        for name in ("max_speed", "max_acceleration", "max_jerk"):
+            limit = getattr(self, name)
+            if not limit > 0:
+                raise ValueError(f"{name} must be more than 0, not {limit}")
+
+
+@dataclass(frozen=True)
+class AxisState:
+    """Where one axis is, and how it moves."""
+
+    position: float
+    velocity: float = 0.0
+    acceleration: float = 0.0
+
+
+Phases = list[tuple[float, Cubic]]
+"""The duration of each phase of one axis (seconds), and its cubic."""
+
+
+def to_position(
+    current: Sequence[AxisState], target: Sequence[AxisState], limits: Sequence[AxisLimits]
+) -> list[Phases]:
+    """The fastest way from `current` to `target`, all axes arriving together.
+
+    From rest to rest the axes keep in step (the body goes straight). `ValueError` if there is
+    no such way.
+    """
+    task = _task(current, limits)
+    task.target_position = [state.position for state in target]
+    task.target_velocity = [state.velocity for state in target]
+    task.target_acceleration = [state.acceleration for state in target]
+    task.synchronization = ruckig.Synchronization.Phase
+    return _solve(task)
+
+
+def to_rest(current: Sequence[AxisState], limits: Sequence[AxisLimits]) -> list[Phases]:
+    """The fastest way to a standstill, each axis on its own."""
+    task = _task(current, limits)
+    task.control_interface = ruckig.ControlInterface.Velocity
+    task.target_velocity = [0.0] * len(current)
+    task.target_acceleration = [0.0] * len(current)
+    task.synchronization = ruckig.Synchronization.No
+    return _solve(task)
+
+
+def _task(current: Sequence[AxisState], limits: Sequence[AxisLimits]) -> Any:
+    task = ruckig.InputParameter(len(current))
+    task.current_position = [state.position for state in current]
+    task.current_velocity = [state.velocity for state in current]
+    task.current_acceleration = [state.acceleration for state in current]
+    task.max_velocity = [axis.max_speed for axis in limits]
+    task.max_acceleration = [axis.max_acceleration for axis in limits]
+    task.max_jerk = [axis.max_jerk for axis in limits]
+    return task
+
+
+def _solve(task: Any) -> list[Phases]:
+    trajectory = ruckig.Trajectory(task.degrees_of_freedom)
+    try:
+        result = ruckig.Ruckig(task.degrees_of_freedom).calculate(task, trajectory)
+    except ruckig.RuckigError as why:
+        raise ValueError(f"no motion within these limits: {why}") from None
+    if result not in (ruckig.Result.Working, ruckig.Result.Finished):
+        raise ValueError(f"no motion within these limits ({result.name})")
+    return [
+        _phases(profile, state)
+        for profile, state in zip(trajectory.profiles[0], _states(task), strict=True)
+    ]
+
+
+def _states(task: Any) -> list[AxisState]:
+    return [
+        AxisState(p, v, a)
+        for p, v, a in zip(
+            task.current_position, task.current_velocity, task.current_acceleration, strict=True
+        )
+    ]
+
+
+def _phases(profile: Any, state: AxisState) -> Phases:
+    """One axis of Ruckig's answer: its braking phases, then its seven."""
+    phases: Phases = []
+    brake = profile.brake
+    cubic: Cubic = (state.position, state.velocity, state.acceleration / 2, 0.0)
+    steps = [*zip(brake.t, brake.a, brake.j, strict=True)]
+    steps += zip(profile.t, profile.a[:-1], profile.j, strict=True)
+    for duration, acceleration, jerk in steps:
+        if duration <= 0.0:
+            continue
+        # Without a jerk limit the acceleration jumps between phases; position and velocity don't.
+        cubic = (cubic[0], cubic[1], acceleration / 2, jerk / 6)
+        phases.append((duration, cubic))
+        cubic = shift(cubic, duration)
+    return phases or [(0.0, cubic)]

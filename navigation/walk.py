@@ -1,0 +1,202 @@
+"""People walking: along a path as fast as a person may, slower at corners."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .motion import Cubic, Motion, Piece, State, standing, value
+from .profiles import AxisLimits, AxisState, to_position
+
+MAX_SPEED = 1.0
+"""m/s. A person's top speed where nothing else is said."""
+
+MAX_ACCELERATION = 2.5
+"""m/s². A person's acceleration where nothing else is said."""
+
+CORNER_DEVIATION = 0.05
+"""Metres. How far a rounded corner may leave the path when its top speed is worked out."""
+
+_HAIR = 1e-6
+"""Speeds are planned with this share less of the acceleration, so that rounding can't make a
+profile infeasible."""
+
+Corner = tuple[float, float]
+
+
+def walk(
+    points: ArrayLike,
+    start: float = 0.0,
+    *,
+    max_speed: float = MAX_SPEED,
+    max_acceleration: float = MAX_ACCELERATION,
+    initial_speed: float = 0.0,
+) -> Motion:
+    """A walk along `points` ((N, 2), metres) that begins at `start` (seconds).
+
+    It sets out at `initial_speed` (m/s) along the path and ends at rest; its speed never exceeds
+    `max_speed` nor changes faster than `max_acceleration`, and at every corner it is at most
+    `corner_speed`. The rotation is the heading. `ValueError` if the points are not finite, or if
+    the path is too short to come to rest from `initial_speed`.
+    """
+    corners = _corners(points)
+    limits = AxisLimits(max_speed, max_acceleration)
+    if len(corners) == 1:
+        if initial_speed > 0:
+            raise ValueError("a path of no length is too short to come to rest on")
+        return standing(corners[0], start=start)
+    lengths = [math.dist(a, b) for a, b in itertools.pairwise(corners)]
+    speeds = _corner_speeds(corners, lengths, limits, initial_speed)
+    pieces: list[Piece] = []
+    t = start
+    for k, length in enumerate(lengths):
+        (phases,) = to_position(
+            [AxisState(0.0, speeds[k])], [AxisState(length, speeds[k + 1])], [limits]
+        )
+        (ax, ay), (bx, by) = corners[k], corners[k + 1]
+        cos, sin = (bx - ax) / length, (by - ay) / length
+        heading: Cubic = (math.atan2(by - ay, bx - ax), 0.0, 0.0, 0.0)
+        for duration, (s, v, a, j) in phases:
+            along_x: Cubic = (ax + s * cos, v * cos, a * cos, j * cos)
+            along_y: Cubic = (ay + s * sin, v * sin, a * sin, j * sin)
+            pieces.append(Piece(t, t + duration, along_x, along_y, heading))
+            t += duration
+    return Motion(tuple(pieces))
+
+
+def stop_walking(motion: Motion, t: float, *, max_acceleration: float = MAX_ACCELERATION) -> Motion:
+    """A walk broken off at `t` (seconds): it brakes at `max_acceleration` along its own path."""
+    state = motion.state(t)
+    if state.speed == 0.0:
+        x, y, heading = state.position
+        return standing((x, y), heading=heading, start=t)
+    braking = state.speed**2 / (2 * max_acceleration * (1 - _HAIR))
+    return walk(
+        _first(remaining_path(motion, t), braking),
+        t,
+        max_speed=max(state.speed, _HAIR),
+        max_acceleration=max_acceleration,
+        initial_speed=state.speed,
+    )
+
+
+def remaining_path(motion: Motion, t: float) -> list[Corner]:
+    """The corners of a walk that are still to come at `t`, after the place where it is then."""
+    ahead = [piece for piece in motion.pieces if piece.end > t]
+    corners = [motion.state(t).at]
+    corners += [
+        (value(piece.x, u), value(piece.y, u))
+        for piece in ahead
+        for u in (piece.end - piece.begin,)
+    ]
+    return _corners(corners)
+
+
+def corner_speed(
+    before: tuple[float, float],
+    corner: tuple[float, float],
+    after: tuple[float, float],
+    max_acceleration: float = MAX_ACCELERATION,
+) -> float:
+    """The speed (m/s) at which a person turns at `corner` on the way between two points.
+
+    The corner is taken as an arc that leaves it by at most `CORNER_DEVIATION` and is no longer
+    than half of each leg; on an arc of radius r, the speed is √(a r). This is the junction
+    deviation of machine tool controllers (S. K. Jeon, "Improving Grbl: Cornering Algorithm",
+    2011). Infinite where the path goes straight on, 0 where it turns back.
+    """
+    ux, uy = corner[0] - before[0], corner[1] - before[1]
+    wx, wy = after[0] - corner[0], after[1] - corner[1]
+    turn = abs(math.atan2(ux * wy - uy * wx, ux * wx + uy * wy))
+    if turn < 1e-9:
+        return math.inf
+    if turn > math.pi - 1e-9:
+        return 0.0
+    half = math.cos(turn / 2)
+    by_deviation = CORNER_DEVIATION * half / (1 - half)
+    by_length = min(math.hypot(ux, uy), math.hypot(wx, wy)) / 2 / math.tan(turn / 2)
+    return math.sqrt(max_acceleration * min(by_deviation, by_length))
+
+
+def can_go_on(state: State, towards: tuple[float, float], max_acceleration: float) -> bool:
+    """Whether somebody in `state` may turn towards a point without slowing down first."""
+    if state.speed == 0.0:
+        return True
+    x, y = state.at
+    before = (x - state.velocity[0], y - state.velocity[1])
+    return state.speed <= corner_speed(before, (x, y), towards, max_acceleration)
+
+
+def _corner_speeds(
+    corners: list[Corner], lengths: list[float], limits: AxisLimits, initial_speed: float
+) -> list[float]:
+    """The speed at every corner: as fast as its own limit and the acceleration allow."""
+    acceleration = limits.max_acceleration
+    speeds = [initial_speed]
+    for k in range(1, len(corners) - 1):
+        top = corner_speed(corners[k - 1], corners[k], corners[k + 1], acceleration)
+        speeds.append(min(top, limits.max_speed))
+    speeds.append(0.0)
+    gain = 2 * acceleration * (1 - _HAIR)
+    for k in range(len(lengths) - 1, -1, -1):
+        speeds[k] = min(speeds[k], math.sqrt(speeds[k + 1] ** 2 + gain * lengths[k]))
+    if speeds[0] < initial_speed * (1 - _HAIR):
+        raise ValueError(
+            f"the path is too short to slow down from {initial_speed:g} m/s"
+            f" at {acceleration:g} m/s²"
+        )
+    for k, length in enumerate(lengths):
+        speeds[k + 1] = min(speeds[k + 1], math.sqrt(speeds[k] ** 2 + gain * length))
+    return speeds
+
+
+def _corners(points: ArrayLike) -> list[Corner]:
+    """`points` without repetitions and without those on the straight line between others."""
+    array = np.asarray(points, dtype=np.float64)
+    if array.ndim != 2 or array.shape[1] != 2 or len(array) == 0:
+        raise ValueError(f"a path needs points of shape (N, 2), not {array.shape}")
+    if not np.isfinite(array).all():
+        raise ValueError("a path needs finite points")
+    corners: list[Corner] = []
+    for x, y in array.tolist():
+        if corners and math.dist(corners[-1], (x, y)) < 1e-9:
+            continue
+        if len(corners) > 1 and _straight(corners[-2], corners[-1], (x, y)):
+            corners.pop()
+        corners.append((x, y))
+    return corners
+
+
+def _straight(a: Corner, b: Corner, c: Corner) -> bool:
+    ux, uy, wx, wy = b[0] - a[0], b[1] - a[1], c[0] - b[0], c[1] - b[1]
+    return ux * wx + uy * wy > 0 and abs(ux * wy - uy * wx) < 1e-9 * math.hypot(wx, wy)
+
+
+def _first(corners: Sequence[Corner], length: float) -> list[Corner]:
+    """The first `length` metres of a path, or all of it."""
+    kept = [corners[0]]
+    for a, b in itertools.pairwise(corners):
+        leg = math.dist(a, b)
+        if leg >= length:
+            share = length / leg
+            kept.append((a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])))
+            break
+        kept.append(b)
+        length -= leg
+    return kept
+
+
+__all__ = [
+    "CORNER_DEVIATION",
+    "MAX_ACCELERATION",
+    "MAX_SPEED",
+    "can_go_on",
+    "corner_speed",
+    "remaining_path",
+    "stop_walking",
+    "walk",
+]
