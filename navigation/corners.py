@@ -1,0 +1,173 @@
+"""The corners that a disc has to go round, and the room that is left for its centre.
+
+Around a convex corner of an obstacle the centre of a disc follows an arc. Arcs are drawn as
+polylines that touch them from outside, in equal steps of a given angle: what is left over is
+always a little less than the true room, never more.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from shapely.geometry import Polygon
+
+Floats = NDArray[np.float64]
+
+_STRAIGHT = 1e-9
+"""Radians. Corners that turn less than this are none."""
+
+
+@dataclass(frozen=True)
+class Corners:
+    """K arcs to go round clockwise.
+
+    Each has a centre (K, 2), a radius of its own in metres (0 at the corner of a polygon), the
+    angle at which its arc begins, and the angle of the arc (radians, clockwise, more than 0).
+    """
+
+    centre: Floats
+    radius: Floats
+    begin: Floats
+    turn: Floats
+
+
+@dataclass(frozen=True)
+class Bends:
+    """The N places where a polyline around grown corners bends.
+
+    `point` (N, 2) metres; `before` and `after` (N, 2) are the unit directions of the way that
+    goes round the corner clockwise, on either side of the bend; `reach` (N,) is how far from the
+    bend (metres) that way touches the arc.
+    """
+
+    point: Floats
+    before: Floats
+    after: Floats
+    reach: Floats
+
+    def __len__(self) -> int:
+        return len(self.point)
+
+    def take(self, keep: NDArray[np.bool_]) -> Bends:
+        """Those of the bends that are marked in `keep` (N,)."""
+        return Bends(self.point[keep], self.before[keep], self.after[keep], self.reach[keep])
+
+    def graze(self, along: Floats) -> NDArray[np.bool_]:
+        """Whether straight ways along `along` (…, N, 2; metres) only graze the corner at the bend.
+
+        A shortest way bends only where it grazes; all others would enter the grown corner.
+        """
+        slack = 1e-9 * (1 + np.abs(along[..., 0]) + np.abs(along[..., 1]))
+        entering = _cross(self.before, along)
+        leaving = _cross(self.after, along)
+        clockwise = (entering <= slack) & (leaving >= -slack)
+        return clockwise | ((entering >= -slack) & (leaving <= slack))
+
+
+def _cross(a: Floats, b: Floats) -> Floats:
+    product: Floats = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
+    return product
+
+
+def edges_of_room(room: shapely.Geometry) -> list[Floats]:
+    """The closed rings ((n + 1, 2), metres) around free `room`: it lies on their left."""
+    return _rings(shapely.orient_polygons(room))
+
+
+def edges_of_solid(solid: shapely.Geometry) -> list[Floats]:
+    """The closed rings ((n + 1, 2), metres) around a `solid` thing: the room is on their left."""
+    return _rings(shapely.orient_polygons(solid, exterior_cw=True))
+
+
+def corners(edges: list[Floats]) -> Corners:
+    """The corners at which solid things stick out into the room on the left of `edges`."""
+    found = [_ring_corners(ring) for ring in edges]
+    centre = np.concatenate([np.empty((0, 2)), *(c for c, _, _ in found)])
+    begin = np.concatenate([np.empty(0), *(b for _, b, _ in found)])
+    turn = np.concatenate([np.empty(0), *(t for _, _, t in found)])
+    return Corners(centre, np.zeros(len(centre)), begin, turn)
+
+
+def round_corner(centre: tuple[float, float], radius: float) -> Corners:
+    """A disc as one corner, to be gone round in a full circle."""
+    return Corners(
+        np.array([centre]), np.array([radius]), np.array([math.pi]), np.array([2 * math.pi])
+    )
+
+
+def bends(around: Corners, radius: float, step: float) -> Bends:
+    """Where a disc of `radius` metres bends its way around corners, by `step` radians at most."""
+    count = np.maximum(np.ceil(around.turn / step - 1e-9), 1).astype(int)
+    of = np.repeat(np.arange(len(count)), count)
+    place = np.arange(len(of)) - np.repeat(np.cumsum(count) - count, count)
+    share = around.turn[of] / count[of]
+    out = (radius + around.radius[of]) / np.cos(share / 2)
+    middle = around.begin[of] - (place + 0.5) * share
+    point = around.centre[of] + out[:, None] * _unit(middle)
+    reach = out * np.sin(share / 2)
+    return Bends(point, _clockwise(middle + share / 2), _clockwise(middle - share / 2), reach)
+
+
+def grown(edges: list[Floats], radius: float, step: float) -> shapely.Geometry:
+    """The room on the left of `edges` that is closer to them than `radius` metres."""
+    strips = [_strips(ring, radius) for ring in edges]
+    sectors = _sectors(corners(edges), radius, step)
+    return shapely.union_all(np.concatenate([*strips, sectors]))
+
+
+def around_disc(centre: tuple[float, float], radius: float, step: float) -> Polygon:
+    """The regular polygon around a disc, its sides seen from the centre under `step` or less."""
+    return Polygon(bends(round_corner(centre, radius), 0.0, step).point)
+
+
+def _rings(polygons: shapely.Geometry) -> list[Floats]:
+    rings = []
+    for polygon in shapely.get_parts(polygons):
+        for ring in (polygon.exterior, *polygon.interiors):
+            points = shapely.get_coordinates(ring)
+            fresh = np.append(True, (np.diff(points, axis=0) != 0).any(axis=1))
+            rings.append(points[fresh])
+    return rings
+
+
+def _ring_corners(ring: Floats) -> tuple[Floats, Floats, Floats]:
+    along = np.diff(ring, axis=0)
+    heading = np.arctan2(along[:, 1], along[:, 0])
+    # The corner at ring[k] lies between the sides k - 1 and k.
+    arriving, leaving = np.roll(heading, 1), heading
+    turn = (arriving - leaving + math.pi) % (2 * math.pi) - math.pi
+    bent = turn > _STRAIGHT
+    return ring[:-1][bent], arriving[bent] + math.pi / 2, turn[bent]
+
+
+def _strips(ring: Floats, radius: float) -> NDArray[np.object_]:
+    along = np.diff(ring, axis=0)
+    left = np.column_stack([-along[:, 1], along[:, 0]])
+    left *= radius / np.hypot(along[:, 0], along[:, 1])[:, None]
+    a, b = ring[:-1], ring[1:]
+    strips: NDArray[np.object_] = shapely.polygons(np.stack([a, b, b + left, a + left], axis=1))
+    return strips
+
+
+def _sectors(around: Corners, radius: float, step: float) -> NDArray[np.object_]:
+    sectors = []
+    for centre, begin, turn in zip(around.centre, around.begin, around.turn, strict=True):
+        one = Corners(centre[None], np.zeros(1), np.array([begin]), np.array([turn]))
+        first = centre + radius * _unit(np.array([begin]))
+        last = centre + radius * _unit(np.array([begin - turn]))
+        arc = bends(one, radius, step).point
+        sectors.append(Polygon(np.concatenate([centre[None], first, arc, last])))
+    return np.array(sectors, dtype=object)
+
+
+def _unit(angle: Floats) -> Floats:
+    return np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+
+
+def _clockwise(normal: Floats) -> Floats:
+    """The direction in which one goes round clockwise where the normal has the angle `normal`."""
+    return np.stack([np.sin(normal), -np.cos(normal)], axis=-1)

@@ -1,0 +1,70 @@
+"""Where the centre of a disc can be, and which places it can reach from which."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import shapely
+
+from floorplan import Point
+
+from .bodies import Body, Disc
+from .corners import around_disc, edges_of_room, edges_of_solid, grown
+
+STEP = math.radians(3.0)
+"""Radians. How finely arcs are drawn here: at most 0.04 % of the radius is lost."""
+
+_EDGE = 1e-3
+"""Metres. How far outside a piece a place may be that counts as on its edge."""
+
+
+class FreeSpace:
+    """The places that are at least a radius from everything, in pieces that hang together.
+
+    Two places can be reached from each other if, and only if, they are in one piece.
+    """
+
+    def __init__(self, room: shapely.Geometry) -> None:
+        parts = shapely.get_parts(room)
+        self.pieces = parts[shapely.get_dimensions(parts) == 2]
+        """The pieces, as an array of polygons."""
+        shapely.prepare(self.pieces)
+
+    def piece_of(self, point: Point) -> int | None:
+        """The index of the piece that `point` is in, or within a millimetre of."""
+        inside = np.flatnonzero(shapely.intersects_xy(self.pieces, *point))
+        if len(inside):
+            return int(inside[0])
+        gaps = shapely.distance(self.pieces, shapely.Point(point))
+        return int(np.argmin(gaps)) if len(gaps) and gaps.min() < _EDGE else None
+
+    def nearest(self, point: Point) -> Point | None:
+        """The place nearest to `point`, or None where there is none at all."""
+        at = shapely.Point(point)
+        if not len(self.pieces):
+            return None
+        gaps = shapely.distance(self.pieces, at)
+        closest = self.pieces[int(np.argmin(gaps))]
+        if gaps.min() == 0:
+            return (float(point[0]), float(point[1]))
+        found = shapely.get_coordinates(shapely.shortest_line(closest, at))[0]
+        return (float(found[0]), float(found[1]))
+
+
+def shrunk(room: shapely.Geometry, radius: float) -> shapely.Geometry:
+    """The part of `room` that is at least `radius` metres from its edges."""
+    return room.difference(grown(edges_of_room(room), radius, STEP))
+
+
+def without(room: shapely.Geometry, bodies: Sequence[Body], radius: float) -> shapely.Geometry:
+    """The part of `room` that is at least `radius` metres from all `bodies`."""
+    return room.difference(shapely.union_all([_grown_body(body, radius) for body in bodies]))
+
+
+def _grown_body(body: Body, radius: float) -> shapely.Geometry:
+    """What `body` keeps the centre of a disc of `radius` metres out of."""
+    if isinstance(body.shape, Disc):
+        return around_disc(body.shape.centre, body.shape.radius + radius, STEP)
+    return body.shape.union(grown(edges_of_solid(body.shape), radius, STEP))

@@ -1,0 +1,47 @@
+"""A way that was found, or the reason why there is none."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+Reason = Literal["start_blocked", "goal_blocked", "unreachable", "not_found"]
+
+
+@dataclass(frozen=True, eq=False)
+class Path:
+    """A polyline on the floor that a disc can follow without touching anything."""
+
+    points: NDArray[np.float64]
+    """(N, 2) metres, the start first and the goal last, exactly as they were given."""
+    clearance: float
+    """Metres from the polyline to the nearest thing anywhere along it."""
+    planner: str
+    """The name of the planner that found it."""
+    checks: int
+    """How many collision queries it took."""
+
+    @property
+    def length(self) -> float:
+        """Metres."""
+        return float(np.hypot(*np.diff(self.points, axis=0).T).sum())
+
+
+class PlanningError(Exception):
+    """Why there is no path.
+
+    `reason` is "start_blocked" or "goal_blocked" if there is no room to stand there,
+    "unreachable" if it is proved that no way leads from one to the other, and "not_found" if a
+    planner spent its budget of samples without finding one that may well exist.
+    """
+
+    def __init__(self, reason: Reason, message: str) -> None:
+        super().__init__(reason, message)
+        self.reason: Reason = reason
+        self.message = message
+
+    def __str__(self) -> str:
+        return self.message

@@ -1,0 +1,153 @@
+"""From a start to a goal: the question as people ask it, and what stands behind the answer."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Collection, Mapping
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from floorplan import Point
+
+from .bodies import Body
+from .freespace import STEP
+from .obstruction import blocked_place, cut_off
+from .path import Path, PlanningError, Reason
+from .roadmap import HAIR, Roadmap
+from .world import CollisionWorld
+
+ROADMAP = "Roadmap"
+"""The name of the default planner."""
+
+COARSE = math.radians(15.0)
+"""Radians. The bends of the network that is asked first."""
+
+TOO_CLOSE = 1e-3
+"""Metres. How much too close to something a person may stand who sets out all the same."""
+
+_SLACK = HAIR / 2
+"""Metres. What is asked of a way beyond the radius, so that rounding can't take it away."""
+
+
+class PathPlanner:
+    """Finds ways through a `CollisionWorld` for a disc of `radius` metres.
+
+    The world is read as it is when a way is asked for. `ignore` names bodies in it that don't
+    count: the person for whom the planner plans, above all.
+    """
+
+    def __init__(
+        self, world: CollisionWorld, radius: float | None = None, ignore: Collection[str] = ()
+    ) -> None:
+        self.world = world
+        self.radius = world.plan.human.radius if radius is None else float(radius)
+        if not 0 < self.radius < math.inf:
+            raise ValueError(f"a radius must be positive and finite, found {self.radius:g}")
+        self.ignore = frozenset(ignore)
+        self._roadmaps: dict[float, Roadmap] = {}
+
+    def plan(
+        self,
+        start: ArrayLike,
+        goal: ArrayLike,
+        *,
+        planner: str = ROADMAP,
+        parameters: Mapping[str, object] | None = None,
+        seed: int = 0,
+    ) -> Path:
+        """A way from `start` to `goal` (x, y in metres) that keeps the radius from everything.
+
+        The default planner's ways are the shortest there are, to within 0.6 % of the arcs around
+        corners. Others are OMPL's, by name (see `planners`), with OMPL's `parameters` by name;
+        the same `seed` gives the same way. `PlanningError` says why there is none; `ValueError`
+        if a place, the planner or a parameter makes no sense.
+        """
+        a, b = _place(start, "start"), _place(goal, "goal")
+        before = self.world.checks
+        leave = self._footing(a, "start", TOO_CLOSE)
+        arrive = self._footing(b, "goal", 0.0)
+        if planner == ROADMAP:
+            if parameters:
+                raise ValueError(f"{ROADMAP} has no parameters, found {', '.join(parameters)}")
+            way = self._shortest(leave, arrive)
+        else:
+            raise ValueError(f"no planner is called {planner!r}")
+        if leave != a:
+            way.insert(0, a)
+        if arrive != b:
+            way.append(b)
+        points = np.array(way if len(way) > 1 else [a, b], dtype=float)
+        clearance = self.world.clearance(points, self.ignore)
+        return Path(points, clearance, planner, self.world.checks - before)
+
+    def roadmap(self, step: float = COARSE) -> Roadmap:
+        """The network of ways between the fixed things, worked out when it is first needed."""
+        known = self._roadmaps.get(step)
+        if known is None:
+            known = self._roadmaps[step] = Roadmap(self.world.floor, self.radius, step)
+        return known
+
+    def _shortest(self, start: Point, goal: Point) -> list[Point]:
+        if self.world.segment_free(start, goal, self.radius + _SLACK, self.ignore):
+            return [start, goal]
+        for step in (COARSE, STEP):
+            way = self._around_bodies(self.roadmap(step), start, goal)
+            if way is not None:
+                return way
+            reason = cut_off(self.world, start, goal, self.radius + HAIR, self.ignore)
+            if reason:
+                raise PlanningError("unreachable", reason)
+        raise PlanningError("not_found", "no way was found, though there should be one")
+
+    def _around_bodies(self, roadmap: Roadmap, start: Point, goal: Point) -> list[Point] | None:
+        """The shortest way on `roadmap`; only bodies that stand in the way are looked at.
+
+        A shortest way round some of the bodies that is clear of all others is the shortest way
+        round all.
+        """
+        keep = self.radius + _SLACK
+        met: list[Body] = []
+
+        def hit(a: Point, b: Point) -> bool:
+            return any(body in met for body in self.world.hits(a, b, keep, self.ignore))
+
+        while True:
+            way = roadmap.shortest(start, goal, met, hit)
+            if way is None:
+                return None
+            fresh = [
+                body
+                for a, b in itertools.pairwise(way)
+                for body in self.world.hits(a, b, keep, self.ignore)
+                if body not in met
+            ]
+            if not fresh:
+                return way
+            met += dict.fromkeys(fresh)
+
+    def _footing(self, place: Point, end: str, tolerance: float) -> Point:
+        """`place` itself, or where to go first from there if it is a hair too close to something.
+
+        `PlanningError` if it is more than `tolerance` metres too close.
+        """
+        world, ignore = self.world, self.ignore
+        if world.free(place, self.radius + _SLACK, ignore):
+            return place
+        reason: Reason = "start_blocked" if end == "start" else "goal_blocked"
+        gap = world.distance(place, ignore)
+        if gap < self.radius - max(tolerance, 1e-9):
+            raise PlanningError(reason, blocked_place(world, place, end, self.radius, ignore))
+        footing = world.nearest_free(place, self.radius + HAIR, ignore)
+        # From the edge of what is allowed, room is at most a few of these measures away.
+        if footing is None or math.dist(place, footing) > 10 * TOO_CLOSE:
+            raise PlanningError(reason, blocked_place(world, place, end, self.radius, ignore))
+        return footing
+
+
+def _place(at: ArrayLike, end: str) -> Point:
+    found = np.asarray(at, dtype=float)
+    if found.shape != (2,) or not np.isfinite(found).all():
+        raise ValueError(f"the {end} must be a finite x and y, found {at!r}")
+    return (float(found[0]), float(found[1]))

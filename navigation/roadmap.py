@@ -1,0 +1,290 @@
+"""Shortest ways for a disc: a network of straight links between the bends around grown corners.
+
+A shortest way among obstacles is taut: straight from corner to corner, and it only grazes those it
+turns at. Grown by the disc's radius, corners are arcs, drawn here as short bends, so the network
+of all free links that graze at both ends holds a shortest way between any two places, but for what
+the bends are longer than the arcs (0.6 % of the arcs at steps of 15°).
+
+See T. Lozano-Pérez and M. A. Wesley, "An algorithm for planning collision-free paths among
+polyhedral obstacles", Communications of the ACM 22 (1979).
+"""
+
+from __future__ import annotations
+
+import heapq
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from floorplan import Point
+
+from .bodies import Body
+from .corners import Bends, Floats, bends, corners, edges_of_room
+
+HAIR = 1e-4
+"""Metres. How much more than its radius a disc keeps from everything where a way bends."""
+
+MOST_DISTANCES = 800
+"""The distances between all bends are worked out beforehand up to this many."""
+
+_ROWS = 256
+"""How many bends are compared with all the others at a time."""
+
+Indices = NDArray[np.intp]
+
+
+@dataclass(frozen=True, eq=False)
+class BodyBends:
+    """The bends around one body, and their links to those of the floor."""
+
+    body: Body
+    bends: Bends
+    links: list[list[tuple[int, float]]]
+
+
+class Roadmap:
+    """The network of a floor for discs of one radius (metres), bends at most `step` radians.
+
+    The floor alone makes the network. Bodies are given with each question, and cost only where
+    they stand in the way.
+    """
+
+    def __init__(self, floor: shapely.Geometry, radius: float, step: float) -> None:
+        self.radius = radius
+        self.step = step
+        self._floor = floor
+        self._edges = floor.boundary
+        shapely.prepare(self._floor)
+        shapely.prepare(self._edges)
+        self.bends = self._standing(bends(corners(edges_of_room(floor)), radius + HAIR, step))
+        self.links = self._network()
+        self._between = _all_distances(self.links) if len(self.bends) <= MOST_DISTANCES else None
+        self._bodies: dict[str, BodyBends] = {}
+
+    def shortest(
+        self,
+        start: Point,
+        goal: Point,
+        bodies: Sequence[Body],
+        hit: Callable[[Point, Point], bool],
+    ) -> list[Point] | None:
+        """The shortest way round the floor's obstacles and `bodies`, or None where there is none.
+
+        `hit(a, b)` tells whether a straight link that is free of the floor's obstacles runs into
+        a body.
+        """
+        return _Search(self, start, goal, [self._around(body) for body in bodies], hit).run()
+
+    def visible(self, a: Floats, b: Floats) -> NDArray[np.bool_]:
+        """Whether the disc can go straight from a to b (N, 2) as far as the floor is concerned."""
+        lines = shapely.linestrings(np.stack([a, b], axis=1))
+        near: NDArray[np.bool_] = shapely.dwithin(self._edges, lines, self.radius + HAIR / 2)
+        return ~near
+
+    def links_from(self, places: Floats) -> list[tuple[Indices, Floats]]:
+        """The bends that each of `places` (N, 2) sees and could pass on from, and how far (m)."""
+        along = self.bends.point[None] - places[:, None]
+        length = np.hypot(along[..., 0], along[..., 1])
+        # From between the arc and the bends drawn around it, a bend is seen but not grazed.
+        candidates = self.bends.graze(along) | (length <= self.bends.reach * 1.01)
+        of, to = np.nonzero(candidates)
+        seen = self.visible(places[of], self.bends.point[to])
+        of, to = of[seen], to[seen]
+        return [(to[of == k], length[k, to[of == k]]) for k in range(len(places))]
+
+    def distances_to(self, goal: Point, links: tuple[Indices, Floats]) -> Floats:
+        """No more than the way (metres) from each bend to `goal`, which has these `links`."""
+        to, length = links
+        if self._between is None:
+            away = self.bends.point - np.array(goal)
+            straight: Floats = np.hypot(away[:, 0], away[:, 1])
+            return straight
+        if not len(to):
+            return np.full(len(self.bends), math.inf)
+        nearest: Floats = (self._between[:, to] + length).min(axis=1)
+        return nearest
+
+    def _standing(self, places: Bends) -> Bends:
+        """Those bends that are clear of the floor's edges."""
+        inside = shapely.contains_xy(self._floor, places.point)
+        clear = ~shapely.dwithin(self._edges, shapely.points(places.point), self.radius + HAIR / 2)
+        return places.take(inside & clear)
+
+    def _network(self) -> list[list[tuple[int, float]]]:
+        place = self.bends.point
+        links: list[list[tuple[int, float]]] = [[] for _ in place]
+        for first in range(0, len(place), _ROWS):
+            rows = slice(first, first + _ROWS)
+            along = place[None] - place[rows, None]
+            there = self.bends.graze(along)
+            part = self.bends.take(np.arange(len(place)) // _ROWS == first // _ROWS)
+            here = part.graze(along.swapaxes(0, 1)).T
+            one, other = np.nonzero(there & here)
+            one += first
+            one, other = one[one < other], other[one < other]
+            seen = self.visible(place[one], place[other])
+            for i, j in zip(one[seen].tolist(), other[seen].tolist(), strict=True):
+                length = math.dist(place[i], place[j])
+                links[i].append((j, length))
+                links[j].append((i, length))
+        return links
+
+    def _around(self, body: Body) -> BodyBends:
+        known = self._bodies.get(body.name)
+        if known is not None and known.body is body:
+            return known
+        around = self._standing(bends(body.corners, self.radius + HAIR, self.step))
+        along = self.bends.point[None] - around.point[:, None]
+        candidates = self.bends.graze(along) & around.graze(along.swapaxes(0, 1)).T
+        of, to = np.nonzero(candidates)
+        seen = self.visible(around.point[of], self.bends.point[to])
+        links: list[list[tuple[int, float]]] = [[] for _ in around.point]
+        for i, j in zip(of[seen].tolist(), to[seen].tolist(), strict=True):
+            links[i].append((j, math.hypot(*along[i, j])))
+        fresh = BodyBends(body, around, links)
+        self._bodies[body.name] = fresh
+        return fresh
+
+
+class _Search:
+    """One A* search. Links are checked against bodies only when the search takes them.
+
+    The floor's bends have the numbers below N; those of bodies, then the start and the goal
+    follow.
+    """
+
+    def __init__(
+        self,
+        roadmap: Roadmap,
+        start: Point,
+        goal: Point,
+        around: Sequence[BodyBends],
+        hit: Callable[[Point, Point], bool],
+    ) -> None:
+        self._hit = hit
+        self._fixed = len(roadmap.bends)
+        more = [part.bends for part in around]
+        ends = np.array([start, goal], dtype=float)
+        extra = np.concatenate([*(part.point for part in more), ends])
+        self._start = self._fixed + len(extra) - 2
+        self._goal = self._start + 1
+        self._floor_links = roadmap.links
+        self._links: list[list[tuple[int, float]]] = [[] for _ in extra]
+        self._points = roadmap.bends.point
+        self._extra = [(float(x), float(y)) for x, y in extra]
+        self._link_ends(roadmap, goal, ends)
+        self._back: dict[int, list[tuple[int, float]]] = {}
+        if more:
+            self._link_bodies(roadmap, around, extra)
+
+    def _link_ends(self, roadmap: Roadmap, goal: Point, ends: Floats) -> None:
+        from_start, to_goal = roadmap.links_from(ends)
+        self._links[-2] = list(zip(*(part.tolist() for part in from_start), strict=True))
+        self._to_goal = dict(zip(*(part.tolist() for part in to_goal), strict=True))
+        self._left = roadmap.distances_to(goal, to_goal).tolist()
+        away = np.array(self._extra) - np.array(goal)
+        self._left += np.hypot(away[:, 0], away[:, 1]).tolist()
+
+    def _link_bodies(self, roadmap: Roadmap, around: Sequence[BodyBends], extra: Floats) -> None:
+        parts = [part.bends for part in around]
+        loose = Bends(
+            np.concatenate([part.point for part in parts]),
+            np.concatenate([part.before for part in parts]),
+            np.concatenate([part.after for part in parts]),
+            np.concatenate([part.reach for part in parts]),
+        )
+        along = loose.point[None] - extra[:, None]
+        length = np.hypot(along[..., 0], along[..., 1])
+        there = loose.graze(along)
+        here = np.ones_like(there)
+        here[:-2] = loose.graze(along[:-2].swapaxes(0, 1)).T
+        there[-2:] |= length[-2:] <= loose.reach * 1.01
+        one, other = np.nonzero(there & here & (length > 0))
+        seen = roadmap.visible(extra[one], loose.point[other])
+        for i, j in zip(one[seen].tolist(), other[seen].tolist(), strict=True):
+            k = self._fixed + j
+            if i == len(extra) - 1:
+                self._to_goal[k] = length[i, j]
+            else:
+                self._links[i].append((k, length[i, j]))
+        k = self._fixed
+        for part in around:
+            for links in part.links:
+                self._links[k - self._fixed].extend(links)
+                for to, far in links:
+                    self._back.setdefault(to, []).append((k, far))
+                k += 1
+
+    def run(self) -> list[Point] | None:
+        """The points of the shortest way, or None."""
+        best = {self._start: 0.0}
+        before: dict[int, int] = {}
+        left = self._left
+        queue: list[tuple[float, float, int, int]] = []
+        self._expand(self._start, 0.0, best, queue)
+        while queue:
+            _, so_far, here, there = heapq.heappop(queue)
+            if so_far >= best.get(there, math.inf):
+                continue
+            if self._hit(self._point(here), self._point(there)):
+                continue
+            best[there] = so_far
+            before[there] = here
+            if there == self._goal:
+                return self._trace(before)
+            if left[there] < math.inf:
+                self._expand(there, so_far, best, queue)
+        return None
+
+    def _expand(
+        self,
+        here: int,
+        so_far: float,
+        best: dict[int, float],
+        queue: list[tuple[float, float, int, int]],
+    ) -> None:
+        left = self._left
+        for there, length in self._links_of(here):
+            then = so_far + length
+            if then < best.get(there, math.inf):
+                heapq.heappush(queue, (then + left[there], then, here, there))
+        if here in self._to_goal:
+            then = so_far + self._to_goal[here]
+            heapq.heappush(queue, (then, then, here, self._goal))
+
+    def _links_of(self, here: int) -> list[tuple[int, float]]:
+        if here >= self._fixed:
+            return self._links[here - self._fixed]
+        if here in self._back:
+            return self._floor_links[here] + self._back[here]
+        return self._floor_links[here]
+
+    def _point(self, index: int) -> Point:
+        if index >= self._fixed:
+            return self._extra[index - self._fixed]
+        x, y = self._points[index].tolist()
+        return (x, y)
+
+    def _trace(self, before: dict[int, int]) -> list[Point]:
+        index = self._goal
+        way = [self._point(index)]
+        while index != self._start:
+            index = before[index]
+            way.append(self._point(index))
+        return way[::-1]
+
+
+def _all_distances(links: list[list[tuple[int, float]]]) -> Floats:
+    """The shortest distances in the network by Floyd and Warshall's algorithm, (N, N) metres."""
+    far = np.full((len(links), len(links)), math.inf)
+    np.fill_diagonal(far, 0.0)
+    for here, to in enumerate(links):
+        for there, length in to:
+            far[here, there] = length
+    for k in range(len(links)):
+        np.minimum(far, far[:, k, None] + far[k], out=far)
+    return far

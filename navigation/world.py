@@ -1,0 +1,242 @@
+"""What a person on a floor would bump into, right now."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterator
+
+import numpy as np
+import shapely
+from numpy.typing import ArrayLike
+from shapely.geometry import Polygon
+
+from floorplan import Floorplan, Lane, Point
+
+from . import shapes
+from .bodies import Body, Disc
+from .freespace import FreeSpace, shrunk, without
+
+_AROUND = 10.0
+"""Metres. How thick the solid rim around a floor is drawn."""
+
+
+class CollisionWorld:
+    """A floorplan as a world of solid things, with AGVs and other bodies where they are now.
+
+    `bottom` and `top` (metres) are the heights of interest, a person's by default: what stands
+    lower or hangs higher is no obstacle. AGVs stand at the start of their lanes until
+    they are moved. All queries are about discs on the floor, in metres, and are answered by FCL;
+    a disc is swept as one shape.
+    """
+
+    def __init__(self, plan: Floorplan, *, bottom: float = 0.0, top: float | None = None) -> None:
+        self.plan = plan
+        self.bottom = bottom
+        self.top = plan.human.height if top is None else top
+        if not self.bottom < self.top:
+            raise ValueError(f"heights must rise, found {self.bottom:g} … {self.top:g}")
+        self.floor = plan.free(self.bottom, self.top)
+        """The room between the things that never move: a polygon or several."""
+        self.edges = self.floor.boundary
+        self._bounds: tuple[float, float, float, float] = plan.boundary.bounds
+        shapely.prepare(self.floor)
+        shapely.prepare(self.edges)
+        rim = shapely.box(*self._bounds).buffer(_AROUND, join_style="mitre")
+        self._solid = shapes.region(rim.difference(self.floor))
+        self._bodies: dict[str, Body] = {}
+        self._agvs: dict[str, float] = {}
+        self.checks = 0
+        """Collision queries answered so far."""
+        self.changes = 0
+        """How often a body came, moved or went."""
+        self._rooms: dict[float, shapely.Geometry] = {}
+        self._free_space: dict[float, tuple[tuple[Body, ...], FreeSpace]] = {}
+        for lane in plan.lanes:
+            self.move_agv(lane.name, lane.start)
+
+    # Bodies
+
+    def move_agv(self, name: str, to: float | str) -> None:
+        """Put AGV `name` at lane position `to` (metres), or at a location of that name.
+
+        `KeyError` for an unknown AGV or location, `ValueError` for a position off the lane.
+        """
+        lane = self.plan.lane(name)
+        q = _lane_position(lane, to)
+        if self._agvs.get(name) == q:
+            return
+        self._agvs[name] = q
+        self._put(name, lane.footprint(q), 0.0, lane.height)
+
+    def agv_position(self, name: str) -> float:
+        """The lane position of AGV `name` (metres)."""
+        self.plan.lane(name)
+        return self._agvs[name]
+
+    def place(
+        self, name: str, shape: Polygon | Disc, bottom: float = 0.0, top: float | None = None
+    ) -> None:
+        """Put a body on the floor, or move the one of this name there.
+
+        `bottom` and `top` are its heights in metres, the whole range of interest by default.
+        `ValueError` if the floorplan has something of that name, or the shape is unfit.
+        """
+        fixed = {"boundary", *(o.name for o in self.plan.obstacles), *self._agvs}
+        if name in fixed:
+            raise ValueError(f"{name!r} belongs to the floorplan; choose another name for a body")
+        self._put(name, shape, bottom, self.top if top is None else top)
+
+    def remove(self, name: str) -> None:
+        """Take a placed body away; `KeyError` if there is none of this name."""
+        if name in self._agvs or name not in self._bodies:
+            placed = ", ".join(n for n in self._bodies if n not in self._agvs) or "none"
+            raise KeyError(f"no placed body is called {name!r} (there are: {placed})")
+        del self._bodies[name]
+        self.changes += 1
+
+    @property
+    def bodies(self) -> tuple[Body, ...]:
+        """The bodies that are there now, within the heights of interest."""
+        return tuple(self._bodies.values())
+
+    def _put(self, name: str, shape: Polygon | Disc, bottom: float, top: float) -> None:
+        body = Body.of(name, shape)
+        if bottom < self.top and self.bottom < top:
+            self._bodies[name] = body
+        else:
+            self._bodies.pop(name, None)
+        self.changes += 1
+
+    # The room there is
+
+    @property
+    def walkable(self) -> shapely.Geometry:
+        """The floor minus everything that stands on it now (shapely, metres), not shrunk."""
+        return self.walkable_but(())
+
+    def walkable_but(self, ignore: Collection[str]) -> shapely.Geometry:
+        """What would be walkable without the bodies named in `ignore`."""
+        return self.floor.difference(
+            shapely.union_all([body.footprint for body in self._around(ignore)])
+        )
+
+    def free_space(self, radius: float, ignore: Collection[str] = ()) -> FreeSpace:
+        """Where the centre of a disc of `radius` metres can be now, and how that hangs together."""
+        there = tuple(self._around(ignore))
+        known = self._free_space.get(radius)
+        if known is not None and known[0] == there:
+            return known[1]
+        room = self._rooms.get(radius)
+        if room is None:
+            room = self._rooms[radius] = shrunk(self.floor, radius)
+        fresh = FreeSpace(without(room, there, radius))
+        self._free_space[radius] = (there, fresh)
+        return fresh
+
+    # Queries
+
+    def free(self, point: Point, radius: float, ignore: Collection[str] = ()) -> bool:
+        """Whether a disc of `radius` metres around `point` touches nothing."""
+        return self._free(point, point, radius, ignore)
+
+    def segment_free(self, a: Point, b: Point, radius: float, ignore: Collection[str] = ()) -> bool:
+        """Whether a disc of `radius` metres touches nothing on its straight way from a to b."""
+        return self._free(a, b, radius, ignore)
+
+    def distance(self, point: Point, ignore: Collection[str] = ()) -> float:
+        """Metres from `point` to the nearest thing or the boundary; 0 inside or outside."""
+        self.checks += 1
+        if not self._within(point, 0.0):
+            return 0.0
+        least = shapes.distance(point, self._solid)
+        return min([least, *(body.distance(point) for body in self._around(ignore))])
+
+    def clearance(self, points: ArrayLike, ignore: Collection[str] = ()) -> float:
+        """The least distance (metres) anywhere along the polyline `points` ((N, 2), metres)."""
+        self.checks += 1
+        along = np.asarray(points, dtype=float)
+        line = shapely.linestrings(along) if len(along) > 1 else shapely.Point(along[0])
+        if not self.floor.covers(line):
+            return 0.0
+        least = float(shapely.distance(self.edges, line))
+        return min([least, *(body.clear_of(line) for body in self._around(ignore))])
+
+    def nearest(self, point: Point, ignore: Collection[str] = ()) -> tuple[str, float]:
+        """The name of the thing nearest to `point`, and its distance in metres (0 inside it).
+
+        The edge of the floor is called "boundary"; outside it, the answer is ("boundary", 0.0).
+        """
+        return self.neighbours(point, ignore)[0]
+
+    def neighbours(self, point: Point, ignore: Collection[str] = ()) -> list[tuple[str, float]]:
+        """The name and distance (metres) of everything there is, nearest first."""
+        self.checks += 1
+        at = shapely.Point(point)
+        inside = self.plan.boundary.contains(at)
+        edge = float(shapely.distance(self.plan.boundary.exterior, at)) if inside else 0.0
+        things = self.things(ignore)
+        gaps = shapely.distance([shape for _, shape in things], at)
+        found = [("boundary", edge)]
+        found += [(name, float(gap)) for (name, _), gap in zip(things, gaps, strict=True)]
+        return sorted(found, key=lambda named: named[1])
+
+    def things(self, ignore: Collection[str] = ()) -> list[tuple[str, Polygon]]:
+        """The name and footprint of everything that stands on the floor now."""
+        fixed = [
+            (o.name, o.footprint) for o in self.plan.obstacles if o.overlaps(self.bottom, self.top)
+        ]
+        return fixed + [(body.name, body.footprint) for body in self._around(ignore)]
+
+    def nearest_free(
+        self, point: Point, radius: float, ignore: Collection[str] = ()
+    ) -> Point | None:
+        """The place nearest to `point` where a disc of `radius` metres stands free.
+
+        None if it fits nowhere.
+        """
+        return self.free_space(radius, ignore).nearest(point)
+
+    def _around(self, ignore: Collection[str]) -> Iterator[Body]:
+        return (body for body in self._bodies.values() if body.name not in ignore)
+
+    def _within(self, point: Point, margin: float) -> bool:
+        """Whether `point` is inside the bounds of the floor, and that a finite place at all."""
+        low_x, low_y, high_x, high_y = self._bounds
+        x, y = point
+        return low_x + margin <= x <= high_x - margin and low_y + margin <= y <= high_y - margin
+
+    def hits(
+        self, a: Point, b: Point, radius: float, ignore: Collection[str] = ()
+    ) -> Iterator[Body]:
+        """The bodies that a disc of `radius` metres touches on its straight way from a to b."""
+        near = [body for body in self._around(ignore) if body.near(a, b, radius)]
+        if not near:
+            return
+        self.checks += 1
+        sweep = shapes.swept_disc(a, b, radius)
+        yield from (body for body in near if shapes.touch(sweep, body.solid))
+
+    def _free(self, a: Point, b: Point, radius: float, ignore: Collection[str]) -> bool:
+        self.checks += 1
+        if not (self._within(a, radius) and self._within(b, radius)):
+            return False
+        sweep = shapes.swept_disc(a, b, radius)
+        return not shapes.touch(sweep, self._solid) and not any(
+            shapes.touch(sweep, body.solid)
+            for body in self._around(ignore)
+            if body.near(a, b, radius)
+        )
+
+
+def _lane_position(lane: Lane, to: float | str) -> float:
+    if isinstance(to, str):
+        if to not in lane.locations:
+            known = ", ".join(lane.locations) or "none"
+            raise KeyError(f"{lane.name} has no location {to!r} (there are: {known})")
+        return lane.locations[to]
+    low, high = lane.limits
+    if not (math.isfinite(to) and low <= to <= high):
+        raise ValueError(
+            f"{lane.name} can't be at {to:g} m: its lane runs from {low:g} to {high:g}"
+        )
+    return float(to)
