@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 
 import shapely
@@ -106,9 +105,5 @@ def _lane_problems(lane: Lane, document: Document) -> Iterator[Problem]:
 
 
 def _gantry_problems(gantry: Gantry, document: Document) -> Iterator[Problem]:
-    for name, axis, at in zip(("x", "y", "rotation"), gantry.axes, gantry.start, strict=True):
-        if not axis.low <= at <= axis.high or math.isnan(at):
-            yield document.problem(
-                f"{name} = {at:g} is outside its range {axis.low:g} … {axis.high:g}",
-                *("gantry", "start"),
-            )
+    for fault in gantry.faults(gantry.start):
+        yield document.problem(fault, "gantry", "start")

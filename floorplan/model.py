@@ -89,6 +89,24 @@ class Lane:
         (x, y), (c, s) = self.origin, self.direction
         return (x + q * c, y + q * s)
 
+    def lane_position(self, to: str | float) -> float:
+        """The lane position (metres) of a location, of a name it serves, or `to` itself.
+
+        `ValueError` if there is no such location, or if it is outside the lane's limits.
+        """
+        if isinstance(to, str):
+            location = self.serves.get(to, to)
+            if location not in self.locations:
+                known = ", ".join([*self.locations, *self.serves])
+                raise ValueError(f"{self.name} has no location {to!r} (there are: {known})")
+            return self.locations[location]
+        low, high = self.limits
+        if not low <= to <= high:
+            raise ValueError(
+                f"lane position {to:g} of {self.name} is outside its limits {low:g} … {high:g}"
+            )
+        return to
+
     def footprint(self, q: float) -> Polygon:
         """The rectangle that the AGV covers at lane position `q` (metres)."""
         (x, y), (c, s) = self.position(q), self.direction
@@ -133,6 +151,14 @@ class Gantry:
     arm_bottom: float
     rail_height: float
     tray_height: float
+
+    def faults(self, target: tuple[float, float, float]) -> list[str]:
+        """Which of x, y and rotation of `target` are out of range, in words."""
+        return [
+            f"{name} = {value:g} is outside the gantry's range {axis.low:g} … {axis.high:g}"
+            for name, axis, value in zip(("x", "y", "rotation"), self.axes, target, strict=True)
+            if not axis.low <= value <= axis.high
+        ]
 
     @property
     def axes(self) -> tuple[Axis, Axis, Axis]:

@@ -1,5 +1,6 @@
 """How bodies move: collision, paths, motions in continuous time, and separation."""
 
+from .bodies import Disc
 from .machines import (
     ARIAC_GANTRY,
     GantryLimits,
@@ -17,6 +18,7 @@ from .monitor import (
     Both,
     Condition,
     Moving,
+    Not,
     TooClose,
     first_time,
     first_violation,
@@ -25,9 +27,12 @@ from .monitor import (
     when,
 )
 from .motion import Motion, Piece, State, join, standing
+from .path import Path, PlanningError
+from .planner import PathPlanner
 from .profiles import AxisLimits, AxisState
 from .separation import FixedDistance, Law, Scaled, SeparationLaw
 from .walk import can_go_on, corner_speed, remaining_path, stop_walking, walk
+from .world import CollisionWorld
 
 __all__ = [
     "ARIAC_GANTRY",
@@ -38,13 +43,19 @@ __all__ = [
     "AxisLimits",
     "AxisState",
     "Both",
+    "CollisionWorld",
     "Condition",
+    "Disc",
     "FixedDistance",
     "GantryLimits",
     "Law",
     "Motion",
     "Moving",
+    "Not",
+    "Path",
+    "PathPlanner",
     "Piece",
+    "PlanningError",
     "Scaled",
     "SeparationLaw",
     "State",

@@ -106,38 +106,30 @@ class Encounter:
 
 
 def encounters(human: Motion, robot: Motion, begin: float, end: float) -> Iterator[Encounter]:
-    """The stretches from `begin` to `end` (seconds), in order of time."""
-    ahead = _until_end(human, begin, end)
-    other_ahead = _until_end(robot, begin, end)
-    human_piece, robot_piece = next(ahead), next(other_ahead)
+    """The stretches from `begin` to `end` (seconds), in order of time; one if they are equal."""
+    human_pieces, robot_pieces = _ahead(human, begin, end), _ahead(robot, begin, end)
+    human_piece, robot_piece = next(human_pieces), next(robot_pieces)
     t = begin
     while True:
-        until = min(human_piece.end, robot_piece.end)
-        if until > t or begin == end:
-            yield Encounter(t, until, human_piece, robot_piece)
+        until = min(human_piece.end, robot_piece.end, end)
+        yield Encounter(t, until, human_piece, robot_piece)
         t = until
         if t >= end:
             return
         if human_piece.end <= t:
-            human_piece = next(ahead)
+            human_piece = next(human_pieces)
         if robot_piece.end <= t:
-            robot_piece = next(other_ahead)
+            robot_piece = next(robot_pieces)
 
 
-def _until_end(motion: Motion, begin: float, end: float) -> Iterator[Piece]:
-    """The pieces of a motion from `begin` to `end`, with those in which it stands still."""
-    t = begin
-    if t < motion.start:
-        yield still(motion.state(t).position, t, min(motion.start, end))
-        t = motion.start
-    for piece in motion.pieces_from(t):
-        if t >= end:
-            return
-        if piece.end > t:
-            yield piece if piece.end <= end else piece.cut(piece.begin, end)
-            t = piece.end
-    if t < end or begin == end:
-        yield still(motion.state(t).position, t, end)
+def _ahead(motion: Motion, begin: float, end: float) -> Iterator[Piece]:
+    """The pieces of a motion that are not over at `begin`, then one of standing until `end`."""
+    if begin < motion.start:
+        yield still(motion.state(begin).position, begin, motion.start)
+    for piece in motion.pieces_from(begin):
+        if piece.end > begin:
+            yield piece
+    yield still(motion.state(motion.end).position, motion.end, max(end, motion.end))
 
 
 def _from(piece: Piece, t: float) -> tuple[Cubic, Cubic]:

@@ -51,18 +51,14 @@ def gantry_stop(current: State, start: float, *, limits: GantryLimits = ARIAC_GA
     return _along_axes(to_rest(_axis_states(current), limits), start)
 
 
-def agv_run(lane: Lane, current: AxisState, target: float, start: float = 0.0) -> Motion:
-    """A run along `lane` from the lane position in `current` to `target` (metres), to rest.
+def agv_run(lane: Lane, current: AxisState, target: str | float, start: float = 0.0) -> Motion:
+    """A run along `lane` from the lane position in `current` to `target`, to end at rest.
 
-    `ValueError` if the target lies outside the lane's limits.
+    `target` is a lane position in metres or the name of a location; `ValueError` if the lane has
+    no such place.
     """
-    low, high = lane.limits
-    if not low <= target <= high:
-        raise ValueError(
-            f"{lane.name}: lane position {target:g} is outside its limits {low:g} … {high:g}"
-        )
     limits = AxisLimits(lane.max_speed, lane.max_acceleration)
-    (phases,) = to_position([current], [AxisState(target)], [limits])
+    (phases,) = to_position([current], [AxisState(lane.lane_position(target))], [limits])
     (x0, y0), (c, s) = lane.origin, lane.direction
     heading: Cubic = (lane.heading, 0.0, 0.0, 0.0)
     pieces: list[Piece] = []

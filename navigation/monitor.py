@@ -92,6 +92,18 @@ class Apart:
 
 
 @dataclass(frozen=True)
+class Not:
+    """The other condition does not hold."""
+
+    condition: Condition
+
+    def holds(self, encounter: Encounter, begin: float, end: float) -> bool | None:
+        """See `Condition`."""
+        verdict = self.condition.holds(encounter, begin, end)
+        return None if verdict is None else not verdict
+
+
+@dataclass(frozen=True)
 class Both:
     """Two conditions hold at once."""
 
@@ -140,16 +152,19 @@ def _changes(
         undecided = [(encounter.begin, encounter.end)]
         while undecided:
             lower, upper = undecided.pop()
+            t = lower
             holds = condition.holds(encounter, lower, upper)
             if holds is None:
                 middle = lower + (upper - lower) / 2
                 if upper - lower > RESOLUTION and lower < middle < upper:
                     undecided += [(middle, upper), (lower, middle)]
                     continue
-                holds = condition.holds(encounter, upper, upper) is True
+                holds = condition.holds(encounter, lower, lower) is True
+                if not holds and condition.holds(encounter, upper, upper):
+                    t, holds = upper, True
             if holds != held:
                 held = holds
-                yield lower, held
+                yield t, held
     if held:
         yield end, False
 

@@ -8,7 +8,7 @@ than sampled.
 from __future__ import annotations
 
 import math
-from bisect import bisect_right
+from bisect import bisect_left, bisect_right
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
@@ -107,15 +107,12 @@ class Motion:
     def state(self, t: float) -> State:
         """Position, velocity and acceleration at the instant `t` (seconds)."""
         piece = self.pieces[max(0, bisect_right(self._begins, t) - 1)]
-        u = min(max(t, piece.begin), piece.end) - piece.begin
-        axes = piece[2:]
-        moving = self.start <= t < self.end
-        x, y, r = (value(c, u) for c in axes)
-        if not moving:
-            return State((x, y, r), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
-        vx, vy, vr = (c[1] + u * (2 * c[2] + u * 3 * c[3]) for c in axes)
-        ax, ay, ar = (2 * c[2] + 6 * u * c[3] for c in axes)
-        return State((x, y, r), (vx, vy, vr), (ax, ay, ar))
+        return _state(piece, t, moving=self.start <= t < self.end)
+
+    def state_before(self, t: float) -> State:
+        """The same just before `t`: what it was before a change or a jump at that instant."""
+        piece = self.pieces[max(0, bisect_left(self._begins, t) - 1)]
+        return _state(piece, t, moving=self.start < t <= self.end)
 
     def cut(self, begin: float, end: float) -> Motion:
         """What happens from `begin` to `end` (seconds, `begin` <= `end`) and nothing else."""
@@ -200,6 +197,17 @@ def _stand_until(pieces: list[Piece], t: float) -> None:
         u = last.end - last.begin
         at = (value(last.x, u), value(last.y, u), value(last.rotation, u))
         pieces.append(still(at, last.end, t))
+
+
+def _state(piece: Piece, t: float, *, moving: bool) -> State:
+    u = min(max(t, piece.begin), piece.end) - piece.begin
+    axes = piece[2:]
+    x, y, r = (value(c, u) for c in axes)
+    if not moving:
+        return State((x, y, r), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+    vx, vy, vr = (c[1] + u * (2 * c[2] + u * 3 * c[3]) for c in axes)
+    ax, ay, ar = (2 * c[2] + 6 * u * c[3] for c in axes)
+    return State((x, y, r), (vx, vy, vr), (ax, ay, ar))
 
 
 def _gap(before: Piece, after: Piece) -> float:

@@ -1,0 +1,78 @@
+"""What happens: trials, their simulation, the referee, and what is left of a run.
+
+Names are imported when they are first used, so that the command answers `--help` without
+loading planners and geometry.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .clock import Clock
+    from .controllers import CONTROLLERS, Controller, ControllerError, find_controller
+    from .gantry import GantryRobot, Steps
+    from .outcome import Run
+    from .person import MindError
+    from .recorder import Event, Listener
+    from .recording import OutputError, Recording
+    from .rules import ARIAC2023, PAPER, RULE_SETS, Notice, RuleSet, rule_set
+    from .simulation import Simulation, run
+    from .trial import AgvMove, GantryEntry, Job, PersonEntry, Start, Trial, TrialError
+    from .trial_file import builtin_trials
+
+_HOMES = {
+    "clock": ("Clock",),
+    "controllers": ("CONTROLLERS", "Controller", "ControllerError", "find_controller"),
+    "gantry": ("GantryRobot", "Steps"),
+    "outcome": ("Run",),
+    "person": ("MindError",),
+    "recorder": ("Event", "Listener"),
+    "recording": ("OutputError", "Recording"),
+    "rules": ("ARIAC2023", "PAPER", "RULE_SETS", "Notice", "RuleSet", "rule_set"),
+    "simulation": ("Simulation", "run"),
+    "trial": ("AgvMove", "GantryEntry", "Job", "PersonEntry", "Start", "Trial", "TrialError"),
+    "trial_file": ("builtin_trials",),
+}
+
+__all__ = [
+    "ARIAC2023",
+    "CONTROLLERS",
+    "PAPER",
+    "RULE_SETS",
+    "AgvMove",
+    "Clock",
+    "Controller",
+    "ControllerError",
+    "Event",
+    "GantryEntry",
+    "GantryRobot",
+    "Job",
+    "Listener",
+    "MindError",
+    "Notice",
+    "OutputError",
+    "PersonEntry",
+    "Recording",
+    "RuleSet",
+    "Run",
+    "Simulation",
+    "Start",
+    "Steps",
+    "Trial",
+    "TrialError",
+    "builtin_trials",
+    "find_controller",
+    "rule_set",
+    "run",
+]
+
+
+def __getattr__(name: str) -> Any:
+    for home, names in _HOMES.items():
+        if name in names:
+            value = getattr(import_module(f".{home}", __name__), name)
+            globals()[name] = value
+            return value
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -1,0 +1,61 @@
+"""Bodies: people, the gantry and AGVs as things that are somewhere and move."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Literal
+
+from navigation import Motion, State, join
+
+from .clock import Clock
+
+Kind = Literal["person", "gantry", "agv"]
+
+
+class Body:
+    """Something that moves: what it does now, and what it did."""
+
+    def __init__(self, clock: Clock, name: str, kind: Kind, motion: Motion) -> None:
+        self.name = name
+        self.kind: Kind = kind
+        self.motion = motion
+        self.history: list[Motion] = []
+        self.on_change: list[Callable[[], None]] = []
+        self.on_record: Callable[[Body, Motion], None] | None = None
+        self._clock = clock
+        self._since = clock.now
+
+    def __repr__(self) -> str:
+        return f"<{self.kind} {self.name}>"
+
+    @property
+    def state(self) -> State:
+        """Where it is and how it moves now."""
+        return self.motion.state(self._clock.now)
+
+    @property
+    def at(self) -> tuple[float, float]:
+        """Where it is now: x, y in metres."""
+        return self.state.at
+
+    def follow(self, motion: Motion) -> None:
+        """Do this from now on, instead of what it was doing."""
+        self.settle()
+        self.motion = motion
+        for changed in self.on_change:
+            changed()
+
+    def settle(self) -> None:
+        """Put what was done until now into the history."""
+        now = self._clock.now
+        if now > self._since:
+            done = self.motion.cut(self._since, now)
+            self._since = now
+            self.history.append(done)
+            if self.on_record is not None:
+                self.on_record(self, done)
+
+    def track(self) -> Motion:
+        """All that it did so far, as one motion (it jumps where it was put elsewhere)."""
+        self.settle()
+        return join(self.history) if self.history else self.motion

@@ -1,0 +1,61 @@
+"""The command `floorwalker`: what it can do, and how it ends."""
+
+from __future__ import annotations
+
+import os
+import sys
+from typing import Annotated
+
+import typer
+
+from .commands.check import check
+from .commands.list import list_all
+from .commands.run import run
+
+app = typer.Typer(
+    name="floorwalker",
+    help="People with intentions on a factory floor, beside gantries and AGVs.",
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+
+def _version(asked: bool) -> None:
+    if asked:
+        from importlib.metadata import version
+
+        typer.echo(f"floorwalker {version('floorwalker')}")
+        raise typer.Exit
+
+
+@app.callback()
+def _floorwalker(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Say which one.")
+    ] = False,
+) -> None:
+    pass
+
+
+app.command()(run)
+app.command()(check)
+app.command(name="list")(list_all)
+
+
+def main() -> None:
+    """Run the command; say what is wrong in a sentence, and exit with 1, or 2 for wrong usage."""
+    try:
+        app()
+    except BrokenPipeError:
+        # Whoever read our output has seen enough.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(0)
+    except (ValueError, OSError) as why:
+        typer.echo(f"floorwalker: {why}", err=True)
+        sys.exit(1)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,83 @@
+"""`floorwalker check`: say everything that is wrong with files, each with its place."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def check(
+    files: Annotated[
+        list[str], typer.Argument(help="Floorplans, trials and .asl programs; names work too.")
+    ],
+) -> None:
+    """Check floorplans, trials and programs: every problem with its place; exit 1 if any."""
+    faults = [fault for file in files for fault in [_fault(file)] if fault]
+    for fault in faults:
+        typer.echo(fault, err=True)
+    if faults:
+        raise typer.Exit(1)
+
+
+def _fault(file: str) -> str:
+    """What is wrong with a file, or an empty text after saying what was read from it."""
+    try:
+        typer.echo(f"{file}: {_read(file)}")
+    except (ValueError, OSError) as why:
+        return str(why)
+    return ""
+
+
+def _read(file: str) -> str:
+    """What stands in a file or built-in of that name, in words."""
+    import bdi
+    import floorplan
+    from sim import Trial, builtin_trials
+
+    path = Path(file)
+    if path.suffix == ".asl" or file in bdi.programs():
+        return _program(file)
+    if file in builtin_trials():
+        # A trial may be called after its floorplan: both are looked at.
+        floors = f"; {_floor(floorplan.load(file))}" if file in floorplan.builtin() else ""
+        return _trial(Trial.load(file)) + floors
+    if path.suffix in (".yaml", ".yml") and path.exists() and _is_trial(path):
+        return _trial(Trial.load(path))
+    return _floor(floorplan.load(file))
+
+
+def _is_trial(path: Path) -> bool:
+    """Whether a YAML file is a trial: it names a floorplan, or people or machines on one."""
+    import floorplan
+
+    data = floorplan.read_yaml(path, floorplan.FloorplanError).data
+    return isinstance(data, dict) and not {"boundary", "image"} & set(data)
+
+
+def _program(file: str) -> str:
+    import bdi
+
+    program = bdi.load(file)
+    return f"a program of {len(program.plans)} plans"
+
+
+def _trial(trial: object) -> str:
+    from sim import Trial
+
+    assert isinstance(trial, Trial)
+    people = ", ".join(f"{p.name} ({Path(p.personality).stem})" for p in trial.people) or "nobody"
+    return f"a trial of {trial.duration:g} s on {trial.floorplan.name} with {people}"
+
+
+def _floor(plan: object) -> str:
+    from floorplan import Floorplan
+
+    assert isinstance(plan, Floorplan)
+    west, south, east, north = plan.boundary.bounds
+    return (
+        f"a floorplan of {east - west:g} m × {north - south:g} m with {len(plan.obstacles)}"
+        f" obstacles, {len(plan.stations)} stations, {len(plan.lanes)} AGVs"
+        f" and {'a' if plan.gantry else 'no'} gantry"
+    )

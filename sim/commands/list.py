@@ -1,0 +1,30 @@
+"""`floorwalker list`: everything that comes with Floorwalker, by name."""
+
+from __future__ import annotations
+
+import typer
+
+
+def list_all() -> None:
+    """List floorplans, trials, planners, personalities, controllers and rule sets."""
+    import bdi
+    import floorplan
+    import navigation
+    from sim import CONTROLLERS, RULE_SETS, builtin_trials
+
+    sections = {
+        "floorplans": {name: floorplan.load(name).title for name in floorplan.builtin()},
+        "trials": dict.fromkeys(builtin_trials(), ""),
+        "planners": {info.name: info.summary for info in navigation.planners()},
+        "personalities": {name: bdi.load(name).summary for name in bdi.programs()},
+        "controllers": {
+            name: (controller.__doc__ or "").split("\n")[0].rstrip(".")
+            for name, controller in CONTROLLERS.items()
+        },
+        "rule sets": {rules.name: rules.summary for rules in RULE_SETS.values()},
+    }
+    width = max(len(name) for section in sections.values() for name in section)
+    for title, entries in sections.items():
+        typer.echo(title)
+        for name, summary in entries.items():
+            typer.echo(f"  {name:<{width}}  {summary}".rstrip())

@@ -1,0 +1,157 @@
+"""`floorwalker run`: simulate a trial and write down what happened."""
+
+from __future__ import annotations
+
+import math
+import sys
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from sim import Run, Simulation, Trial
+
+INTERRUPTED = 130
+"""The exit code of a command stopped by Ctrl-C, as shells have it."""
+
+REPORTS = 200
+"""How often the progress bar moves in a run."""
+
+
+def run(
+    trial: Annotated[
+        str, typer.Argument(help="A trial file, or the name of a built-in trial.")
+    ] = "ariac2023",
+    personality: Annotated[
+        str | None, typer.Option(help="Give everybody this one: a name, or an .asl file.")
+    ] = None,
+    duration: Annotated[float | None, typer.Option(help="Seconds to simulate.")] = None,
+    seed: Annotated[int | None, typer.Option(min=0, help="Seed of everything random.")] = None,
+    rules: Annotated[str | None, typer.Option(help="Rule set: paper or ariac2023.")] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Folder for the recording (runs/TRIAL if not given).")
+    ] = None,
+) -> None:
+    """Simulate a trial and record it: summary, events, motions, trajectory, replay page."""
+    from sim import Recording, Simulation, Trial
+
+    chosen = _changed(Trial.load(trial), personality, duration, seed, rules)
+    recording = Recording(out if out is not None else _free_folder(chosen.name))
+    try:
+        simulation = Simulation(chosen, recording)
+        interrupted = _advance(simulation)
+        finished = simulation.finish()
+        recording.finish(finished)
+    finally:
+        recording.close()
+    _report(finished, recording.folder)
+    if interrupted:
+        typer.echo(f"Stopped at t = {finished.duration:.1f} s; what happened is kept.", err=True)
+        raise typer.Exit(INTERRUPTED)
+    if finished.unmet:
+        for sentence in finished.unmet:
+            typer.echo(f"floorwalker: {sentence}", err=True)
+        raise typer.Exit(1)
+
+
+def _changed(
+    trial: Trial,
+    personality: str | None,
+    duration: float | None,
+    seed: int | None,
+    rules: str | None,
+) -> Trial:
+    from sim import rule_set
+
+    if personality is not None:
+        path = Path(personality)
+        trial = trial.with_personality(str(path.resolve()) if path.exists() else personality)
+    if duration is not None:
+        if not (math.isfinite(duration) and duration > 0):
+            raise typer.BadParameter(
+                f"must be more than 0 s, not {duration:g}", param_hint="duration"
+            )
+        trial = replace(trial, duration=duration)
+    if seed is not None:
+        trial = replace(trial, seed=seed)
+    if rules is not None:
+        trial = replace(trial, rules=rule_set(rules))
+    return trial
+
+
+def _free_folder(name: str) -> Path:
+    """`runs/NAME`, or the first of `runs/NAME-2`, `runs/NAME-3` … that is not there yet."""
+    folder, number = Path("runs") / name, 1
+    while folder.exists():
+        number += 1
+        folder = Path("runs") / f"{name}-{number}"
+    return folder
+
+
+def _advance(simulation: Simulation) -> bool:
+    """Run to the end, with a progress bar on a terminal; whether Ctrl-C came before."""
+    from rich.console import Console
+    from rich.progress import Progress
+
+    duration = simulation.trial.duration
+    try:
+        if not sys.stderr.isatty():
+            simulation.advance(duration)
+            return False
+        with Progress(console=Console(stderr=True), transient=True) as progress:
+            bar = progress.add_task("simulating", total=duration)
+            for k in range(1, REPORTS + 1):
+                simulation.advance(duration * k / REPORTS)
+                progress.update(bar, completed=simulation.clock.now)
+    except KeyboardInterrupt:
+        return True
+    return False
+
+
+def _report(run: Run, folder: Path) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    summary = run.summary
+    console = Console()
+    table = Table(title=f"{summary['floorplan']}, {summary['trial']}", title_justify="left")
+    table.add_column("figure")
+    table.add_column("value", overflow="fold")
+    for name, value in _figures(summary):
+        table.add_row(name, value)
+    console.print(table)
+    console.print(
+        f"{run.duration:g} s in {summary['cpu_seconds']:.3f} s of CPU time:"
+        f" {summary['realtime_factor']:,.0f} × real time",
+        highlight=False,
+    )
+    console.print(f"{folder / 'replay.html'} shows it", highlight=False, soft_wrap=True)
+
+
+def _figures(summary: dict[str, Any]) -> list[tuple[str, str]]:
+    figures = [
+        ("penalties", str(summary["penalties"])),
+        ("teleports by AGVs", str(summary["agv_teleports"])),
+        ("gantry disabled", f"{summary['gantry_disabled_time']:g} s"),
+        ("gantry jobs done", str(summary["jobs_done"])),
+    ]
+    nearest = summary["minimum_separation"]
+    if nearest is not None:
+        figures.append(
+            (
+                "nearest to the gantry",
+                f"{nearest['distance']:.2f} m at {nearest['time']:.1f} s"
+                f" ({nearest['required']:.2f} m required)",
+            )
+        )
+    for name, person in summary["people"].items():
+        figures += [
+            (f"{name}: personality", Path(person["personality"]).stem),
+            (f"{name}: visits", " ".join(person["visits"]) or "none"),
+            (f"{name}: walked", f"{person['distance_walked']:.1f} m"),
+            (f"{name}: stood", f"{person['time_standing']:.1f} s"),
+            (f"{name}: replans", str(person["replans"])),
+        ]
+    return figures

@@ -1,0 +1,19 @@
+"""Gantry controllers: the system under test, and baselines to beat.
+
+A controller is a callable of one argument, the `GantryRobot`, that returns a generator of
+things to wait for. Copy one of these files to write your own, and name it in a trial as
+`package.module:name`.
+"""
+
+from .finding import CONTROLLERS, Controller, ControllerError, find_controller
+from .oblivious import oblivious
+from .parked import parked
+
+__all__ = [
+    "CONTROLLERS",
+    "Controller",
+    "ControllerError",
+    "find_controller",
+    "oblivious",
+    "parked",
+]

@@ -1,0 +1,51 @@
+"""What is left of a trial that was run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from navigation import Motion
+
+from .expectations import unmet
+from .recorder import Event
+from .trial import Trial
+
+
+@dataclass(frozen=True)
+class Run:
+    """A finished run: its summary, its events, and the motion of every body in closed form.
+
+    `violations` holds, for each person and machine, the intervals (seconds) in which they were
+    closer than the rules require.
+    """
+
+    trial: Trial
+    duration: float
+    summary: dict[str, Any]
+    events: tuple[Event, ...]
+    motions: dict[str, Motion]
+    violations: dict[tuple[str, str], tuple[tuple[float, float], ...]]
+
+    @property
+    def unmet(self) -> list[str]:
+        """The trial's expectations that this run does not meet, in words."""
+        return unmet(self.trial.expect, self.summary)
+
+    def sample(self, rate: float = 20.0) -> dict[str, NDArray[np.float64]]:
+        """Every body at `rate` instants a second (Hz), from 0 to the end.
+
+        The result has "t" (N,) in seconds, and for each body (N, 5): x, y in metres, rotation
+        in radians, and the velocity along x and y in m/s. `ValueError` if the rate isn't positive.
+        """
+        if not (np.isfinite(rate) and rate > 0):
+            raise ValueError(f"rate must be more than 0 Hz, not {rate}")
+        times = np.arange(int(self.duration * rate + 1e-9) + 1) / rate
+        samples = {"t": times}
+        for name, motion in self.motions.items():
+            position, rotation = motion.position(times), motion.rotation(times)
+            samples[name] = np.column_stack([position, rotation, motion.velocity(times)])
+        return samples

@@ -1,0 +1,258 @@
+"""A person: an agent's mind in a body on the floor.
+
+This is where beliefs meet geometry. What happens around the person becomes percepts, and the
+actions that the agent decides on become motions.
+"""
+
+from __future__ import annotations
+
+import inspect
+import math
+from collections.abc import Callable
+
+import bdi
+from floorplan import Floorplan
+from navigation import CollisionWorld, PlanningError
+
+from .body import Body
+from .clock import Alarm, Clock
+from .recorder import Record
+from .walker import Place, Walker
+
+THINKING, ENFORCING = 3, 4
+"""Priorities, among what happens at one instant, of thinking and of the referee's insistence."""
+
+MOST_THOUGHTS = 1000
+"""How often a person may think at one instant before the program counts as endless."""
+
+GLANCE_AHEAD = 2.0
+"""Seconds. `step_between` goes to where the gantry will be after this time."""
+
+SMALLEST_STEP = 0.05
+"""Metres. `move_away` fails where there is less room than this."""
+
+
+class MindError(ValueError):
+    """A personality's program asks for something that no person can do."""
+
+
+class Person:
+    """One person of a trial.
+
+    `synchronise` puts the AGVs of the collision world where they are now; the agent's plans are
+    carried out by a `Walker`.
+    """
+
+    def __init__(
+        self,
+        clock: Clock,
+        walker: Walker,
+        plan: Floorplan,
+        world: CollisionWorld,
+        *,
+        personality: str,
+        gantry: Body | None,
+        record: Record,
+        synchronise: Callable[[], None],
+    ) -> None:
+        self.name = walker.body.name
+        self.personality = personality
+        self.walker = walker
+        self.visits: list[str] = []
+        self.started_at: float | None = None
+        self._clock = clock
+        self._plan = plan
+        self._world = world
+        self._gantry = gantry
+        self._record = record
+        self._synchronise = synchronise
+        self._home = (walker.body.at, walker.heading)
+        self._put_home_at: float | None = None
+        self._counts: dict[str, int] = {}
+        self._percepts: dict[str, str] = {}
+        self._thinking = Alarm(clock, self._think, THINKING)
+        self._enforcing = Alarm(clock, self._enforce, ENFORCING)
+        self._reason = "gantry"
+        self._thoughts = (clock.now, 0)
+        self._actions: dict[str, Callable[..., bool]] = {
+            "move": self._move,
+            "stop_movement": self._stop_movement,
+            "move_to_gantry": self._move_to_gantry,
+            "teleport_safe": lambda: self._teleport("gantry"),
+            "teleport_agv": lambda: self._teleport("agv"),
+            "walk_speed": self._walk_speed,
+            "face_gantry": self._face_gantry,
+            "move_away": self._move_away,
+            "step_between": self._step_between,
+        }
+        self._agent: bdi.Agent | None = None
+
+    def think_with(self, agent: bdi.Agent) -> None:
+        """Let `agent` decide from now on; its actions are to be `self.act`."""
+        self._agent = agent
+        self._thinking.set(self._clock.now)
+
+    def start(self) -> None:
+        """The person begins; a second time does nothing."""
+        if self.started_at is None:
+            self.started_at = self._clock.now
+            self._record("human_started", person=self.name)
+            self._perceive("human_start")
+
+    def warn(self, percept: str, machine: Body) -> None:
+        """The referee's word: `percept` is about `machine`. The safe zone is not optional."""
+        if machine.kind == "gantry":
+            x, y = machine.at
+            self._perceive_once(f"gantry_at({x},{y})", "gantry_at")
+        self._count(percept)
+        if percept != "gantry_detected":
+            self._reason = machine.kind
+            self._enforcing.set(self._clock.now)
+
+    def check_way(self) -> None:
+        """Something has come to rest on the floor: see whether the way is still free."""
+        trouble = self.walker.check_way()
+        if trouble is not None:
+            self._blocked(trouble)
+
+    def arrived(self, goal: Place) -> None:
+        """The walker has reached `goal`."""
+        station = self._station_at(goal)
+        self._record("arrived", person=self.name, station=station, at=goal)
+        if station is not None:
+            self.visits.append(station)
+        x, y = self.walker.body.at
+        self._perceive_once(f"at({x},{y})", "at")
+        self._count("work_completed")
+
+    def act(self, action: bdi.Term) -> bool:
+        """Carry out an external action of the agent; whether it could be."""
+        perform = self._actions.get(action.functor)
+        if perform is None:
+            known = ", ".join(self._actions)
+            raise MindError(
+                f"{self.name}: there is no action {action.functor!r} (there are: {known})"
+            )
+        try:
+            arguments = [float(argument) for argument in action.args]
+            inspect.signature(perform).bind(*arguments)
+        except (TypeError, ValueError):
+            takes = ", ".join(inspect.signature(perform).parameters)
+            raise MindError(
+                f"{self.name}: the action {action} should be {action.functor}({takes})"
+            ) from None
+        return perform(*arguments)
+
+    # What the agent can do.
+
+    def _move(self, x: float, y: float, z: float = 0.0) -> bool:
+        return self._go((x, y))
+
+    def _stop_movement(self) -> bool:
+        self.walker.stop()
+        return True
+
+    def _move_to_gantry(self) -> bool:
+        return self._gantry is not None and self._go_near(self._gantry.at)
+
+    def _step_between(self) -> bool:
+        if self._gantry is None:
+            return False
+        return self._go_near(self._gantry.motion.state(self._clock.now + GLANCE_AHEAD).at)
+
+    def _move_away(self, metres: float) -> bool:
+        if self._gantry is None:
+            return False
+        self._synchronise()
+        (x, y), (gx, gy) = self.walker.body.at, self._gantry.at
+        away = math.atan2(y - gy, x - gx)
+        step, radius = metres, self.walker.human.radius
+        while step >= SMALLEST_STEP:
+            goal = (x + step * math.cos(away), y + step * math.sin(away))
+            if self._world.segment_free((x, y), goal, radius):
+                return self._go(goal)
+            step /= 2
+        return False
+
+    def _teleport(self, reason: str) -> bool:
+        at, heading = self._home
+        self._put_home_at = self._clock.now
+        self._record("teleport", person=self.name, reason=reason, to=at)
+        self.walker.put(at, heading)
+        return True
+
+    def _walk_speed(self, share: float) -> bool:
+        if not 0 < share <= 1:
+            return False
+        self.walker.speed_share = share
+        return True
+
+    def _face_gantry(self) -> bool:
+        if self._gantry is None:
+            return False
+        self.walker.turn_to(self._gantry.at)
+        return True
+
+    def _go_near(self, point: Place) -> bool:
+        self._synchronise()
+        free = self._world.nearest_free(point, self.walker.human.radius)
+        return free is not None and self._go(free)
+
+    def _go(self, goal: Place) -> bool:
+        self._synchronise()
+        self._record("goal", person=self.name, station=self._station_at(goal), at=goal)
+        try:
+            self.walker.go(goal)
+        except PlanningError as why:
+            self._record("path_blocked", person=self.name, goal=goal, message=str(why))
+            self._blocked(why)
+            return False
+        return True
+
+    # What the agent is told.
+
+    def _blocked(self, why: PlanningError) -> None:
+        self._count("goal_blocked" if why.reason == "goal_blocked" else "path_blocked")
+
+    def _count(self, percept: str) -> None:
+        n = self._counts.get(percept, 0)
+        self._counts[percept] = n + 1
+        self._perceive_once(f"{percept}({n})", percept)
+
+    def _perceive_once(self, literal: str, functor: str) -> None:
+        """Only the latest percept of a functor is kept, so that minds don't grow for ever."""
+        before = self._percepts.get(functor)
+        if before is not None and self._agent is not None:
+            self._agent.remove_percept(before)
+        self._percepts[functor] = literal
+        self._perceive(literal)
+
+    def _perceive(self, literal: str) -> None:
+        if self._agent is not None:
+            self._agent.add_percept(literal)
+            self._thinking.set(self._clock.now)
+
+    def _think(self) -> None:
+        assert self._agent is not None
+        now = self._clock.now
+        since, thoughts = self._thoughts
+        self._thoughts = (now, thoughts + 1 if since == now else 1)
+        if self._thoughts[1] > MOST_THOUGHTS:
+            raise MindError(f"{self.name} acts for ever at t = {now:g} s without letting time pass")
+        self._agent.advance(now)
+        if self._thinking.time is None:
+            self._thinking.set(self._agent.next_wakeup)
+
+    def _enforce(self) -> None:
+        if self._put_home_at != self._clock.now:
+            self._teleport(self._reason)
+
+    def _station_at(self, point: Place) -> str | None:
+        tolerance = self.walker.human.goal_tolerance
+        near = [
+            (distance, station.name)
+            for station in self._plan.stations
+            for distance in [math.dist(station.position, point)]
+            if distance <= tolerance
+        ]
+        return min(near)[1] if near else None

@@ -1,0 +1,74 @@
+"""The record of a run: events as they happen, motions as they were carried out.
+
+Both are handed on at once, so that a run that is broken off leaves a whole record behind.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Protocol
+
+from navigation import Motion
+
+from .body import Body
+
+DECIMALS = 9
+"""Figures of events and summaries are rounded to this many decimals."""
+
+Event = dict[str, Any]
+"""`t` (seconds), `kind`, and what belongs to the kind."""
+
+
+class Record(Protocol):
+    """Writes down that something of `kind` happened now."""
+
+    def __call__(self, kind: str, /, **fields: Any) -> None:
+        """Write it down, with the fields that belong to the kind."""
+        ...
+
+
+class Listener:
+    """Is told of every event and every finished motion; does nothing with them."""
+
+    def event(self, event: Event) -> None:
+        """Something happened."""
+
+    def motion(self, body: Body, motion: Motion) -> None:
+        """A body has done this."""
+
+
+class Listeners(Listener):
+    """Hands on to several listeners, in their order."""
+
+    def __init__(self, *listeners: Listener) -> None:
+        self._listeners = listeners
+
+    def event(self, event: Event) -> None:
+        """Something happened."""
+        for listener in self._listeners:
+            listener.event(event)
+
+    def motion(self, body: Body, motion: Motion) -> None:
+        """A body has done this."""
+        for listener in self._listeners:
+            listener.motion(body, motion)
+
+
+def recording_to(listener: Listener, now: Callable[[], float]) -> Record:
+    """A `Record` that stamps events with the time and hands them to `listener`."""
+
+    def record(kind: str, /, **fields: Any) -> None:
+        listener.event(rounded({"t": now(), "kind": kind, **fields}))
+
+    return record
+
+
+def rounded(value: Any) -> Any:
+    """The same data with its floats rounded to `DECIMALS`, and no negative zero."""
+    if isinstance(value, float):
+        return round(value, DECIMALS) + 0.0
+    if isinstance(value, dict):
+        return {key: rounded(inner) for key, inner in value.items()}
+    if isinstance(value, list | tuple):
+        return [rounded(inner) for inner in value]
+    return value

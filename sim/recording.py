@@ -1,0 +1,106 @@
+"""A run on disk: what happened as it happens, and at the end everything else.
+
+`events.jsonl` and `motions.jsonl` are written line by line, so that a run that is broken off
+leaves whole and readable files; `summary.json`, `trajectory.csv` and `replay.html` follow.
+"""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+from typing import Any, TextIO
+
+from navigation import Motion, Piece
+
+from .body import Body
+from .outcome import Run
+from .recorder import Event, Listener
+from .replay import render
+from .replay_data import replay_data
+
+FILES = ("summary.json", "events.jsonl", "motions.jsonl", "trajectory.csv", "replay.html")
+TRAJECTORY_RATE = 10.0
+"""Hz. How often trajectory.csv has every body."""
+
+TRAJECTORY_DECIMALS = 6
+"""Decimals of the figures in trajectory.csv."""
+
+
+class OutputError(OSError):
+    """A folder that a run can't be written to."""
+
+
+class Recording(Listener):
+    """Writes a run into a folder, which is made if it isn't there.
+
+    `OutputError` if the folder holds another run already, or can't be written to.
+    """
+
+    def __init__(self, folder: str | Path) -> None:
+        self.folder = Path(folder)
+        taken = [name for name in FILES if (self.folder / name).exists()]
+        if taken:
+            raise OutputError(
+                f"{self.folder} holds a run already ({taken[0]}); give another folder with --out"
+            )
+        try:
+            self.folder.mkdir(parents=True, exist_ok=True)
+            self._events: TextIO = self._open("events.jsonl")
+            self._motions: TextIO = self._open("motions.jsonl")
+        except OSError as why:
+            raise OutputError(f"can't write to {self.folder}: {why.strerror}") from None
+
+    def event(self, event: Event) -> None:
+        """Write an event as one line."""
+        self._events.write(json.dumps(event, ensure_ascii=False) + "\n")
+        self._events.flush()
+
+    def motion(self, body: Body, motion: Motion) -> None:
+        """Write what a body has done as one line: its pieces as coefficients of cubics."""
+        line = {
+            "body": body.name,
+            "kind": body.kind,
+            "start": motion.start,
+            "end": motion.end,
+            "pieces": [_piece(piece) for piece in motion.pieces],
+        }
+        self._motions.write(json.dumps(line) + "\n")
+        self._motions.flush()
+
+    def close(self) -> None:
+        """Stop writing; what is written stays."""
+        self._events.close()
+        self._motions.close()
+
+    def finish(self, run: Run) -> None:
+        """Write what belongs to a finished run."""
+        self.close()
+        with self._open("summary.json") as file:
+            json.dump(run.summary, file, indent=2, ensure_ascii=False)
+            file.write("\n")
+        with self._open("trajectory.csv") as file:
+            write_trajectory(run, file)
+        with self._open("replay.html") as file:
+            file.write(render(replay_data(run)))
+
+    def _open(self, name: str) -> TextIO:
+        return (self.folder / name).open("w", encoding="utf-8", newline="\n")
+
+
+def write_trajectory(run: Run, file: TextIO, rate: float = TRAJECTORY_RATE) -> None:
+    """Every body at `rate` instants a second as CSV: metres, radians, m/s."""
+    samples = run.sample(rate)
+    times = [f"{t:.3f}" for t in samples.pop("t").tolist()]
+    writer = csv.writer(file, lineterminator="\n")
+    writer.writerow(["t", "body", "x", "y", "rotation", "vx", "vy"])
+    columns = {name: (values + 0.0).tolist() for name, values in samples.items()}
+    for k, t in enumerate(times):
+        writer.writerows(
+            [t, name, *(round(v, TRAJECTORY_DECIMALS) for v in rows[k])]
+            for name, rows in columns.items()
+        )
+
+
+def _piece(piece: Piece) -> list[Any]:
+    return [piece.begin, piece.end, list(piece.x), list(piece.y), list(piece.rotation)]

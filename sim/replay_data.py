@@ -1,0 +1,143 @@
+"""What the replay page shows of a run, as the JSON that stands in the page."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from floorplan import Floorplan, Lane, Obstacle
+from navigation import FixedDistance, Law, Piece, Scaled, SeparationLaw
+
+from .outcome import Run
+from .recorder import rounded
+
+FORMAT = "floorwalker-replay/1"
+
+
+def replay_data(run: Run) -> dict[str, Any]:
+    """The run in the format of the replay page: metres, seconds, radians."""
+    plan = run.trial.floorplan
+    timing = ("cpu_seconds", "realtime_factor")
+    data: dict[str, Any] = rounded(
+        {
+            "format": FORMAT,
+            "title": f"{plan.name} · {run.trial.name}",
+            "duration": run.duration,
+            "summary": {k: v for k, v in run.summary.items() if k not in timing},
+            "floorplan": _floorplan(plan),
+            "bodies": _bodies(run),
+            "motions": {
+                name: [_piece(piece) for piece in motion.pieces]
+                for name, motion in run.motions.items()
+            },
+            "events": run.events,
+            "watches": _watches(run),
+        }
+    )
+    return data
+
+
+def _floorplan(plan: Floorplan) -> dict[str, Any]:
+    zone, gantry = plan.safe_zone, plan.gantry
+    return {
+        "name": plan.name,
+        "title": plan.title,
+        "boundary": plan.boundary.exterior.coords[:-1],
+        "obstacles": [_obstacle(obstacle) for obstacle in plan.obstacles],
+        "stations": [{"name": s.name, "at": s.position} for s in plan.stations],
+        "safe_zone": {"at": zone.position, "heading": zone.heading} if zone else None,
+        "lanes": [_lane(lane) for lane in plan.lanes],
+        "gantry": {
+            "x": [gantry.x.low, gantry.x.high],
+            "y": [gantry.y.low, gantry.y.high],
+        }
+        if gantry
+        else None,
+    }
+
+
+def _obstacle(obstacle: Obstacle) -> dict[str, Any]:
+    return {
+        "name": obstacle.name,
+        "footprint": obstacle.footprint.exterior.coords[:-1],
+        "bottom": obstacle.bottom,
+        "top": obstacle.top,
+    }
+
+
+def _lane(lane: Lane) -> dict[str, Any]:
+    low, high = lane.limits
+    return {
+        "name": lane.name,
+        "from": lane.position(low),
+        "to": lane.position(high),
+        "locations": {name: lane.position(q) for name, q in lane.locations.items()},
+    }
+
+
+def _bodies(run: Run) -> list[dict[str, Any]]:
+    trial, plan = run.trial, run.trial.floorplan
+    bodies: list[dict[str, Any]] = [
+        {
+            "name": person.name,
+            "kind": "person",
+            "radius": person.radius or plan.human.radius,
+            "personality": Path(person.personality).stem,
+        }
+        for person in trial.people
+    ]
+    if plan.gantry is not None:
+        length, width, _, _ = plan.gantry.torso
+        reach, mount = plan.gantry.arm_reach, plan.gantry.arm_mount[0]
+        size = {"length": length, "width": width, "reach": reach, "mount": mount}
+        bodies.append({"name": "gantry", "kind": "gantry", **size})
+    bodies += [
+        {"name": lane.name, "kind": "agv", "length": lane.length, "width": lane.width}
+        for lane in plan.lanes
+    ]
+    return bodies
+
+
+def _watches(run: Run) -> list[dict[str, Any]]:
+    rules = run.trial.rules
+    watches = []
+    for (person, machine), intervals in run.violations.items():
+        watch: dict[str, Any] = {"person": person, "other": machine, "violations": intervals}
+        if machine == "gantry":
+            watch |= {"law": _law(rules.gantry_law), **_notice(rules.notice.law)}
+        else:
+            watch |= {"law": _law(rules.agv_law)}
+        watches.append(watch)
+    return watches
+
+
+def _law(law: Law) -> dict[str, float]:
+    if isinstance(law, SeparationLaw):
+        terms = {"t1": law.t1, "t2": law.t2}
+        return {**terms, "stopping": law.stopping, "intrusion": law.intrusion}
+    if isinstance(law, FixedDistance):
+        return {"distance": law.metres}
+    # A law of the user's own: what it asks for between two who stand.
+    return {"distance": law.distance(0.0, 0.0)}
+
+
+def _notice(law: Law) -> dict[str, Any]:
+    if not isinstance(law, Scaled):
+        return {}
+    cap = law.cap if law.cap < float("inf") else None
+    return {"notice": law.factor, "notice_cap": cap, "notice_law": _law(law.law)}
+
+
+def _piece(piece: Piece) -> list[Any]:
+    return [
+        piece.begin,
+        piece.end,
+        *(_without_zeros(c) for c in (piece.x, piece.y, piece.rotation)),
+    ]
+
+
+def _without_zeros(cubic: tuple[float, ...]) -> list[float]:
+    coefficients = list(cubic)
+    while len(coefficients) > 1 and coefficients[-1] == 0.0:
+        coefficients.pop()
+    return coefficients

@@ -1,0 +1,238 @@
+"""A trial that is under way: everything that happens, from event to event."""
+
+from __future__ import annotations
+
+import time
+import traceback
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import bdi
+from navigation import CollisionWorld
+
+from .agv import Agv
+from .body import Body
+from .clock import Clock
+from .controllers import Controller, ControllerError, find_controller
+from .gantry import GantryRobot, Steps
+from .minds import find_program, first_beliefs
+from .outcome import Run
+from .person import Person
+from .recorder import Event, Listener, Listeners, recording_to
+from .referee import Referee
+from .summary import summarise
+from .trial import PersonEntry, Trial
+from .walker import Place, Walker
+
+
+class Simulation:
+    """One trial, run step by step.
+
+    `listeners` are told of events and motions as they happen. `advance` as far as you like,
+    then `finish` for the `Run`.
+    """
+
+    def __init__(self, trial: Trial, *listeners: Listener) -> None:
+        self._cpu_begin = time.process_time()
+        self.trial = trial
+        self.clock = Clock(0.0)
+        self.events: list[Event] = []
+        self._listener = Listeners(_Keeper(self.events, self._react), *listeners)
+        self._record = recording_to(self._listener, lambda: self.clock.now)
+        self.world = CollisionWorld(trial.floorplan)
+        self.people: list[Person] = []
+        self._record("trial_started", trial=trial.name, floorplan=trial.floorplan.name)
+        self.agvs = [
+            Agv(
+                self.clock,
+                lane,
+                trial.agvs.get(lane.name, ()),
+                record=self._record,
+                stopped=self._agv_stopped,
+            )
+            for lane in trial.floorplan.lanes
+        ]
+        self.gantry = self._make_gantry()
+        self.referee = Referee(
+            self.clock,
+            trial.rules,
+            trial.duration,
+            record=self._record,
+            warn=self._warn,
+            disable_gantry=self.gantry.disable if self.gantry else lambda _: None,
+        )
+        for entry in trial.people:
+            self.people.append(self._make_person(entry))
+        for body in self.bodies:
+            body.on_record = self._listener.motion
+        if self.gantry is not None:
+            self._start_controller(self.gantry)
+
+    @property
+    def bodies(self) -> list[Body]:
+        """People, the gantry and the AGVs, in this order."""
+        gantry = [self.gantry.body] if self.gantry else []
+        return [*(p.walker.body for p in self.people), *gantry, *(agv.body for agv in self.agvs)]
+
+    def advance(self, until: float) -> None:
+        """Let everything happen that happens before `until` (seconds)."""
+        self.clock.run(min(until, self.trial.duration))
+
+    def finish(self) -> Run:
+        """The run as far as it went."""
+        interrupted = self.clock.now < self.trial.duration
+        for watch in self.referee.watches:
+            watch.close()
+        if self.gantry is not None:
+            self.gantry.close()
+        self._record("trial_ended", interrupted=interrupted)
+        motions = {body.name: body.track() for body in self.bodies}
+        summary = summarise(self, motions, interrupted)
+        cpu = time.process_time() - self._cpu_begin
+        summary["cpu_seconds"] = round(cpu, 6)
+        summary["realtime_factor"] = round(self.clock.now / cpu, 1) if cpu > 0 else None
+        return Run(
+            trial=self.trial,
+            duration=self.clock.now,
+            summary=summary,
+            events=tuple(self.events),
+            motions=motions,
+            violations={
+                (watch.pair.person.name, watch.pair.machine.name): tuple(watch.intervals)
+                for watch in self.referee.watches
+            },
+        )
+
+    def _make_person(self, entry: PersonEntry) -> Person:
+        trial, plan = self.trial, self.trial.floorplan
+        zone = plan.safe_zone
+        at = entry.at or (zone.position if zone else (0.0, 0.0))
+        given = {
+            name: getattr(entry, name)
+            for name in ("radius", "max_speed", "max_acceleration")
+            if getattr(entry, name) is not None
+        }
+        walker = Walker(
+            self.clock,
+            entry.name,
+            replace(plan.human, **given),
+            self.world,
+            at=at,
+            heading=zone.heading if zone and entry.at is None else 0.0,
+            record=self._record,
+            arrived=lambda goal: person.arrived(goal),
+        )
+        person = Person(
+            self.clock,
+            walker,
+            plan,
+            self.world,
+            personality=entry.personality,
+            gantry=self.gantry.body if self.gantry else None,
+            record=self._record,
+            synchronise=self._synchronise,
+        )
+        agent = bdi.Agent(
+            bdi.load(find_program(entry.personality, trial.folder)),
+            beliefs=first_beliefs(entry, plan, trial.rules),
+            act=person.act,
+            name=entry.name,
+            seed=trial.seed,
+            print=lambda text: self._record("said", person=entry.name, text=text),
+        )
+        person.think_with(agent)
+        if entry.start.time is not None:
+            self._call_at(entry.start.time, person.start)
+        if self.gantry is not None:
+            self.referee.watch_gantry(walker.body, self.gantry.body)
+        for agv in self.agvs:
+            self.referee.watch_agv(walker.body, agv.body)
+        return person
+
+    def _make_gantry(self) -> GantryRobot | None:
+        gantry = self.trial.floorplan.gantry
+        if gantry is None:
+            return None
+        entry = self.trial.gantry
+        return GantryRobot(self.clock, gantry, entry, record=self._record, locate=self._locate)
+
+    def _start_controller(self, gantry: GantryRobot) -> None:
+        name = self.trial.gantry.controller
+        controller = find_controller(name, self.trial.folder)
+        self.clock.process(self._supervised(name, controller, gantry))
+
+    def _supervised(self, name: str, controller: Controller, gantry: GantryRobot) -> Steps:
+        """The controller's steps; what goes wrong in it is told with its name and line."""
+        try:
+            yield from controller(gantry)
+        except Exception as why:
+            frame = traceback.extract_tb(why.__traceback__)[-1]
+            raise ControllerError(
+                f"the gantry controller {name!r} failed at t = {self.clock.now:g} s"
+                f" ({Path(frame.filename).name}, line {frame.lineno}): {why}"
+            ) from why
+
+    def _warn(self, body: Body, percept: str, machine: Body) -> None:
+        for person in self.people:
+            if person.walker.body is body:
+                person.warn(percept, machine)
+
+    def _react(self, event: Event) -> None:
+        """People who wait for something to happen start when it does."""
+        for person, entry in zip(self.people, self.trial.people, strict=False):
+            start = entry.start
+            if event["kind"] == "order_submitted" and start.order_submitted == event["order"]:
+                person.start()
+            placed = event["kind"] == "job_done" and event["job"] == "pick_place"
+            if placed and start.part_placed is not None:
+                found = {"part": event["part"], "agv": event["to"]}
+                if start.part_placed.items() <= found.items():
+                    person.start()
+
+    def _agv_stopped(self, _: Agv) -> None:
+        self._synchronise()
+        for person in self.people:
+            person.check_way()
+
+    def _synchronise(self) -> None:
+        for agv in self.agvs:
+            self.world.move_agv(agv.lane.name, agv.lane_position)
+
+    def _locate(self, place: str) -> Place:
+        """Where the gantry goes to for an obstacle, a station or an AGV of that name."""
+        for agv in self.agvs:
+            if agv.lane.name == place:
+                return agv.body.at
+        for station in self.trial.floorplan.stations:
+            if station.name == place:
+                return station.position
+        centre = self.trial.floorplan.obstacle(place).footprint.centroid
+        return (centre.x, centre.y)
+
+    def _call_at(self, t: float, action: Callable[[], None]) -> None:
+        event = self.clock.at(t)
+        assert event.callbacks is not None
+        event.callbacks.append(lambda _: action())
+
+
+def run(trial: Trial, *listeners: Listener) -> Run:
+    """Run `trial` to its end; `listeners` are told of events and motions as they happen.
+
+    Raises `ControllerError` or `MindError` when the user's own programs go wrong.
+    """
+    simulation = Simulation(trial, *listeners)
+    simulation.advance(trial.duration)
+    return simulation.finish()
+
+
+class _Keeper(Listener):
+    """Keeps the events of a run, and reacts to them."""
+
+    def __init__(self, events: list[Event], react: Callable[[Event], None]) -> None:
+        self._events = events
+        self._react = react
+
+    def event(self, event: Event) -> None:
+        self._events.append(event)
+        self._react(event)

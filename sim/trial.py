@@ -1,0 +1,116 @@
+"""Trials: who is on which floor, what the machines do, which rules hold, what is expected."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any, Literal
+
+from floorplan import Floorplan, InputError
+
+from .rules import PAPER, RuleSet
+
+
+class TrialError(InputError):
+    """A trial that can't be run."""
+
+
+@dataclass(frozen=True)
+class Start:
+    """What a person waits for before starting: a time (seconds), or something that happens.
+
+    `part_placed` holds the fields a placed part must have (part, agv), `order_submitted` the
+    order's name.
+    """
+
+    time: float | None = 0.0
+    part_placed: dict[str, str] | None = None
+    order_submitted: str | None = None
+
+
+@dataclass(frozen=True)
+class PersonEntry:
+    """One person of a trial. Figures that are None are the floorplan's."""
+
+    name: str
+    personality: str = "indifferent"
+    start: Start = Start()
+    at: tuple[float, float] | None = None
+    beliefs: tuple[str, ...] = ()
+    radius: float | None = None
+    max_speed: float | None = None
+    max_acceleration: float | None = None
+
+
+@dataclass(frozen=True)
+class Job:
+    """One thing for the gantry to do; `kind` says which of the other fields count.
+
+    "move": go to `target` (x, y, rotation); "wait": stand for `seconds`; "pick_place": fetch
+    `part` from the place `pick` and put it at `place`; "submit": hand in `order`.
+    """
+
+    kind: Literal["move", "wait", "pick_place", "submit"]
+    target: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    seconds: float = 0.0
+    pick: str = ""
+    place: str = ""
+    part: str = ""
+    order: str = ""
+
+
+@dataclass(frozen=True)
+class GantryEntry:
+    """The gantry of a trial: its controller, where it starts, and its jobs."""
+
+    controller: str = "parked"
+    at: tuple[float, float, float] | None = None
+    jobs: tuple[Job, ...] = ()
+    repeat: bool = False
+
+
+@dataclass(frozen=True)
+class AgvMove:
+    """At `time` (seconds), go to a location's name or a lane position (metres)."""
+
+    time: float
+    to: str | float
+
+
+@dataclass(frozen=True)
+class Trial:
+    """Everything that decides a run. The same trial gives the same run, byte for byte."""
+
+    floorplan: Floorplan
+    name: str = "trial"
+    duration: float = 275.0
+    seed: int = 0
+    rules: RuleSet = PAPER
+    people: tuple[PersonEntry, ...] = ()
+    gantry: GantryEntry = GantryEntry()
+    agvs: dict[str, tuple[AgvMove, ...]] = field(default_factory=dict)
+    expect: dict[str, Any] = field(default_factory=dict)
+    folder: Path = Path()
+
+    @classmethod
+    def load(cls, source: str | Path) -> Trial:
+        """The built-in trial called `source`, or the one in the YAML file at `source`.
+
+        Raises `TrialError` (or `FloorplanError`, `bdi.ProgramError` for what it names) with
+        everything that is wrong, each with its place.
+        """
+        from .trial_file import load
+
+        return load(source)
+
+    @classmethod
+    def parse(cls, text: str, *, file: str = "<text>", folder: str | Path = ".") -> Trial:
+        """The trial in `text`; its files are looked up from `folder`, errors call it `file`."""
+        from .trial_file import parse
+
+        return parse(text, file, Path(folder))
+
+    def with_personality(self, personality: str) -> Trial:
+        """The same trial in which every person has this personality (a name or an .asl file)."""
+        people = tuple(replace(person, personality=personality) for person in self.people)
+        return replace(self, people=people)

@@ -1,0 +1,255 @@
+"""Trial files: their keys and values, what can be wrong with them, and how they become trials."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from importlib import resources
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import Field, Strict, model_validator
+
+import bdi
+import floorplan
+from floorplan import Document, Floorplan, Number, Pair, Positive, Problem, Strictly
+
+from .expectations import expectation_problems
+from .minds import find_program
+from .rules import PAPER, RULE_SETS, suggestion
+from .trial import AgvMove, GantryEntry, Job, PersonEntry, Start, Trial, TrialError
+
+
+def builtin_trials() -> tuple[str, ...]:
+    """The names of the trials that come with Floorwalker, sorted."""
+    files = resources.files(__package__).joinpath("data", "trials").iterdir()
+    return tuple(sorted(Path(f.name).stem for f in files if f.name.endswith(".yaml")))
+
+
+def load(source: str | Path) -> Trial:
+    """See `Trial.load`."""
+    text = str(source)
+    if text in builtin_trials():
+        data = resources.files(__package__).joinpath("data", "trials", f"{text}.yaml")
+        return parse(data.read_text(encoding="utf-8"), text, Path())
+    path = Path(source)
+    if not path.suffix and not path.exists():
+        message = f"no such file, nor a built-in trial; {suggestion(text, builtin_trials())}"
+        raise TrialError(text, [Problem(message)])
+    return _build(floorplan.read_yaml(path, TrialError), path.parent)
+
+
+def parse(text: str, file: str, folder: Path) -> Trial:
+    """See `Trial.parse`."""
+    return _build(floorplan.parse_yaml(text, file, TrialError), folder)
+
+
+class _PartPlaced(Strictly):
+    part: str | None = None
+    agv: str | None = None
+
+
+class _Start(Strictly):
+    time: Annotated[float, Strict(), Field(ge=0, allow_inf_nan=False)] | None = None
+    part_placed: _PartPlaced | None = None
+    order_submitted: str | None = None
+
+    @model_validator(mode="after")
+    def _one_condition(self) -> _Start:
+        if len(self.model_fields_set) != 1:
+            raise ValueError("give one of time, part_placed, order_submitted")
+        return self
+
+
+class _Person(Strictly):
+    name: Annotated[str, Field(min_length=1, pattern=r"^[A-Za-z][A-Za-z0-9_-]*$")]
+    personality: str = "indifferent"
+    start: _Start = _Start(time=0.0)
+    at: Pair | None = None
+    beliefs: list[str] = []
+    radius: Positive | None = None
+    max_speed: Positive | None = None
+    max_acceleration: Positive | None = None
+
+
+class _Job(Strictly):
+    move: tuple[Number, Number, Number] | None = None
+    wait: Positive | None = None
+    pick: str | None = None
+    place: str | None = None
+    part: str = "part"
+    submit: str | None = None
+
+    @model_validator(mode="after")
+    def _one_kind(self) -> _Job:
+        given = self.model_fields_set - {"part"}
+        if given not in ({"move"}, {"wait"}, {"pick", "place"}, {"submit"}):
+            raise ValueError("a job is one of move, wait, pick with place, or submit")
+        return self
+
+    def job(self) -> Job:
+        if self.move is not None:
+            return Job("move", target=self.move)
+        if self.wait is not None:
+            return Job("wait", seconds=self.wait)
+        if self.submit is not None:
+            return Job("submit", order=self.submit)
+        return Job("pick_place", pick=self.pick or "", place=self.place or "", part=self.part)
+
+
+class _Gantry(Strictly):
+    controller: str = "parked"
+    at: tuple[Number, Number, Number] | None = None
+    jobs: list[_Job] = []
+    repeat: Annotated[bool, Strict()] = False
+
+
+class _AgvMove(Strictly):
+    time: Annotated[float, Strict(), Field(ge=0, allow_inf_nan=False)]
+    to: str | Number
+
+
+class _Trial(Strictly):
+    name: str | None = None
+    floorplan: str
+    duration: Positive = 275.0
+    seed: Annotated[int, Strict(), Field(ge=0)] = 0
+    rules: str = "paper"
+    people: list[_Person] = []
+    gantry: _Gantry = _Gantry()
+    agvs: dict[str, list[_AgvMove]] = {}
+    expect: dict[str, Any] = {}
+
+
+def _build(document: Document, folder: Path) -> Trial:
+    schema = document.checked(_Trial, TrialError)
+    plan = _floorplan(schema.floorplan, folder, document)
+    trial = Trial(
+        floorplan=plan,
+        name=schema.name or Path(document.file).name.split(".")[0],
+        duration=schema.duration,
+        seed=schema.seed,
+        rules=RULE_SETS.get(schema.rules, PAPER),
+        people=tuple(_person(entry) for entry in schema.people),
+        gantry=GantryEntry(
+            schema.gantry.controller,
+            schema.gantry.at,
+            tuple(job.job() for job in schema.gantry.jobs),
+            schema.gantry.repeat,
+        ),
+        agvs={
+            name: tuple(AgvMove(move.time, move.to) for move in moves)
+            for name, moves in schema.agvs.items()
+        },
+        expect=schema.expect,
+        folder=folder,
+    )
+    problems = list(_problems(trial, schema, document))
+    if problems:
+        raise TrialError(document.file, problems)
+    return trial
+
+
+def _floorplan(name: str, folder: Path, document: Document) -> Floorplan:
+    if name in floorplan.builtin():
+        return floorplan.load(name)
+    path = folder / name
+    if not path.exists():
+        message = (
+            f"no such file, nor a built-in floorplan: {name!r};"
+            f" {suggestion(name, floorplan.builtin())}"
+        )
+        raise TrialError(document.file, [document.problem(message, "floorplan")])
+    return floorplan.load(path)
+
+
+def _person(entry: _Person) -> PersonEntry:
+    placed = entry.start.part_placed
+    return PersonEntry(
+        name=entry.name,
+        personality=entry.personality,
+        start=Start(
+            entry.start.time,
+            placed.model_dump(exclude_none=True) if placed else None,
+            entry.start.order_submitted,
+        ),
+        at=entry.at,
+        beliefs=tuple(entry.beliefs),
+        radius=entry.radius,
+        max_speed=entry.max_speed,
+        max_acceleration=entry.max_acceleration,
+    )
+
+
+def _problems(trial: Trial, schema: _Trial, document: Document) -> Iterator[Problem]:
+    """What keys and types can't tell: whether the things a trial names are there."""
+    plan = trial.floorplan
+    if schema.rules not in RULE_SETS:
+        message = f"no rule set is called {schema.rules!r}; {suggestion(schema.rules, RULE_SETS)}"
+        yield document.problem(message, "rules")
+    taken: set[str] = {"gantry", *(lane.name for lane in plan.lanes)}
+    for k, person in enumerate(trial.people):
+        yield from _person_problems(person, trial, document, k)
+        if person.name in taken:
+            message = f"another body is called {person.name!r} already"
+            yield document.problem(message, "people", k, "name")
+        taken.add(person.name)
+    yield from _gantry_problems(trial, document)
+    for name, moves in trial.agvs.items():
+        lanes = {lane.name: lane for lane in plan.lanes}
+        if name not in lanes:
+            message = f"no AGV is called {name!r}; {suggestion(name, lanes)}"
+            yield document.problem(message, "agvs", name)
+            continue
+        for k, move in enumerate(moves):
+            try:
+                lanes[name].lane_position(move.to)
+            except ValueError as why:
+                yield document.problem(str(why), "agvs", name, k, "to")
+            if k and move.time < moves[k - 1].time:
+                message = f"{move.time:g} s is before the move above it; put moves in order"
+                yield document.problem(message, "agvs", name, k, "time")
+    for message, key in expectation_problems(trial.expect):
+        yield document.problem(message, "expect", key)
+
+
+def _person_problems(
+    person: PersonEntry, trial: Trial, document: Document, k: int
+) -> Iterator[Problem]:
+    try:
+        find_program(person.personality, trial.folder)
+    except FileNotFoundError as why:
+        yield document.problem(str(why), "people", k, "personality")
+    if person.at is None and trial.floorplan.safe_zone is None:
+        message = "the floorplan has no safe zone to start in; give at: [x, y]"
+        yield document.problem(message, "people", k)
+    for j, belief in enumerate(person.beliefs):
+        try:
+            bdi.parse_literal(belief)
+        except bdi.ProgramError as why:
+            yield document.problem(f"is not a belief: {why}", "people", k, "beliefs", j)
+
+
+def _gantry_problems(trial: Trial, document: Document) -> Iterator[Problem]:
+    gantry, entry = trial.floorplan.gantry, trial.gantry
+    if gantry is None:
+        if "gantry" in document.data:
+            yield document.problem("the floorplan has no gantry", "gantry")
+        return
+    if entry.at is not None:
+        for fault in gantry.faults(entry.at):
+            yield document.problem(fault, "gantry", "at")
+    for k, job in enumerate(entry.jobs):
+        if job.kind == "move":
+            for fault in gantry.faults(job.target):
+                yield document.problem(fault, "gantry", "jobs", k, "move")
+        for key, place in (("pick", job.pick), ("place", job.place)):
+            if job.kind == "pick_place" and not _known_place(place, trial.floorplan):
+                message = f"no obstacle, station or AGV is called {place!r}"
+                yield document.problem(message, "gantry", "jobs", k, key)
+
+
+def _known_place(name: str, plan: Floorplan) -> bool:
+    names = [obstacle.name for obstacle in plan.obstacles]
+    names += [station.name for station in plan.stations]
+    names += [lane.name for lane in plan.lanes]
+    return name in names
