@@ -118,8 +118,9 @@ def read_yaml(path: Path, error: type[InputError]) -> Document:
 
 def parse_yaml(text: str, file: str, error: type[InputError]) -> Document:
     """The document in `text`, which stands in `file`; `error` if it isn't one."""
-    loader = yaml.SafeLoader(text)
+    loader = None
     try:
+        loader = yaml.SafeLoader(text)
         node = loader.get_single_node()
         if node is None:
             return Document(file, None, {(): 1})
@@ -133,10 +134,17 @@ def parse_yaml(text: str, file: str, error: type[InputError]) -> Document:
         reason = " ".join(part for part in (why.problem, why.context) if part)
         line = mark.line + 1 if mark else None
         raise error(file, [Problem(f"is not YAML: {reason}", line=line)]) from None
-    except (yaml.YAMLError, ValueError, RecursionError) as why:
+    except yaml.reader.ReaderError as why:
+        line = text.count("\n", 0, why.position) + 1
+        message = f"is not YAML: the character U+{why.character:04X} is not allowed"
+        raise error(file, [Problem(message, line=line)]) from None
+    except RecursionError:
+        raise error(file, [Problem("is not YAML: it is nested too deeply")]) from None
+    except (yaml.YAMLError, ValueError) as why:
         raise error(file, [Problem(f"is not YAML: {why}")]) from None
     finally:
-        loader.dispose()
+        if loader is not None:
+            loader.dispose()
 
 
 def _survey(

@@ -1,0 +1,177 @@
+"""Floorplan files: what is wrong with one is said all at once, with its place."""
+
+import subprocess
+import sys
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import floorplan
+
+ROOM = """\
+boundary: [[0, 0], [10, 0], [10, 8], [0, 8]]
+obstacles:
+  table: {x: [4, 6], y: [3, 5], z: [0, 1]}
+stations:
+  door: [1, 1]
+"""
+
+
+def problems(text):
+    with pytest.raises(floorplan.FloorplanError) as caught:
+        floorplan.parse(text, file="room.yaml")
+    return [str(problem) for problem in caught.value.problems]
+
+
+def test_a_small_room_is_enough():
+    plan = floorplan.parse(ROOM, file="room.yaml")
+    assert plan.name == "room"
+    assert plan.obstacles[0].footprint.area == 4.0
+    assert plan.patrol == ("door",)
+
+
+@pytest.mark.parametrize(
+    ("entry", "area"),
+    [
+        ("{x: [4, 6], y: [3, 5], z: [0, 1]}", 4.0),
+        ("{center: [5, 4], size: [2, 3], z: [0, 1]}", 6.0),
+        ("{polygon: [[4, 3], [6, 3], [5, 5]], z: [0, 1]}", 2.0),
+    ],
+)
+def test_a_footprint_can_be_given_in_several_ways(entry, area):
+    plan = floorplan.parse(ROOM.replace("{x: [4, 6], y: [3, 5], z: [0, 1]}", entry))
+    assert plan.obstacles[0].footprint.area == pytest.approx(area)
+
+
+def test_a_round_footprint_covers_its_disc():
+    text = ROOM.replace(
+        "{x: [4, 6], y: [3, 5], z: [0, 1]}", "{center: [5, 4], radius: 1, z: [0, 1]}"
+    )
+    footprint = floorplan.parse(text).obstacles[0].footprint
+    assert footprint.exterior.distance(floorplan_point(5, 4)) == pytest.approx(1.0)
+    assert footprint.area < 3.1416 * 1.01
+
+
+def floorplan_point(x, y):
+    from shapely.geometry import Point
+
+    return Point(x, y)
+
+
+def test_all_problems_come_at_once_each_with_its_line():
+    text = """\
+boundary: [[0, 0], [10, 0], [10, 8], [0, 8]]
+obstacles:
+  a: {x: [0, 1], z: [0, .nan]}
+  b: {x: [0, 1], y: [1, 0], z: [0, 1]}
+  c: {x: ['1m', 1], y: [0, 1], z: [0, 1]}
+stations: {s: [5, 5, 6]}
+human: {radius: -1}
+foo: 1
+"""
+    assert problems(text) == [
+        "line 3, obstacles.a.z[1]: expected a finite number, found nan",
+        "line 4, obstacles.b.y: must be [low, high] with low < high, found [1.0, 0.0]",
+        "line 5, obstacles.c.x[0]: expected a number, found '1m'",
+        "line 6, stations.s: expected a list of 2, found [5, 5, 6]",
+        "line 7, human.radius: expected more than 0, found -1",
+        "line 8, foo: unknown key (known are: agvs, boundary, gantry, human, name, obstacles,"
+        " patrol, safe_zone, source, stations, title)",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (("[10, 8], [0, 8]]", "[0, 8], [10, 8]]"), "is not a simple polygon: edges cross at [5 4]"),
+        (("[10, 0], [10, 8], [0, 8]]", "[5, 0], [10, 0]]"), "boundary"),
+        (("door: [1, 1]", "door: [5, 4]"), "is inside obstacle 'table'"),
+        (("door: [1, 1]", "door: [3.9, 4]"), "a person of radius 0.3 m does not fit"),
+        (("door: [1, 1]", "door: [11, 4]"), "is outside the boundary"),
+        (("door: [1, 1]", "door: [0.1, 4]"), "is 0.100 m from the boundary"),
+        (("  door: [1, 1]", "  door: [1, 1]\npatrol: [gate]"), "no station is called 'gate'"),
+        (("  door: [1, 1]", "  door: [1, 1]\n  door: [2, 2]"), "this key stands twice"),
+        (("y: [3, 5], z", "y: [3, 5], radius: 1, z"), "give the footprint as"),
+        (("boundary", "boundry"), "boundary: is missing"),
+    ],
+)
+def test_what_makes_no_sense_is_said(change, message):
+    assert any(message in problem for problem in problems(ROOM.replace(*change)))
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("boundary: [[0,0],[10,10],\na: : b", "line 2: is not YAML"),
+        ("", "expected keys with values, found nothing"),
+        ("[1, 2]", "expected keys with values, found a list"),
+        ("a: &x [*x]", "contains it"),
+        ("a: !!python/object:os.system {}", "is not YAML"),
+    ],
+)
+def test_text_that_is_no_floorplan(text, message):
+    assert any(message in problem for problem in problems(text))
+
+
+def test_aliases_that_multiply_are_refused():
+    bomb = "a0: &a0 [1]\n" + "".join(
+        f"a{k}: &a{k} [{', '.join([f'*a{k - 1}'] * 9)}]\n" for k in range(1, 12)
+    )
+    assert any("more than 1,000,000 values" in problem for problem in problems(bomb))
+
+
+@pytest.mark.parametrize(
+    ("source", "message"),
+    [
+        ("ariac", "did you mean 'ariac2023'?"),
+        ("nowhere.yaml", "there is no such file"),
+        ("nonsense", "built in are: ariac2023"),
+    ],
+)
+def test_a_floorplan_that_is_not_there(source, message):
+    with pytest.raises(floorplan.FloorplanError, match=message.replace("?", r"\?")):
+        floorplan.load(source)
+
+
+def test_a_file_that_is_not_text(tmp_path):
+    path = tmp_path / "room.yaml"
+    path.write_bytes(b"boundary: \xff\xfe")
+    with pytest.raises(floorplan.FloorplanError, match="is not UTF-8 text"):
+        floorplan.load(path)
+
+
+@settings(deadline=None)
+@given(st.text(max_size=200))
+def test_any_text_is_a_floorplan_or_an_error(text):
+    try:
+        floorplan.parse(text)
+    except floorplan.FloorplanError as error:
+        assert error.problems
+
+
+KEYS = st.sampled_from(
+    ["boundary", "obstacles", "stations", "patrol", "human", "agvs", "gantry", "x", "y", "z"]
+)
+VALUES = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),
+    lambda inner: st.lists(inner, max_size=4) | st.dictionaries(KEYS, inner, max_size=4),
+    max_leaves=12,
+)
+
+
+@settings(deadline=None)
+@given(st.dictionaries(KEYS, VALUES, max_size=5))
+def test_any_values_are_a_floorplan_or_an_error(values):
+    import yaml
+
+    try:
+        floorplan.parse(yaml.safe_dump(values))
+    except floorplan.FloorplanError as error:
+        assert error.problems
+
+
+def test_floorplan_imports_none_of_the_other_packages():
+    code = "import sys, floorplan; print({'navigation', 'bdi', 'sim'} & set(sys.modules))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "set()"
