@@ -45,3 +45,19 @@ class PlanningError(Exception):
 
     def __str__(self) -> str:
         return self.message
+
+
+@dataclass(frozen=True)
+class PlannerInfo:
+    """A planner that one can ask for by name."""
+
+    name: str
+    summary: str
+    optimal: bool
+    """Whether its ways approach the shortest one as its budget grows."""
+    refused: str = ""
+    """Why it can't be asked for, or empty."""
+    iterations: int = 0
+    """Its budget where no other is given."""
+    parameters: tuple[str, ...] = ()
+    """The names of what can be set."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import itertools
 import math
 from collections.abc import Collection, Mapping
@@ -14,7 +15,7 @@ from floorplan import Point
 from .bodies import Body
 from .freespace import STEP
 from .obstruction import blocked_place, cut_off
-from .path import Path, PlanningError, Reason
+from .path import Path, PlannerInfo, PlanningError, Reason
 from .roadmap import HAIR, Roadmap
 from .world import CollisionWorld
 
@@ -73,7 +74,7 @@ class PathPlanner:
                 raise ValueError(f"{ROADMAP} has no parameters, found {', '.join(parameters)}")
             way = self._shortest(leave, arrive)
         else:
-            raise ValueError(f"no planner is called {planner!r}")
+            way = self._sampled(leave, arrive, planner, parameters or {}, seed)
         if leave != a:
             way.insert(0, a)
         if arrive != b:
@@ -88,6 +89,28 @@ class PathPlanner:
         if known is None:
             known = self._roadmaps[step] = Roadmap(self.world.floor, self.radius, step)
         return known
+
+    def _sampled(
+        self, start: Point, goal: Point, name: str, parameters: Mapping[str, object], seed: int
+    ) -> list[Point]:
+        from .sampling import Question, sample_way
+
+        info = _planner(name)
+        keep = self.radius + _SLACK
+        low_x, low_y, high_x, high_y = self.world.plan.boundary.bounds
+
+        def free(a: Point, b: Point) -> bool:
+            return self.world.segment_free(a, b, keep, self.ignore)
+
+        question = Question(start, goal, (low_x, low_y), (high_x, high_y), free)
+        way = sample_way(question, info, parameters, seed)
+        if way is not None:
+            return way
+        reason = cut_off(self.world, start, goal, self.radius + HAIR, self.ignore)
+        if reason:
+            raise PlanningError("unreachable", reason)
+        message = f"{name} found no way within its budget; give it more iterations"
+        raise PlanningError("not_found", message)
 
     def _shortest(self, start: Point, goal: Point) -> list[Point]:
         if self.world.segment_free(start, goal, self.radius + _SLACK, self.ignore):
@@ -144,6 +167,25 @@ class PathPlanner:
         if footing is None or math.dist(place, footing) > 10 * TOO_CLOSE:
             raise PlanningError(reason, blocked_place(world, place, end, self.radius, ignore))
         return footing
+
+
+def planners() -> tuple[PlannerInfo, ...]:
+    """Every planner that `PathPlanner.plan` knows by name, the default one first."""
+    from .sampling import sampling_planners
+
+    default = PlannerInfo(ROADMAP, "the shortest way along the corners of what stands there", True)
+    return (default, *sampling_planners())
+
+
+def _planner(name: str) -> PlannerInfo:
+    known = {info.name: info for info in planners()}
+    if name not in known:
+        near = difflib.get_close_matches(name, known, 1, 0.5)
+        hint = f"did you mean {near[0]}?" if near else f"there are: {', '.join(known)}"
+        raise ValueError(f"no planner is called {name!r}; {hint}")
+    if known[name].refused:
+        raise ValueError(f"{name} can't be used: {known[name].refused}")
+    return known[name]
 
 
 def _place(at: ArrayLike, end: str) -> Point:
