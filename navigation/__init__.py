@@ -27,8 +27,8 @@ from .monitor import (
     when,
 )
 from .motion import Motion, Piece, State, join, standing
-from .path import Path, PlanningError
-from .planner import PathPlanner
+from .path import Path, PlannerInfo, PlanningError
+from .planner import PathPlanner, planners
 from .profiles import AxisLimits, AxisState
 from .separation import FixedDistance, Law, Scaled, SeparationLaw
 from .walk import can_go_on, corner_speed, remaining_path, stop_walking, walk
@@ -55,6 +55,7 @@ __all__ = [
     "Path",
     "PathPlanner",
     "Piece",
+    "PlannerInfo",
     "PlanningError",
     "Scaled",
     "SeparationLaw",
@@ -71,6 +72,7 @@ __all__ = [
     "join",
     "lane_state",
     "minimum_separation",
+    "planners",
     "remaining_path",
     "standing",
     "stop_walking",
