@@ -9,7 +9,7 @@ from bisect import bisect_right
 from floorplan import Gantry, Lane
 
 from .motion import Cubic, Motion, Piece, State, shift
-from .profiles import AxisLimits, AxisState, Phases, to_position, to_rest
+from .profiles import AxisLimits, AxisState, Phases, straight, to_position, to_rest
 
 GantryLimits = tuple[AxisLimits, AxisLimits, AxisLimits]
 """What the gantry's x, y and rotation can do."""
@@ -42,8 +42,12 @@ def gantry_move(
     `current` is where the gantry stands, or its `State` if it moves: position, velocity and
     acceleration go on without a jump. The axes arrive together, and from rest go straight.
     """
-    axes = _axis_states(current)
-    return _along_axes(to_position(axes, [AxisState(c) for c in target], limits), start)
+    if not isinstance(current, State):
+        return _along_axes(straight(current, target, limits), start)
+    if not (any(current.velocity) or any(current.acceleration)):
+        return _along_axes(straight(current.position, target, limits), start)
+    targets = [AxisState(c) for c in target]
+    return _along_axes(to_position(_axis_states(current), targets, limits), start)
 
 
 def gantry_stop(current: State, start: float, *, limits: GantryLimits = ARIAC_GANTRY) -> Motion:
@@ -79,10 +83,8 @@ def lane_state(lane: Lane, state: State) -> AxisState:
     return AxisState(q, vx * c + vy * s, ax * c + ay * s)
 
 
-def _axis_states(current: tuple[float, float, float] | State) -> list[AxisState]:
-    if isinstance(current, State):
-        return [AxisState(*axis) for axis in zip(*current, strict=True)]
-    return [AxisState(c) for c in current]
+def _axis_states(current: State) -> list[AxisState]:
+    return [AxisState(*axis) for axis in zip(*current, strict=True)]
 
 
 def _along_axes(axes: list[Phases], start: float) -> Motion:

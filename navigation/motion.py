@@ -179,7 +179,7 @@ def join(motions: Iterable[Motion], *, end: float | None = None) -> Motion:
             _stand_until(pieces, motion.start)
             if _gap(pieces[-1], motion.pieces[0]) > JUMP_TOLERANCE:
                 jumps.add(motion.start)
-        pieces += [piece for piece in motion.pieces if piece.end > piece.begin or not pieces]
+        pieces += motion.pieces
         jumps |= motion.jumps
     if end is not None:
         _stand_until(pieces, end)
@@ -196,6 +196,8 @@ def _stand_until(pieces: list[Piece], t: float) -> None:
     elif last.end < t:
         u = last.end - last.begin
         at = (value(last.x, u), value(last.y, u), value(last.rotation, u))
+        if u == 0.0:
+            pieces.pop()
         pieces.append(still(at, last.end, t))
 
 

@@ -40,6 +40,9 @@ class AxisState:
     acceleration: float = 0.0
 
 
+NOWHERE = 1e-9
+"""Metres or radians. A way shorter than this is none."""
+
 Phases = list[tuple[float, Cubic]]
 """The duration of each phase of one axis (seconds), and its cubic."""
 
@@ -49,15 +52,42 @@ def to_position(
 ) -> list[Phases]:
     """The fastest way from `current` to `target`, all axes arriving together.
 
-    From rest to rest the axes keep in step (the body goes straight). `ValueError` if there is
-    no such way.
+    `ValueError` if there is no such way.
     """
     task = _task(current, limits)
     task.target_position = [state.position for state in target]
     task.target_velocity = [state.velocity for state in target]
     task.target_acceleration = [state.acceleration for state in target]
-    task.synchronization = ruckig.Synchronization.Phase
     return _solve(task)
+
+
+def straight(
+    current: Sequence[float], target: Sequence[float], limits: Sequence[AxisLimits]
+) -> list[Phases]:
+    """The fastest way from rest to rest on which all axes keep in step: a straight line.
+
+    The way is one axis of its own, as long as the longest span, with the limits that all axes
+    leave it.
+    """
+    spans = [b - a for a, b in zip(current, target, strict=True)]
+    length = max(abs(span) for span in spans)
+    if length < NOWHERE:
+        return [[(0.0, (a, 0.0, 0.0, 0.0))] for a in current]
+    shares = [span / length for span in spans]
+    moving = [(abs(share), axis) for share, axis in zip(shares, limits, strict=True) if share]
+    shared = AxisLimits(
+        min(axis.max_speed / share for share, axis in moving),
+        min(axis.max_acceleration / share for share, axis in moving),
+        min(axis.max_jerk / share for share, axis in moving),
+    )
+    (way,) = to_position([AxisState(0.0)], [AxisState(length)], [shared])
+    return [
+        [
+            (duration, (a + share * s[0], share * s[1], share * s[2], share * s[3]))
+            for duration, s in way
+        ]
+        for a, share in zip(current, shares, strict=True)
+    ]
 
 
 def to_rest(current: Sequence[AxisState], limits: Sequence[AxisLimits]) -> list[Phases]:

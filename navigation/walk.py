@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .motion import Cubic, Motion, Piece, State, standing, value
-from .profiles import AxisLimits, AxisState, to_position
+from .profiles import NOWHERE, AxisLimits, AxisState, to_position
 
 MAX_SPEED = 1.0
 """m/s. A person's top speed where nothing else is said."""
@@ -71,14 +71,14 @@ def walk(
 def stop_walking(motion: Motion, t: float, *, max_acceleration: float = MAX_ACCELERATION) -> Motion:
     """A walk broken off at `t` (seconds): it brakes at `max_acceleration` along its own path."""
     state = motion.state(t)
-    if state.speed == 0.0:
+    braking = state.speed**2 / (2 * max_acceleration * (1 - _HAIR))
+    if braking < NOWHERE:
         x, y, heading = state.position
         return standing((x, y), heading=heading, start=t)
-    braking = state.speed**2 / (2 * max_acceleration * (1 - _HAIR))
     return walk(
         _first(remaining_path(motion, t), braking),
         t,
-        max_speed=max(state.speed, _HAIR),
+        max_speed=state.speed,
         max_acceleration=max_acceleration,
         initial_speed=state.speed,
     )
@@ -117,7 +117,7 @@ def corner_speed(
     if turn > math.pi - 1e-9:
         return 0.0
     half = math.cos(turn / 2)
-    by_deviation = CORNER_DEVIATION * half / (1 - half)
+    by_deviation = CORNER_DEVIATION * half / (2 * math.sin(turn / 4) ** 2)
     by_length = min(math.hypot(ux, uy), math.hypot(wx, wy)) / 2 / math.tan(turn / 2)
     return math.sqrt(max_acceleration * min(by_deviation, by_length))
 
@@ -163,7 +163,7 @@ def _corners(points: ArrayLike) -> list[Corner]:
         raise ValueError("a path needs finite points")
     corners: list[Corner] = []
     for x, y in array.tolist():
-        if corners and math.dist(corners[-1], (x, y)) < 1e-9:
+        if corners and math.dist(corners[-1], (x, y)) < NOWHERE:
             continue
         if len(corners) > 1 and _straight(corners[-2], corners[-1], (x, y)):
             corners.pop()

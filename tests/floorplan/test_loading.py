@@ -4,8 +4,9 @@ import subprocess
 import sys
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
+from shapely.geometry import Point
 
 import floorplan
 
@@ -49,14 +50,8 @@ def test_a_round_footprint_covers_its_disc():
         "{x: [4, 6], y: [3, 5], z: [0, 1]}", "{center: [5, 4], radius: 1, z: [0, 1]}"
     )
     footprint = floorplan.parse(text).obstacles[0].footprint
-    assert footprint.exterior.distance(floorplan_point(5, 4)) == pytest.approx(1.0)
+    assert footprint.exterior.distance(Point(5, 4)) == pytest.approx(1.0)
     assert footprint.area < 3.1416 * 1.01
-
-
-def floorplan_point(x, y):
-    from shapely.geometry import Point
-
-    return Point(x, y)
 
 
 def test_all_problems_come_at_once_each_with_its_line():
@@ -141,7 +136,6 @@ def test_a_file_that_is_not_text(tmp_path):
         floorplan.load(path)
 
 
-@settings(deadline=None)
 @given(st.text(max_size=200))
 def test_any_text_is_a_floorplan_or_an_error(text):
     try:
@@ -160,7 +154,6 @@ VALUES = st.recursive(
 )
 
 
-@settings(deadline=None)
 @given(st.dictionaries(KEYS, VALUES, max_size=5))
 def test_any_values_are_a_floorplan_or_an_error(values):
     import yaml

@@ -1,0 +1,21 @@
+"""What all tests share: the real data beside the repository, and how hypothesis runs."""
+
+import os
+from pathlib import Path
+
+import pytest
+from hypothesis import settings
+
+settings.register_profile("default", deadline=None, derandomize=True, print_blob=True)
+settings.register_profile("thorough", deadline=None, max_examples=3000)
+settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "default"))
+
+SHARED = Path(__file__).resolve().parents[2] / "shared" / "data"
+
+
+@pytest.fixture
+def shared_data():
+    """The folder with real trial files, maps and agent traces; skips where it is missing."""
+    if not SHARED.is_dir():
+        pytest.skip("the real data (../shared/data) are not beside this repository")
+    return SHARED
