@@ -6,12 +6,14 @@ it can be compared with what is computed here.
 
 from __future__ import annotations
 
+import itertools
 import math
 from bisect import bisect_right
 
 import floorplan
 
 DURATION = 275.0
+DISABLED = 8.0
 LAW = {"t1": 1.0, "t2": 1.5, "stopping": 0.0, "intrusion": 1.0}
 SAFE_ZONE = (-15.0, -10.0)
 SAFE_HEADING = math.pi
@@ -22,8 +24,15 @@ PATROL = {
     "station1": [(-9.0, 4.3), (-6.4, 4.3), (-5.0, 3.75)],
     "station3": [(-5.0, -3.75)],
 }
-SECOND_ROUND = {"station4": [(-6.4, -4.3), (-9.0, -4.3), (-10.8, -3.75)]}
-WAREHOUSE_ROUND = [(-15.2, -8.6), (-14.5, 0.0), (-14.8, 8.0)]
+AGAIN = {"station4": [(-6.4, -4.3), (-9.0, -4.3), (-10.8, -3.75)]}
+"""The ways of the second round and later, where they differ."""
+
+AGV_MOVES = {
+    "agv1": [(75.0, "assembly_front"), (180.0, "kitting")],
+    "agv2": [(140.0, "assembly_back")],
+    "agv3": [(215.0, "warehouse")],
+    "agv4": [(250.0, "assembly_front")],
+}
 
 
 class Track:
@@ -45,10 +54,29 @@ class Track:
         """Somewhere else at once."""
         self.at, self.heading = at, heading
 
+    def cut(self, t):
+        """Forget what comes after `t`."""
+        self.pieces = [piece for piece in self.pieces if piece[0] < t]
+        self.pieces[-1][1] = min(t, self.pieces[-1][1])
+        x, y, self.heading, *_ = pose(self.pieces, t)
+        self.t, self.at = t, (x, y)
+
+    def brake(self, acceleration):
+        """To a stop, straight on."""
+        x, y, heading, vx, vy = before(self.pieces, self.t)
+        speed = math.hypot(vx, vy)
+        if speed == 0.0:
+            return
+        end = self.t + speed / acceleration
+        slow = -acceleration / (2 * speed)
+        self.pieces.append([self.t, end, [x, vx, slow * vx], [y, vy, slow * vy], [heading]])
+        x, y, *_ = pose(self.pieces, end)
+        self.t, self.at = end, (x, y)
+
     def follow(self, points, *, speed, acceleration):
         """Along straight lines, from rest to rest without slowing at corners; turned ahead."""
         corners = [self.at, *points]
-        lengths = [math.dist(a, b) for a, b in zip(corners, corners[1:], strict=False)]
+        lengths = [math.dist(a, b) for a, b in itertools.pairwise(corners)]
         phases = trapezoid(sum(lengths), speed, acceleration)
         done = 0.0
         for a, b, length in zip(corners, corners[1:], lengths, strict=False):
@@ -120,9 +148,18 @@ def time_at(way, v, a):
 
 def pose(pieces, t):
     """x, y, rotation, vx, vy at `t`: the meaning of a recorded motion, said once more."""
-    index = bisect_right([piece[0] for piece in pieces], t) - 1
-    begin, end, *axes = pieces[max(index, 0)]
-    moving = index >= 0 and t < end
+    index = bisect_right(pieces, t, key=lambda piece: piece[0]) - 1
+    piece = pieces[max(index, 0)]
+    return evaluate(piece, t, moving=piece[0] <= t < piece[1])
+
+
+def before(pieces, t):
+    """The same just before `t`, where the last piece ends."""
+    return evaluate(pieces[-1], t, moving=True)
+
+
+def evaluate(piece, t, *, moving):
+    begin, end, *axes = piece
     u = min(max(t, begin), end) - begin
     x, y, rotation = (sum(c * u**k for k, c in enumerate(axis)) for axis in axes)
     vx, vy = (
@@ -168,12 +205,12 @@ def violations(person, other, law, *, step=0.05):
     return found
 
 
-def gantry_track(parked=None):
-    """Jobs between bins and AGVs; standing from `parked[0]` to `parked[1]` if given."""
+def gantry_track(stops):
+    """Jobs between bins and AGVs; at each of `stops` it brakes, and stands for DISABLED seconds."""
     jobs = [
         (8.0, (-2.6, 2.0), 0.0),
-        (20.0, (-3.4, 4.4), 1.2),
-        (34.0, (-5.2, 1.2), math.pi / 2),
+        (20.0, (-4.4, 4.2), 1.2),
+        (37.0, (-5.2, 1.2), math.pi / 2),
         (60.0, (-4.4, 0.6), 2.2),
         (95.0, (-2.8, -2.6), -math.pi / 2),
         (120.0, (-3.4, -4.6), 0.0),
@@ -183,167 +220,162 @@ def gantry_track(parked=None):
     ]
     track = Track((-7.0, 0.0))
     for start, to, rotation in jobs:
-        if parked and parked[0] <= start < parked[1]:
-            continue
         track.wait(start)
         track.shift(to, rotation)
+        for stop in stops:
+            if start <= stop < track.t:
+                track.cut(stop)
+                track.brake(0.5)
+        track.wait(max((stop + DISABLED for stop in stops if stop < track.t), default=0.0))
     return track
 
 
-def person_track(caught=None):
-    """The patrol; put into the safe zone at `caught`, from where it begins again."""
-    events = []
-    track = Track(SAFE_ZONE, SAFE_HEADING)
-
-    def walk(station, points):
-        events.append({"t": track.t, "kind": "goal", "person": "operator", "station": station})
+def person_track(name, start, heading, caught=math.inf, begin=2.0):
+    """The patrol from `begin`; put into the safe zone at `caught`, from where it begins again."""
+    track = Track(start, heading)
+    events = [{"t": begin, "kind": "human_started", "person": name}]
+    patrol = [*PATROL.items()]
+    track.wait(begin)
+    while track.t < DURATION:
+        station, points = patrol.pop(0)
+        event = {"person": name, "station": station, "at": points[-1]}
+        events.append({"t": track.t, "kind": "goal", **event})
         track.follow(points, speed=1.0, acceleration=2.5)
-        events.append({"t": track.t, "kind": "arrived", "person": "operator", "station": station})
+        if caught < track.t:
+            track.cut(caught)
+            events.append(
+                {"t": caught, "kind": "teleport", "person": name, "to": SAFE_ZONE}
+                | {"reason": "gantry_disabled"}
+            )
+            track.put(SAFE_ZONE, SAFE_HEADING)
+            track.wait(caught + DISABLED)
+            patrol = [*PATROL.items()]
+            caught = math.inf
+            continue
+        events.append({"t": track.t, "kind": "arrived", **event})
         track.wait(track.t + 3.0)
-
-    track.wait(2.0)
-    for station, points in PATROL.items():
-        walk(station, points)
-    if caught is None:
-        return track, events
-    cut(track, caught)
-    events = [event for event in events if event["t"] <= caught]
-    track.put(SAFE_ZONE, SAFE_HEADING)
-    track.wait(caught + 8.0)
-    for station, points in (PATROL | SECOND_ROUND).items():
-        if station != "station4":
-            walk(station, points)
-    walk("station4", SECOND_ROUND["station4"])
-    walk("station2", PATROL["station2"])
-    cut(track, DURATION)
+        patrol.append((station, AGAIN.get(station, points)))
+    track.cut(DURATION)
     return track, [event for event in events if event["t"] <= DURATION]
 
 
-def cut(track, t):
-    """Forget what comes after `t`."""
-    track.pieces = [piece for piece in track.pieces if piece[0] < t]
-    track.pieces[-1][1] = min(t, track.pieces[-1][1])
-    x, y, heading, *_ = pose(track.pieces, t)
-    track.t, track.at, track.heading = t, (x, y), heading
-
-
 def agv_track(lane, moves):
-    events = []
     track = Track(lane.position(lane.locations[lane.start]), lane.heading)
+    events = []
     for start, location in moves:
         track.wait(start)
-        events.append({"t": start, "kind": "agv_moved", "agv": lane.name, "to": location})
-        heading = track.heading
         track.follow([lane.position(lane.locations[location])], speed=2.0, acceleration=2.0)
-        for piece in track.pieces:
-            piece[4] = [heading]
-        track.heading = heading
+        track.heading = lane.heading
+        events.append({"t": start, "kind": "agv_moved", "agv": lane.name, "to": location})
+    for piece in track.pieces:
+        piece[4] = [lane.heading]
     return track, events
 
 
-AGV_MOVES = {
-    "agv1": [(75.0, "assembly_front"), (180.0, "kitting")],
-    "agv2": [(140.0, "assembly_back")],
-    "agv3": [(215.0, "warehouse")],
-    "agv4": [(250.0, "assembly_front")],
-}
-
-
-def recording():
-    """The sample, in the form that `sim.replay.render` takes."""
+def recording(*, visitor=False):
+    """The sample, in the form that `sim.replay.render` takes; with a second person if asked for."""
     plan = floorplan.load("ariac2023")
-    walker, _ = person_track()
-    caught = violations(walker.pieces, gantry_track().pieces, LAW)[0][0]
-    walker, walked = person_track(caught)
-    gantry = gantry_track((caught - 10.0, caught + 8.0))
-    motions = {"operator": walker.pieces, "gantry": gantry.pieces}
-    events = [
-        {"t": 0.0, "kind": "trial_started"},
-        {"t": 2.0, "kind": "human_started", "person": "operator"},
-        *walked,
-        {"t": DURATION, "kind": "trial_ended"},
+    walker, _ = person_track("operator", SAFE_ZONE, SAFE_HEADING)
+    first = violations(walker.pieces, gantry_track([]).pieces, LAW)[0][0]
+    walker, events = person_track("operator", SAFE_ZONE, SAFE_HEADING, caught=first)
+    later = violations(walker.pieces, gantry_track([first]).pieces, LAW)
+    second = next(begin for begin, _ in later if begin > first + DISABLED)
+    gantry = gantry_track([first, second])
+
+    motions = {"operator": walker.pieces}
+    bodies = [
+        {"name": "operator", "kind": "person", "radius": 0.3, "personality": "indifferent"},
     ]
+    if visitor:
+        track, visits = person_track("visitor", (-12.0, -8.0), 0.0, begin=15.0)
+        motions["visitor"] = track.pieces
+        events += visits
+        bodies.append({"name": "visitor", "kind": "person", "radius": 0.3, "personality": "calm"})
+    size = {"length": 1.05, "width": 0.95, "reach": 0.9, "mount": 0.51}
+    bodies.append({"name": "gantry", "kind": "gantry", **size})
+    motions["gantry"] = gantry.pieces
     for lane in plan.lanes:
         track, moved = agv_track(lane, AGV_MOVES[lane.name])
         motions[lane.name] = track.pieces
         events += moved
-    for t, part, place in ((46.0, "red pump", "agv2"), (130.0, "blue battery", "agv4")):
-        events.append({"t": t, "kind": "job_done", "part": part, "place": place})
-    events.append({"t": 178.0, "kind": "order_submitted", "order": "MMB30521"})
-
-    watches = []
-    for other in motions:
-        if other == "operator":
-            continue
-        law = LAW if other == "gantry" else {"distance": 2.1}
-        found = violations(walker.pieces, motions[other], law)
-        if other == "gantry":
-            found = sorted([*found, [caught - 0.4, caught]])
-        watches.append(
-            {
-                "person": "operator",
-                "other": other,
-                "law": law,
-                "notice": 2.0 if other == "gantry" else None,
-                "notice_cap": None,
-                "violations": found,
-            }
+        bodies.append(
+            {"name": lane.name, "kind": "agv", "length": lane.length, "width": lane.width}
         )
-    distance, required = separation(walker.pieces, gantry.pieces, LAW, caught - 1e-9)
-    events += [
-        {"t": caught - 3.0, "kind": "gantry_detected", "person": "operator", "with": "gantry"},
-        {
-            "t": caught,
-            "kind": "violation",
-            "person": "operator",
-            "with": "gantry",
-            "distance": distance,
-            "required": required,
-            "penalty": True,
-        },
-        {"t": caught, "kind": "gantry_disabled"},
-        {"t": caught, "kind": "teleport", "person": "operator", "to": list(SAFE_ZONE)},
-        {"t": caught + 8.0, "kind": "gantry_enabled"},
+
+    people = [body["name"] for body in bodies if body["kind"] == "person"]
+    watches = [
+        watch(person, other, motions)
+        for person in people
+        for other in motions
+        if other not in people
     ]
-    events.sort(key=lambda event: event["t"])
+    for t in (first, second):
+        distance, required = separation(walker.pieces, gantry.pieces, LAW, t - 1e-9)
+        figures = {"distance": distance, "required": required}
+        events += [
+            {"t": t, "kind": "violation", "person": "operator", "with": "gantry"}
+            | {"penalty": True, **figures},
+            {"t": t, "kind": "gantry_disabled", "seconds": DISABLED},
+            {"t": t + DISABLED, "kind": "gantry_enabled"},
+        ]
+    events += [
+        {"t": 0.0, "kind": "trial_started"},
+        {"t": first - 3.0, "kind": "gantry_detected", "person": "operator"},
+        {"t": 130.0, "kind": "job_done", "job": "pick_place", "part": "blue battery"}
+        | {"from": "bin2", "to": "agv4"},
+        {"t": 178.0, "kind": "order_submitted", "order": "MMB30521"},
+        {"t": DURATION, "kind": "trial_ended"},
+    ]
+    order = ("trial_started", "violation", "gantry_disabled")
+    events.sort(key=lambda e: (e["t"], e["kind"] not in order, e["kind"] == "trial_ended"))
     return {
         "format": "floorwalker-replay/1",
-        "title": "ariac2023 · antagonistic",
+        "title": "ariac2023 · sample",
         "duration": DURATION,
-        "summary": {
-            "duration": DURATION,
-            "penalties": 1,
-            "agv_teleports": 0,
-            "gantry_disabled_time": 8.0,
-            "minimum_separation": {"distance": distance, "time": caught, "required": required},
-            "people": {
-                "operator": {
-                    "visits": [e["station"] for e in events if e["kind"] == "arrived"],
-                    "distance_walked": 83.21,
-                    "time_standing": 120.4,
-                    "replans": 0,
-                }
-            },
-        },
+        "summary": summary(events, motions),
         "floorplan": describe(plan),
-        "bodies": [
-            {"name": "operator", "kind": "person", "radius": 0.3, "personality": "antagonistic"},
-            {
-                "name": "gantry",
-                "kind": "gantry",
-                "length": 1.05,
-                "width": 0.95,
-                "reach": 0.9,
-                "mount": 0.51,
-            },
-            *(
-                {"name": lane.name, "kind": "agv", "length": lane.length, "width": lane.width}
-                for lane in plan.lanes
-            ),
-        ],
+        "bodies": bodies,
         "motions": motions,
         "events": events,
         "watches": watches,
+    }
+
+
+def watch(person, other, motions):
+    law = LAW if other == "gantry" else {"distance": 2.1}
+    found = violations(motions[person], motions[other], law)
+    notice = {"notice": 2.0, "notice_cap": None} if other == "gantry" else {}
+    return {"person": person, "other": other, "law": law, **notice, "violations": found}
+
+
+def summary(events, motions):
+    times = [k * 0.05 for k in range(round(DURATION / 0.05))]
+    person, gantry = motions["operator"], motions["gantry"]
+    apart = {t: separation(person, gantry, LAW, t) for t in times}
+    nearest = min(apart, key=lambda t: apart[t][0])
+    speeds = [math.hypot(*pose(person, t)[3:]) for t in times]
+    return {
+        "duration": DURATION,
+        "penalties": sum(event["kind"] == "violation" for event in events),
+        "agv_teleports": 0,
+        "gantry_disabled_time": DISABLED * sum(e["kind"] == "gantry_disabled" for e in events),
+        "minimum_separation": {
+            "time": nearest,
+            "distance": apart[nearest][0],
+            "required": apart[nearest][1],
+        },
+        "people": {
+            "operator": {
+                "visits": [
+                    event["station"]
+                    for event in events
+                    if event["kind"] == "arrived" and event["person"] == "operator"
+                ],
+                "distance_walked": 0.05 * sum(speeds),
+                "time_standing": 0.05 * sum(speed == 0.0 for speed in speeds),
+                "replans": 0,
+            }
+        },
     }
 
 
