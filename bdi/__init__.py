@@ -1,0 +1,46 @@
+"""What a person wants: an AgentSpeak interpreter in the dialect of Jason.
+
+```python
+program = bdi.parse_file("human.asl")
+agent = bdi.Agent(program, beliefs=["helpful"], act=my_action)
+agent.add_percept("human_start")
+agent.advance(12.5)
+```
+"""
+
+from .agent import PENDING, Agent, Pending
+from .errors import EndlessProgramError, Problem, ProgramError
+from .history import Entry, History
+from .internal_actions import Call, InternalAction, InternalActions
+from .loading import load, parse, parse_file, programs
+from .parser import parse_literal, parse_term
+from .program import Plan, Program
+from .society import Society
+from .terms import Literal, Term, Var, text
+
+__all__ = [
+    "PENDING",
+    "Agent",
+    "Call",
+    "EndlessProgramError",
+    "Entry",
+    "History",
+    "InternalAction",
+    "InternalActions",
+    "Literal",
+    "Pending",
+    "Plan",
+    "Problem",
+    "Program",
+    "ProgramError",
+    "Society",
+    "Term",
+    "Var",
+    "load",
+    "parse",
+    "parse_file",
+    "parse_literal",
+    "parse_term",
+    "programs",
+    "text",
+]

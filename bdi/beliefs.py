@@ -1,0 +1,216 @@
+"""The belief base: beliefs and rules, in order, found by functor and first argument."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from .order import sorted_annots
+from .program import Rule
+from .terms import FROM_PERCEPT, Literal, Term, Var, is_ground
+from .unify import Unifier, substitute_literal, unify, walk
+
+Key = tuple[str, int, bool]
+
+
+def has_source(literal: Literal) -> bool:
+    return any(isinstance(annot, Literal) and annot.functor == "source" for annot in literal.annots)
+
+
+class _Entry:
+    """One belief or rule and its rank: the lower, the earlier it is tried."""
+
+    __slots__ = ("clause", "rank")
+
+    def __init__(self, clause: Literal | Rule, rank: int) -> None:
+        self.clause = clause
+        self.rank = rank
+
+
+class Shelf:
+    """The beliefs and rules of one functor and arity."""
+
+    def __init__(self) -> None:
+        self.rules = 0
+        self._entries: dict[object, _Entry] = {}
+        self._by_first: dict[Term, dict[object, _Entry]] = {}
+        self._loose: dict[object, _Entry] = {}
+        self._front = 0
+        self._back = 0
+        self._ordered: tuple[Literal | Rule, ...] | None = None
+
+    def __len__(self) -> int:
+        return len(self._entries)
+
+    def find(self, args: tuple[Term, ...]) -> Literal | None:
+        entry = self._entries.get(args)
+        return entry.clause if entry is not None and isinstance(entry.clause, Literal) else None
+
+    def replace(self, belief: Literal) -> None:
+        self._entries[belief.args].clause = belief
+        self._ordered = None
+
+    def add(self, clause: Literal | Rule, *, at_end: bool = False) -> None:
+        if at_end:
+            self._back += 1
+            entry = _Entry(clause, self._back)
+        else:
+            self._front -= 1
+            entry = _Entry(clause, self._front)
+        key: object
+        if isinstance(clause, Rule):
+            key = (None, entry.rank)
+            self.rules += 1
+            self._loose[key] = entry
+        else:
+            key = clause.args
+            if clause.args and is_ground(clause.args[0]):
+                self._by_first.setdefault(clause.args[0], {})[key] = entry
+            else:
+                self._loose[key] = entry
+        self._entries[key] = entry
+        self._ordered = None
+
+    def remove(self, args: tuple[Term, ...]) -> None:
+        del self._entries[args]
+        self._ordered = None
+        if args and is_ground(args[0]):
+            bucket = self._by_first[args[0]]
+            del bucket[args]
+            if not bucket:
+                del self._by_first[args[0]]
+        else:
+            del self._loose[args]
+
+    def candidates(self, query: Literal, u: Unifier) -> tuple[Literal | Rule, ...]:
+        """What may answer a query, in order."""
+        if len(self._entries) > 4 and query.args:
+            first = walk(query.args[0], u)
+            if first.__class__ is float or first.__class__ is str or is_ground(first):
+                return self._with_first(first)
+        if self._ordered is None:
+            self._ordered = _in_order(self._entries)
+        return self._ordered
+
+    def _with_first(self, first: Term) -> tuple[Literal | Rule, ...]:
+        bucket = self._by_first.get(first)
+        if bucket is None:
+            return _in_order(self._loose) if self._loose else ()
+        if not self._loose:
+            return _in_order(bucket)
+        return _in_order({**bucket, **self._loose})
+
+
+def _in_order(entries: dict[object, _Entry]) -> tuple[Literal | Rule, ...]:
+    if len(entries) == 1:
+        return tuple(entry.clause for entry in entries.values())
+    return tuple(e.clause for e in sorted(entries.values(), key=lambda entry: entry.rank))
+
+
+class BeliefBase:
+    def __init__(self) -> None:
+        self._shelves: dict[Key, Shelf] = {}
+        self.percepts: dict[Literal, Literal] = {}
+
+    def __iter__(self) -> Iterator[Literal]:
+        """The beliefs, without the rules."""
+        for shelf in self._shelves.values():
+            for clause in _in_order(shelf._entries):
+                if isinstance(clause, Literal):
+                    yield clause
+
+    def __len__(self) -> int:
+        return sum(len(shelf) - shelf.rules for shelf in self._shelves.values())
+
+    def shelf(self, key: Key) -> Shelf | None:
+        return self._shelves.get(key)
+
+    def all_clauses(self) -> tuple[Literal | Rule, ...]:
+        return tuple(c for shelf in self._shelves.values() for c in _in_order(shelf._entries))
+
+    def rules(self, key: Key) -> list[Rule]:
+        shelf = self._shelves.get(key)
+        if shelf is None:
+            return []
+        return [c for c in _in_order(shelf._loose) if isinstance(c, Rule)]
+
+    def find(self, literal: Literal) -> Literal | None:
+        """The belief that equals a literal but for annotations, with all of its own."""
+        shelf = self._shelves.get(literal.key)
+        return None if shelf is None else shelf.find(literal.args)
+
+    def add_rule(self, rule: Rule) -> None:
+        self._shelves.setdefault(rule.head.key, Shelf()).add(rule)
+
+    def add(self, literal: Literal, *, at_end: bool = False) -> Literal | None:
+        """Adds a belief, or annotations to one. What is new of it, or None when nothing is."""
+        shelf = self._shelves.get(literal.key)
+        if shelf is None:
+            shelf = self._shelves[literal.key] = Shelf()
+        known = shelf.find(literal.args)
+        if known is None:
+            shelf.add(literal, at_end=at_end)
+            if FROM_PERCEPT in literal.annots:
+                self.percepts[literal.without_annots()] = literal
+            return literal
+        added = tuple(annot for annot in literal.annots if annot not in known.annots)
+        if not added:
+            return None
+        shelf.replace(known.with_annots(sorted_annots(known.annots + added)))
+        if FROM_PERCEPT in added:
+            self.percepts[literal.without_annots()] = literal
+        return literal.with_annots(added)
+
+    def remove(self, literal: Literal, u: Unifier) -> Literal | None:
+        """Takes annotations off a belief, and the belief when no source is left.
+
+        A literal that is not believed as it stands but has variables takes the
+        first belief it unifies with, and binds them in `u`. The literal that
+        was removed, or None when nothing was.
+        """
+        shelf = self._shelves.get(literal.key)
+        if shelf is None:
+            return None
+        known = shelf.find(literal.args)
+        if known is not None and all(annot in known.annots for annot in literal.annots):
+            if not literal.annots:
+                return None
+            self._strip(shelf, known, literal.annots)
+            return literal
+        if literal.ground:
+            return None
+        for belief in shelf.candidates(literal, u):
+            if not isinstance(belief, Literal):
+                continue
+            attempt = dict(u)
+            if unify(literal, belief, attempt):
+                u.update(attempt)
+                removed = substitute_literal(literal, u)
+                return removed if self._strip(shelf, belief, removed.annots) else None
+        return None
+
+    def _strip(self, shelf: Shelf, belief: Literal, annots: tuple[Term, ...]) -> bool:
+        """Takes annotations off; whether the belief went with its last source."""
+        left = belief.with_annots(tuple(a for a in belief.annots if a not in annots))
+        if FROM_PERCEPT in belief.annots and FROM_PERCEPT not in left.annots:
+            self.percepts.pop(belief.without_annots(), None)
+        if has_source(left):
+            shelf.replace(left)
+            return False
+        shelf.remove(belief.args)
+        if not len(shelf):
+            del self._shelves[belief.key]
+        return True
+
+    def matching(self, pattern: Literal | Var, u: Unifier) -> list[Literal]:
+        """The beliefs that unify with a pattern; no pattern's bindings bear on another's."""
+        clauses: tuple[Literal | Rule, ...]
+        if isinstance(pattern, Literal):
+            shelf = self._shelves.get(pattern.key)
+            clauses = () if shelf is None else shelf.candidates(pattern, u)
+        else:
+            clauses = self.all_clauses()
+        return [
+            clause
+            for clause in clauses
+            if isinstance(clause, Literal) and unify(pattern, clause, dict(u))
+        ]

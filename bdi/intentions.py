@@ -1,0 +1,166 @@
+"""Intentions: stacks of plans under way, and the events that start them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from .program import Trigger
+from .terms import Literal
+from .unify import Unifier, unify
+
+if TYPE_CHECKING:
+    from .plans import LoadedPlan
+    from .steps import Step
+
+
+class Event:
+    """Something that happened to beliefs or goals; `intention` waits for it to be dealt with."""
+
+    __slots__ = ("intention", "literal", "sort")
+
+    def __init__(self, sort: str, literal: Literal, intention: Intention | None = None) -> None:
+        self.sort = sort
+        self.literal = literal
+        self.intention = intention
+
+    @property
+    def is_goal(self) -> bool:
+        return len(self.sort) == 2
+
+    def __str__(self) -> str:
+        return f"{self.sort}{self.literal}"
+
+
+class Means:
+    """One plan of an intention: where it is in its body, and what its variables stand for.
+
+    `awaited` names the variables of the event that the plan has raised last
+    and that the plan on top of it may bind; `loops` has the unifiers to which
+    the loops it is in go back.
+    """
+
+    __slots__ = ("awaited", "literal", "loops", "plan", "sort", "step", "u")
+
+    def __init__(
+        self, plan: LoadedPlan, sort: str, literal: Literal, u: Unifier, step: Step | None
+    ) -> None:
+        self.plan = plan
+        self.sort = sort
+        self.literal = literal
+        self.u = u
+        self.step = step
+        self.awaited: tuple[str, ...] = ()
+        self.loops: list[object] = []
+
+    @property
+    def is_goal(self) -> bool:
+        return len(self.sort) == 2
+
+    @property
+    def trigger(self) -> Trigger:
+        return Trigger(self.sort[0], self.sort[1:], self.literal)
+
+    def branch(self) -> Means:
+        """A copy that goes its own way."""
+        copy = Means(self.plan, self.sort, self.literal, dict(self.u), self.step)
+        copy.awaited = self.awaited
+        copy.loops = list(self.loops)
+        return copy
+
+
+class Fork:
+    """Intentions that were one and are to be one again."""
+
+    def __init__(self, all_of: bool) -> None:
+        self.all_of = all_of
+        self.branches: list[Intention] = []
+        self.to_finish = 0
+
+    def add(self, intention: Intention) -> None:
+        self.branches.append(intention)
+        self.to_finish += 1
+
+
+class Intention:
+    """A stack of means; the last one is at work."""
+
+    def __init__(self, number: int) -> None:
+        self.number = number
+        self.stack: list[Means] = []
+        self.is_suspended = False
+        self.reason: object = None
+        self.fork: Fork | None = None
+        self.fork_point = 0
+        self._atomic = 0
+
+    def push(self, means: Means) -> None:
+        self.stack.append(means)
+        if means.plan.atomic:
+            self._atomic += 1
+
+    def pop(self) -> Means:
+        means = self.stack.pop()
+        if means.plan.atomic:
+            self._atomic -= 1
+        return means
+
+    @property
+    def top(self) -> Means:
+        return self.stack[-1]
+
+    @property
+    def is_atomic(self) -> bool:
+        return self._atomic > 0
+
+    @property
+    def is_finished(self) -> bool:
+        return not self.stack
+
+    def downwards(self) -> Iterator[Means]:
+        return reversed(self.stack)
+
+    def branch(self, number: int, fork: Fork) -> Intention:
+        """A copy for one branch of a fork: the plan on top is its own, those below are shared."""
+        copy = Intention(number)
+        copy.stack = [*self.stack[:-1], self.top.branch()]
+        copy._atomic = self._atomic
+        copy.fork = fork
+        copy.fork_point = len(self.stack)
+        return copy
+
+    def wants(self, goal: Literal, u: Unifier) -> bool:
+        """Whether `!goal` is somewhere in the stack; binds what that takes in `u`."""
+        for means in self.downwards():
+            if means.sort == "+!":
+                attempt = dict(u)
+                if unify(goal, means.literal, attempt):
+                    u.update(attempt)
+                    return True
+        return False
+
+    def drop_goal(self, goal: Literal, u: Unifier) -> Means | None:
+        """Cuts the stack off below the lowest `!goal`; the last of these, if there was one."""
+        dropped = None
+        position = self._position(goal, u)
+        while position is not None:
+            while len(self.stack) > position:
+                dropped = self.pop()
+            position = self._position(goal, u)
+        if dropped is not None and self.fork is not None and len(self.stack) < self.fork_point:
+            if self.fork.to_finish > 0:
+                self.fork.to_finish = 0
+                return dropped
+            self.stack.clear()
+            return None
+        return dropped
+
+    def _position(self, goal: Literal, u: Unifier) -> int | None:
+        for position in range(len(self.stack) - 1, -1, -1):
+            means = self.stack[position]
+            if means.sort == "+!":
+                attempt = dict(u)
+                if unify(goal, means.literal, attempt):
+                    u.update(attempt)
+                    return position
+        return None

@@ -1,0 +1,51 @@
+"""Random choices. All draw from the agent's own numbers, so that a seed repeats a run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from itertools import count
+from types import MappingProxyType
+
+from ..terms import Cons, Nil, Term, Var, make_list
+from .call import Call, InternalAction, a_list, a_number, wrong
+
+
+def random(call: Call, what: Term, *more: Term) -> object:
+    """`.random(X)`, `.random(List, X)`; a last number says how many to backtrack over, 0: all."""
+    numbers = call.agent.random
+    if isinstance(what, Nil | Cons):
+        items = list(what)
+        if not more or not isinstance(more[0], Var):
+            raise wrong("random", "second argument must be a variable.")
+        if not items:
+            return False
+        chosen = (items[int(numbers.random() * len(items))] for _ in _times(more[1:]))
+        return call.each(more[0], chosen)
+    if not isinstance(what, Var):
+        raise wrong("random", "first argument must be a variable.")
+    return call.each(what, (numbers.random() for _ in _times(more)))
+
+
+def _times(limit: tuple[Term, ...]) -> Iterator[int]:
+    most = int(a_number("random", limit[0], "last")) if limit else 1
+    return iter(count()) if most == 0 else iter(range(most))
+
+
+def shuffle(call: Call, elements: Term, result: Term) -> object:
+    items = list(a_list("shuffle", elements, "first"))
+    call.agent.random.shuffle(items)
+    return call.unify(result, make_list(items))
+
+
+def set_random_seed(call: Call, seed: Term) -> bool:
+    call.agent.random.seed(int(a_number("set_random_seed", seed, "first")))
+    return True
+
+
+ACTIONS: Mapping[str, InternalAction] = MappingProxyType(
+    {
+        ".random": InternalAction(random, 1, 3),
+        ".shuffle": InternalAction(shuffle, 2, 2),
+        ".set_random_seed": InternalAction(set_random_seed, 1, 1),
+    }
+)

@@ -1,0 +1,214 @@
+"""Actions on lists."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from types import MappingProxyType
+
+from ..failure import ActionError
+from ..order import compare, standard_order
+from ..terms import EMPTY, Cons, Nil, Term, Var, make_list, text
+from ..unify import Unifier, substitute
+from .call import Call, InternalAction, a_list, a_number, plain, wrong
+from .queries import distinct
+
+
+def length(call: Call, value: Term, result: Term) -> object:
+    if not isinstance(value, str | Nil | Cons):
+        raise wrong("length", "first argument must be a list or a string.")
+    return call.unify(result, len(value))
+
+
+def member(call: Call, element: Term, elements: Term) -> Iterator[Unifier]:
+    for candidate in a_list("member", elements, "second"):
+        solution = call.unify(element, candidate)
+        if solution is not None:
+            yield solution
+
+
+def concat(call: Call, *terms: Term) -> object:
+    """Joins lists, or the texts of anything else; the last argument is the result."""
+    *parts, result = terms
+    if isinstance(parts[0], Nil | Cons):
+        if not isinstance(result, Var | Nil | Cons):
+            raise ActionError(
+                f"Last argument of concat '{text(result)}'is not a list nor a variable."
+            )
+        joined: list[Term] = []
+        for position, part in enumerate(parts):
+            if not isinstance(part, Nil | Cons):
+                raise wrong("concat", f"arg[{position}] is not a list")
+            joined.extend(part)
+        last = parts[-1]
+        rest = last.open_tail if isinstance(last, Cons) else None
+        return call.unify(make_list(joined, EMPTY if rest is None else rest), result)
+    whole = "".join(map(_bare, parts))
+    if not isinstance(result, Var | str):
+        result = text(result)
+    return call.unify(whole, result)
+
+
+def _bare(term: Term) -> str:
+    word = plain(term)
+    is_quoted = not isinstance(term, str) and len(word) > 1 and word[0] == word[-1] == "'"
+    return word[1:-1] if is_quoted else word
+
+
+def nth(call: Call, index: Term, elements: Term, element: Term) -> object:
+    if not isinstance(index, float | Var):
+        raise wrong(
+            "nth", f"the first argument should be numeric or a variable -- not '{text(index)}'."
+        )
+    if not isinstance(elements, Nil | Cons):
+        raise wrong("nth", f"the second argument should be a list and not '{text(elements)}'.")
+    items = list(elements)
+    if isinstance(index, float):
+        position = int(index)
+        if not 0 <= position < len(items):
+            raise ActionError(f"nth: index {position} is out of bounds ({len(items)})")
+        return call.unify(element, items[position])
+    pairs = ([float(i), item] for i, item in enumerate(items))
+    return call.each(make_list([index, element]), pairs)
+
+
+def _extreme(name: str, better: Callable[[int], bool]) -> Callable[..., object]:
+    def extreme(call: Call, what: Term, *more: Term) -> object:
+        if len(more) == 2:
+            items = [
+                substitute(what, u) for u in call.agent.logic.solutions(more[0], call.unifier)
+            ]
+        else:
+            items = list(a_list(name, what, "first"))
+        if not items:
+            return False
+        best = items[0]
+        for item in items[1:]:
+            if better(compare(best, item)):
+                best = item
+        return call.unify(best, more[-1])
+
+    return extreme
+
+
+def sort(call: Call, elements: Term, result: Term) -> object:
+    return call.unify(
+        make_list(sorted(a_list("sort", elements, "first"), key=standard_order)), result
+    )
+
+
+def reverse(call: Call, value: Term, result: Term) -> object:
+    if isinstance(value, Nil | Cons):
+        rest = value.open_tail if isinstance(value, Cons) else None
+        backwards = make_list(reversed(list(value)), EMPTY if rest is None else rest)
+        return call.unify(backwards, result)
+    return call.unify(plain(value)[::-1], result)
+
+
+def delete(call: Call, what: Term, where: Term, *more: Term) -> object:
+    """By position, by a range of positions, by element, or a part of a string."""
+    if isinstance(what, float):
+        begin, finish, rest = int(what), int(what) + 1, (where, *more)
+        if len(more) == 2 and isinstance(where, float):
+            finish, rest = int(where), more
+        if isinstance(rest[0], str):
+            whole = rest[0]
+            if not 0 <= begin <= len(whole) or finish > len(whole):
+                return call.unify(rest[1], whole)
+            return call.unify(rest[1], whole[:begin] + whole[finish:])
+        if isinstance(rest[0], Nil | Cons):
+            kept = [item for i, item in enumerate(rest[0]) if i < begin or i >= finish]
+            return call.unify(rest[1], kept)
+    if isinstance(what, str):
+        return call.unify(more[0], plain(where).replace(what, ""))
+    if isinstance(where, Nil | Cons):
+        kept = [item for item in where if call.unify(what, item) is None]
+        return call.unify(more[0], kept)
+    raise ActionError("Incorrect use of the internal action '.delete' (see documentation).")
+
+
+def _set_operation(
+    name: str, operation: Callable[[list[Term], list[Term]], list[Term]]
+) -> Callable[..., object]:
+    def operate(call: Call, one: Term, other: Term, result: Term) -> object:
+        ones, others = list(a_list(name, one, "first")), list(a_list(name, other, "second"))
+        return call.unify(make_list(distinct(operation(ones, others))), result)
+
+    return operate
+
+
+def _keys(terms: list[Term]) -> list[object]:
+    return [standard_order(term) for term in terms]
+
+
+def _common(ones: list[Term], others: list[Term]) -> list[Term]:
+    keys = _keys(ones)
+    return [term for term in others if standard_order(term) in keys]
+
+
+def _without(ones: list[Term], others: list[Term]) -> list[Term]:
+    keys = _keys(others)
+    return [term for term in ones if standard_order(term) not in keys]
+
+
+def _prefixes(items: list[Term]) -> Iterator[Term]:
+    for end in range(len(items), 0, -1):
+        yield make_list(items[:end])
+
+
+def prefix(call: Call, part: Term, whole: Term) -> Iterator[Unifier]:
+    items = list(a_list("prefix", whole, "second"))
+    return call.each(part, (*_prefixes(items), EMPTY))
+
+
+def suffix(call: Call, part: Term, whole: Term) -> Iterator[Unifier]:
+    items = list(a_list("suffix", whole, "second"))
+    return call.each(part, (make_list(items[begin:]) for begin in range(len(items) + 1)))
+
+
+def sublist(call: Call, part: Term, whole: Term) -> Iterator[Unifier]:
+    items = list(a_list("sublist", whole, "second"))
+
+    def parts() -> Iterator[Term]:
+        for begin in range(len(items)):
+            yield from _prefixes(items[begin:])
+        yield EMPTY
+
+    return call.each(part, parts())
+
+
+def range_(call: Call, number: Term, first: Term, last: Term, *step: Term) -> object:
+    begin = int(a_number("range", first, "second"))
+    end = int(a_number("range", last, "third"))
+    by = int(a_number("range", step[0], "fourth")) if step else 1
+    if isinstance(number, float):
+        return begin <= int(number) <= end
+    if by == 0:
+        raise wrong("range", "a step of 0 leads nowhere")
+    return call.each(number, range(begin, end + (1 if by > 0 else -1), by))
+
+
+def empty(call: Call, value: Term) -> bool:
+    return len(value) == 0 if isinstance(value, str | Nil | Cons) else False
+
+
+ACTIONS: Mapping[str, InternalAction] = MappingProxyType(
+    {
+        ".length": InternalAction(length, 2, 2),
+        ".member": InternalAction(member, 2, 2),
+        ".concat": InternalAction(concat, 2),
+        ".nth": InternalAction(nth, 3, 3),
+        ".max": InternalAction(_extreme("max", lambda order: order < 0), 2, 3),
+        ".min": InternalAction(_extreme("min", lambda order: order > 0), 2, 3),
+        ".sort": InternalAction(sort, 2, 2),
+        ".reverse": InternalAction(reverse, 2, 2),
+        ".delete": InternalAction(delete, 3, 4),
+        ".union": InternalAction(_set_operation("union", lambda a, b: b + a), 3, 3),
+        ".intersection": InternalAction(_set_operation("intersection", _common), 3, 3),
+        ".difference": InternalAction(_set_operation("difference", _without), 3, 3),
+        ".prefix": InternalAction(prefix, 2, 2),
+        ".suffix": InternalAction(suffix, 2, 2),
+        ".sublist": InternalAction(sublist, 2, 2),
+        ".range": InternalAction(range_, 3, 4),
+        ".empty": InternalAction(empty, 1, 1),
+    }
+)

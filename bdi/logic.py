@@ -1,0 +1,344 @@
+"""Queries over beliefs and rules, and the formulas of contexts.
+
+`Logic.solutions` is a depth-first search with its own stack, so that a rule
+may call itself as deeply as memory allows: a state is a unifier and a linked
+list of goals still to prove; a choice is a state to go back to, or an iterator
+of such states. What is true or false without a search is decided directly by
+`Logic.first`, which is what plan contexts ask for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from itertools import combinations
+from typing import TypeAlias
+
+from .beliefs import BeliefBase
+from .errors import EndlessProgramError, Problem
+from .order import compare
+from .program import Rule
+from .terms import (
+    EMPTY,
+    TRUE,
+    And,
+    AnnotatedVar,
+    Literal,
+    Nil,
+    Not,
+    Or,
+    Relation,
+    RestVar,
+    Term,
+    Var,
+    make_list,
+)
+from .terms import Cons as ListCell
+from .unify import (
+    Names,
+    Unifier,
+    matched,
+    rename,
+    substitute,
+    substitute_literal,
+    unified,
+    unify,
+    variable_names,
+)
+
+#: What an internal action answers: whether it holds, one unifier, or one after another.
+Answer: TypeAlias = "bool | Unifier | None | Iterator[Unifier]"
+Goals: TypeAlias = "tuple[object, Goals] | None"
+State: TypeAlias = "tuple[Unifier, Goals]"
+
+MAX_CHOICES = 250_000
+
+
+class _Commit:
+    """The end of a negated formula: it holds, so the negation fails."""
+
+    __slots__ = ("height",)
+
+    def __init__(self, height: int) -> None:
+        self.height = height
+
+
+class _Return:
+    """The end of a rule's body: what it has found out goes back to the caller.
+
+    `asked` names the variables of the query, `renamed` those of the caller that
+    have another name in it.
+    """
+
+    __slots__ = ("asked", "caller", "renamed")
+
+    def __init__(
+        self, asked: tuple[str, ...], renamed: dict[str, Var], caller: Unifier
+    ) -> None:
+        self.asked = asked
+        self.renamed = renamed
+        self.caller = caller
+
+
+class Logic:
+    """Answers formulas from a belief base; `call` runs an internal action."""
+
+    def __init__(
+        self,
+        beliefs: BeliefBase,
+        names: Names,
+        call: Callable[[Literal, Unifier], Answer],
+    ) -> None:
+        self.beliefs = beliefs
+        self.names = names
+        self._call = call
+
+    def first(self, formula: Term, u: Unifier) -> Unifier | None:
+        """The first solution, or None. `u` stays as it is."""
+        if formula is TRUE:
+            return u
+        cls = formula.__class__
+        if cls is Relation:
+            return self._relate(formula, u)  # type: ignore[arg-type]
+        if cls is Literal:
+            shelf = self.beliefs.shelf(formula.key)  # type: ignore[union-attr]
+            if shelf is not None and not shelf.rules and not formula.annots:  # type: ignore[union-attr]
+                for belief in shelf.candidates(formula, u):  # type: ignore[arg-type]
+                    solution = matched(formula, belief, u)  # type: ignore[arg-type]
+                    if solution is not None:
+                        return solution
+                return None
+        elif cls is And:
+            if formula.left.__class__ is Relation or formula.left.__class__ is Not:  # type: ignore[union-attr]
+                solution = self.first(formula.left, u)  # type: ignore[union-attr]
+                return None if solution is None else self.first(formula.right, solution)  # type: ignore[union-attr]
+        elif cls is Not:
+            return u if self.first(formula.formula, u) is None else None  # type: ignore[union-attr]
+        elif cls is Or:
+            solution = self.first(formula.left, u)  # type: ignore[union-attr]
+            return self.first(formula.right, u) if solution is None else solution  # type: ignore[union-attr]
+        return next(self.solutions(formula, u), None)
+
+    def solutions(self, formula: Term, u: Unifier) -> Iterator[Unifier]:
+        """Every solution, in order. `u` stays as it is."""
+        choices: list[State | Iterator[State]] = []
+        goals: Goals = (formula, None)
+        while True:
+            state = self._prove(u, goals, choices)
+            if state is not None:
+                yield state
+            while choices:
+                choice = choices[-1]
+                if isinstance(choice, tuple):
+                    choices.pop()
+                    u, goals = choice
+                    break
+                following = next(choice, None)
+                if following is not None:
+                    u, goals = following
+                    break
+                choices.pop()
+            else:
+                return
+
+    def _prove(
+        self, u: Unifier, goals: Goals, choices: list[State | Iterator[State]]
+    ) -> Unifier | None:
+        """Proves one goal after another; leaves what else could be tried in `choices`."""
+        solution: Unifier | None
+        while goals is not None:
+            goal, goals = goals
+            cls = goal.__class__
+            if cls is And:
+                goals = (goal.left, (goal.right, goals))  # type: ignore[attr-defined]
+            elif cls is Relation:
+                solution = self._relate(goal, u)  # type: ignore[arg-type]
+                if solution is None:
+                    return None
+                u = solution
+            elif cls is Literal:
+                solution = self._query(goal, u, goals, choices)  # type: ignore[arg-type]
+                if solution is None:
+                    return None
+                u = solution
+            elif cls is Or:
+                choices.append((u, (goal.right, goals)))  # type: ignore[attr-defined]
+                goals = (goal.left, goals)  # type: ignore[attr-defined]
+            elif cls is Not:
+                choices.append((u, goals))
+                goals = (goal.formula, (_Commit(len(choices) - 1), None))  # type: ignore[attr-defined]
+            elif cls is _Return:
+                u = self._return(goal, u)  # type: ignore[arg-type]
+            elif cls is _Commit:
+                del choices[goal.height :]  # type: ignore[attr-defined]
+                return None
+            elif isinstance(goal, Var):
+                value = substitute(goal, u)
+                if isinstance(value, Var):
+                    clauses = self.beliefs.all_clauses()
+                    pattern = goal if isinstance(goal, AnnotatedVar) else value
+                    choices.append(self._any(pattern, clauses, u, goals))
+                    return None
+                goals = (value, goals)
+            else:
+                return None
+        return u
+
+    def _query(
+        self,
+        literal: Literal,
+        u: Unifier,
+        goals: Goals,
+        choices: list[State | Iterator[State]],
+    ) -> Unifier | None:
+        """The unifier to go on with, or None when what there is has been put into `choices`."""
+        if literal.is_internal_action:
+            answer = self._call(literal, u)
+            if answer is True:
+                return u
+            if answer is None or answer is False:
+                return None
+            if isinstance(answer, dict):
+                return answer
+            choices.append((solution, goals) for solution in answer)
+            return None
+        shelf = self.beliefs.shelf(literal.key)
+        if shelf is None:
+            return u if literal == TRUE else None
+        candidates = shelf.candidates(literal, u)
+        if len(candidates) == 1 and isinstance(candidates[0], Literal) and not literal.annots:
+            return matched(literal, candidates[0], u)
+        if len(choices) > MAX_CHOICES:
+            raise EndlessProgramError(
+                [Problem("", 0, 0, f"rules call each other without end, at last {literal}")]
+            )
+        choices.append(self._clauses(literal, candidates, u, goals))
+        return None
+
+    def _clauses(
+        self,
+        literal: Literal,
+        candidates: tuple[Literal | Rule, ...],
+        u: Unifier,
+        goals: Goals,
+    ) -> Iterator[State]:
+        """A state for each belief and rule that may answer a query."""
+        renamed: dict[str, Var] = {}
+        asked: tuple[str, ...] = ()
+        query: Term | None = None
+        for clause in candidates:
+            if isinstance(clause, Rule):
+                if query is None:
+                    query = rename(substitute_literal(literal, u), self.names, renamed)
+                    asked = variable_names(query)
+                scope: Unifier = {}
+                if unify(query, clause.head, scope):
+                    yield scope, (clause.body, (_Return(asked, renamed, u), goals))
+            elif not literal.annots:
+                solution = matched(literal, clause, u)
+                if solution is not None:
+                    yield solution, goals
+            else:
+                for solution in self._with_annots(literal, clause, u):
+                    yield solution, goals
+
+    def _with_annots(self, literal: Literal, belief: Literal, u: Unifier) -> Iterator[Unifier]:
+        """A solution for each choice of the belief's annotations that answers the query's."""
+        if isinstance(literal.annots[-1], RestVar):
+            solution = unified(literal, belief, u)
+            if solution is not None:
+                yield solution
+            return
+        for annots in combinations(belief.annots, len(literal.annots)):
+            solution = unified(literal, belief.with_annots(annots), u)
+            if solution is not None:
+                yield solution
+
+    def _any(
+        self,
+        pattern: Var,
+        clauses: tuple[Literal | Rule, ...],
+        u: Unifier,
+        goals: Goals,
+    ) -> Iterator[State]:
+        for clause in clauses:
+            if isinstance(clause, Literal):
+                solution = unified(pattern, clause, u)
+                if solution is not None:
+                    yield solution, goals
+
+    def _return(self, end: _Return, scope: Unifier) -> Unifier:
+        if not end.asked:
+            return end.caller
+        result = {**end.caller, **end.renamed}
+        others: dict[str, Var] = {}
+        for name in end.asked:
+            value = scope.get(name)
+            if value is not None:
+                result[name] = rename(substitute(value, scope), self.names, others)
+        return result
+
+    def _relate(self, relation: Relation, u: Unifier) -> Unifier | None:
+        left, right = substitute(relation.left, u), substitute(relation.right, u)
+        symbol = relation.symbol
+        if symbol == "=":
+            result = dict(u)
+            return result if unify(left, right, result) else None
+        if symbol == "==":
+            return u if left == right else None
+        if symbol == "\\==":
+            return u if left != right else None
+        if symbol == "=..":
+            return take_apart(left, right, u)
+        if left.__class__ is float and right.__class__ is float:
+            order = (left > right) - (left < right)  # type: ignore[operator]
+        else:
+            order = compare(left, right)
+        holds = (
+            order < 0
+            if symbol == "<"
+            else order > 0
+            if symbol == ">"
+            else order <= 0
+            if symbol == "<="
+            else order >= 0
+        )
+        return u if holds else None
+
+
+NAMESPACE = Literal("default")
+
+
+def take_apart(left: Term, right: Term, u: Unifier) -> Unifier | None:
+    """`Literal =.. [default, Functor, Arguments, Annotations]`; the first may be left out."""
+    if isinstance(left, Literal):
+        parts: list[Term] = [
+            NAMESPACE,
+            Literal(left.functor, negated=left.negated),
+            make_list(left.args),
+            make_list(left.annots),
+        ]
+        if isinstance(right, ListCell) and len(right) == 3:
+            del parts[0]
+        return unified(make_list(parts), right, u)
+    if isinstance(right, ListCell):
+        made = put_together(right)
+        return None if made is None else unified(left, made, u)
+    return None
+
+
+def put_together(parts: ListCell) -> Literal | None:
+    """The literal a list like [foo, [1, 2], [annotation]] describes."""
+    elements = list(parts)
+    if len(elements) == 4:
+        del elements[0]
+    functor = elements[0]
+    if isinstance(functor, str):
+        functor = Literal(functor)
+    if not isinstance(functor, Literal) or len(elements) > 3:
+        return None
+    lists = [*elements[1:], EMPTY, EMPTY][:2]
+    if not all(isinstance(part, Nil | ListCell) for part in lists):
+        return None
+    args, annots = (tuple(part) for part in lists)  # type: ignore[arg-type]
+    return Literal(functor.functor, args, annots, functor.negated)
+

@@ -1,0 +1,9 @@
+// Antagonistic: when the gantry comes near, drops everything and walks up to it,
+// then goes on to where the walk was interrupted.
+
++gantry_detected(_) : bound_for(_)
+  <- stop_movement; .drop_all_desires; -+errand(gantry); move_to_gantry.
+
++work_completed(_) : errand(gantry) & bound_for(S) <- .abolish(errand(_)); !walk_to(S).
+
+{ include("patrol.asl") }

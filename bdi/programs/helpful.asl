@@ -1,0 +1,22 @@
+// Helpful: makes room. When the gantry comes near, stops, waits a moment, and
+// walks the ring the other way round. A notice within five seconds of turning
+// is not heeded, so that nobody turns on the spot.
+//
+// Figures: consideration(Ms), the moment (1000); steadfast(Ms), how long no
+// further turn is made (5000).
+
+moment(Ms) :- consideration(Ms).
+moment(1000) :- not consideration(_).
+no_turn_for(Ms) :- steadfast(Ms).
+no_turn_for(5000) :- not steadfast(_).
+
+turned_lately :- turned_at(T) & now(N) & no_turn_for(Ms) & N - T < Ms.
+
+@turn[atomic]
++gantry_detected(_) : not turned_lately & bound_for(S) & behind(S, Back) & moment(Ms)
+  <- stop_movement; .drop_all_desires; .wait(Ms); !turn_round; !!walk_to(Back).
+
++!turn_round : reversed & now(T) <- -reversed; -+turned_at(T).
++!turn_round : now(T) <- +reversed; -+turned_at(T).
+
+{ include("patrol.asl") }

@@ -1,0 +1,3 @@
+// Indifferent: walks the stations and takes no notice of the gantry.
+
+{ include("patrol.asl") }

@@ -1,0 +1,72 @@
+// What all people have in common: they walk from station to station, in a ring.
+//
+// A personality includes this file at its end, so that its own plans come
+// first. It is told at the start
+//     station(Name, X, Y)            the stations, in the order of the patrol
+//     pause_after_violation(Ms)      how long to stand after coming too close to
+//                                    the gantry (8000 when it is not believed)
+//     pause_after_agv(Ms)            the same for an AGV (5000)
+//     patience(Ms), tries(N)         how long to wait where the way is blocked (2000),
+//                                    and how often before the next station (3)
+// and it believes
+//     bound_for(Station)             where it is going, or was before an errand
+//     reversed                       it walks the ring the other way round
+//     errand(What)                   it is on its way to something else
+
+violation_pause(Ms) :- pause_after_violation(Ms).
+violation_pause(8000) :- not pause_after_violation(_).
+agv_pause(Ms) :- pause_after_agv(Ms).
+agv_pause(5000) :- not pause_after_agv(_).
+blocked_pause(Ms) :- patience(Ms).
+blocked_pause(2000) :- not patience(_).
+most_tries(N) :- tries(N).
+most_tries(3) :- not tries(_).
+
+first(S) :- station(S, _, _) & not (earlier(_, S)).
+earlier(S, T) :- .findall(N, station(N, _, _), Ring) & .nth(I, Ring, S) & .nth(J, Ring, T) & I < J.
+
+away(S, Steps, T) :-
+    .findall(N, station(N, _, _), Ring) & .length(Ring, L) &
+    .nth(I, Ring, S) & .nth((I + Steps + L) mod L, Ring, T).
+
+ahead(S, T) :- not reversed & away(S, 1, T).
+ahead(S, T) :- reversed & away(S, -1, T).
+behind(S, T) :- not reversed & away(S, -1, T).
+behind(S, T) :- reversed & away(S, 1, T).
+
+// milliseconds of the day, to know how long ago something was
+now(T) :- .time(H, M, S, Ms) & T = ((H * 60 + M) * 60 + S) * 1000 + Ms.
+
++human_start : first(S) <- !walk_to(S).
+
++!walk_to(S) : station(S, X, Y) <- -+bound_for(S); move(X, Y, 0).
+
++work_completed(_) : bound_for(S) & not errand(_) & ahead(S, Next)
+  <- .abolish(tried(_)); !walk_to(Next).
+
+// ---- too close: the person is taken away, waits, and begins anew
+
+@violation[atomic]
++gantry_disabled(_) : first(S) & violation_pause(Ms)
+  <- .drop_all_desires; teleport_safe; !compose; -+bound_for(S);
+     .wait(Ms); !!walk_to(S).
+
+@danger[atomic]
++agv_danger(_) : first(S) & agv_pause(Ms)
+  <- .drop_all_desires; teleport_agv; !compose; -+bound_for(S);
+     .wait(Ms); !!walk_to(S).
+
++!compose <- .abolish(errand(_)); .abolish(tried(_)).
+
+// ---- no way: wait a little, try again, and after a few tries go elsewhere
+
++path_blocked(_) : bound_for(S) <- !try_again(S).
++goal_blocked(_) : bound_for(S) <- !try_again(S).
+
++!try_again(_) : .desire(retry(_)).
++!try_again(S) : tried(N) & most_tries(Most) & N >= Most & ahead(S, Next)
+  <- .abolish(tried(_)); .abolish(errand(_)); !retry(Next).
++!try_again(S) : tried(N) <- -+tried(N + 1); .abolish(errand(_)); !retry(S).
++!try_again(S) <- +tried(1); .abolish(errand(_)); !retry(S).
+
++!retry(S) : blocked_pause(Ms) <- .wait(Ms); !walk_to(S).

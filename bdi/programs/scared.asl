@@ -1,0 +1,18 @@
+// Scared: keeps away. When the gantry comes near, walks straight away from it,
+// stays there until calm, and then goes on to the station after the one where
+// the fright was.
+//
+// Figures: retreat(Metres), how far (3); calm_after(Ms), how long to stay (3000).
+
+retreat_by(D) :- retreat(D).
+retreat_by(3) :- not retreat(_).
+calming_time(Ms) :- calm_after(Ms).
+calming_time(3000) :- not calm_after(_).
+
++gantry_detected(_) : bound_for(_) & not errand(_) & retreat_by(D)
+  <- stop_movement; .drop_all_desires; +errand(retreat); move_away(D).
+
++work_completed(_) : errand(retreat) & bound_for(S) & ahead(S, Next) & calming_time(Ms)
+  <- .wait(Ms); .abolish(errand(_)); !walk_to(Next).
+
+{ include("patrol.asl") }

@@ -1,0 +1,15 @@
+// Threatening: steps into the gantry's way, stands there for a while facing it,
+// and walks on.
+//
+// Figure: stand(Ms), how long to stand in the way (4000).
+
+standing_time(Ms) :- stand(Ms).
+standing_time(4000) :- not stand(_).
+
++gantry_detected(_) : bound_for(_) & not errand(_)
+  <- stop_movement; .drop_all_desires; +errand(stand); step_between.
+
++work_completed(_) : errand(stand) & bound_for(S) & standing_time(Ms)
+  <- face_gantry; .wait(Ms); .abolish(errand(_)); !walk_to(S).
+
+{ include("patrol.asl") }

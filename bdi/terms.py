@@ -1,0 +1,417 @@
+"""Terms of AgentSpeak: what beliefs, goals, actions and formulas are made of.
+
+Numbers are Python floats and strings are Python strs; everything else is one
+of the classes below. Terms are values: nothing changes one after it is made.
+`ground` says that substitution leaves a term as it is.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING, TypeAlias
+
+if TYPE_CHECKING:
+    from .program import BodyTerm, PlanTerm, TriggerTerm
+
+
+class Var:
+    """A variable. Those made while a program runs are `fresh`: no clause names them."""
+
+    __slots__ = ("fresh", "name")
+    ground = False
+
+    def __init__(self, name: str, fresh: bool = False) -> None:
+        self.name = name
+        self.fresh = fresh
+
+    def __str__(self) -> str:
+        return "_" if self.name.startswith("__") else self.name
+
+    def __repr__(self) -> str:
+        return f"Var({self.name!r})"
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Var) and self.name == other.name
+
+    def __hash__(self) -> int:
+        return hash(self.name)
+
+
+class AnnotatedVar(Var):
+    """A variable with annotations, as in `+!Goal[source(Sender)]`."""
+
+    __slots__ = ("annots",)
+
+    def __init__(self, name: str, annots: tuple[Term, ...]) -> None:
+        super().__init__(name)
+        self.annots = annots
+
+    def __str__(self) -> str:
+        return super().__str__() + annots_text(self.annots)
+
+
+class RestVar(Var):
+    """The tail of a list of annotations: R in `p[a|R]`. Always the last annotation."""
+
+    __slots__ = ()
+
+
+class Literal:
+    """A functor with arguments and annotations, perhaps strongly negated; an atom has neither.
+
+    `annots` are sorted in standard order and without doubles.
+    """
+
+    __slots__ = ("_hash", "annots", "args", "functor", "ground", "negated")
+
+    def __init__(
+        self,
+        functor: str,
+        args: tuple[Term, ...] = (),
+        annots: tuple[Term, ...] = (),
+        negated: bool = False,
+    ) -> None:
+        self.functor = functor
+        self.args = args
+        self.annots = annots
+        self.negated = negated
+        self._hash: int | None = None
+        ground = True
+        for arg in args:
+            if arg.__class__ is not float and arg.__class__ is not str and not arg.ground:  # type: ignore[union-attr]
+                ground = False
+                break
+        if annots and ground:
+            ground = all(is_ground(annot) for annot in annots)
+        self.ground = ground
+
+    @property
+    def arity(self) -> int:
+        return len(self.args)
+
+    @property
+    def is_atom(self) -> bool:
+        return not (self.args or self.annots or self.negated)
+
+    @property
+    def is_internal_action(self) -> bool:
+        return "." in self.functor and self.functor[0] != "'"
+
+    @property
+    def key(self) -> tuple[str, int, bool]:
+        """What beliefs are filed under: functor, arity, strong negation."""
+        return (self.functor, len(self.args), self.negated)
+
+    def without_annots(self) -> Literal:
+        return Literal(self.functor, self.args, (), self.negated) if self.annots else self
+
+    def with_annots(self, annots: tuple[Term, ...]) -> Literal:
+        return Literal(self.functor, self.args, annots, self.negated)
+
+    def __str__(self) -> str:
+        parts = ["~" if self.negated else "", self.functor]
+        if self.args:
+            parts.append(f"({','.join(map(text, self.args))})")
+        if self.annots:
+            parts.append(annots_text(self.annots))
+        return "".join(parts)
+
+    def __repr__(self) -> str:
+        return f"<{self}>"
+
+    def __eq__(self, other: object) -> bool:
+        if self is other:
+            return True
+        return (
+            isinstance(other, Literal)
+            and self.functor == other.functor
+            and self.negated == other.negated
+            and self.args == other.args
+            and self.annots == other.annots
+        )
+
+    def __hash__(self) -> int:
+        if self._hash is None:
+            self._hash = hash((self.functor, self.args, self.negated))
+        return self._hash
+
+
+class Nil:
+    """The empty list; there is one, EMPTY."""
+
+    __slots__ = ()
+    ground = True
+
+    def __iter__(self) -> Iterator[Term]:
+        return iter(())
+
+    def __len__(self) -> int:
+        return 0
+
+    def __str__(self) -> str:
+        return "[]"
+
+    __repr__ = __str__
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Nil)
+
+    def __hash__(self) -> int:
+        return 0
+
+
+EMPTY = Nil()
+
+
+class Cons:
+    """A list that has elements: a head and a tail, which is a list or a variable."""
+
+    __slots__ = ("ground", "head", "tail")
+
+    def __init__(self, head: Term, tail: Term) -> None:
+        self.head = head
+        self.tail = tail
+        self.ground = is_ground(head) and is_ground(tail)
+
+    def cells(self) -> Iterator[Cons]:
+        cell: Term = self
+        while isinstance(cell, Cons):
+            yield cell
+            cell = cell.tail
+
+    def __iter__(self) -> Iterator[Term]:
+        """The elements; an open tail is left out."""
+        return (cell.head for cell in self.cells())
+
+    def __len__(self) -> int:
+        return sum(1 for _ in self.cells())
+
+    @property
+    def open_tail(self) -> Var | None:
+        last = self
+        for last in self.cells():
+            pass
+        return last.tail if isinstance(last.tail, Var) else None
+
+    def __str__(self) -> str:
+        rest = self.open_tail
+        return f"[{','.join(map(text, self))}{'' if rest is None else f'|{rest}'}]"
+
+    def __repr__(self) -> str:
+        return str(self)
+
+    def __eq__(self, other: object) -> bool:
+        mine: Term = self
+        theirs = other
+        while isinstance(mine, Cons) and isinstance(theirs, Cons):
+            if mine is theirs:
+                return True
+            if mine.head != theirs.head:
+                return False
+            mine, theirs = mine.tail, theirs.tail
+        if isinstance(mine, Cons) or isinstance(theirs, Cons):
+            return False
+        return mine == theirs
+
+    def __hash__(self) -> int:
+        return hash(tuple(self))
+
+
+class Arithmetic:
+    """An operation that waits for its operands' values: `N-1`; `right` is None for a sign."""
+
+    __slots__ = ("left", "operator", "right")
+    ground = False
+
+    def __init__(self, operator: str, left: Term, right: Term | None = None) -> None:
+        self.operator = operator
+        self.left = left
+        self.right = right
+
+    def __str__(self) -> str:
+        if self.right is None:
+            return f"({self.operator}{text(self.left)})"
+        spaced = f" {self.operator} " if self.operator.isalpha() else self.operator
+        return f"({text(self.left)}{spaced}{text(self.right)})"
+
+    def __eq__(self, other: object) -> bool:
+        return (
+            isinstance(other, Arithmetic)
+            and self.operator == other.operator
+            and self.left == other.left
+            and self.right == other.right
+        )
+
+    def __hash__(self) -> int:
+        return hash((self.operator, self.left, self.right))
+
+
+class Function:
+    """A call of an arithmetic function: `math.abs(X)`."""
+
+    __slots__ = ("args", "name")
+    ground = False
+
+    def __init__(self, name: str, args: tuple[Term, ...]) -> None:
+        self.name = name
+        self.args = args
+
+    def __str__(self) -> str:
+        return f"{self.name}({','.join(map(text, self.args))})" if self.args else self.name
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Function) and (self.name, self.args) == (other.name, other.args)
+
+    def __hash__(self) -> int:
+        return hash((self.name, self.args))
+
+
+class _Binary:
+    """What the formulas of two operands have in common."""
+
+    __slots__ = ("ground", "left", "right")
+    symbol = ""
+
+    def __init__(self, left: Term, right: Term) -> None:
+        self.left = left
+        self.right = right
+        self.ground = is_ground(left) and is_ground(right)
+
+    def __str__(self) -> str:
+        return f"({text(self.left)} {self.symbol} {text(self.right)})"
+
+    def __eq__(self, other: object) -> bool:
+        return (
+            isinstance(other, _Binary)
+            and self.symbol == other.symbol
+            and self.left == other.left
+            and self.right == other.right
+        )
+
+    def __hash__(self) -> int:
+        return hash((self.symbol, self.left, self.right))
+
+
+class Relation(_Binary):
+    """A comparison (`<`, `==`, …), a unification (`=`) or a taking apart (`=..`)."""
+
+    __slots__ = ("symbol",)
+    symbol: str
+
+    def __init__(self, symbol: str, left: Term, right: Term) -> None:
+        super().__init__(left, right)
+        self.symbol = symbol
+
+
+class And(_Binary):
+    __slots__ = ()
+    symbol = "&"
+
+
+class Or(_Binary):
+    __slots__ = ()
+    symbol = "|"
+
+
+class Not:
+    """Negation as failure."""
+
+    __slots__ = ("formula", "ground")
+
+    def __init__(self, formula: Term) -> None:
+        self.formula = formula
+        self.ground = is_ground(formula)
+
+    def __str__(self) -> str:
+        return f"not ({text(self.formula)})"
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Not) and self.formula == other.formula
+
+    def __hash__(self) -> int:
+        return hash(("not", self.formula))
+
+
+Term: TypeAlias = (
+    "float | str | Literal | Var | Nil | Cons | Arithmetic | Function"
+    " | Relation | And | Or | Not | PlanTerm | BodyTerm | TriggerTerm"
+)
+List: TypeAlias = "Nil | Cons"
+
+TRUE = Literal("true")
+FALSE = Literal("false")
+FROM_SELF = Literal("source", (Literal("self"),))
+FROM_PERCEPT = Literal("source", (Literal("percept"),))
+
+
+def is_ground(term: Term) -> bool:
+    """Whether substitution leaves the term as it is."""
+    return isinstance(term, float | str) or term.ground
+
+
+def make_list(elements: Iterable[Term], tail: Term = EMPTY) -> Term:
+    """The list of `elements`, followed by `tail`."""
+    result = tail
+    for element in reversed(list(elements)):
+        result = Cons(element, result)
+    return result
+
+
+def make_term(value: object) -> Term:
+    """The term for a Python value: numbers, strs, lists and tuples, and terms themselves."""
+    if isinstance(value, bool):
+        return TRUE if value else FALSE
+    if isinstance(value, int | float):
+        return float(value)
+    if isinstance(value, list | tuple):
+        return make_list(make_term(element) for element in value)
+    if isinstance(value, str | Literal | Var | Nil | Cons):
+        return value
+    raise TypeError(f"{type(value).__name__} cannot be made a term: {value!r}")
+
+
+def text(term: Term) -> str:
+    """The term as Jason prints it inside others: strings in quotes, whole numbers without `.0`."""
+    if isinstance(term, str):
+        return f'"{term}"'
+    if isinstance(term, float):
+        return number_text(term)
+    return str(term)
+
+
+def display(term: Term) -> str:
+    """The term as `.print` shows it: a string bare, an unbound variable marked as such."""
+    if isinstance(term, str):
+        return term
+    if isinstance(term, Var):
+        return f"{term}<no-value>"
+    return text(term)
+
+
+def annots_text(annots: tuple[Term, ...]) -> str:
+    if isinstance(annots[-1], RestVar):
+        return f"[{','.join(map(text, annots[:-1]))}|{annots[-1]}]"
+    return f"[{','.join(map(text, annots))}]"
+
+
+def number_text(value: float) -> str:
+    """A double as Java prints it, whole numbers as integers.
+
+    Whole numbers are those equal to their rounding to 64 bits; others are
+    written like `Double.toString`: plain from 1e-3 up to 1e7, else as `1.5E10`.
+    """
+    if math.isnan(value):
+        return "NaN"
+    if math.isinf(value):
+        return "Infinity" if value > 0 else "-Infinity"
+    if value.is_integer() and -(2.0**63) <= value <= 2.0**63:
+        return str(min(int(value), 2**63 - 1))
+    if 1e-3 <= abs(value) < 1e7:
+        return repr(value)
+    digits, exponent = f"{value:.17e}".split("e")
+    for precision in range(1, 18):
+        digits, exponent = f"{value:.{precision}e}".split("e")
+        if float(f"{digits}e{exponent}") == value:
+            break
+    return f"{digits.rstrip('0') if digits[-1] == '0' and digits[-2] != '.' else digits}E{int(exponent)}"

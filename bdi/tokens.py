@@ -1,0 +1,69 @@
+"""Tokens of a program, and where its clauses end."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cache
+from importlib.resources import files
+
+from lark import Lark, Token
+
+#: What a trigger or a body formula may follow; a sign after one of these is an UPDATE.
+_BEFORE_A_STEP = frozenset({"<-", ";", "{", "}", "|||", "|&|"})
+_UPDATES = frozenset({"++", "+<", "+>", "--", "-+"})
+
+
+@cache
+def grammar() -> Lark:
+    """The parser of one clause. It is made once, of the grammar beside this file."""
+    source = files(__package__).joinpath("agentspeak.lark").read_text(encoding="utf-8")
+    return Lark(source, start="clause", parser="lalr", lexer="basic", propagate_positions=True)
+
+
+def tokenize(source: str) -> list[Token]:
+    """The tokens of a text; characters that belong to none become STRAY tokens."""
+    return list(_with_updates(list(grammar().lex(source))))
+
+
+def _with_updates(tokens: list[Token]) -> Iterator[Token]:
+    """Joins the signs that begin a trigger or a body formula to one UPDATE token."""
+    previous = ""
+    in_label = False
+    depth = 0
+    position = 0
+    while position < len(tokens):
+        token = tokens[position]
+        if token.value == "@" and token.type != "STRING":
+            in_label, depth = True, 0
+        depth += {"[": 1, "]": -1}.get(token.value, 0)
+        begins_step = previous == "" or previous in _BEFORE_A_STEP or (in_label and depth == 0)
+        if token.type in ("PLUS", "MINUS") and begins_step:
+            following = tokens[position + 1] if position + 1 < len(tokens) else None
+            both = token.value + (following.value if following is not None else "")
+            if both in _UPDATES:
+                position += 1
+            else:
+                both = token.value
+            token = Token.new_borrow_pos("UPDATE", both, token)
+            in_label = False
+        yield token
+        previous = "" if token.type == "DOT" else token.value
+        position += 1
+
+
+def clauses(tokens: list[Token]) -> Iterator[list[Token]]:
+    """The tokens of one clause after another; a wrong one ends at its full stop, too."""
+    clause: list[Token] = []
+    braces = 0
+    for token in tokens:
+        clause.append(token)
+        if token.type == "LBRACE":
+            braces += 1
+        elif token.type == "RBRACE":
+            braces -= 1
+        is_directive = clause[0].type == "LBRACE"
+        if token.type == "DOT" or (is_directive and braces == 0):
+            yield clause
+            clause, braces = [], 0
+    if clause:
+        yield clause
