@@ -17,6 +17,10 @@ from shapely.geometry import Polygon
 
 Floats = NDArray[np.float64]
 
+_OVERLAP = 1e-3
+"""Radians. How far a sector reaches into the strips beside it, so that rounding leaves no crack
+between them."""
+
 _STRAIGHT = 1e-9
 """Radians. Corners that turn less than this are none."""
 
@@ -157,8 +161,8 @@ def _sectors(around: Corners, radius: float, step: float) -> NDArray[np.object_]
     sectors = []
     for centre, begin, turn in zip(around.centre, around.begin, around.turn, strict=True):
         one = Corners(centre[None], np.zeros(1), np.array([begin]), np.array([turn]))
-        first = centre + radius * _unit(np.array([begin]))
-        last = centre + radius * _unit(np.array([begin - turn]))
+        first = centre + radius * _unit(np.array([begin + _OVERLAP]))
+        last = centre + radius * _unit(np.array([begin - turn - _OVERLAP]))
         arc = bends(one, radius, step).point
         sectors.append(Polygon(np.concatenate([centre[None], first, arc, last])))
     return np.array(sectors, dtype=object)
