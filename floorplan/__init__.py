@@ -1,5 +1,6 @@
 """Where things are: the floor, and what stands on it."""
 
+from .checks import standing_fault
 from .document import Document, Place, field_name, parse_yaml, read_text, read_yaml
 from .loading import build, builtin, load, parse
 from .model import (
@@ -43,4 +44,5 @@ __all__ = [
     "parse_yaml",
     "read_text",
     "read_yaml",
+    "standing_fault",
 ]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-import shapely
 from shapely.geometry import Point, Polygon
 from shapely.validation import explain_validity
 
@@ -33,12 +32,10 @@ def geometry_problems(plan: Floorplan, document: Document) -> Iterator[Problem]:
         yield from _gantry_problems(plan.gantry, document)
     if whole:
         for station in plan.stations:
-            yield from _standing_problems(
-                plan, station.position, document, ("stations", station.name)
-            )
-        if plan.safe_zone is not None:
-            at = plan.safe_zone.position
-            yield from _standing_problems(plan, at, document, ("safe_zone", "at"))
+            if fault := standing_fault(plan, station.position):
+                yield document.problem(fault, "stations", station.name)
+        if plan.safe_zone is not None and (fault := standing_fault(plan, plan.safe_zone.position)):
+            yield document.problem(fault, "safe_zone", "at")
 
 
 def polygon_fault(polygon: Polygon) -> str:
@@ -51,36 +48,24 @@ def polygon_fault(polygon: Polygon) -> str:
     return ""
 
 
-def _standing_problems(
-    plan: Floorplan, at: tuple[float, float], document: Document, place: tuple[str, ...]
-) -> Iterator[Problem]:
-    """Whether one of the plan's people can stand at `at`."""
-    point = Point(at)
+def standing_fault(plan: Floorplan, at: tuple[float, float], radius: float | None = None) -> str:
+    """Why nobody of `radius` metres (the plan's people if None) can stand at `at`, or nothing."""
+    radius = plan.human.radius if radius is None else radius
+    point, place = Point(at), f"({at[0]:g}, {at[1]:g})"
     if not plan.boundary.contains(point):
-        yield document.problem(f"({at[0]:g}, {at[1]:g}) is outside the boundary", *place)
-        return
-    radius = plan.human.radius
-    for obstacle in plan.obstacles:
-        if not obstacle.overlaps(0.0, plan.human.height):
-            continue
-        gap = obstacle.footprint.distance(point)
-        if gap == 0:
-            yield document.problem(
-                f"({at[0]:g}, {at[1]:g}) is inside obstacle {obstacle.name!r}", *place
-            )
-        elif gap < radius:
-            yield document.problem(
-                f"({at[0]:g}, {at[1]:g}) is {gap:.3f} m from obstacle {obstacle.name!r};"
-                f" a person of radius {radius:g} m does not fit",
-                *place,
-            )
-    gap = shapely.distance(plan.boundary.exterior, point)
-    if gap < radius:
-        yield document.problem(
-            f"({at[0]:g}, {at[1]:g}) is {gap:.3f} m from the boundary;"
-            f" a person of radius {radius:g} m does not fit",
-            *place,
-        )
+        return f"{place} is outside the boundary"
+    gaps = [
+        (obstacle.footprint.distance(point), f"obstacle {obstacle.name!r}")
+        for obstacle in plan.obstacles
+        if obstacle.overlaps(0.0, plan.human.height)
+    ]
+    gaps.append((plan.boundary.exterior.distance(point), "the boundary"))
+    gap, name = min(gaps)
+    if gap >= radius:
+        return ""
+    if gap == 0:
+        return f"{place} is inside {name}"
+    return f"{place} is {gap:.3f} m from {name}; a person of radius {radius:g} m does not fit"
 
 
 def _lane_problems(lane: Lane, document: Document) -> Iterator[Problem]:

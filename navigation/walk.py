@@ -51,21 +51,7 @@ def walk(
         return standing(corners[0], start=start)
     lengths = [math.dist(a, b) for a, b in itertools.pairwise(corners)]
     speeds = _corner_speeds(corners, lengths, limits, initial_speed)
-    pieces: list[Piece] = []
-    t = start
-    for k, length in enumerate(lengths):
-        (phases,) = to_position(
-            [AxisState(0.0, speeds[k])], [AxisState(length, speeds[k + 1])], [limits]
-        )
-        (ax, ay), (bx, by) = corners[k], corners[k + 1]
-        cos, sin = (bx - ax) / length, (by - ay) / length
-        heading: Cubic = (math.atan2(by - ay, bx - ax), 0.0, 0.0, 0.0)
-        for duration, (s, v, a, j) in phases:
-            along_x: Cubic = (ax + s * cos, v * cos, a * cos, j * cos)
-            along_y: Cubic = (ay + s * sin, v * sin, a * sin, j * sin)
-            pieces.append(Piece(t, t + duration, along_x, along_y, heading))
-            t += duration
-    return Motion(tuple(pieces))
+    return _along(corners, speeds, limits, start)
 
 
 def stop_walking(motion: Motion, t: float, *, max_acceleration: float = MAX_ACCELERATION) -> Motion:
@@ -75,13 +61,13 @@ def stop_walking(motion: Motion, t: float, *, max_acceleration: float = MAX_ACCE
     if braking < NOWHERE:
         x, y, heading = state.position
         return standing((x, y), heading=heading, start=t)
-    return walk(
-        _first(remaining_path(motion, t), braking),
-        t,
-        max_speed=state.speed,
-        max_acceleration=max_acceleration,
-        initial_speed=state.speed,
-    )
+    corners = _first(remaining_path(motion, t), braking)
+    speeds, slower = [state.speed], state.speed**2
+    for a, b in itertools.pairwise(corners):
+        slower -= 2 * max_acceleration * (1 - _HAIR) * math.dist(a, b)
+        speeds.append(math.sqrt(max(slower, 0.0)))
+    speeds[-1] = 0.0
+    return _along(corners, speeds, AxisLimits(state.speed, max_acceleration), t)
 
 
 def remaining_path(motion: Motion, t: float) -> list[Corner]:
@@ -152,6 +138,23 @@ def _corner_speeds(
     for k, length in enumerate(lengths):
         speeds[k + 1] = min(speeds[k + 1], math.sqrt(speeds[k] ** 2 + gain * length))
     return speeds
+
+
+def _along(corners: list[Corner], speeds: list[float], limits: AxisLimits, start: float) -> Motion:
+    """The fastest motion through `corners` with the given speed at each of them."""
+    pieces: list[Piece] = []
+    t = start
+    for (a, b), (u, w) in zip(itertools.pairwise(corners), itertools.pairwise(speeds), strict=True):
+        length = math.dist(a, b)
+        (phases,) = to_position([AxisState(0.0, u)], [AxisState(length, w)], [limits])
+        cos, sin = (b[0] - a[0]) / length, (b[1] - a[1]) / length
+        heading: Cubic = (math.atan2(b[1] - a[1], b[0] - a[0]), 0.0, 0.0, 0.0)
+        for duration, (s, v, acceleration, jerk) in phases:
+            along_x: Cubic = (a[0] + s * cos, v * cos, acceleration * cos, jerk * cos)
+            along_y: Cubic = (a[1] + s * sin, v * sin, acceleration * sin, jerk * sin)
+            pieces.append(Piece(t, t + duration, along_x, along_y, heading))
+            t += duration
+    return Motion(tuple(pieces))
 
 
 def _corners(points: ArrayLike) -> list[Corner]:

@@ -125,7 +125,7 @@ class Person:
         self._perceive_once(f"at({x},{y})", "at")
         self._count("work_completed")
 
-    def act(self, action: bdi.Term) -> bool:
+    def act(self, action: bdi.Literal) -> bool:
         """Carry out an external action of the agent; whether it could be."""
         perform = self._actions.get(action.functor)
         if perform is None:
@@ -134,7 +134,7 @@ class Person:
                 f"{self.name}: there is no action {action.functor!r} (there are: {known})"
             )
         try:
-            arguments = [float(argument) for argument in action.args]
+            arguments = [_number(argument) for argument in action.args]
             inspect.signature(perform).bind(*arguments)
         except (TypeError, ValueError):
             takes = ", ".join(inspect.signature(perform).parameters)
@@ -256,3 +256,9 @@ class Person:
             if distance <= tolerance
         ]
         return min(near)[1] if near else None
+
+
+def _number(term: bdi.Term) -> float:
+    if isinstance(term, float):
+        return term
+    raise ValueError(f"{term} is not a number")

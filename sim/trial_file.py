@@ -11,8 +11,9 @@ from pydantic import Field, Strict, model_validator
 
 import bdi
 import floorplan
-from floorplan import Document, Floorplan, Number, Pair, Positive, Problem, Strictly
+from floorplan import Document, Floorplan, Number, Pair, Positive, Problem, Strictly, standing_fault
 
+from .controllers import ControllerError, find_controller
 from .expectations import expectation_problems
 from .minds import find_program
 from .rules import PAPER, RULE_SETS, suggestion
@@ -216,12 +217,18 @@ def _person_problems(
     person: PersonEntry, trial: Trial, document: Document, k: int
 ) -> Iterator[Problem]:
     try:
-        find_program(person.personality, trial.folder)
+        bdi.load(find_program(person.personality, trial.folder))
     except FileNotFoundError as why:
         yield document.problem(str(why), "people", k, "personality")
-    if person.at is None and trial.floorplan.safe_zone is None:
+    plan = trial.floorplan
+    if person.at is not None:
+        if fault := standing_fault(plan, person.at, person.radius):
+            yield document.problem(fault, "people", k, "at")
+    elif plan.safe_zone is None:
         message = "the floorplan has no safe zone to start in; give at: [x, y]"
         yield document.problem(message, "people", k)
+    elif fault := standing_fault(plan, plan.safe_zone.position, person.radius):
+        yield document.problem(f"in the safe zone, {fault}", "people", k)
     for j, belief in enumerate(person.beliefs):
         try:
             bdi.parse_literal(belief)
@@ -238,6 +245,10 @@ def _gantry_problems(trial: Trial, document: Document) -> Iterator[Problem]:
     if entry.at is not None:
         for fault in gantry.faults(entry.at):
             yield document.problem(fault, "gantry", "at")
+    try:
+        find_controller(entry.controller, trial.folder)
+    except ControllerError as why:
+        yield document.problem(str(why), "gantry", "controller")
     for k, job in enumerate(entry.jobs):
         if job.kind == "move":
             for fault in gantry.faults(job.target):

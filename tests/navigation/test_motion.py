@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import assume, given
+from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
 import floorplan
@@ -90,6 +90,7 @@ def test_a_finely_cut_arc_is_walked_like_the_arc():
     assert top == pytest.approx(math.sqrt(2.5 * radius), rel=1e-2)
 
 
+@example([(0.0, 6.0), (0.0, 0.0), (4.0, 0.0)], 0.59375)  # right before a corner
 @given(paths, st.floats(0, 1))
 def test_somebody_who_stops_brakes_on_the_path(points, share):
     walk = navigation.walk(points)

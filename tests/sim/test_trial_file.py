@@ -1,0 +1,162 @@
+"""Trial files: what they say, and what is said about those that make no sense."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import bdi
+import floorplan
+import sim
+
+TRIAL = """\
+floorplan: ariac2023
+duration: 60
+people:
+  - name: operator
+    personality: antagonistic
+    start: {time: 1.5}
+    beliefs: ["tired(3)"]
+gantry:
+  controller: oblivious
+  at: [-5.0, 2.5, 0.0]
+  jobs:
+    - {move: [-2.5, 0.5, 0.0]}
+    - {pick: bin2, place: agv1, part: purple pump}
+agvs:
+  agv1: [{time: 30.0, to: assembly_front}, {time: 40.0, to: 2.5}]
+expect:
+  penalties: 0
+  visits: [station4]
+  minimum_separation: ">= 1.0"
+"""
+
+
+def problems(text):
+    with pytest.raises(sim.TrialError) as caught:
+        sim.Trial.parse(text, file="t.yaml")
+    return "\n".join(str(problem) for problem in caught.value.problems)
+
+
+def test_everything_that_a_trial_says():
+    trial = sim.Trial.parse(TRIAL, file="lunch.trial.yaml")
+    assert trial.name == "lunch"
+    assert trial.floorplan == floorplan.load("ariac2023")
+    assert (trial.duration, trial.seed, trial.rules) == (60.0, 0, sim.PAPER)
+    (person,) = trial.people
+    assert (person.name, person.personality) == ("operator", "antagonistic")
+    assert person.start == sim.Start(time=1.5)
+    assert person.beliefs == ("tired(3)",)
+    assert trial.gantry.at == (-5.0, 2.5, 0.0)
+    assert [job.kind for job in trial.gantry.jobs] == ["move", "pick_place"]
+    assert trial.agvs["agv1"] == (sim.AgvMove(30.0, "assembly_front"), sim.AgvMove(40.0, 2.5))
+    assert trial.expect["penalties"] == 0
+
+
+@pytest.mark.parametrize("name", sim.builtin_trials())
+def test_every_builtin_trial_loads(name):
+    assert sim.Trial.load(name).name == name
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (("duration: 60", "duration: 0"), "line 2, duration: expected more than 0, found 0"),
+        (("duration: 60", "duration: .nan"), "line 2, duration: expected"),
+        (("duration: 60", "duration: 60 s"), "duration: expected a number, found '60 s'"),
+        (("duration: 60", "seed: -1"), "seed: expected at least 0"),
+        (("duration: 60", "rules: papper"), "did you mean 'paper'?"),
+        (("floorplan: ariac2023", "floorplan: ariac2024"), "did you mean 'ariac2023'?"),
+        (("personality: antagonistic", "personality: helpfull"), "did you mean 'helpful'?"),
+        (("name: operator", "name: gantry"), "another body is called 'gantry' already"),
+        (("name: operator", "name: a b"), "line 4, people[0].name"),
+        (("{time: 1.5}", "{time: -1}"), "people[0].start.time: expected at least 0"),
+        (("{time: 1.5}", "{}"), "give one of time, part_placed, order_submitted"),
+        (("{time: 1.5}", "{time: 1, order_submitted: A}"), "give one of time"),
+        (('"tired(3)"', '"tired("'), "people[0].beliefs[0]: is not a belief"),
+        (("at: [-5.0, 2.5, 0.0]", "at: [-5.0, 8.5, 0.0]"), "y = 8.5 is outside"),
+        (("move: [-2.5, 0.5, 0.0]", "move: [3.5, 0.5, 0.0]"), "gantry.jobs[0].move: x = 3.5"),
+        (("pick: bin2", "pick: bin20"), "no obstacle, station or AGV is called 'bin20'"),
+        (("{move: [-2.5, 0.5, 0.0]}", "{pick: bin1}"), "a job is one of"),
+        (("agv1:", "agv9:"), "no AGV is called 'agv9'"),
+        (("to: assembly_front", "to: moon"), "agv1 has no location 'moon'"),
+        (("to: 2.5", "to: 25"), "outside its limits"),
+        (("time: 40.0", "time: 4.0"), "put moves in order"),
+        (("penalties: 0", "penaltys: 0"), "did you mean 'penalties'?"),
+        (("penalties: 0", "penalties: many"), "expected a number or a comparison"),
+        (('">= 1.0"', '">> 1.0"'), "expected a number or a comparison"),
+        (("[station4]", "station4"), "expected a list of stations"),
+        (("people:", "peopel:"), "peopel: unknown key (known are: agvs"),
+        (("controller: oblivious", "controller: oblvious"), "did you mean 'oblivious'?"),
+        (("controller: oblivious", "controller: a.b:c"), "can't be imported"),
+    ],
+)
+def test_what_makes_no_sense_is_said_with_its_place(change, message):
+    assert TRIAL.replace(*change) != TRIAL
+    assert message in problems(TRIAL.replace(*change))
+
+
+def test_problems_of_several_kinds_come_together():
+    text = TRIAL.replace("personality: antagonistic", "personality: nobody")
+    text = text.replace("agv1:", "agv9:").replace("penalties: 0", "penaltys: 0")
+    said = problems(text)
+    assert [place in said for place in ("line 5", "agvs.agv9", "expect.penaltys")] == [True] * 3
+
+
+def test_a_person_without_a_place_to_start_from(tmp_path):
+    (tmp_path / "room.yaml").write_text("boundary: [[0, 0], [9, 0], [9, 9], [0, 9]]\n")
+    text = "floorplan: room.yaml\npeople: [{name: a}]\n"
+    with pytest.raises(sim.TrialError, match=r"no safe zone to start in; give at: \[x, y\]"):
+        sim.Trial.parse(text, folder=tmp_path)
+    trial = sim.Trial.parse(text.replace("{name: a}", "{name: a, at: [5, 5]}"), folder=tmp_path)
+    assert trial.people[0].at == (5, 5)
+
+
+@pytest.mark.parametrize(
+    ("at", "message"),
+    [("[-7.7, 3.0]", "is inside obstacle .assembly_table1."), ("[50, 0]", "outside the boundary")],
+)
+def test_a_person_cannot_start_inside_things(at, message):
+    text = TRIAL.replace("personality: antagonistic", f"personality: helpful\n    at: {at}")
+    assert "people[0].at" in problems(text)
+    assert message in problems(text)
+
+
+def test_files_are_looked_up_beside_the_trial(tmp_path):
+    (tmp_path / "mine.asl").write_text("!wait. +!wait <- .wait(1000).\n")
+    path = tmp_path / "a.trial.yaml"
+    path.write_text("floorplan: ariac2023\npeople: [{name: a, personality: mine.asl}]\n")
+    assert sim.run(sim.Trial.load(path)).duration == 275.0
+
+
+def test_a_program_with_a_fault_is_told_with_line_and_column(tmp_path):
+    (tmp_path / "mine.asl").write_text("!start.\n+!start <- .wait(1000;\n")
+    path = tmp_path / "a.trial.yaml"
+    path.write_text("floorplan: ariac2023\npeople: [{name: a, personality: mine.asl}]\n")
+    with pytest.raises((sim.TrialError, bdi.ProgramError), match=r"mine.asl.*2"):
+        sim.Trial.load(path)
+
+
+@given(st.text(max_size=100))
+def test_any_text_is_a_trial_or_an_error(text):
+    try:
+        sim.Trial.parse(text)
+    except (sim.TrialError, floorplan.FloorplanError) as error:
+        assert error.problems
+
+
+KEYS = st.sampled_from(["people", "gantry", "agvs", "expect", "duration", "seed", "name", "at"])
+VALUES = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(KEYS, inner, max_size=3),
+    max_leaves=10,
+)
+
+
+@given(st.dictionaries(KEYS, VALUES, max_size=4))
+def test_any_values_are_a_trial_or_an_error(values):
+    import yaml
+
+    try:
+        sim.Trial.parse(yaml.safe_dump({"floorplan": "ariac2023", **values}))
+    except sim.TrialError as error:
+        assert error.problems
