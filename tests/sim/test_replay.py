@@ -1,0 +1,555 @@
+"""The replay page, in a real browser where there is one."""
+
+import copy
+import json
+import math
+import re
+import shutil
+
+import pytest
+import replay_sample
+
+from sim import replay
+
+INSTANTS = [0.0, 2.4, 9.93, 27.0, 61.7, 69.1, 140.25, 181.0, 274.9, 275.0]
+CHROMIUM = ("chromium", "chromium-browser", "google-chrome")
+ARGUMENTS = [
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+]
+
+
+@pytest.fixture(scope="module")
+def recording():
+    return replay_sample.recording(visitor=True)
+
+
+@pytest.fixture(scope="module")
+def browser():
+    api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+    path = next(filter(None, map(shutil.which, CHROMIUM)), None)
+    if path is None:
+        pytest.skip("no Chromium on this machine")
+    with api.sync_playwright() as driver:
+        browser = driver.chromium.launch(executable_path=path, args=ARGUMENTS)
+        yield browser
+        browser.close()
+
+
+class Viewer:
+    """A page in the browser, with what it complained about and asked the network for."""
+
+    def __init__(self, browser, file, html, **options):
+        file.write_text(html, encoding="utf-8")
+        self.context = browser.new_context(**options)
+        self.page = self.context.new_page()
+        self.complaints = []
+        self.requests = []
+        self.page.on("console", lambda message: self.complaints.append(message.text))
+        self.page.on("pageerror", lambda error: self.complaints.append(str(error)))
+        self.page.on("request", lambda request: self.requests.append(request.url))
+        self.page.goto(file.as_uri())
+
+    def seek(self, t):
+        self.page.evaluate("t => window.floorwalker.seek(t)", t)
+        self.settle()
+
+    def settle(self):
+        """Wait until what was asked for is drawn."""
+        self.page.evaluate(
+            "() => new Promise(done => requestAnimationFrame(() => setTimeout(done)))"
+        )
+
+    def wait_until(self, holds):
+        """Wait for what comes by itself. (The page forbids the driver's own way, which is eval.)"""
+        for _ in range(500):
+            if holds():
+                return
+            self.page.wait_for_timeout(20)
+        pytest.fail("waited for what did not come")
+
+    @property
+    def time(self):
+        return self.page.evaluate("window.floorwalker.time")
+
+    def text(self, selector):
+        return self.page.locator(selector).inner_text()
+
+    def number(self, selector):
+        return float(self.text(selector).split()[0].replace("−", "-"))
+
+
+@pytest.fixture
+def open_page(browser, tmp_path):
+    viewers = []
+
+    def open_page(html, **options):
+        viewers.append(Viewer(browser, tmp_path / f"{len(viewers)}.html", html, **options))
+        return viewers[-1]
+
+    yield open_page
+    for viewer in viewers:
+        viewer.context.close()
+
+
+@pytest.fixture(scope="module")
+def shared(browser, recording, tmp_path_factory):
+    file = tmp_path_factory.mktemp("replay") / "replay.html"
+    viewer = Viewer(browser, file, replay.render(recording))
+    yield viewer
+    viewer.context.close()
+
+
+@pytest.fixture
+def viewer(shared):
+    """The sample, at its beginning."""
+    shared.page.evaluate("window.floorwalker.pause()")
+    shared.page.locator("#speed").select_option("1")
+    shared.page.locator("#watch").select_option("0")
+    shared.page.evaluate("document.activeElement.blur()")
+    shared.seek(0.0)
+    return shared
+
+
+def embedded(html):
+    [text] = re.findall(
+        r'<script type="application/json" id="recording">(.*?)</script>', html, re.S
+    )
+    return json.loads(text)
+
+
+# ── the page as text ──
+
+
+def test_the_recording_stands_in_the_page_unchanged(recording):
+    assert embedded(replay.render(recording)) == json.loads(json.dumps(recording))
+
+
+def test_names_cannot_break_out_of_the_page(recording):
+    hostile = copy.deepcopy(recording)
+    hostile["title"] = "</title><script>alert(1)</script> {{recording}} {{title}}"
+    hostile["floorplan"]["stations"][0]["name"] = "</script><!--<script>"
+    html = replay.render(hostile)
+    assert embedded(html) == json.loads(json.dumps(hostile))
+    assert "<script>alert" not in html
+    assert html.count("</script>") == replay.render(recording).count("</script>")
+
+
+def test_a_long_run_makes_a_small_page(recording):
+    assert recording["duration"] == 275.0
+    assert len(replay.render(recording).encode()) < 1_000_000
+
+
+def test_the_page_needs_no_network(recording):
+    assert not re.search(r"https?:|\bimport\b|\bfetch\b|url\(", replay.render(recording))
+
+
+@pytest.mark.parametrize("form", [None, "floorwalker-replay/2"])
+def test_another_format_is_refused(recording, form):
+    with pytest.raises(ValueError, match="floorwalker-replay/1"):
+        replay.render({**recording, "format": form})
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, {1, 2}])
+def test_what_json_cannot_say_is_refused(recording, value):
+    with pytest.raises(ValueError, match="cannot be written as JSON"):
+        replay.render({**recording, "summary": {"penalties": value}})
+
+
+# ── the page at work ──
+
+
+def test_it_loads_without_complaint_or_network(viewer):
+    assert viewer.text("#title") == "ariac2023 · sample"
+    assert viewer.page.title() == "ariac2023 · sample – Floorwalker replay"
+    assert viewer.complaints == []
+    assert [url for url in viewer.requests if not url.startswith(("file:", "data:"))] == []
+
+
+def test_poses_are_those_of_the_motions(viewer, recording):
+    for name, pieces in recording["motions"].items():
+        for t in [*INSTANTS, *(piece[0] for piece in pieces[:: len(pieces) // 12 + 1])]:
+            shown = viewer.page.evaluate(
+                "([name, t]) => Object.values(window.floorwalker.pose(name, t))", [name, t]
+            )
+            assert shown[:5] == pytest.approx(replay_sample.pose(pieces, t), abs=1e-9), (name, t)
+
+
+def test_separations_are_those_of_the_motions(viewer, recording):
+    motions = recording["motions"]
+    for k, watch in enumerate(recording["watches"]):
+        for t in INSTANTS:
+            shown = viewer.page.evaluate("([k, t]) => window.floorwalker.separation(k, t)", [k, t])
+            distance, required = replay_sample.separation(
+                motions[watch["person"]], motions[watch["other"]], watch["law"], t
+            )
+            assert shown["distance"] == pytest.approx(distance, abs=1e-9)
+            assert shown["required"] == pytest.approx(required, abs=1e-9)
+            assert shown["margin"] == pytest.approx(distance - required, abs=1e-9)
+            within = any(begin <= t < end for begin, end in watch["violations"])
+            assert shown["violated"] is within
+
+
+@pytest.mark.parametrize("t", INSTANTS)
+def test_the_numbers_shown_are_those_of_the_instant(viewer, recording, t):
+    motions = recording["motions"]
+    viewer.seek(t)
+    distance, required = replay_sample.separation(
+        motions["operator"], motions["gantry"], replay_sample.LAW, t
+    )
+    assert viewer.number("#now-time") == pytest.approx(t, abs=0.00501)
+    assert viewer.number("#now-distance") == pytest.approx(distance, abs=0.00501)
+    assert viewer.number("#now-required") == pytest.approx(required, abs=0.00501)
+    assert viewer.number("#now-margin") == pytest.approx(distance - required, abs=0.00501)
+    for name, field in (("operator", "#now-person-speed"), ("gantry", "#now-other-speed")):
+        *_, vx, vy = replay_sample.pose(motions[name], t)
+        assert viewer.number(field) == pytest.approx(math.hypot(vx, vy), abs=0.00501)
+
+
+def test_another_watch_can_be_chosen(viewer, recording):
+    names = viewer.page.locator("#watch option").all_inner_texts()
+    assert names == [f"{w['person']} – {w['other']}" for w in recording["watches"]]
+    motions = recording["motions"]
+    viewer.seek(101.0)
+    viewer.page.locator("#watch").select_option(label="visitor – agv2")
+    viewer.settle()
+    distance, _ = replay_sample.separation(
+        motions["visitor"], motions["agv2"], {"distance": 2.1}, 101.0
+    )
+    assert viewer.number("#now-distance") == pytest.approx(distance, abs=0.00501)
+    assert viewer.text("#now-required") == "2.10 m"
+
+
+def test_the_noticing_distance_has_a_law_and_a_cap_of_its_own(open_page, recording):
+    strict = copy.deepcopy(recording)
+    strict["watches"][0] |= {
+        "notice": 1.75,
+        "notice_cap": 5.0,
+        "notice_law": {**replay_sample.LAW, "intrusion": 1.2},
+    }
+    viewer = open_page(replay.render(strict))
+    notice = [
+        viewer.page.evaluate("t => window.floorwalker.separation(0, t).notice", t)
+        for t in (0.0, 5.0)
+    ]
+    assert notice == pytest.approx([1.75 * 1.2, 5.0])
+    assert viewer.page.evaluate("window.floorwalker.separation(1, 0).notice") is None
+
+
+def test_it_plays_and_pauses(viewer):
+    viewer.page.locator("#play").click()
+    viewer.wait_until(lambda: viewer.time > 0.2)
+    viewer.page.locator("#play").click()
+    paused = viewer.time
+    viewer.page.wait_for_timeout(120)
+    assert viewer.time == paused
+
+
+def test_it_plays_faster_and_stops_at_the_end(viewer):
+    viewer.seek(272.0)
+    viewer.page.locator("#speed").select_option("64")
+    viewer.page.locator("#play").click()
+    viewer.wait_until(lambda: viewer.time == 275.0)
+    viewer.settle()
+    assert viewer.page.locator("#play").get_attribute("aria-label") == "Play"
+    viewer.page.locator("#play").click()
+    viewer.wait_until(lambda: viewer.time < 200.0)
+
+
+def test_the_keys_work(viewer):
+    press = viewer.page.keyboard.press
+    for key, t in (
+        ("ArrowRight", 1.0),
+        ("Shift+ArrowRight", 11.0),
+        ("ArrowLeft", 10.0),
+        ("Shift+ArrowLeft", 0.0),
+        ("End", 275.0),
+        ("ArrowRight", 275.0),
+        ("Home", 0.0),
+    ):
+        press(key)
+        assert viewer.time == t, key
+    press("+")
+    press("+")
+    press("-")
+    viewer.settle()
+    assert viewer.page.locator("#speed").input_value() == "2"
+    press("Space")
+    viewer.wait_until(lambda: viewer.time > 0.0)
+    press("Space")
+    stopped = viewer.time
+    viewer.page.wait_for_timeout(100)
+    assert viewer.time == stopped
+    press("?")
+    assert viewer.page.locator("#help").is_visible()
+    press("Escape")
+    assert viewer.page.locator("#help").is_hidden()
+
+
+def test_space_plays_after_a_click_on_a_button(viewer):
+    viewer.page.locator("#events li button").nth(3).click()
+    begun = viewer.time
+    viewer.page.keyboard.press("Space")
+    viewer.wait_until(lambda: viewer.time > begun)
+
+
+def test_n_and_p_go_from_event_to_event(viewer, recording):
+    times = sorted({event["t"] for event in recording["events"]})
+    for t in times[1:9]:
+        viewer.page.keyboard.press("n")
+        assert viewer.time == t
+    for t in reversed(times[:8]):
+        viewer.page.keyboard.press("p")
+        assert viewer.time == t
+
+
+def test_the_mouse_scrubs(viewer):
+    box = viewer.page.locator("#chart").bounding_box()
+    x = {share: box["x"] + 52 + share * (box["width"] - 64) for share in (0.25, 0.5, 0.75)}
+    y = box["y"] + 30
+    viewer.page.mouse.click(x[0.5], y)
+    assert viewer.time == pytest.approx(137.5, abs=0.5)
+    viewer.page.mouse.move(x[0.25], y)
+    viewer.page.mouse.down()
+    viewer.page.mouse.move(x[0.75], y, steps=4)
+    assert viewer.time == pytest.approx(0.75 * 275, abs=0.5)
+    viewer.page.mouse.up()
+    viewer.page.mouse.move(x[0.25], y)
+    assert viewer.time == pytest.approx(0.75 * 275, abs=0.5)
+
+
+def test_a_mark_on_the_timeline_jumps_to_its_very_instant(viewer, recording):
+    [moved] = [e["t"] for e in recording["events"] if e.get("agv") == "agv2"]
+    box = viewer.page.locator("#chart").bounding_box()
+    x = box["x"] + 52 + moved / 275 * (box["width"] - 64) + 2
+    viewer.page.mouse.click(x, box["y"] + box["height"] - 16 - 1.5 * 17)
+    assert viewer.time == moved
+
+
+def test_the_list_shows_every_event_and_jumps(viewer, recording):
+    items = viewer.page.locator("#events li")
+    assert items.count() == len(recording["events"])
+    times = [float(text) for text in viewer.page.locator("#events time").all_inner_texts()]
+    assert times == [pytest.approx(event["t"], abs=0.00501) for event in recording["events"]]
+    index = next(i for i, e in enumerate(recording["events"]) if e["kind"] == "job_done")
+    items.nth(index).locator("button").click()
+    viewer.settle()
+    assert viewer.time == recording["events"][index]["t"]
+    current = viewer.page.locator("#events li[aria-current]")
+    assert current.count() == 1
+    assert "blue battery" in current.inner_text()
+
+
+def test_the_current_event_is_kept_in_view(viewer):
+    viewer.page.mouse.move(10, 10)
+    viewer.seek(200.0)
+    assert viewer.page.evaluate(
+        """() => {
+            const list = document.querySelector("#events ol").getBoundingClientRect();
+            const item = document.querySelector("#events [aria-current]").getBoundingClientRect();
+            return list.top <= item.top && item.bottom <= list.bottom && window.scrollY === 0;
+        }"""
+    )
+
+
+def test_a_violation_is_said_in_words(viewer, recording):
+    violation = next(e for e in recording["events"] if e["kind"] == "violation")
+    viewer.seek(violation["t"])
+    figures = f"{violation['distance']:.2f} of {violation['required']:.2f} m"
+    assert viewer.text("#state") == f"violation at {violation['t']:.2f} s: {figures}"
+    viewer.seek(69.1)
+    assert viewer.text("#state") == "too close: violation"
+    viewer.seek(0.0)
+    assert viewer.text("#state") == "enough distance"
+
+
+def test_the_floor_is_drawn_from_the_time_shown(viewer):
+    floor = viewer.page.locator("#floor")
+    early = floor.screenshot()
+    viewer.seek(66.0)
+    late = floor.screenshot()
+    viewer.seek(0.0)
+    assert early != late
+    assert floor.screenshot() == early
+
+
+def test_the_floor_zooms_pans_and_fits(viewer):
+    floor = viewer.page.locator("#floor")
+    whole = floor.screenshot()
+    floor.hover()
+    viewer.page.mouse.wheel(0, -400)
+    viewer.settle()
+    zoomed = floor.screenshot()
+    viewer.page.mouse.down()
+    viewer.page.mouse.move(300, 300, steps=3)
+    viewer.page.mouse.up()
+    viewer.settle()
+    assert len({whole, zoomed, floor.screenshot()}) == 3
+    viewer.page.keyboard.press("0")
+    viewer.page.mouse.move(5, 5)
+    viewer.settle()
+    assert floor.screenshot() == whole
+
+
+def test_a_body_can_be_followed(viewer):
+    viewer.page.locator("#follow").select_option("agv1")
+    viewer.seek(70.0)
+    before = viewer.page.locator("#floor").screenshot()
+    viewer.seek(77.0)
+    assert viewer.page.locator("#floor").screenshot() != before
+    viewer.page.locator("#fit").click()
+    assert viewer.page.locator("#follow").input_value() == ""
+
+
+def test_what_is_under_the_pointer_is_named(viewer):
+    box = viewer.page.locator("#floor").bounding_box()
+    viewer.page.locator("#follow").select_option("agv3")
+    viewer.settle()
+    viewer.page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    assert viewer.text("#hint").startswith("agv3\n(−2.27, −1.20), 0.00 m/s")
+    viewer.page.locator("#fit").click()
+
+
+def test_light_and_dark(open_page, recording):
+    html = replay.render(recording)
+    viewer = open_page(html, color_scheme="dark")
+    theme = viewer.page.locator("html")
+    assert theme.get_attribute("data-theme") == "dark"
+    viewer.page.emulate_media(color_scheme="light")
+    viewer.wait_until(lambda: theme.get_attribute("data-theme") == "light")
+    viewer.page.locator("#theme").click()
+    assert theme.get_attribute("data-theme") == "dark"
+
+
+def test_it_fits_on_a_phone(open_page, recording):
+    viewer = open_page(
+        replay.render(recording), viewport={"width": 390, "height": 844}, has_touch=True
+    )
+    assert viewer.page.evaluate("document.documentElement.scrollWidth") <= 390
+    viewer.page.locator("#play").tap()
+    viewer.wait_until(lambda: viewer.time > 0.0)
+    box = viewer.page.locator("#chart").bounding_box()
+    viewer.page.locator("#play").tap()
+    viewer.page.touchscreen.tap(box["x"] + 52 + 0.5 * (box["width"] - 64), box["y"] + 40)
+    assert viewer.time == pytest.approx(137.5, abs=1.5)
+    assert viewer.complaints == []
+
+
+def test_every_control_has_a_name(viewer):
+    unnamed = viewer.page.evaluate(
+        """() => [...document.querySelectorAll("button, select, canvas#floor, [role=slider]")]
+            .filter(e => !(e.getAttribute("aria-label") || e.innerText.trim() || e.labels?.length))
+            .map(e => e.outerHTML)"""
+    )
+    assert unnamed == []
+    viewer.seek(5.0)
+    assert viewer.page.locator("#chart").get_attribute("aria-valuetext") == "5.0 seconds"
+    assert "operator moving at 1.0 m/s" in viewer.page.locator("#floor").get_attribute("aria-label")
+
+
+def test_an_address_can_point_at_an_instant(open_page, recording, tmp_path):
+    viewer = open_page(replay.render(recording))
+    viewer.page.goto("about:blank")
+    viewer.page.goto((tmp_path / "0.html").as_uri() + "#t=61.5")
+    assert viewer.time == 61.5
+
+
+def test_a_floor_with_next_to_nothing_on_it(open_page):
+    bare = {
+        "format": replay.FORMAT,
+        "title": "bare",
+        "duration": 10,
+        "summary": {"minimum_separation": None, "people": {}},
+        "floorplan": {
+            "name": "bare",
+            "boundary": [[0, 0], [4, 0], [4, 3], [0, 3]],
+            "holes": [[[1, 1], [2, 1], [2, 2]]],
+            "obstacles": [],
+            "stations": [],
+            "safe_zone": None,
+            "lanes": [],
+            "gantry": None,
+        },
+        "bodies": [{"name": "walker", "kind": "person", "radius": 0.3, "personality": "calm"}],
+        "motions": {"walker": [[2, 4, [0.5, 1], [0.5], [0]]]},
+        "events": [{"t": 3, "kind": "never heard of"}],
+        "watches": [],
+    }
+    viewer = open_page(replay.render(bare))
+    viewer.seek(3)
+    assert viewer.page.evaluate("window.floorwalker.pose('walker', 3).x") == 1.5
+    assert viewer.page.evaluate("window.floorwalker.pose('walker', 9).speed") == 0
+    assert viewer.text("#events li").endswith("never heard of")
+    assert viewer.page.locator("#now-distance").is_hidden()
+    assert viewer.complaints == []
+
+
+def test_names_are_shown_as_they_are(open_page, recording):
+    hostile = copy.deepcopy(recording)
+    name = "<img src=x onerror=alert(1)>"
+    hostile["title"] = name
+    hostile["events"][3]["station"] = name
+    hostile["summary"][name] = name
+    viewer = open_page(replay.render(hostile))
+    assert viewer.text("#title") == name
+    assert name in viewer.text("#events li:nth-child(4)")
+    assert viewer.page.locator("img").count() == 0
+    assert viewer.complaints == []
+
+
+# ── bad recordings ──
+
+
+def broken(recording, change):
+    """The page with its recording changed after it was written."""
+    html = replay.render(recording)
+    data = copy.deepcopy(recording)
+    change(data)
+    start = html.index('id="recording">') + len('id="recording">')
+    return html[:start] + json.dumps(data) + "</script>"
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda r: r.update(format="floorwalker-replay/9"), "this page reads floorwalker-replay/1"),
+        (lambda r: r.pop("duration"), "duration: a number of seconds above 0 is missing"),
+        (lambda r: r.pop("floorplan"), "floorplan: missing"),
+        (lambda r: r["floorplan"].update(boundary=[[0, 0], [1]]), "floorplan.boundary"),
+        (lambda r: r["motions"].pop("agv1"), "motions.agv1: a list is missing"),
+        (lambda r: r["motions"]["operator"][4].__setitem__(0, 1e6), "motions.operator[4]"),
+        (lambda r: r["motions"]["gantry"][2][3].append("x"), "motions.gantry[2]"),
+        (lambda r: r["motions"].update(gantry=[]), "motions.gantry: needs at least one piece"),
+        (lambda r: r["bodies"][0].update(kind="ghost"), "bodies[0].kind"),
+        (lambda r: r["bodies"][0].pop("radius"), "bodies[0]: its measures are missing"),
+        (lambda r: r["events"].reverse(), "events[1]: needs a kind, and a time"),
+        (lambda r: r["watches"][1].update(other="nobody"), 'there is no body called "nobody"'),
+        (lambda r: r["watches"][0].update(law={"t1": 1}), "watches[0].law"),
+        (lambda r: r["watches"][0].pop("violations"), "watches[0].violations"),
+    ],
+)
+def test_what_is_wrong_with_a_recording_is_said(open_page, recording, change, message):
+    viewer = open_page(broken(recording, change))
+    assert message in viewer.text("#trouble")
+    assert viewer.page.locator("#replay").is_hidden()
+    assert viewer.complaints == []
+
+
+@pytest.mark.parametrize("share", [0.4, 0.999])
+def test_a_page_cut_off_on_its_way_says_so(open_page, recording, share):
+    html = replay.render(recording)
+    start = html.index('id="recording">')
+    viewer = open_page(html[: start + round(share * (len(html) - start - 40))])
+    assert "cut off" in viewer.text("#trouble")
+    assert viewer.page.locator("#replay").is_hidden()
+
+
+def test_a_page_without_its_recording_says_so(open_page, recording):
+    html = replay.render(recording)
+    viewer = open_page(html[: html.index("<script type=")])
+    assert "it holds no recording" in viewer.text("#trouble")
