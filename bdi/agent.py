@@ -28,9 +28,9 @@ from .order import sorted_annots
 from .parser import parse_literal
 from .plans import LoadedPlan, PlanLibrary
 from .program import Belief, Program, Rule
-from .steps import Waiting, agent_source
+from .steps import Waiting, with_source
 from .terms import FROM_PERCEPT, FROM_SELF, TRUE, Literal, text
-from .unify import Names, Unifier, matched, rename, substitute, substitute_literal, unify
+from .unify import Names, Unifier, rename, substitute, substitute_literal
 
 if TYPE_CHECKING:
     from .society import Message, Society
@@ -249,15 +249,15 @@ class Agent:
             self._add_initial(clause)
         for goal in program.goals:
             literal = rename(goal.goal, self.names, {})
-            self.circumstance.post(Event("+!", agent_source(literal)))  # type: ignore[arg-type]
+            self.circumstance.post(Event("+!", with_source(literal)))  # type: ignore[arg-type]
 
     def _add_initial(self, clause: Belief | Rule) -> None:
         if isinstance(clause, Rule):
-            self.beliefs.add_rule(Rule(agent_source(clause.head), clause.body, clause.place))
+            self.beliefs.add_rule(Rule(with_source(clause.head), clause.body, clause.place))
             return
         literal = substitute_literal(clause.belief, {})
         if not literal.ground:
-            self.beliefs.add_rule(Rule(agent_source(literal), TRUE, clause.place))
+            self.beliefs.add_rule(Rule(with_source(literal), TRUE, clause.place))
             return
         self.believe(literal)
 
@@ -265,12 +265,12 @@ class Agent:
 
     def believe(self, literal: Literal) -> None:
         """Adds a belief, from the agent itself when it names no source, and raises its event."""
-        added = self.beliefs.add(agent_source(literal))
+        added = self.beliefs.add(with_source(literal))
         if added is not None:
             self.circumstance.post(Event("+", added))
 
     def disbelieve(self, literal: Literal) -> None:
-        removed = self.beliefs.remove(agent_source(literal), {})
+        removed = self.beliefs.remove(with_source(literal), {})
         if removed is not None:
             self.circumstance.post(Event("-", removed))
 
@@ -316,6 +316,29 @@ class Agent:
 
     def next_intention_number(self) -> int:
         return next(self._intention_numbers)
+
+    def changed(self, sort: str, literal: Literal, intention: Intention | None) -> bool:
+        """Raises the event of a change of belief; False when the intention can just go on.
+
+        It can when nobody would take notice: there is no plan and nobody waits
+        for the event, and it would be the next one taken, so that whether it is
+        raised makes no difference.
+        """
+        circumstance = self.circumstance
+        if (
+            circumstance.events
+            or circumstance.waits
+            or circumstance.atomic is not None
+            or circumstance.atomic_event is not None
+            or self._tasks
+            or self._mailbox
+            or self._percepts_changed
+            or (self._wakeups and self._wakeups[0][0] <= self.clock)
+            or self.plans.candidates(sort, literal)
+        ):
+            circumstance.post(Event(sort, literal, intention))
+            return True
+        return False
 
     def move_on(self, intention: Intention, means: Means) -> None:
         """The current step is done: the intention goes to the end of the queue."""
@@ -483,17 +506,10 @@ class Agent:
 
     def _option(self, plan: LoadedPlan, literal: Literal) -> Unifier | None:
         """What the plan's variables are when it is used for an event, or None."""
-        pattern = plan.literal
-        u: Unifier | None
-        if pattern.__class__ is Literal and not pattern.annots:  # type: ignore[union-attr]
-            u = matched(pattern, literal, {})  # type: ignore[arg-type]
-        else:
-            u = {}
-            if not unify(pattern, literal, u):
-                u = None
-        if u is None or plan.context is None:
+        u = plan.match(literal)
+        if u is None or plan.applies is None:
             return u
-        return self.logic.first(plan.context, u)
+        return plan.applies(self.logic, u)
 
     def _adopt(self, plan: LoadedPlan, event: Event, u: Unifier) -> None:
         literal = event.literal

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from .order import sorted_annots
 from .program import Rule
-from .terms import FROM_PERCEPT, Literal, Term, Var, is_ground
+from .terms import FROM_PERCEPT, ONLY_SELF, Literal, Term, Var, is_ground
 from .unify import Unifier, substitute_literal, unify, walk
 
 Key = tuple[str, int, bool]
@@ -87,6 +87,9 @@ class Shelf:
             first = walk(query.args[0], u)
             if first.__class__ is float or first.__class__ is str or is_ground(first):
                 return self._with_first(first)
+        return self.all()
+
+    def all(self) -> tuple[Literal | Rule, ...]:
         if self._ordered is None:
             self._ordered = _in_order(self._entries)
         return self._ordered
@@ -149,7 +152,7 @@ class BeliefBase:
         known = shelf.find(literal.args)
         if known is None:
             shelf.add(literal, at_end=at_end)
-            if FROM_PERCEPT in literal.annots:
+            if literal.annots is not ONLY_SELF and FROM_PERCEPT in literal.annots:
                 self.percepts[literal.without_annots()] = literal
             return literal
         added = tuple(annot for annot in literal.annots if annot not in known.annots)
@@ -188,18 +191,41 @@ class BeliefBase:
                 return removed if self._strip(shelf, belief, removed.annots) else None
         return None
 
+    def remove_first(self, key: Key, annots: tuple[Term, ...]) -> Literal | None:
+        """Takes annotations off the first belief that has them all, whatever its arguments.
+
+        Returns what was removed, or None when there is no such belief or it
+        has other sources.
+        """
+        shelf = self._shelves.get(key)
+        if shelf is None:
+            return None
+        for belief in shelf.all():
+            if isinstance(belief, Literal) and (
+                belief.annots is annots or all(annot in belief.annots for annot in annots)
+            ):
+                removed = belief if belief.annots is annots else belief.with_annots(annots)
+                return removed if self._strip(shelf, belief, annots) else None
+        return None
+
     def _strip(self, shelf: Shelf, belief: Literal, annots: tuple[Term, ...]) -> bool:
         """Takes annotations off; whether the belief went with its last source."""
+        if belief.annots is ONLY_SELF and annots is ONLY_SELF:
+            self._take(shelf, belief)
+            return True
         left = belief.with_annots(tuple(a for a in belief.annots if a not in annots))
         if FROM_PERCEPT in belief.annots and FROM_PERCEPT not in left.annots:
             self.percepts.pop(belief.without_annots(), None)
         if has_source(left):
             shelf.replace(left)
             return False
+        self._take(shelf, belief)
+        return True
+
+    def _take(self, shelf: Shelf, belief: Literal) -> None:
         shelf.remove(belief.args)
         if not len(shelf):
             del self._shelves[belief.key]
-        return True
 
     def matching(self, pattern: Literal | Var, u: Unifier) -> list[Literal]:
         """The beliefs that unify with a pattern; no pattern's bindings bear on another's."""

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from .intentions import Event, Intention
 from .order import sorted_annots
-from .program import Place
+from .program import Achieve, Act, Constraint, Place, Test, Update
 from .terms import Literal, Term, Var
 from .unify import rename, substitute, unify
 
@@ -93,12 +93,13 @@ def fail(agent: Agent, intention: Intention, annots: tuple[Term, ...]) -> None:
     place: Place | None = None
     if step is not None:
         place = step.formula.place
-        shown = step.shown
-        if isinstance(shown, Literal | Var):
-            value = substitute(shown, means.u)
-            code = value if isinstance(value, Literal) else code
-        elif shown is not None:
-            code = substitute(shown, means.u)
+        shown = step.formula
+        if isinstance(shown, Achieve):
+            code = substitute(shown.goal, means.u)
+        elif isinstance(shown, Update):
+            code = substitute(shown.belief, means.u)
+        elif isinstance(shown, Test | Act | Constraint):
+            code = substitute(step.term, means.u)
     if not means.is_goal:
         agent.warn(f"an intention ended: {means.trigger} could not be finished", intention)
         return

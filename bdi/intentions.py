@@ -51,7 +51,7 @@ class Means:
         self.u = u
         self.step = step
         self.awaited: tuple[str, ...] = ()
-        self.loops: list[object] = []
+        self.loops: list[tuple[Unifier, Iterator[Unifier]]] = []
 
     @property
     def is_goal(self) -> bool:

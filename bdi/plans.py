@@ -4,25 +4,27 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from .compiled import condition, matcher
 from .order import sorted_annots
 from .program import Plan
 from .steps import Step, compile_body
 from .terms import FROM_SELF, TRUE, Literal, Var
 
-Key = tuple[str, str, int, bool]
+Key = tuple[str, int, bool]
 
 
 class LoadedPlan:
     """A plan ready to run: its body compiled, its label complete."""
 
-    __slots__ = ("atomic", "body", "context", "label", "literal", "plan", "sort")
+    __slots__ = ("applies", "atomic", "body", "label", "literal", "match", "plan", "sort")
 
     def __init__(self, plan: Plan, label: Literal) -> None:
         self.plan = plan
         self.label = label
         self.sort = plan.trigger.sort
         self.literal = plan.trigger.literal
-        self.context = None if plan.context == TRUE else plan.context
+        self.match = matcher(plan.trigger.literal)
+        self.applies = None if plan.context == TRUE else condition(plan.context)
         self.body: Step | None = compile_body(plan.body)
         self.atomic = plan.atomic
 
@@ -37,7 +39,9 @@ class LoadedPlan:
 class PlanLibrary:
     def __init__(self) -> None:
         self._plans: list[LoadedPlan] = []
-        self._by_trigger: dict[Key, list[LoadedPlan]] = {}
+        self._by_trigger: dict[str, dict[Key, list[LoadedPlan]]] = {
+            sort: {} for sort in ("+", "-", "+!", "-!", "+?", "-?")
+        }
         self._by_label: dict[str, LoadedPlan] = {}
         self._made_labels = 0
 
@@ -82,19 +86,19 @@ class PlanLibrary:
 
     def _file(self, plan: LoadedPlan, first: bool) -> None:
         self._plans.insert(0 if first else len(self._plans), plan)
+        filed = self._by_trigger[plan.sort]
         if isinstance(plan.literal, Var):
-            for key, plans in self._by_trigger.items():
-                if key[0] == plan.sort:
-                    plans.insert(0 if first else len(plans), plan)
+            for plans in filed.values():
+                plans.insert(0 if first else len(plans), plan)
             return
-        key = (plan.sort, *plan.literal.key)
-        plans = self._by_trigger.get(key, [])
+        plans = filed.get(plan.literal.key, [])
         if not plans:
-            self._by_trigger[key] = plans
+            filed[plan.literal.key] = plans
             plans.extend(p for p in self._for_any(plan.sort) if p is not plan)
         plans.insert(0 if first else len(plans), plan)
 
     def _for_any(self, sort: str) -> list[LoadedPlan]:
+        """The plans for whatever event of a sort, as `+!Goal`."""
         return [p for p in self._plans if p.sort == sort and isinstance(p.literal, Var)]
 
     def remove(self, label: str, source: Literal = FROM_SELF) -> bool:
@@ -108,15 +112,16 @@ class PlanLibrary:
             return True
         del self._by_label[label]
         self._plans.remove(plan)
-        for key in [key for key, plans in self._by_trigger.items() if plan in plans]:
-            self._by_trigger[key].remove(plan)
-            if not self._by_trigger[key]:
-                del self._by_trigger[key]
+        filed = self._by_trigger[plan.sort]
+        for key in [key for key, plans in filed.items() if plan in plans]:
+            filed[key].remove(plan)
+            if not filed[key]:
+                del filed[key]
         return True
 
     def candidates(self, sort: str, literal: Literal | Var) -> list[LoadedPlan]:
         """The plans whose trigger has the event's sort and functor, in order."""
         if isinstance(literal, Var):
             return [plan for plan in self._plans if plan.sort == sort]
-        plans = self._by_trigger.get((sort, *literal.key))
+        plans = self._by_trigger[sort].get(literal.key)
         return self._for_any(sort) if plans is None else plans

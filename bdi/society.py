@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from .failure import error_annots, fail
 from .intentions import Event, Intention
 from .order import sorted_annots
-from .steps import agent_source
+from .steps import with_source
 from .terms import FALSE, Literal, Term, make_list
 from .unify import rename, substitute, unify
 from .waiting import MILLISECOND
@@ -99,7 +99,7 @@ class Society:
     def _obey(self, agent: Agent, message: Message, content: Literal) -> None:
         sender = "self" if message.sender == agent.name else message.sender
         source = Literal("source", (Literal(sender),))
-        literal = rename(agent_source(content, source), agent.names, {})
+        literal = rename(with_source(content, source), agent.names, {})
         if not isinstance(literal, Literal):
             return
         if message.force == "tell":

@@ -6,11 +6,15 @@ event or left the intention waiting, it moves the plan on (`agent.move_on`).
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
 from typing import TYPE_CHECKING, TypeAlias
 
+from .beliefs import has_source
+from .compiled import Build, Condition, builder, condition
 from .failure import ActionError, error_annots, fail
 from .intentions import Event, Fork, Intention, Means
+from .order import sorted_annots
 from .program import (
     Achieve,
     Act,
@@ -24,8 +28,7 @@ from .program import (
     Update,
     While,
 )
-from .program import Fork as ForkFormula
-from .terms import FROM_SELF, Literal, Relation, Term, Var, text
+from .terms import FROM_SELF, ONLY_SELF, TRUE, Literal, Relation, Term, Var, text
 from .unify import Unifier, rename, substitute, variable_names, walk
 
 if TYPE_CHECKING:
@@ -35,26 +38,33 @@ Run: TypeAlias = "Callable[[Agent, Intention, Means, Step], None]"
 
 
 class Step:
-    """One step of a body; `branches` are the beginnings of the bodies inside it."""
+    """One step of a body.
 
-    __slots__ = ("branches", "formula", "goal", "next", "run", "shown", "term")
+    `term` is the goal, belief, action or condition it is about; `build` makes
+    its value, `check` asks whether it holds. `branches` are the beginnings of
+    the bodies inside it.
+    """
+
+    __slots__ = ("branches", "build", "check", "formula", "next", "run", "term")
 
     def __init__(
-        self,
-        run: Run,
-        formula: BodyFormula,
-        following: Step | None,
-        *,
-        term: Term | None = None,
-        goal: Term | None = None,
+        self, run: Run, formula: BodyFormula, following: Step | None, term: Term = TRUE
     ) -> None:
         self.run = run
         self.formula = formula
         self.next = following
         self.term = term
-        self.goal = goal
-        self.shown = term
         self.branches: tuple[Step | None, ...] = ()
+        if isinstance(formula, Achieve | Update | Act):
+            self.build: Build = builder(term)
+        else:
+            self.check: Condition = condition(term)
+
+    @property
+    def goal(self) -> Literal | Var | None:
+        """The subgoal the step waits for, if it is one."""
+        formula = self.formula
+        return formula.goal if isinstance(formula, Achieve) and not formula.new_focus else None
 
 
 def compile_body(body: Body, following: Step | None = None) -> Step | None:
@@ -67,63 +77,51 @@ def compile_body(body: Body, following: Step | None = None) -> Step | None:
 def _compile(formula: BodyFormula, following: Step | None) -> Step:
     if isinstance(formula, Achieve):
         run = achieve_new if formula.new_focus else achieve
-        goal = _with_source(formula.goal)
-        step = Step(run, formula, following, term=goal, goal=formula.goal)
-        step.shown = formula.goal
-        return step
+        return Step(run, formula, following, _with_source(formula.goal))
     if isinstance(formula, Test):
-        return Step(test, formula, following, term=formula.formula)
+        return Step(test, formula, following, formula.formula)
     if isinstance(formula, Update):
-        step = Step(_UPDATES[formula.operator], formula, following, term=formula.belief)
-        if isinstance(formula.belief, Literal):
-            step.term = _with_source(formula.belief)
-        return step
+        return Step(_UPDATES[formula.operator], formula, following, _with_source(formula.belief))
     if isinstance(formula, Act):
-        return Step(_act_of(formula.action), formula, following, term=formula.action)
+        return Step(_act_of(formula.action), formula, following, formula.action)
     if isinstance(formula, Constraint):
-        return Step(constrain, formula, following, term=formula.relation)
+        return Step(constrain, formula, following, formula.relation)
     if isinstance(formula, If):
-        step = Step(choose, formula, following, term=formula.condition)
+        step = Step(choose, formula, following, formula.condition)
         step.branches = (
             compile_body(formula.then, following),
             compile_body(formula.otherwise, following),
         )
-        step.shown = None
         return step
     if isinstance(formula, While):
         return _compile_loop(begin_while, again_while, formula, formula.condition, following)
     if isinstance(formula, For):
         return _compile_loop(begin_for, again_for, formula, formula.generator, following)
-    step = Step(fork, formula, following)
-    join_step = Step(join, formula, following)
-    step.branches = tuple(compile_body(branch, join_step) for branch in formula.branches)
+    step = Step(fork_all if formula.all_of else fork_any, formula, following)
+    meeting = Step(join, formula, following)
+    step.branches = tuple(compile_body(branch, meeting) for branch in formula.branches)
     return step
 
 
 def _compile_loop(
-    begin: Run, again: Run, formula: While | For, condition: Term, following: Step | None
+    begin: Run, again: Run, formula: While | For, term: Term, following: Step | None
 ) -> Step:
-    first = Step(begin, formula, following, term=condition)
-    later = Step(again, formula, following, term=condition)
-    body = formula.body
-    inside = compile_body(body, later) or later
-    for step in (first, later):
-        step.branches = (inside,)
-        step.shown = None
+    first = Step(begin, formula, following, term)
+    later = Step(again, formula, following, term)
+    inside = compile_body(formula.body, later) or later
+    first.branches = later.branches = (inside,)
     return first
 
 
 def _with_source(literal: Literal | Var) -> Literal | Var:
     """The literal with `source(self)`, unless it says itself where it comes from."""
-    if not isinstance(literal, Literal):
-        return literal
-    return agent_source(literal)
+    return with_source(literal) if isinstance(literal, Literal) else literal
 
 
-def agent_source(literal: Literal, source: Literal = FROM_SELF) -> Literal:
-    from .beliefs import has_source
-    from .order import sorted_annots
-
+def with_source(literal: Literal, source: Literal = FROM_SELF) -> Literal:
+    """The literal as it is if it has a source, else with the one given."""
+    if not literal.annots and source is FROM_SELF:
+        return literal.with_annots(ONLY_SELF)
     if has_source(literal):
         return literal
     return literal.with_annots(sorted_annots((*literal.annots, source)))
@@ -138,177 +136,183 @@ def _act_of(action: Term) -> Run:
 # ---- goals
 
 
-def _goal_literal(agent: Agent, means: Means, step: Step) -> Literal | None:
-    """The literal of an event with fresh variables for those unbound, or None when it failed."""
-    term = step.term
-    literal = substitute(term, means.u)  # type: ignore[arg-type]
-    if literal.__class__ is not Literal:
-        return None
-    if not step.term.__class__ is Literal:
-        literal = agent_source(literal)  # type: ignore[arg-type]
-    if literal.ground:  # type: ignore[union-attr]
-        means.awaited = ()
+def _built(agent: Agent, means: Means, step: Step) -> Literal | None:
+    """The literal of a step, or None when a variable stands for none."""
+    literal = step.build(means.u)
+    if step.term.__class__ is Literal:
         return literal  # type: ignore[return-value]
+    return with_source(literal) if isinstance(literal, Literal) else None
+
+
+def _export(agent: Agent, means: Means, literal: Literal) -> Literal:
+    """The literal with fresh variables for those unbound, whose values the plan awaits."""
     renamed: dict[str, Var] = {}
-    literal = rename(literal, agent.names, renamed)
-    for name, fresh in renamed.items():
-        means.u[name] = fresh
-    means.awaited = variable_names(literal)
-    return literal  # type: ignore[return-value]
+    exported = rename(literal, agent.names, renamed)
+    means.u.update(renamed)
+    means.awaited = variable_names(exported)
+    return exported  # type: ignore[return-value]
 
 
-def _not_a_literal(agent: Agent, intention: Intention, step: Step, means: Means) -> None:
-    value = walk(step.term, means.u)  # type: ignore[arg-type]
+def _not_a_literal(agent: Agent, intention: Intention, means: Means, step: Step) -> None:
+    value = walk(step.term, means.u)
     if isinstance(value, Var):
-        message = f"variable {value} has no value"
+        message = f"{step.formula.place.line}: Variable '{value}' must be ground."
         fail(agent, intention, error_annots("body_var_without_value", message))
     else:
-        message = f"{step.term} stands for {text(value)}, which is no literal"
+        message = f"Variable '{step.term}' must be a Literal and not '{text(value)}'"
         fail(agent, intention, error_annots("body_var_not_literal", message))
 
 
 def achieve(agent: Agent, intention: Intention, means: Means, step: Step) -> None:
-    literal = _goal_literal(agent, means, step)
+    literal = _built(agent, means, step)
     if literal is None:
-        _not_a_literal(agent, intention, step, means)
+        _not_a_literal(agent, intention, means, step)
         return
+    if literal.ground:
+        means.awaited = ()
+    else:
+        literal = _export(agent, means, literal)
     agent.circumstance.post(Event("+!", literal, intention))
 
 
 def achieve_new(agent: Agent, intention: Intention, means: Means, step: Step) -> None:
-    awaited = means.awaited
-    literal = _goal_literal(agent, means, step)
-    means.awaited = awaited
+    literal = _built(agent, means, step)
     if literal is None:
-        _not_a_literal(agent, intention, step, means)
+        _not_a_literal(agent, intention, means, step)
         return
-    agent.circumstance.post(Event("+!", literal))
+    if not literal.ground:
+        literal = rename(literal, agent.names, {})  # type: ignore[assignment]
+    agent.circumstance.post(Event("+!", literal))  # type: ignore[arg-type]
     agent.move_on(intention, means)
 
 
 def test(agent: Agent, intention: Intention, means: Means, step: Step) -> None:
-    solution = agent.logic.first(step.term, means.u)  # type: ignore[arg-type]
+    solution = step.check(agent.logic, means.u)
     if solution is not None:
-        means.u = dict(solution)
+        means.u = solution
         agent.move_on(intention, means)
         return
-    formula = substitute(step.term, means.u)  # type: ignore[arg-type]
+    formula = substitute(step.term, means.u)
     if isinstance(formula, Literal) and agent.plans.candidates("+?", formula):
-        literal = _goal_literal(agent, means, step)
-        if literal is not None:
-            agent.circumstance.post(Event("+?", agent_source(literal), intention))
-            return
-    message = f"Failed to test '{text(step.term)}'"  # type: ignore[arg-type]
+        literal = _export(agent, means, with_source(formula))
+        agent.circumstance.post(Event("+?", literal, intention))
+        return
+    message = f"Failed to test '{text(step.term)}'"
     fail(agent, intention, error_annots("test_goal_failed", message))
 
 
 def constrain(agent: Agent, intention: Intention, means: Means, step: Step) -> None:
-    solution = agent.logic.first(step.term, means.u)  # type: ignore[arg-type]
+    solution = step.check(agent.logic, means.u)
     if solution is None:
         message = f"Constraint {step.formula} was not satisfied ({step.formula.place.line})"
         fail(agent, intention, error_annots("constraint_failed", message))
         return
-    means.u = dict(solution)
+    means.u = solution
     agent.move_on(intention, means)
 
 
 # ---- beliefs
 
 
-def _belief(agent: Agent, means: Means, step: Step) -> Literal | None:
-    literal = substitute(step.term, means.u)  # type: ignore[arg-type]
-    return agent_source(literal) if isinstance(literal, Literal) else None
-
-
 def _add(
     agent: Agent,
     intention: Intention,
     means: Means,
-    step: Step,
+    literal: Literal,
     *,
     at_end: bool = False,
     same_focus: bool = True,
 ) -> None:
-    literal = _goal_literal(agent, means, step)
-    if literal is None:
-        _not_a_literal(agent, intention, step, means)
-        return
+    if literal.ground:
+        means.awaited = ()
+    else:
+        literal = _export(agent, means, literal)
     added = agent.beliefs.add(literal, at_end=at_end)
-    if added is not None:
-        agent.circumstance.post(Event("+", added, intention if same_focus else None))
-    if added is None or not same_focus:
+    focus = intention if same_focus else None
+    if added is None or not agent.changed("+", added, focus) or not same_focus:
         agent.move_on(intention, means)
 
 
 def add_belief(agent: Agent, intention: Intention, means: Means, step: Step) -> None:
-    _add(agent, intention, means, step)
+    literal = _built(agent, means, step)
+    if literal is None:
+        _not_a_literal(agent, intention, means, step)
+    else:
+        _add(agent, intention, means, literal)
 
 
 def add_belief_at_end(agent: Agent, intention: Intention, means: Means, step: Step) -> None:
-    _add(agent, intention, means, step, at_end=True)
+    literal = _built(agent, means, step)
+    if literal is None:
+        _not_a_literal(agent, intention, means, step)
+    else:
+        _add(agent, intention, means, literal, at_end=True)
 
 
 def add_belief_new(agent: Agent, intention: Intention, means: Means, step: Step) -> None:
-    _add(agent, intention, means, step, same_focus=False)
+    literal = _built(agent, means, step)
+    if literal is None:
+        _not_a_literal(agent, intention, means, step)
+    else:
+        _add(agent, intention, means, literal, same_focus=False)
 
 
 def replace_belief(agent: Agent, intention: Intention, means: Means, step: Step) -> None:
-    literal = _belief(agent, means, step)
+    """`-+b(X)`: the first `b` of the agent's own goes, whatever its arguments."""
+    literal = _built(agent, means, step)
     if literal is None:
-        _not_a_literal(agent, intention, step, means)
+        _not_a_literal(agent, intention, means, step)
         return
-    anything = tuple(agent.names.fresh() for _ in literal.args)
-    pattern = Literal(literal.functor, anything, literal.annots, literal.negated)
-    removed = agent.beliefs.remove(pattern, {})
+    removed = agent.beliefs.remove_first(literal.key, literal.annots)
     if removed is not None:
-        agent.circumstance.post(Event("-", removed))
-    _add(agent, intention, means, step)
+        agent.changed("-", removed, None)
+    _add(agent, intention, means, literal)
 
 
 def _delete(
-    agent: Agent, intention: Intention, means: Means, step: Step, same_focus: bool
+    agent: Agent, intention: Intention, means: Means, step: Step, *, same_focus: bool
 ) -> None:
-    literal = _belief(agent, means, step)
+    literal = _built(agent, means, step)
     if literal is None:
-        _not_a_literal(agent, intention, step, means)
+        _not_a_literal(agent, intention, means, step)
         return
     means.awaited = ()
     removed = agent.beliefs.remove(literal, means.u)
-    if removed is not None:
-        agent.circumstance.post(Event("-", removed, intention if same_focus else None))
-    if removed is None or not same_focus:
+    focus = intention if same_focus else None
+    if removed is None or not agent.changed("-", removed, focus) or not same_focus:
         agent.move_on(intention, means)
 
 
 def delete_belief(agent: Agent, intention: Intention, means: Means, step: Step) -> None:
-    _delete(agent, intention, means, step, True)
+    _delete(agent, intention, means, step, same_focus=True)
 
 
 def delete_belief_new(agent: Agent, intention: Intention, means: Means, step: Step) -> None:
-    _delete(agent, intention, means, step, False)
+    _delete(agent, intention, means, step, same_focus=False)
 
 
-_UPDATES: dict[str, Run] = {
-    "+": add_belief,
-    "+<": add_belief,
-    "+>": add_belief_at_end,
-    "++": add_belief_new,
-    "-": delete_belief,
-    "--": delete_belief_new,
-    "-+": replace_belief,
-}
+_UPDATES: Mapping[str, Run] = MappingProxyType(
+    {
+        "+": add_belief,
+        "+<": add_belief,
+        "+>": add_belief_at_end,
+        "++": add_belief_new,
+        "-": delete_belief,
+        "--": delete_belief_new,
+        "-+": replace_belief,
+    }
+)
 
 
 # ---- actions
 
 
 def act_external(agent: Agent, intention: Intention, means: Means, step: Step) -> None:
-    action = substitute(step.term, means.u)  # type: ignore[arg-type]
-    agent.request(action, intention)  # type: ignore[arg-type]
+    agent.request(step.build(means.u), intention)  # type: ignore[arg-type]
 
 
 def act_variable(agent: Agent, intention: Intention, means: Means, step: Step) -> None:
-    value = substitute(step.term, means.u)  # type: ignore[arg-type]
+    value = step.build(means.u)
     if isinstance(value, BodyTerm):
         means.step = compile_body(value.body, step.next)
         agent.circumstance.add_running(intention)
@@ -318,14 +322,14 @@ def act_variable(agent: Agent, intention: Intention, means: Means, step: Step) -
             message = f"Constraint {value} was not satisfied"
             fail(agent, intention, error_annots("constraint_failed", message))
         else:
-            means.u = dict(solution)
+            means.u = solution
             agent.move_on(intention, means)
     elif isinstance(value, Literal) and value.is_internal_action:
         _call(agent, intention, means, value)
     elif isinstance(value, Literal):
         agent.request(value, intention)
     else:
-        _not_a_literal(agent, intention, step, means)
+        _not_a_literal(agent, intention, means, step)
 
 
 def act_internal(agent: Agent, intention: Intention, means: Means, step: Step) -> None:
@@ -361,34 +365,27 @@ WAITING = Waiting()
 
 
 def choose(agent: Agent, intention: Intention, means: Means, step: Step) -> None:
-    solution = agent.logic.first(step.term, means.u)  # type: ignore[arg-type]
+    solution = step.check(agent.logic, means.u)
     if solution is None:
         means.step = step.branches[1]
     else:
-        means.u = dict(solution)
+        means.u = solution
         means.step = step.branches[0]
     agent.circumstance.add_running(intention)
 
 
 def begin_while(agent: Agent, intention: Intention, means: Means, step: Step) -> None:
-    means.loops.append(means.u)
+    means.loops.append((means.u, iter(())))
     again_while(agent, intention, means, step)
 
 
 def again_while(agent: Agent, intention: Intention, means: Means, step: Step) -> None:
-    before: Unifier = means.loops[-1]  # type: ignore[assignment]
-    solution = agent.logic.first(step.term, before)  # type: ignore[arg-type]
-    if solution is None:
-        means.u = means.loops.pop()  # type: ignore[assignment]
-        means.step = step.next
-    else:
-        means.u = dict(solution)
-        means.step = step.branches[0]
-    agent.circumstance.add_running(intention)
+    before, _ = means.loops[-1]
+    _iterate(agent, intention, means, step, step.check(agent.logic, before))
 
 
 def begin_for(agent: Agent, intention: Intention, means: Means, step: Step) -> None:
-    solutions = list(agent.logic.solutions(step.term, means.u))  # type: ignore[arg-type]
+    solutions = list(agent.logic.solutions(step.term, means.u))
     if not solutions:
         agent.move_on(intention, means)
         return
@@ -397,11 +394,16 @@ def begin_for(agent: Agent, intention: Intention, means: Means, step: Step) -> N
 
 
 def again_for(agent: Agent, intention: Intention, means: Means, step: Step) -> None:
-    before, solutions = means.loops[-1]  # type: ignore[misc]
-    solution = next(solutions, None)  # type: ignore[has-type]
+    _, solutions = means.loops[-1]
+    _iterate(agent, intention, means, step, next(solutions, None))
+
+
+def _iterate(
+    agent: Agent, intention: Intention, means: Means, step: Step, solution: Unifier | None
+) -> None:
+    """Once more through a loop's body, or on as if nothing in it had been bound."""
     if solution is None:
-        means.loops.pop()
-        means.u = before  # type: ignore[has-type]
+        means.u, _ = means.loops.pop()
         means.step = step.next
     else:
         means.u = dict(solution)
@@ -409,10 +411,15 @@ def again_for(agent: Agent, intention: Intention, means: Means, step: Step) -> N
     agent.circumstance.add_running(intention)
 
 
-def fork(agent: Agent, intention: Intention, means: Means, step: Step) -> None:
-    formula = step.formula
-    assert_fork = formula if isinstance(formula, ForkFormula) else None
-    whole = Fork(assert_fork.all_of if assert_fork is not None else True)
+def fork_all(agent: Agent, intention: Intention, means: Means, step: Step) -> None:
+    _fork(agent, intention, step, Fork(all_of=True))
+
+
+def fork_any(agent: Agent, intention: Intention, means: Means, step: Step) -> None:
+    _fork(agent, intention, step, Fork(all_of=False))
+
+
+def _fork(agent: Agent, intention: Intention, step: Step, whole: Fork) -> None:
     for beginning in step.branches:
         branch = intention.branch(agent.next_intention_number(), whole)
         branch.top.step = beginning
@@ -429,6 +436,7 @@ def join(agent: Agent, intention: Intention, means: Means, step: Step) -> None:
     whole.to_finish -= 1
     if whole.all_of:
         if whole.to_finish > 0:
+            agent.circumstance.forget(intention)
             return
     else:
         whole.branches.remove(intention)

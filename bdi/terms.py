@@ -63,7 +63,7 @@ class Literal:
     `annots` are sorted in standard order and without doubles.
     """
 
-    __slots__ = ("_hash", "annots", "args", "functor", "ground", "negated")
+    __slots__ = ("_hash", "annots", "args", "functor", "ground", "key", "negated")
 
     def __init__(
         self,
@@ -76,19 +76,27 @@ class Literal:
         self.args = args
         self.annots = annots
         self.negated = negated
+        #: What beliefs and plans are filed under: functor, arity, strong negation.
+        self.key = (functor, len(args), negated)
+        self.ground = all(map(is_ground, args)) and all(map(is_ground, annots))
         self._hash: int | None = None
-        ground = True
-        for arg in args:
-            if arg.__class__ is not float and arg.__class__ is not str and not arg.ground:  # type: ignore[union-attr]
-                ground = False
-                break
-        if annots and ground:
-            ground = all(is_ground(annot) for annot in annots)
-        self.ground = ground
 
-    @property
-    def arity(self) -> int:
-        return len(self.args)
+    def with_args(self, args: tuple[Term, ...]) -> Literal:
+        """This literal with as many other arguments; its annotations are ground."""
+        other = Literal.__new__(Literal)
+        other.functor = self.functor
+        other.args = args
+        other.annots = self.annots
+        other.negated = self.negated
+        other.key = self.key
+        other._hash = None
+        for arg in args:
+            cls = arg.__class__
+            if cls is not float and cls is not str and not arg.ground:  # type: ignore[union-attr]
+                other.ground = False
+                return other
+        other.ground = True
+        return other
 
     @property
     def is_atom(self) -> bool:
@@ -97,11 +105,6 @@ class Literal:
     @property
     def is_internal_action(self) -> bool:
         return "." in self.functor and self.functor[0] != "'"
-
-    @property
-    def key(self) -> tuple[str, int, bool]:
-        """What beliefs are filed under: functor, arity, strong negation."""
-        return (self.functor, len(self.args), self.negated)
 
     def without_annots(self) -> Literal:
         return Literal(self.functor, self.args, (), self.negated) if self.annots else self
@@ -339,15 +342,17 @@ Term: TypeAlias = (
 )
 List: TypeAlias = "Nil | Cons"
 
-TRUE = Literal("true")
-FALSE = Literal("false")
-FROM_SELF = Literal("source", (Literal("self"),))
-FROM_PERCEPT = Literal("source", (Literal("percept"),))
-
-
 def is_ground(term: Term) -> bool:
     """Whether substitution leaves the term as it is."""
     return isinstance(term, float | str) or term.ground
+
+
+TRUE = Literal("true")
+FALSE = Literal("false")
+FROM_SELF = Literal("source", (Literal("self"),))
+#: The annotations of most beliefs and goals.
+ONLY_SELF: tuple[Term, ...] = (FROM_SELF,)
+FROM_PERCEPT = Literal("source", (Literal("percept"),))
 
 
 def make_list(elements: Iterable[Term], tail: Term = EMPTY) -> Term:
