@@ -344,7 +344,16 @@ class Agent:
         """The current step is done: the intention goes to the end of the queue."""
         if means.step is not None:
             means.step = means.step.next
-        self.circumstance.add_running(intention)
+        if intention.atomic:
+            # It has the next cycle to itself even when its atomic plan is over.
+            self.circumstance.add_running(intention)
+            if means.step is None:
+                self.clear(intention)
+            return
+        if means.step is None:
+            self.clear(intention)
+        if intention.stack:
+            self.circumstance.add_running(intention)
 
     def request(self, action: Literal, intention: Intention) -> None:
         """An external action is to be done at the end of this cycle."""
@@ -447,19 +456,11 @@ class Agent:
 
     def _cycle(self) -> None:
         circumstance = self.circumstance
-        circumstance.selected_event = None
-        circumstance.selected = None
-        if self._wakeups:
-            while self._wakeups and self._wakeups[0][0] <= self.clock:
-                heapq.heappop(self._wakeups)[2]()
-        while self._tasks:
-            self._tasks.popleft()()
-        if self._percepts_changed:
-            self._sense()
-        if self._mailbox and self.society is not None:
-            self.society.process(self, self._mailbox.popleft())
+        circumstance.selected_event = circumstance.selected = None
+        if self._wakeups or self._tasks or self._percepts_changed or self._mailbox:
+            self._wake_and_sense()
         if circumstance.atomic is None:
-            self._deliberate()
+            self._deliberate(circumstance)
         if circumstance.feedback:
             self._take_feedback()
         intention = circumstance.select()
@@ -468,20 +469,29 @@ class Agent:
         circumstance.selected = intention
         if not intention.stack:
             return
-        means = intention.top
+        means = intention.stack[-1]
         step = means.step
         if step is None:
-            circumstance.add_running(intention)
+            self.move_on(intention, means)
         else:
             step.run(self, intention, means, step)
-        if intention.stack and intention.stack[-1].step is None:
-            self.clear(intention)
+            if means.step is None and intention.stack:
+                self.clear(intention)
         if self._requested is not None:
             self._perform()
 
-    def _deliberate(self) -> None:
+    def _wake_and_sense(self) -> None:
+        while self._wakeups and self._wakeups[0][0] <= self.clock:
+            heapq.heappop(self._wakeups)[2]()
+        while self._tasks:
+            self._tasks.popleft()()
+        if self._percepts_changed:
+            self._sense()
+        if self._mailbox and self.society is not None:
+            self.society.process(self, self._mailbox.popleft())
+
+    def _deliberate(self, circumstance: Circumstance) -> None:
         """Takes events until one is dealt with; those of beliefs without a plan are discarded."""
-        circumstance = self.circumstance
         while True:
             event = circumstance.atomic_event
             if event is not None:
@@ -491,9 +501,12 @@ class Agent:
             else:
                 return
             circumstance.selected_event = event
-            candidates = self.plans.candidates(event.sort, event.literal)
+            literal = event.literal
+            candidates = self.plans.candidates(event.sort, literal)
             for plan in candidates:
-                u = self._option(plan, event.literal)
+                u = plan.match(literal)
+                if u is not None and plan.applies is not None:
+                    u = plan.applies(self.logic, u)
                 if u is not None:
                     self._adopt(plan, event, u)
                     return
@@ -501,15 +514,9 @@ class Agent:
                 self._no_plan(event, "applicable" if candidates else "relevant")
                 return
             if event.intention is not None:
-                self._go_on_without_plan(event.intention)
+                # Nobody cares for a change of belief: the plan that made it goes on.
+                self.move_on(event.intention, event.intention.top)
                 return
-
-    def _option(self, plan: LoadedPlan, literal: Literal) -> Unifier | None:
-        """What the plan's variables are when it is used for an event, or None."""
-        u = plan.match(literal)
-        if u is None or plan.applies is None:
-            return u
-        return plan.applies(self.logic, u)
 
     def _adopt(self, plan: LoadedPlan, event: Event, u: Unifier) -> None:
         literal = event.literal
@@ -555,10 +562,6 @@ class Agent:
         message = f"Found a goal for which there is no {what} plan: {event}"
         fail_event(self, event, error_annots(f"no_{what}", message), message)
 
-    def _go_on_without_plan(self, intention: Intention) -> None:
-        """Nobody cares for a change of belief: the plan that made it goes on."""
-        self.move_on(intention, intention.top)
-
     def _take_feedback(self) -> None:
         circumstance = self.circumstance
         while circumstance.feedback:
@@ -569,8 +572,6 @@ class Agent:
             circumstance.take_action(intention)
             if success:
                 self.move_on(intention, intention.top)
-                if intention.stack[-1].step is None:
-                    self.clear(intention)
             else:
                 fail(self, intention, error_annots("action_failed", ""))
             return

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from operator import itemgetter
 
 from .order import sorted_annots
 from .program import Rule
 from .terms import FROM_PERCEPT, ONLY_SELF, Literal, Term, Var, is_ground
-from .unify import Unifier, substitute_literal, unify, walk
+from .unify import Unifier, substitute, substitute_literal, unify
 
 Key = tuple[str, int, bool]
 
@@ -16,23 +17,25 @@ def has_source(literal: Literal) -> bool:
     return any(isinstance(annot, Literal) and annot.functor == "source" for annot in literal.annots)
 
 
-class _Entry:
-    """One belief or rule and its rank: the lower, the earlier it is tried."""
+#: A rank and a belief or rule: the lower the rank, the earlier it is tried.
+_Entry = tuple[int, "Literal | Rule"]
 
-    __slots__ = ("clause", "rank")
-
-    def __init__(self, clause: Literal | Rule, rank: int) -> None:
-        self.clause = clause
-        self.rank = rank
+_by_rank = itemgetter(0)
 
 
 class Shelf:
-    """The beliefs and rules of one functor and arity."""
+    """The beliefs and rules of one functor and arity.
+
+    When there are many, they are also filed under their first argument; those
+    whose first argument is not ground, and the rules, are `loose`.
+    """
+
+    _MANY = 8
 
     def __init__(self) -> None:
         self.rules = 0
         self._entries: dict[object, _Entry] = {}
-        self._by_first: dict[Term, dict[object, _Entry]] = {}
+        self._by_first: dict[Term, dict[object, _Entry]] | None = None
         self._loose: dict[object, _Entry] = {}
         self._front = 0
         self._back = 0
@@ -41,38 +44,49 @@ class Shelf:
     def __len__(self) -> int:
         return len(self._entries)
 
+    def all(self) -> tuple[Literal | Rule, ...]:
+        """Everything, in order."""
+        if self._ordered is None:
+            self._ordered = _in_order(self._entries)
+        return self._ordered
+
     def find(self, args: tuple[Term, ...]) -> Literal | None:
         entry = self._entries.get(args)
-        return entry.clause if entry is not None and isinstance(entry.clause, Literal) else None
-
-    def replace(self, belief: Literal) -> None:
-        self._entries[belief.args].clause = belief
-        self._ordered = None
+        return None if entry is None else entry[1]  # type: ignore[return-value]
 
     def add(self, clause: Literal | Rule, *, at_end: bool = False) -> None:
         if at_end:
-            self._back += 1
-            entry = _Entry(clause, self._back)
+            self._back = rank = self._back + 1
         else:
-            self._front -= 1
-            entry = _Entry(clause, self._front)
+            self._front = rank = self._front - 1
         key: object
-        if isinstance(clause, Rule):
-            key = (None, entry.rank)
+        if clause.__class__ is Rule:
+            key = (None, rank)
             self.rules += 1
-            self._loose[key] = entry
         else:
-            key = clause.args
-            if clause.args and is_ground(clause.args[0]):
-                self._by_first.setdefault(clause.args[0], {})[key] = entry
-            else:
-                self._loose[key] = entry
-        self._entries[key] = entry
+            key = clause.args  # type: ignore[union-attr]
+        self._entries[key] = (rank, clause)
         self._ordered = None
+        if self._by_first is not None:
+            self._file(key, (rank, clause))
+        elif len(self._entries) > self._MANY:
+            self._by_first = {}
+            for known, entry in self._entries.items():
+                self._file(known, entry)
+
+    def replace(self, belief: Literal) -> None:
+        """The belief with other annotations, in its place."""
+        rank, _ = self._entries[belief.args]
+        self._entries[belief.args] = (rank, belief)
+        self._ordered = None
+        if self._by_first is not None:
+            self._file(belief.args, (rank, belief))
 
     def remove(self, args: tuple[Term, ...]) -> None:
         del self._entries[args]
         self._ordered = None
+        if self._by_first is None:
+            return
         if args and is_ground(args[0]):
             bucket = self._by_first[args[0]]
             del bucket[args]
@@ -81,32 +95,28 @@ class Shelf:
         else:
             del self._loose[args]
 
+    def _file(self, key: object, entry: _Entry) -> None:
+        _, clause = entry
+        if isinstance(clause, Literal) and clause.args and is_ground(clause.args[0]):
+            self._by_first.setdefault(clause.args[0], {})[key] = entry  # type: ignore[union-attr]
+        else:
+            self._loose[key] = entry
+
     def candidates(self, query: Literal, u: Unifier) -> tuple[Literal | Rule, ...]:
         """What may answer a query, in order."""
-        if len(self._entries) > 4 and query.args:
-            first = walk(query.args[0], u)
-            if first.__class__ is float or first.__class__ is str or is_ground(first):
-                return self._with_first(first)
+        if self._by_first is not None and query.args:
+            first = substitute(query.args[0], u)
+            if is_ground(first):
+                bucket = self._by_first.get(first, {})
+                return _in_order({**bucket, **self._loose} if self._loose else bucket)
         return self.all()
-
-    def all(self) -> tuple[Literal | Rule, ...]:
-        if self._ordered is None:
-            self._ordered = _in_order(self._entries)
-        return self._ordered
-
-    def _with_first(self, first: Term) -> tuple[Literal | Rule, ...]:
-        bucket = self._by_first.get(first)
-        if bucket is None:
-            return _in_order(self._loose) if self._loose else ()
-        if not self._loose:
-            return _in_order(bucket)
-        return _in_order({**bucket, **self._loose})
 
 
 def _in_order(entries: dict[object, _Entry]) -> tuple[Literal | Rule, ...]:
     if len(entries) == 1:
-        return tuple(entry.clause for entry in entries.values())
-    return tuple(e.clause for e in sorted(entries.values(), key=lambda entry: entry.rank))
+        for _, clause in entries.values():
+            return (clause,)
+    return tuple([clause for _, clause in sorted(entries.values(), key=_by_rank)])
 
 
 class BeliefBase:
@@ -117,7 +127,7 @@ class BeliefBase:
     def __iter__(self) -> Iterator[Literal]:
         """The beliefs, without the rules."""
         for shelf in self._shelves.values():
-            for clause in _in_order(shelf._entries):
+            for clause in shelf.all():
                 if isinstance(clause, Literal):
                     yield clause
 
@@ -128,13 +138,7 @@ class BeliefBase:
         return self._shelves.get(key)
 
     def all_clauses(self) -> tuple[Literal | Rule, ...]:
-        return tuple(c for shelf in self._shelves.values() for c in _in_order(shelf._entries))
-
-    def rules(self, key: Key) -> list[Rule]:
-        shelf = self._shelves.get(key)
-        if shelf is None:
-            return []
-        return [c for c in _in_order(shelf._loose) if isinstance(c, Rule)]
+        return tuple(c for shelf in self._shelves.values() for c in shelf.all())
 
     def find(self, literal: Literal) -> Literal | None:
         """The belief that equals a literal but for annotations, with all of its own."""
@@ -211,7 +215,7 @@ class BeliefBase:
     def _strip(self, shelf: Shelf, belief: Literal, annots: tuple[Term, ...]) -> bool:
         """Takes annotations off; whether the belief went with its last source."""
         if belief.annots is ONLY_SELF and annots is ONLY_SELF:
-            self._take(shelf, belief)
+            shelf.remove(belief.args)
             return True
         left = belief.with_annots(tuple(a for a in belief.annots if a not in annots))
         if FROM_PERCEPT in belief.annots and FROM_PERCEPT not in left.annots:
@@ -219,13 +223,8 @@ class BeliefBase:
         if has_source(left):
             shelf.replace(left)
             return False
-        self._take(shelf, belief)
-        return True
-
-    def _take(self, shelf: Shelf, belief: Literal) -> None:
         shelf.remove(belief.args)
-        if not len(shelf):
-            del self._shelves[belief.key]
+        return True
 
     def matching(self, pattern: Literal | Var, u: Unifier) -> list[Literal]:
         """The beliefs that unify with a pattern; no pattern's bindings bear on another's."""

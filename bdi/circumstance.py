@@ -49,7 +49,7 @@ class Circumstance:
     # ---- events
 
     def post(self, event: Event) -> None:
-        if event.intention is not None and event.intention.is_atomic:
+        if event.intention is not None and event.intention.atomic:
             self.atomic_event = event
         else:
             self.events.append(event)
@@ -93,7 +93,7 @@ class Circumstance:
     # ---- intentions
 
     def add_running(self, intention: Intention) -> None:
-        if intention.is_atomic:
+        if intention.atomic:
             self.atomic = intention
         else:
             self.running.append(intention)
@@ -127,7 +127,7 @@ class Circumstance:
 
     def suspend(self, kind: str, intention: Intention, reason: Term | None = None) -> None:
         """Keeps an intention apart until something wakes it."""
-        if intention.is_atomic:
+        if intention.atomic:
             self.atomic = intention
             self.atomic_waits = True
         self.pending[intention.number] = (kind, intention)
@@ -161,7 +161,7 @@ class Circumstance:
     def expect(self, action: PendingAction) -> None:
         """An intention waits for its external action."""
         intention = action.intention
-        if intention.is_atomic:
+        if intention.atomic:
             self.atomic = intention
             self.atomic_waits = True
         self.pending_actions[intention.number] = action

@@ -83,7 +83,9 @@ class Fork:
 
 
 class Intention:
-    """A stack of means; the last one is at work."""
+    """A stack of means; the last one is at work. `atomic` counts the atomic plans in it."""
+
+    __slots__ = ("atomic", "fork", "fork_point", "is_suspended", "number", "reason", "stack")
 
     def __init__(self, number: int) -> None:
         self.number = number
@@ -92,26 +94,22 @@ class Intention:
         self.reason: object = None
         self.fork: Fork | None = None
         self.fork_point = 0
-        self._atomic = 0
+        self.atomic = 0
 
     def push(self, means: Means) -> None:
         self.stack.append(means)
         if means.plan.atomic:
-            self._atomic += 1
+            self.atomic += 1
 
     def pop(self) -> Means:
         means = self.stack.pop()
         if means.plan.atomic:
-            self._atomic -= 1
+            self.atomic -= 1
         return means
 
     @property
     def top(self) -> Means:
         return self.stack[-1]
-
-    @property
-    def is_atomic(self) -> bool:
-        return self._atomic > 0
 
     @property
     def is_finished(self) -> bool:
@@ -124,7 +122,7 @@ class Intention:
         """A copy for one branch of a fork: the plan on top is its own, those below are shared."""
         copy = Intention(number)
         copy.stack = [*self.stack[:-1], self.top.branch()]
-        copy._atomic = self._atomic
+        copy.atomic = self.atomic
         copy.fork = fork
         copy.fork_point = len(self.stack)
         return copy

@@ -42,6 +42,7 @@ class PlanLibrary:
         self._by_trigger: dict[str, dict[Key, list[LoadedPlan]]] = {
             sort: {} for sort in ("+", "-", "+!", "-!", "+?", "-?")
         }
+        self._for_any: dict[str, list[LoadedPlan]] = {sort: [] for sort in self._by_trigger}
         self._by_label: dict[str, LoadedPlan] = {}
         self._made_labels = 0
 
@@ -88,18 +89,16 @@ class PlanLibrary:
         self._plans.insert(0 if first else len(self._plans), plan)
         filed = self._by_trigger[plan.sort]
         if isinstance(plan.literal, Var):
+            catch_all = self._for_any[plan.sort]
+            catch_all.insert(0 if first else len(catch_all), plan)
             for plans in filed.values():
                 plans.insert(0 if first else len(plans), plan)
             return
         plans = filed.get(plan.literal.key, [])
         if not plans:
             filed[plan.literal.key] = plans
-            plans.extend(p for p in self._for_any(plan.sort) if p is not plan)
+            plans.extend(self._for_any[plan.sort])
         plans.insert(0 if first else len(plans), plan)
-
-    def _for_any(self, sort: str) -> list[LoadedPlan]:
-        """The plans for whatever event of a sort, as `+!Goal`."""
-        return [p for p in self._plans if p.sort == sort and isinstance(p.literal, Var)]
 
     def remove(self, label: str, source: Literal = FROM_SELF) -> bool:
         """Takes a source off a plan, and the plan when it was the last one."""
@@ -112,6 +111,8 @@ class PlanLibrary:
             return True
         del self._by_label[label]
         self._plans.remove(plan)
+        if plan in self._for_any[plan.sort]:
+            self._for_any[plan.sort].remove(plan)
         filed = self._by_trigger[plan.sort]
         for key in [key for key, plans in filed.items() if plan in plans]:
             filed[key].remove(plan)
@@ -124,4 +125,4 @@ class PlanLibrary:
         if isinstance(literal, Var):
             return [plan for plan in self._plans if plan.sort == sort]
         plans = self._by_trigger[sort].get(literal.key)
-        return self._for_any(sort) if plans is None else plans
+        return self._for_any[sort] if plans is None else plans

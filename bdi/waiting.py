@@ -87,7 +87,7 @@ class Wait:
         intention = self.intention
         if not circumstance.take_pending(intention, "wait"):
             return
-        if not intention.is_atomic and circumstance.is_running(intention):
+        if not intention.atomic and circumstance.is_running(intention):
             return
         waits_for_something = self._trigger is not None or self._condition is not None
         if timed_out and waits_for_something and self._elapsed is None:
