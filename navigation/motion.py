@@ -115,16 +115,21 @@ class Motion:
         return _state(piece, t, moving=self.start < t <= self.end)
 
     def cut(self, begin: float, end: float) -> Motion:
-        """What happens from `begin` to `end` (seconds, `begin` <= `end`) and nothing else."""
-        pieces = [
+        """What the body does from `begin` to `end` (seconds), standing included."""
+        pieces = []
+        if begin < self.start:
+            at = self.state(begin).position
+            pieces.append(still(at, begin, min(self.start, end)))
+        pieces += [
             piece.cut(max(begin, piece.begin), min(end, piece.end))
-            for piece in self.pieces
+            for piece in self.pieces_from(begin)
             if piece.begin < end and begin < piece.end
         ]
-        if not pieces:
-            at = self.state(begin if begin > self.start else end).position
-            pieces = [still(at, begin, end)]
-        return Motion(tuple(pieces), self.jumps)
+        if end > self.end or not pieces:
+            since = max(begin, self.end) if end > self.end else begin
+            pieces.append(still(self.state(since).position, since, end))
+        jumps = frozenset(t for t in self.jumps if begin < t < end)
+        return Motion(tuple(pieces), jumps)
 
     def pieces_from(self, t: float) -> tuple[Piece, ...]:
         """The pieces that are not over at `t` (seconds)."""

@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from .commands.agent import agent
 from .commands.check import check
 from .commands.list import list_all
 from .commands.run import run
@@ -41,6 +42,7 @@ def _floorwalker(
 
 app.command()(run)
 app.command()(check)
+app.command()(agent)
 app.command(name="list")(list_all)
 
 
@@ -52,9 +54,17 @@ def main() -> None:
         # Whoever read our output has seen enough.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(0)
-    except (ValueError, OSError) as why:
+    except Exception as why:
+        if not _is_told(why):
+            raise
         typer.echo(f"floorwalker: {why}", err=True)
         sys.exit(1)
+
+
+def _is_told(why: Exception) -> bool:
+    """Whether an error is for the user: bad input says so in one of these ways."""
+    ours = type(why).__module__.partition(".")[0] in ("floorplan", "navigation", "bdi", "sim")
+    return ours or isinstance(why, ValueError | OSError)
 
 
 if __name__ == "__main__":

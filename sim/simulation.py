@@ -140,6 +140,7 @@ class Simulation:
             name=entry.name,
             seed=trial.seed,
             print=lambda text: self._record("said", person=entry.name, text=text),
+            on_event=lambda entry: self._heed(person, entry),
         )
         person.think_with(agent)
         if entry.start.time is not None:
@@ -149,6 +150,12 @@ class Simulation:
         for agv in self.agvs:
             self.referee.watch_agv(walker.body, agv.body)
         return person
+
+    def _heed(self, person: Person, entry: bdi.Entry) -> None:
+        """Write down what a program's author should know; the rest of a mind stays its own."""
+        if entry.kind == "warning":
+            place = {"file": Path(entry.file).name, "line": entry.line} if entry.file else {}
+            self._record("warning", person=person.name, text=entry.text, **place)
 
     def _make_gantry(self) -> GantryRobot | None:
         gantry = self.trial.floorplan.gantry

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
 
+import bdi
 from floorplan import Floorplan, InputError
 
 from .rules import PAPER, RuleSet
@@ -111,6 +112,12 @@ class Trial:
         return parse(text, file, Path(folder))
 
     def with_personality(self, personality: str) -> Trial:
-        """The same trial in which every person has this personality (a name or an .asl file)."""
+        """The same trial in which every person has this personality (a name or an .asl file).
+
+        `FileNotFoundError` if there is none, `bdi.ProgramError` if there is something wrong in it.
+        """
+        from .minds import find_program
+
+        bdi.load(find_program(personality, self.folder))
         people = tuple(replace(person, personality=personality) for person in self.people)
         return replace(self, people=people)

@@ -10,7 +10,10 @@ import typer
 
 def check(
     files: Annotated[
-        list[str], typer.Argument(help="Floorplans, trials and .asl programs; names work too.")
+        list[str],
+        typer.Argument(
+            metavar="FILE...", help="Floorplans, trials and .asl programs; names work too."
+        ),
     ],
 ) -> None:
     """Check floorplans, trials and programs: every problem with its place; exit 1 if any."""

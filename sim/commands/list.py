@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
+from pathlib import Path
+
 import typer
 
 
@@ -16,7 +19,7 @@ def list_all() -> None:
         "floorplans": {name: floorplan.load(name).title for name in floorplan.builtin()},
         "trials": dict.fromkeys(builtin_trials(), ""),
         "planners": {info.name: info.summary for info in navigation.planners()},
-        "personalities": {name: bdi.load(name).summary for name in bdi.programs()},
+        "personalities": {name: _opening(path) for name, path in bdi.programs().items()},
         "controllers": {
             name: (controller.__doc__ or "").split("\n")[0].rstrip(".")
             for name, controller in CONTROLLERS.items()
@@ -28,3 +31,14 @@ def list_all() -> None:
         typer.echo(title)
         for name, summary in entries.items():
             typer.echo(f"  {name:<{width}}  {summary}".rstrip())
+
+
+def _opening(program: Path) -> str:
+    """The first sentence of the comment that a personality's file begins with."""
+    lines = program.read_text(encoding="utf-8").splitlines()
+    comment = " ".join(
+        line.removeprefix("//").strip()
+        for line in itertools.takewhile(lambda line: line.startswith("//"), lines)
+    )
+    _, _, who = comment.partition(": ")
+    return who.partition(".")[0]

@@ -22,7 +22,7 @@ REPORTS = 200
 
 def run(
     trial: Annotated[
-        str, typer.Argument(help="A trial file, or the name of a built-in trial.")
+        str, typer.Argument(metavar="TRIAL", help="A file, or the name of a built-in trial.")
     ] = "ariac2023",
     personality: Annotated[
         str | None, typer.Option(help="Give everybody this one: a name, or an .asl file.")

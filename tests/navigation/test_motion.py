@@ -196,8 +196,16 @@ def test_a_cut_is_the_same_motion_for_a_while(points, one, other):
     part = walk.cut(begin, end)
     for t in np.linspace(begin, end, 20):
         assert part.position(t) == pytest.approx(walk.position(t), abs=1e-9)
-    assert part.start <= end
-    assert part.end <= end
+    assert (part.start, part.end) == (begin, end)
+
+
+def test_a_cut_stands_where_the_motion_does():
+    walk = navigation.walk([(0, 0), (3, 0)], 2.0)
+    part = walk.cut(0.0, 10.0)
+    assert (part.start, part.end) == (0.0, 10.0)
+    assert part.position([1.0, 9.0]) == pytest.approx(walk.position([1.0, 9.0]))
+    late = walk.cut(8.0, 9.0)
+    assert (late.start, late.end, late.position(8.5)[0]) == (8.0, 9.0, pytest.approx(3.0))
 
 
 def test_joining_what_is_apart_jumps_there_and_nowhere_else():

@@ -194,9 +194,8 @@ agvs: {agv4: [{time: 2.0, to: assembly_back}]}
     violation = first(run, "violation")
     assert violation["with"] == "agv4"
     t = violation["t"]
-    apart = math.dist(
-        run.motions["operator"].state_before(t).at, run.motions["agv4"].state_before(t).at
+    person, agv = (run.motions[name].state(t - 1e-6) for name in ("operator", "agv4"))
+    assert math.dist(person.at, agv.at) == pytest.approx(
+        LAW.distance(person.speed, agv.speed), abs=1e-4
     )
-    speeds = [run.motions[name].state_before(t).speed for name in ("operator", "agv4")]
-    assert apart == pytest.approx(LAW.distance(*speeds), abs=1e-5)
     assert after(run, t + 1e-6, "goal")["t"] == pytest.approx(t + 5.0, abs=1e-9)

@@ -113,7 +113,7 @@ def test_a_person_without_a_place_to_start_from(tmp_path):
 
 @pytest.mark.parametrize(
     ("at", "message"),
-    [("[-7.7, 3.0]", "is inside obstacle .assembly_table1."), ("[50, 0]", "outside the boundary")],
+    [("[-7.7, 3.0]", "is inside obstacle 'assembly_table1'"), ("[50, 0]", "outside the boundary")],
 )
 def test_a_person_cannot_start_inside_things(at, message):
     text = TRIAL.replace("personality: antagonistic", f"personality: helpful\n    at: {at}")

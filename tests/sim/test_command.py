@@ -1,0 +1,266 @@
+"""The command as a user types it: outputs, exit codes, and what it says when something is wrong."""
+
+import csv
+import itertools
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import sim
+
+TIMING = ("cpu_seconds", "realtime_factor")
+
+
+def floorwalker(*arguments, cwd, env=None):
+    command = [sys.executable, "-m", "sim.cli", *map(str, arguments)]
+    return subprocess.run(
+        command, cwd=cwd, capture_output=True, text=True, timeout=120, env=environment(env)
+    )
+
+
+def environment(extra=None):
+    root = Path(__file__).resolve().parents[2]
+    paths = [str(root), *filter(None, [os.environ.get("PYTHONPATH")])]
+    return {**os.environ, "PYTHONPATH": os.pathsep.join(paths), **(extra or {})}
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    """The main job, run once: the finished process and its folder."""
+    folder = tmp_path_factory.mktemp("main")
+    done = floorwalker("run", cwd=folder)
+    return done, folder / "runs" / "ariac2023"
+
+
+def test_the_main_job_says_what_happened_and_where_it_is(recorded):
+    done, folder = recorded
+    assert done.returncode == 0
+    assert done.stderr == ""
+    assert "penalties" in done.stdout
+    assert "× real time" in done.stdout
+    assert sorted(path.name for path in folder.iterdir()) == [
+        "events.jsonl",
+        "motions.jsonl",
+        "replay.html",
+        "summary.json",
+        "trajectory.csv",
+    ]
+
+
+def test_the_summary_has_every_field(recorded):
+    summary = json.loads((recorded[1] / "summary.json").read_text())
+    assert summary["duration"] == 275.0
+    assert summary["interrupted"] is False
+    for field in ("penalties", "agv_teleports", "gantry_disabled_time", "jobs_done", *TIMING):
+        assert isinstance(summary[field], int | float)
+    assert summary["minimum_separation"].keys() == {"distance", "time", "required"}
+    person = summary["people"]["operator"]
+    assert person["visits"][:2] == ["station4", "station2"]
+    assert person["distance_walked"] > 50
+    assert person["time_standing"] > 8
+    assert person["replans"] == 0
+
+
+def test_events_are_in_order_and_whole(recorded):
+    events = [json.loads(line) for line in (recorded[1] / "events.jsonl").open()]
+    assert [event["t"] for event in events] == sorted(event["t"] for event in events)
+    assert (events[0]["kind"], events[-1]["kind"]) == ("trial_started", "trial_ended")
+    kinds = {event["kind"] for event in events}
+    assert {"human_started", "goal", "arrived", "gantry_detected", "violation"} <= kinds
+    assert {"teleport", "gantry_disabled", "gantry_enabled", "agv_moved"} <= kinds
+
+
+def test_recorded_motions_are_those_of_the_run(recorded):
+    """motions.jsonl alone gives every position again, at any instant."""
+    run = sim.run(sim.Trial.load("ariac2023"))
+    pieces = {}
+    for line in (recorded[1] / "motions.jsonl").open():
+        motion = json.loads(line)
+        assert motion["start"] == motion["pieces"][0][0]
+        assert motion["end"] == motion["pieces"][-1][1]
+        pieces.setdefault(motion["body"], []).extend(motion["pieces"])
+    assert set(pieces) == {"operator", "gantry", "agv1", "agv2", "agv3", "agv4"}
+    for name, stretches in pieces.items():
+        for (_, end, *_), (begin, *_) in itertools.pairwise(stretches):
+            assert begin == end
+        assert (stretches[0][0], stretches[-1][1]) == (0.0, 275.0)
+        for t in np.linspace(0.05, 274.95, 777):
+            begin, _, x, y, _ = next(piece for piece in stretches if piece[0] <= t <= piece[1])
+            u = t - begin
+            at = [sum(c * u**k for k, c in enumerate(axis)) for axis in (x, y)]
+            assert at == pytest.approx(run.motions[name].position(t), abs=1e-9)
+
+
+def test_the_trajectory_is_the_sampled_run(recorded):
+    rows = list(csv.DictReader((recorded[1] / "trajectory.csv").open()))
+    samples = sim.run(sim.Trial.load("ariac2023")).sample(rate=10.0)
+    mine = [row for row in rows if row["body"] == "operator"]
+    assert len(mine) == len(samples["t"]) == 2751
+    found = np.array([[float(row[c]) for c in ("x", "y", "rotation", "vx", "vy")] for row in mine])
+    assert np.abs(found - samples["operator"]).max() < 1e-6
+    assert [float(row["t"]) for row in mine] == pytest.approx(samples["t"], abs=1e-9)
+
+
+def test_a_second_run_gets_a_folder_of_its_own(recorded):
+    folder = recorded[1].parent
+    again = floorwalker("run", "--duration", "5", cwd=folder.parent)
+    assert again.returncode == 0
+    assert (folder / "ariac2023-2" / "summary.json").exists()
+    taken = floorwalker("run", "--out", folder / "ariac2023", cwd=folder.parent)
+    assert taken.returncode == 1
+    assert "holds a run already" in taken.stderr
+
+
+@pytest.mark.parametrize("trial", ["ariac2023", "scene_helpful"])
+def test_the_same_trial_gives_the_same_bytes_in_any_process(trial, tmp_path):
+    for name, hash_seed in (("a", "1"), ("b", "2")):
+        env = {"PYTHONHASHSEED": hash_seed}
+        done = floorwalker("run", trial, "--out", tmp_path / name, cwd=tmp_path, env=env)
+        assert done.returncode == 0, done.stderr
+    run = sim.run(sim.Trial.load("scene_antagonistic"))  # something else before
+    assert run.events
+    recording = sim.Recording(tmp_path / "c")
+    chosen = sim.Trial.load(trial)
+    recording.finish(sim.run(chosen, recording))
+    for file in ("events.jsonl", "motions.jsonl", "trajectory.csv", "replay.html"):
+        contents = {(tmp_path / name / file).read_bytes() for name in "abc"}
+        assert len(contents) == 1, file
+    summaries = [json.loads((tmp_path / name / "summary.json").read_text()) for name in "abc"]
+    for summary in summaries:
+        for field in TIMING:
+            del summary[field]
+    assert summaries[0] == summaries[1] == summaries[2]
+
+
+def test_an_expectation_that_is_not_met_is_said_and_exits_1(tmp_path):
+    path = tmp_path / "t.trial.yaml"
+    path.write_text(
+        "floorplan: ariac2023\nduration: 30\npeople: [{name: a}]\n"
+        "gantry: {at: [-2.5, 0.5, 0.0]}\nexpect: {penalties: 0, visits: [station1]}\n"
+    )
+    done = floorwalker("run", path, cwd=tmp_path)
+    assert done.returncode == 1
+    assert "expected penalties = 0, but it is 1" in done.stderr
+    assert "expected visits to begin with ['station1']" in done.stderr
+    assert (tmp_path / "runs" / "t" / "replay.html").exists()
+
+
+BAD = {
+    "missing.yaml": (None, "there is no such file"),
+    "broken.yaml": ("floorplan: [", "line 1: is not YAML"),
+    "unknown.yaml": ("floorplan: ariac2023\nfoo: 1\n", "line 2, foo: unknown key"),
+    "unit.yaml": ("floorplan: ariac2023\nduration: 60s\n", "expected a number, found '60s'"),
+    "nan.yaml": ("floorplan: ariac2023\nduration: .nan\n", "line 2, duration: expected"),
+    "zero.yaml": ("floorplan: ariac2023\nduration: 0\n", "expected more than 0"),
+    "crossing.yaml": ("boundary: [[0, 0], [9, 9], [9, 0], [0, 9]]\n", "edges cross"),
+    "station.yaml": (
+        "boundary: [[0, 0], [9, 0], [9, 9], [0, 9]]\n"
+        "obstacles: {table: {x: [3, 5], y: [3, 5], z: [0, 1]}}\nstations: {s: [4, 4]}\n",
+        "stations.s: (4, 4) is inside obstacle 'table'",
+    ),
+    "person.yaml": (
+        "floorplan: ariac2023\npeople: [{name: a, personality: angry}]\n",
+        "people[0].personality: no personality and no .asl file is called 'angry'",
+    ),
+    "start.yaml": ("floorplan: ariac2023\npeople: [{name: a, at: [-7.7, 3]}]\n", "is inside"),
+    "syntax.asl": ("!go.\n+!go <- .print(1;\n", "2"),
+}
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_bad_files_get_one_clear_message(name, tmp_path):
+    text, message = BAD[name]
+    if text is not None:
+        (tmp_path / name).write_text(text)
+    done = floorwalker("check", name, cwd=tmp_path)
+    assert done.returncode == 1
+    assert name in done.stderr
+    assert message in done.stderr
+    assert "Traceback" not in done.stderr
+    if not name.endswith(".asl") and "boundary" not in (text or ""):
+        ran = floorwalker("run", name, cwd=tmp_path)
+        assert ran.returncode == 1
+        assert message in ran.stderr
+        assert "Traceback" not in ran.stderr
+        assert not (tmp_path / "runs").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "message"),
+    [
+        (["run", "--duration", "-5"], 2, "duration"),
+        (["run", "--duration", "nan"], 2, "duration"),
+        (["run", "--duration", "long"], 2, "duration"),
+        (["run", "--personality", "angry"], 1, "'angry'"),
+        (["run", "--rules", "papper"], 1, "did you mean 'paper'?"),
+        (["run", "nowhere"], 1, "built-in trial"),
+        (["jump"], 2, "jump"),
+        (["check"], 2, "FILE..."),
+    ],
+)
+def test_wrong_usage_is_told(arguments, code, message, tmp_path):
+    done = floorwalker(*arguments, cwd=tmp_path)
+    assert done.returncode == code
+    assert message in done.stderr
+    assert "Traceback" not in done.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_check_says_what_it_read(tmp_path):
+    done = floorwalker("check", "ariac2023", "scene_helpful", "helpful", "warehouse", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert done.stderr == ""
+    lines = done.stdout.splitlines()
+    assert "a trial of 275 s on ariac2023 with operator" in lines[0]
+    assert "32 obstacles, 4 stations, 4 AGVs and a gantry" in lines[0]
+    assert "a program of" in lines[2]
+    assert "and no gantry" in lines[3]
+
+
+def test_list_names_everything(tmp_path):
+    done = floorwalker("list", cwd=tmp_path)
+    assert done.returncode == 0
+    assert done.stderr == ""
+    for name in ("ariac2023", "warehouse", "RRTConnect", "helpful", "oblivious", "paper"):
+        assert f"  {name} " in done.stdout
+
+
+def test_an_interrupted_run_keeps_what_happened(tmp_path):
+    """Ctrl-C while a long trial runs: whole files, up to where it was."""
+    out = tmp_path / "out"
+    command = [sys.executable, "-m", "sim.cli", "run", "--duration", "1e7", "--out", str(out)]
+    process = subprocess.Popen(
+        command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment()
+    )
+    events = out / "events.jsonl"
+    while not (events.exists() and events.stat().st_size > 20_000):
+        assert process.poll() is None
+        time.sleep(0.05)
+    process.send_signal(signal.SIGINT)
+    _, stderr = process.communicate(timeout=120)
+    assert process.returncode == 130
+    assert b"what happened is kept" in stderr
+    assert b"Traceback" not in stderr
+    summary = json.loads((out / "summary.json").read_text())
+    assert summary["interrupted"] is True
+    assert 0 < summary["duration"] < 1e7
+    kept = [json.loads(line) for line in events.open()]
+    assert kept[-1]["kind"] == "trial_ended"
+    assert kept[-1]["t"] == pytest.approx(summary["duration"])
+    for line in (out / "motions.jsonl").open():
+        json.loads(line)
+    assert (out / "replay.html").read_text().rstrip().endswith("</html>")
+
+
+def test_help_and_version(tmp_path):
+    done = floorwalker("--help", cwd=tmp_path)
+    assert done.returncode == 0
+    for command in ("run", "plan", "check", "agent", "benchmark", "list"):
+        assert command in done.stdout
