@@ -28,7 +28,7 @@ class FreeSpace:
 
     def __init__(self, room: shapely.Geometry) -> None:
         parts = shapely.get_parts(room)
-        self.pieces = parts[shapely.get_dimensions(parts) == 2]
+        self.pieces = parts[shapely.area(parts) > 0]
         """The pieces, as an array of polygons."""
         shapely.prepare(self.pieces)
 

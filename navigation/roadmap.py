@@ -185,6 +185,8 @@ class _Search:
         from_start, to_goal = roadmap.links_from(ends)
         self._links[-2] = list(zip(*(part.tolist() for part in from_start), strict=True))
         self._to_goal = dict(zip(*(part.tolist() for part in to_goal), strict=True))
+        if roadmap.visible(ends[:1], ends[1:])[0]:
+            self._to_goal[self._start] = math.dist(*ends)
         self._left = roadmap.distances_to(goal, to_goal).tolist()
         away = np.array(self._extra) - np.array(goal)
         self._left += np.hypot(away[:, 0], away[:, 1]).tolist()

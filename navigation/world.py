@@ -155,7 +155,8 @@ class CollisionWorld:
         """The least distance (metres) anywhere along the polyline `points` ((N, 2), metres)."""
         self.checks += 1
         along = np.asarray(points, dtype=float)
-        line = shapely.linestrings(along) if len(along) > 1 else shapely.Point(along[0])
+        still = bool((along == along[0]).all())
+        line = shapely.Point(along[0]) if still else shapely.linestrings(along)
         if not self.floor.covers(line):
             return 0.0
         least = float(shapely.distance(self.edges, line))

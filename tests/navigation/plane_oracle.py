@@ -1,0 +1,90 @@
+"""Geometry worked out without any of the library's own code or FCL, to compare it with."""
+
+import itertools
+import math
+
+import numpy as np
+import shapely
+from shapely.geometry import Polygon
+
+
+def solid(world):
+    """Everything that is no room to walk, in a wide frame around the floor."""
+    frame = shapely.box(*world.plan.boundary.bounds).buffer(5.0, join_style="mitre")
+    return frame.difference(world.plan.boundary).union(
+        shapely.union_all(
+            [
+                *(o.footprint for o in world.plan.obstacles if o.overlaps(world.bottom, world.top)),
+                *(body.footprint for body in world.bodies),
+            ]
+        )
+    )
+
+
+def gap(world, points):
+    """The distance of a polyline (or point) from everything solid."""
+    points = np.asarray(points, dtype=float)
+    still = (points == points[0]).all()
+    line = shapely.Point(points[0]) if still else shapely.linestrings(points)
+    return float(shapely.distance(solid(world), line))
+
+
+def length(points):
+    return sum(math.dist(a, b) for a, b in itertools.pairwise(np.asarray(points).tolist()))
+
+
+def room(world, radius, sides=32):
+    """A bit more than the places where a disc fits: grown edges and inscribed corners removed."""
+    blocked = solid(world)
+    parts = [blocked]
+    for polygon in shapely.get_parts(blocked):
+        for ring in (polygon.exterior, *polygon.interiors):
+            points = np.array(ring.coords)
+            for (ax, ay), (bx, by) in itertools.pairwise(points.tolist()):
+                far = math.dist((ax, ay), (bx, by))
+                nx, ny = -(by - ay) / far * radius, (bx - ax) / far * radius
+                parts.append(
+                    Polygon(
+                        [
+                            (ax + nx, ay + ny),
+                            (bx + nx, by + ny),
+                            (bx - nx, by - ny),
+                            (ax - nx, ay - ny),
+                        ]
+                    )
+                )
+                angles = np.linspace(0, 2 * math.pi, sides, endpoint=False)
+                parts.append(
+                    Polygon(
+                        np.column_stack(
+                            [ax + radius * np.cos(angles), ay + radius * np.sin(angles)]
+                        )
+                    )
+                )
+    return world.plan.boundary.difference(shapely.union_all(parts))
+
+
+def shortest(free, places):
+    """The shortest ways in polygon(s) `free` between `places`: a matrix of lengths.
+
+    Every corner is linked with every other that it sees.
+    """
+    corners = []
+    for polygon in shapely.get_parts(shapely.orient_polygons(free)):
+        for ring in (polygon.exterior, *polygon.interiors):
+            points = np.array(ring.coords)[:-1]
+            before, after = points - np.roll(points, 1, 0), np.roll(points, -1, 0) - points
+            turn = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
+            corners.append(points[turn < 0])
+    nodes = np.concatenate([places, *corners])
+    wide = free.buffer(1e-7)
+    shapely.prepare(wide)
+    one, other = np.triu_indices(len(nodes), 1)
+    seen = shapely.covers(wide, shapely.linestrings(np.stack([nodes[one], nodes[other]], axis=1)))
+    far = np.full((len(nodes), len(nodes)), math.inf)
+    apart = np.hypot(*(nodes[one] - nodes[other]).T)
+    far[one[seen], other[seen]] = far[other[seen], one[seen]] = apart[seen]
+    np.fill_diagonal(far, 0.0)
+    for k in range(len(nodes)):
+        np.minimum(far, far[:, k, None] + far[k], out=far)
+    return far[: len(places), : len(places)]

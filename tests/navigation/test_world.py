@@ -1,0 +1,194 @@
+import math
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from plane_oracle import gap, solid
+from shapely.geometry import Polygon, box
+
+import floorplan
+from floorplan import Floorplan, Human, Obstacle
+from navigation import CollisionWorld, Disc
+
+
+@pytest.fixture(scope="module")
+def plan():
+    return floorplan.load("ariac2023")
+
+
+@pytest.fixture
+def world(plan):
+    return CollisionWorld(plan)
+
+
+def floor(*obstacles, boundary=None):
+    return Floorplan(
+        name="test",
+        boundary=boundary or box(0, 0, 10, 10),
+        obstacles=tuple(
+            Obstacle(f"thing{k}", shape, 0.0, 1.0) for k, shape in enumerate(obstacles)
+        ),
+    )
+
+
+def star(rng, x, y, size, corners):
+    """A polygon around (x, y), as a rule not convex."""
+    angles = np.sort(rng.uniform(0, 2 * math.pi, corners))
+    out = rng.uniform(0.2, 1.0, corners) * size
+    return Polygon(np.column_stack([x + out * np.cos(angles), y + out * np.sin(angles)]))
+
+
+@st.composite
+def floors(draw):
+    """Floors with overlapping obstacles of any shape, some across a boundary with notches."""
+    rng = np.random.default_rng(draw(st.integers(0, 2**32)))
+    shapes = [star(rng, *rng.uniform(-1, 11, 2), rng.uniform(0.3, 2), k) for k in (3, 4, 5, 7, 9)]
+    angles = np.linspace(0, 2 * math.pi, 13)[:-1]
+    out = rng.uniform(3.0, 5.0, 12)
+    boundary = Polygon(np.column_stack([5 + out * np.cos(angles), 5 + out * np.sin(angles)]))
+    shapes = [s for s in shapes if s.is_valid and s.area > 1e-3]
+    return floor(*shapes, boundary=draw(st.sampled_from([box(0, 0, 10, 10), boundary])))
+
+
+places = st.tuples(st.floats(-1, 11), st.floats(-1, 11))
+
+
+@settings(deadline=None, max_examples=60)
+@given(floors(), st.lists(st.tuples(places, places), min_size=8, max_size=8), st.floats(0.05, 1))
+def test_answers_agree_with_plane_geometry(plan, ways, radius):
+    world = CollisionWorld(plan)
+    for a, b in ways:
+        here, along = gap(world, [a]), gap(world, [a, b])
+        assert world.distance(a) == pytest.approx(here, abs=2e-6)
+        if here > 0:
+            assert world.nearest(a)[1] == pytest.approx(here, abs=1e-9)
+        assert world.clearance([a, b]) == pytest.approx(along, abs=1e-9)
+        if abs(here - radius) > 2e-6:
+            assert world.free(a, radius) == (here > radius)
+        if abs(along - radius) > 2e-6:
+            assert world.segment_free(a, b, radius) == (along > radius)
+
+
+@settings(deadline=None, max_examples=60)
+@given(floors(), places, places, st.floats(0.05, 0.6), st.floats(0.1, 1.5))
+def test_bodies_are_obstacles_too(plan, a, b, radius, size):
+    world = CollisionWorld(plan)
+    rng = np.random.default_rng(int(size * 1e6))
+    shape = star(rng, 5, 5, size, 6)
+    assume(shape.is_valid and a != b)
+    world.place("pallet", shape)
+    world.place("person", Disc((3.0, 3.0), size))
+    person = shapely.Point(3, 3)
+    rest = solid(world.__class__(plan)).union(shape)
+
+    def true_gap(line):
+        return min(rest.distance(line), max(person.distance(line) - size, 0))
+
+    along = true_gap(shapely.LineString([a, b]))
+    assert world.distance(a) == pytest.approx(true_gap(shapely.Point(a)), abs=2e-6)
+    assert world.clearance([a, b]) == pytest.approx(along, abs=1e-9)
+    if abs(along - radius) > 2e-6:
+        assert world.segment_free(a, b, radius) == (along > radius)
+    alone = world.segment_free(a, b, radius, ignore=("pallet", "person"))
+    assert alone == CollisionWorld(plan).segment_free(a, b, radius)
+
+
+def test_what_hangs_higher_than_a_person_does_not_block(world, plan):
+    lintel = plan.obstacle("door_lintel").footprint.centroid
+    assert world.free((lintel.x, lintel.y), 0.3)
+    assert not CollisionWorld(plan, bottom=2.6, top=3.0).free((lintel.x, lintel.y), 0.3)
+    # Nothing but walls reaches the heights above the tables.
+    assert CollisionWorld(plan, bottom=1.24, top=2.7).free((-7.7, 3.0), 0.3)
+
+
+def test_agvs_stand_where_they_were_put(world, plan):
+    assert world.nearest((-2.27, 4.8)) == ("agv1", 0.0)
+    world.move_agv("agv1", "assembly_front")
+    assert world.agv_position("agv1") == 5.6
+    assert world.nearest((-7.87, 4.8)) == ("agv1", 0.0)
+    assert world.free((-2.27, 4.8), 0.3)
+    expected = plan.free(0, 1.75).area - 4 * 1.17 * 0.67
+    assert world.walkable.area == pytest.approx(expected)
+
+
+def test_agvs_keep_to_their_lanes(world):
+    with pytest.raises(ValueError, match=r"agv1 can't be at 18\.5 m: its lane runs from 0 to 18"):
+        world.move_agv("agv1", 18.5)
+    with pytest.raises(KeyError, match="agv1 has no location 'moon'"):
+        world.move_agv("agv1", "moon")
+    with pytest.raises(KeyError, match="no AGV called 'agv9'"):
+        world.move_agv("agv9", 0.0)
+    with pytest.raises(ValueError, match="can't be at nan"):
+        world.move_agv("agv1", math.nan)
+
+
+def test_bodies_come_and_go(world):
+    at = (-5.0, 0.0)
+    world.place("operator2", Disc(at, 0.3))
+    assert world.nearest(at) == ("operator2", 0.0)
+    assert not world.free((-5.0, 0.5), 0.3)
+    world.place("operator2", Disc((-5.0, 5.0), 0.3))
+    assert world.free(at, 0.3)
+    world.remove("operator2")
+    assert world.free((-5.0, 5.0), 0.3)
+    with pytest.raises(KeyError, match="no placed body is called 'operator2'"):
+        world.remove("operator2")
+    with pytest.raises(KeyError, match="no placed body is called 'agv1'"):
+        world.remove("agv1")
+
+
+def test_bodies_above_or_below_do_not_block(world):
+    world.place("lamp", Disc((-5.0, 0.0), 0.5), bottom=2.0, top=2.5)
+    assert world.free((-5.0, 0.0), 0.3)
+    world.place("lamp", Disc((-5.0, 0.0), 0.5), bottom=1.0, top=2.5)
+    assert not world.free((-5.0, 0.0), 0.3)
+    world.place("lamp", Disc((-5.0, 0.0), 0.5), bottom=2.0, top=2.5)
+    assert world.free((-5.0, 0.0), 0.3)
+
+
+def test_unfit_bodies_are_refused(world):
+    with pytest.raises(ValueError, match="'bin1' belongs to the floorplan"):
+        world.place("bin1", Disc((0.0, 0.0), 0.3))
+    with pytest.raises(ValueError, match="'agv1' belongs to the floorplan"):
+        world.place("agv1", Disc((0.0, 0.0), 0.3))
+    with pytest.raises(ValueError, match="must be a Disc or a simple polygon"):
+        world.place("bow tie", Polygon([(0, 0), (1, 1), (1, 0), (0, 1)]))
+    with pytest.raises(ValueError, match="positive radius"):
+        Disc((0.0, 0.0), 0.0)
+
+
+def test_places_outside_are_not_free(world):
+    for at in ((50.0, 0.0), (2.1, 0.0), (0.0, -12.01), (math.nan, 0.0), (math.inf, 0.0)):
+        assert not world.free(at, 0.01)
+        assert world.distance(at) == 0.0
+    assert world.nearest((50.0, 0.0)) == ("boundary", 0.0)
+
+
+def test_nearest_free_place(world):
+    at = (-2.27, 4.8)
+    place = world.nearest_free(at, 0.3)
+    assert world.free(place, 0.3 - 1e-6)
+    # Straight off the long side of the AGV.
+    assert math.dist(at, place) == pytest.approx(0.67 / 2 + 0.3, abs=1e-6)
+    assert world.nearest_free((-5.0, 0.0), 0.3) == (-5.0, 0.0)
+    assert world.nearest_free((-5.0, 0.0), 30.0) is None
+
+
+def test_floor_in_pieces():
+    wall = box(4, -1, 6, 11)
+    world = CollisionWorld(floor(wall))
+    assert len(world.free_space(0.3).pieces) == 2
+    assert world.walkable.area == pytest.approx(80)
+
+
+def test_heights_must_rise(plan):
+    with pytest.raises(ValueError, match="heights must rise"):
+        CollisionWorld(plan, bottom=1.0, top=1.0)
+
+
+def test_default_top_is_a_persons_height():
+    plan = Floorplan("low", box(0, 0, 5, 5), human=Human(height=0.9))
+    world = CollisionWorld(plan)
+    assert world.top == 0.9
