@@ -156,6 +156,11 @@ class Agent:
         return list(self._percepts.values())
 
     @property
+    def has_mail(self) -> bool:
+        """Whether messages wait to be read."""
+        return bool(self._mailbox)
+
+    @property
     def pending_actions(self) -> dict[int, Literal]:
         """The external actions whose outcome is open, by number."""
         return {a.number: a.action for a in self.circumstance.pending_actions.values()}
@@ -359,16 +364,15 @@ class Agent:
         """An external action is to be done at the end of this cycle."""
         self._requested = PendingAction(next(self._action_numbers), action, intention)
 
-    def call(
-        self, action: Literal, u: Unifier, intention: Intention | None
-    ) -> Answer | Waiting:
+    def call(self, action: Literal, u: Unifier, intention: Intention | None) -> Answer | Waiting:
         """Runs an internal action. Raises ActionError when it cannot be done."""
         internal = self.actions.get(action.functor)
         if internal is None:
             raise ActionError(f"there is no internal action {action.functor}", "unknown")
         internal.check(action.functor, len(action.args))
         args = tuple([substitute(arg, u) for arg in action.args])
-        return internal.function(Call(self, u, intention), *args)
+        answer: Answer | Waiting = internal.function(Call(self, u, intention), *args)
+        return answer
 
     def _call_in_query(self, action: Literal, u: Unifier) -> Answer:
         try:
@@ -531,9 +535,7 @@ class Agent:
             if len(intention.stack) >= self.max_depth:
                 place = plan.plan.place
                 message = f"{plan.plan.trigger} calls itself too deeply"
-                raise EndlessProgramError(
-                    [Problem(place.file, place.line, place.column, message)]
-                )
+                raise EndlessProgramError([Problem(place.file, place.line, place.column, message)])
         intention.push(means)
         self.circumstance.add_running(intention)
         if self._on_event is not None:

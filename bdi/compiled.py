@@ -42,7 +42,7 @@ def builder(term: Term) -> Build:
     if is_ground(term):
         return lambda u: term
     if term.__class__ is Var:
-        return _build_variable(term)  # type: ignore[arg-type]
+        return _build_variable(term)
     if isinstance(term, Arithmetic) and term.right is not None:
         return _build_arithmetic(term)
     if isinstance(term, Literal) and all(map(is_ground, term.annots)):
@@ -74,7 +74,7 @@ def _build_arithmetic(term: Arithmetic) -> Build:
         def build_with_constant(u: Unifier) -> Term:
             left = left_of(u)
             if left.__class__ is float:
-                return calculate(left, right)  # type: ignore[arg-type]
+                return calculate(left, right)
             return substitute(term, u)
 
         return build_with_constant
@@ -83,7 +83,7 @@ def _build_arithmetic(term: Arithmetic) -> Build:
     def build(u: Unifier) -> Term:
         left, right = left_of(u), right_of(u)
         if left.__class__ is float and right.__class__ is float:
-            return calculate(left, right)  # type: ignore[arg-type]
+            return calculate(left, right)
         return substitute(term, u)
 
     return build
@@ -122,9 +122,7 @@ def condition(formula: Term) -> Condition:
 
 
 def _is_plain_query(formula: Term) -> bool:
-    return (
-        isinstance(formula, Literal) and not formula.annots and not formula.is_internal_action
-    )
+    return isinstance(formula, Literal) and not formula.annots and not formula.is_internal_action
 
 
 def _compare(relation: Relation) -> Condition:
@@ -134,7 +132,7 @@ def _compare(relation: Relation) -> Condition:
     def check(logic: Logic, u: Unifier) -> Unifier | None:
         left, right = left_of(u), right_of(u)
         if left.__class__ is float and right.__class__ is float:
-            return u if holds(left, right) else None  # type: ignore[arg-type]
+            return u if holds(left, right) else None
         return logic.first(relation, u)
 
     return check
@@ -211,21 +209,20 @@ def matcher(pattern: Literal | Var) -> Match:
 
     The functor and arity of the two are known to be the same.
     """
-    if pattern.__class__ is not Literal or pattern.annots:  # type: ignore[union-attr]
+    if pattern.__class__ is not Literal or pattern.annots:
         return lambda literal: _unified(pattern, literal)
-    args = pattern.args  # type: ignore[union-attr]
+    args = pattern.args
     if not args:
         return lambda literal: {}
-    names = [arg.name for arg in args if arg.__class__ is Var]  # type: ignore[union-attr]
+    names = [arg.name for arg in args if arg.__class__ is Var]
     if len(names) == len(args) == len(set(names)):
         if len(names) == 1:
             name = names[0]
             return lambda literal: {name: literal.args[0]}
         return lambda literal: dict(zip(names, literal.args))  # noqa: B905 - equal lengths
-    return lambda literal: matched(pattern, literal, {})  # type: ignore[arg-type]
+    return lambda literal: matched(pattern, literal, {})
 
 
 def _unified(pattern: Term, literal: Literal) -> Unifier | None:
     u: Unifier = {}
     return u if unify(pattern, literal, u) else None
-

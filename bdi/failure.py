@@ -181,14 +181,8 @@ def clear_failed(intention: Intention, literal: Literal) -> None:
     if called(-1):
         return
     means = intention.pop()
-    while intention.stack and not (
-        means.is_goal and unify(means.literal, literal, dict(means.u))
-    ):
+    while intention.stack and not (means.is_goal and unify(means.literal, literal, dict(means.u))):
         step = means.step
-        if (
-            step is not None
-            and step.goal is not None
-            and unify(step.goal, literal, dict(means.u))
-        ):
+        if step is not None and step.goal is not None and unify(step.goal, literal, dict(means.u)):
             break
         means = intention.pop()

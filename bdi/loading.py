@@ -38,9 +38,7 @@ def programs() -> dict[str, Path]:
     """The built-in personalities: their names and files."""
     folder = _built_in()
     return {
-        path.stem: path
-        for path in sorted(folder.glob("*.asl"))
-        if path.name not in ("patrol.asl",)
+        path.stem: path for path in sorted(folder.glob("*.asl")) if path.name not in ("patrol.asl",)
     }
 
 

@@ -21,7 +21,6 @@ from .terms import (
     EMPTY,
     TRUE,
     And,
-    AnnotatedVar,
     Literal,
     Nil,
     Not,
@@ -46,7 +45,7 @@ from .unify import (
 )
 
 #: What an internal action answers: whether it holds, one unifier, or one after another.
-Answer: TypeAlias = "bool | Unifier | None | Iterator[Unifier]"
+Answer: TypeAlias = "bool | Unifier | Iterator[Unifier] | None"
 Goals: TypeAlias = "tuple[object, Goals] | None"
 State: TypeAlias = "tuple[Unifier, Goals]"
 
@@ -71,9 +70,7 @@ class _Return:
 
     __slots__ = ("asked", "caller", "renamed")
 
-    def __init__(
-        self, asked: tuple[str, ...], renamed: dict[str, Var], caller: Unifier
-    ) -> None:
+    def __init__(self, asked: tuple[str, ...], renamed: dict[str, Var], caller: Unifier) -> None:
         self.asked = asked
         self.renamed = renamed
         self.caller = caller
@@ -96,26 +93,16 @@ class Logic:
         """The first solution, or None. `u` stays as it is."""
         if formula is TRUE:
             return u
-        cls = formula.__class__
-        if cls is Relation:
-            return self._relate(formula, u)  # type: ignore[arg-type]
-        if cls is Literal:
-            shelf = self.beliefs.shelf(formula.key)  # type: ignore[union-attr]
-            if shelf is not None and not shelf.rules and not formula.annots:  # type: ignore[union-attr]
-                for belief in shelf.candidates(formula, u):  # type: ignore[arg-type]
-                    solution = matched(formula, belief, u)  # type: ignore[arg-type]
-                    if solution is not None:
-                        return solution
-                return None
-        elif cls is And:
-            if formula.left.__class__ is Relation or formula.left.__class__ is Not:  # type: ignore[union-attr]
-                solution = self.first(formula.left, u)  # type: ignore[union-attr]
-                return None if solution is None else self.first(formula.right, solution)  # type: ignore[union-attr]
-        elif cls is Not:
-            return u if self.first(formula.formula, u) is None else None  # type: ignore[union-attr]
-        elif cls is Or:
-            solution = self.first(formula.left, u)  # type: ignore[union-attr]
-            return self.first(formula.right, u) if solution is None else solution  # type: ignore[union-attr]
+        if isinstance(formula, Relation):
+            return self._relate(formula, u)
+        if isinstance(formula, Not):
+            return u if self.first(formula.formula, u) is None else None
+        if isinstance(formula, And) and isinstance(formula.left, Relation | Not):
+            solution = self.first(formula.left, u)
+            return None if solution is None else self.first(formula.right, solution)
+        if isinstance(formula, Or):
+            solution = self.first(formula.left, u)
+            return self.first(formula.right, u) if solution is None else solution
         return next(self.solutions(formula, u), None)
 
     def solutions(self, formula: Term, u: Unifier) -> Iterator[Unifier]:
@@ -147,36 +134,33 @@ class Logic:
         solution: Unifier | None
         while goals is not None:
             goal, goals = goals
-            cls = goal.__class__
-            if cls is And:
-                goals = (goal.left, (goal.right, goals))  # type: ignore[attr-defined]
-            elif cls is Relation:
-                solution = self._relate(goal, u)  # type: ignore[arg-type]
+            if isinstance(goal, Literal):
+                solution = self._query(goal, u, goals, choices)
                 if solution is None:
                     return None
                 u = solution
-            elif cls is Literal:
-                solution = self._query(goal, u, goals, choices)  # type: ignore[arg-type]
+            elif isinstance(goal, Relation):
+                solution = self._relate(goal, u)
                 if solution is None:
                     return None
                 u = solution
-            elif cls is Or:
-                choices.append((u, (goal.right, goals)))  # type: ignore[attr-defined]
-                goals = (goal.left, goals)  # type: ignore[attr-defined]
-            elif cls is Not:
+            elif isinstance(goal, And):
+                goals = (goal.left, (goal.right, goals))
+            elif isinstance(goal, _Return):
+                u = self._return(goal, u)
+            elif isinstance(goal, Or):
+                choices.append((u, (goal.right, goals)))
+                goals = (goal.left, goals)
+            elif isinstance(goal, Not):
                 choices.append((u, goals))
-                goals = (goal.formula, (_Commit(len(choices) - 1), None))  # type: ignore[attr-defined]
-            elif cls is _Return:
-                u = self._return(goal, u)  # type: ignore[arg-type]
-            elif cls is _Commit:
-                del choices[goal.height :]  # type: ignore[attr-defined]
+                goals = (goal.formula, (_Commit(len(choices) - 1), None))
+            elif isinstance(goal, _Commit):
+                del choices[goal.height :]
                 return None
             elif isinstance(goal, Var):
                 value = substitute(goal, u)
                 if isinstance(value, Var):
-                    clauses = self.beliefs.all_clauses()
-                    pattern = goal if isinstance(goal, AnnotatedVar) else value
-                    choices.append(self._any(pattern, clauses, u, goals))
+                    choices.append(self._any(value, u, goals))
                     return None
                 goals = (value, goals)
             else:
@@ -256,11 +240,11 @@ class Logic:
     def _any(
         self,
         pattern: Var,
-        clauses: tuple[Literal | Rule, ...],
         u: Unifier,
         goals: Goals,
     ) -> Iterator[State]:
-        for clause in clauses:
+        """A state for each belief there is."""
+        for clause in self.beliefs.all_clauses():
             if isinstance(clause, Literal):
                 solution = unified(pattern, clause, u)
                 if solution is not None:
@@ -290,7 +274,7 @@ class Logic:
         if symbol == "=..":
             return take_apart(left, right, u)
         if left.__class__ is float and right.__class__ is float:
-            order = (left > right) - (left < right)  # type: ignore[operator]
+            order = (left > right) - (left < right)
         else:
             order = compare(left, right)
         holds = (
@@ -341,4 +325,3 @@ def put_together(parts: ListCell) -> Literal | None:
         return None
     args, annots = (tuple(part) for part in lists)  # type: ignore[arg-type]
     return Literal(functor.functor, args, annots, functor.negated)
-

@@ -81,7 +81,7 @@ class Directive:
         self.place = place
 
 
-class _Refused(Exception):
+class _RefusedError(Exception):
     """What the grammar allows but the language does not."""
 
     def __init__(self, line: int, column: int, message: str) -> None:
@@ -116,16 +116,18 @@ class _Builder(Transformer_NonRecursive[Token, Any]):
 
     def belief(self, meta: Meta, head: Term, body: Term | None) -> Belief | Rule:
         if not isinstance(head, Literal):
-            raise _Refused(*_at(meta), "a variable cannot be a belief")
+            raise _RefusedError(*_at(meta), "a variable cannot be a belief")
         if head.is_internal_action:
-            raise _Refused(*_at(meta), f"the internal action {head.functor} cannot be a belief")
+            raise _RefusedError(
+                *_at(meta), f"the internal action {head.functor} cannot be a belief"
+            )
         if body is None:
             return Belief(head, self._place(meta))
         return Rule(head, body, self._place(meta))
 
     def initial_goal(self, meta: Meta, goal: Term) -> Goal:
         if not isinstance(goal, Literal):
-            raise _Refused(*_at(meta), "a variable cannot be a goal")
+            raise _RefusedError(*_at(meta), "a variable cannot be a goal")
         return Goal(goal, self._place(meta))
 
     def plan(
@@ -161,9 +163,9 @@ class _Builder(Transformer_NonRecursive[Token, Any]):
 
     def _trigger(self, meta: Meta, update: Token, kind: str, literal: Literal | Var) -> Trigger:
         if update not in ("+", "-"):
-            raise _Refused(*_at(meta), f"a plan begins with '+' or '-', not with '{update}'")
+            raise _RefusedError(*_at(meta), f"a plan begins with '+' or '-', not with '{update}'")
         if isinstance(literal, Literal) and literal.is_internal_action:
-            raise _Refused(*_at(meta), f"there is no event of {literal.functor}")
+            raise _RefusedError(*_at(meta), f"there is no event of {literal.functor}")
         return Trigger(str(update), kind, literal)
 
     # ---- bodies
@@ -184,7 +186,7 @@ class _Builder(Transformer_NonRecursive[Token, Any]):
 
     def _not_internal(self, meta: Meta, operator: str, literal: Term) -> None:
         if isinstance(literal, Literal) and literal.is_internal_action:
-            raise _Refused(
+            raise _RefusedError(
                 *_at(meta), f"'{operator}' and the internal action {literal.functor} do not combine"
             )
 
@@ -196,7 +198,9 @@ class _Builder(Transformer_NonRecursive[Token, Any]):
         if isinstance(belief, PlanTerm):
             return self._plan_update(meta, operator, belief)
         if not isinstance(belief, Literal | Var):
-            raise _Refused(*_at(meta), f"'{operator}' is followed by a belief, not by {text(belief)}")
+            raise _RefusedError(
+                *_at(meta), f"'{operator}' is followed by a belief, not by {text(belief)}"
+            )
         self._not_internal(meta, operator, belief)
         return Update(str(operator), belief, self._place(meta))
 
@@ -209,7 +213,7 @@ class _Builder(Transformer_NonRecursive[Token, Any]):
             "-": Literal(".remove_plan", (plan,)),
         }
         if operator not in actions:
-            raise _Refused(*_at(meta), f"'{operator}' and a plan do not combine")
+            raise _RefusedError(*_at(meta), f"'{operator}' and a plan do not combine")
         return Act(actions[str(operator)], self._place(meta))
 
     def act(self, meta: Meta, formula: Term) -> BodyFormula:
@@ -217,7 +221,7 @@ class _Builder(Transformer_NonRecursive[Token, Any]):
             return Act(formula, self._place(meta))
         if isinstance(formula, Relation):
             return Constraint(formula, self._place(meta))
-        raise _Refused(*_at(meta), f"{text(formula)} is nothing a plan can do")
+        raise _RefusedError(*_at(meta), f"{text(formula)} is nothing a plan can do")
 
     def group(self, meta: Meta, body: Body) -> Body:
         return body
@@ -231,7 +235,7 @@ class _Builder(Transformer_NonRecursive[Token, Any]):
     def _fork(
         self, meta: Meta, all_of: bool, one: BodyFormula | Body, other: BodyFormula | Body
     ) -> Fork:
-        branches = (_as_body(one),)
+        branches: tuple[Body, ...] = (_as_body(one),)
         if isinstance(other, Fork) and other.all_of == all_of:
             branches += other.branches
         else:
@@ -313,7 +317,7 @@ class _Builder(Transformer_NonRecursive[Token, Any]):
 
     def _numeric(self, meta: Meta, operator: str, operand: Term) -> None:
         if not isinstance(operand, float | Var | Arithmetic | Function):
-            raise _Refused(
+            raise _RefusedError(
                 *_at(meta),
                 f"'{operator}' takes numbers and variables, and {text(operand)} is neither",
             )
@@ -347,7 +351,7 @@ class _Builder(Transformer_NonRecursive[Token, Any]):
         literal = Literal(str(name), args or (), _annots(annots), negated)
         if literal.is_internal_action and (negated or literal.annots):
             what = "be negated" if negated else "have annotations"
-            raise _Refused(*_at(meta), f"the internal action {name} cannot {what}")
+            raise _RefusedError(*_at(meta), f"the internal action {name} cannot {what}")
         return literal
 
     def variable(self, meta: Meta, name: Token, annots: List | None) -> Var:
@@ -438,13 +442,13 @@ def _parse_clause(tokens: Sequence[Token], file: str) -> Any:
     parser = grammar().parse_interactive()
     for token in tokens:
         parser.feed_token(token)
-    tree: Tree[Token] = parser.feed_eof(tokens[-1] if tokens else None)
+    tree: Tree[Token] = parser.feed_eof(tokens[-1] if tokens else None)  # type: ignore[no-untyped-call]
     return _Builder(file).transform(tree)
 
 
 def _problem(error: Exception, tokens: Sequence[Token], file: str) -> Problem:
     """What a clause that could not be read has wrong with it."""
-    if isinstance(error, VisitError) and isinstance(error.orig_exc, _Refused):
+    if isinstance(error, VisitError) and isinstance(error.orig_exc, _RefusedError):
         refused = error.orig_exc
         return Problem(file, refused.line, refused.column, refused.message)
     if isinstance(error, RecursionError):
@@ -583,4 +587,3 @@ def make_program(found: Sequence[Clause], source: str, folder: Path | None) -> P
         tuple(c for c in found if isinstance(c, Plan)),
         folder,
     )
-

@@ -155,9 +155,7 @@ class Fork:
         )
 
 
-BodyFormula: TypeAlias = (
-    "Achieve | Test | Update | Act | Constraint | If | While | For | Fork"
-)
+BodyFormula: TypeAlias = "Achieve | Test | Update | Act | Constraint | If | While | For | Fork"
 Body: TypeAlias = tuple[BodyFormula, ...]
 
 

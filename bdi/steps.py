@@ -182,7 +182,7 @@ def achieve_new(agent: Agent, intention: Intention, means: Means, step: Step) ->
         return
     if not literal.ground:
         literal = rename(literal, agent.names, {})  # type: ignore[assignment]
-    agent.circumstance.post(Event("+!", literal))  # type: ignore[arg-type]
+    agent.circumstance.post(Event("+!", literal))
     agent.move_on(intention, means)
 
 

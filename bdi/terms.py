@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator
+from decimal import Decimal
 from typing import TYPE_CHECKING, TypeAlias
 
 if TYPE_CHECKING:
@@ -192,10 +193,10 @@ class Cons:
 
     @property
     def open_tail(self) -> Var | None:
-        last = self
-        for last in self.cells():
-            pass
-        return last.tail if isinstance(last.tail, Var) else None
+        rest: Term = self
+        while isinstance(rest, Cons):
+            rest = rest.tail
+        return rest if isinstance(rest, Var) else None
 
     def __str__(self) -> str:
         rest = self.open_tail
@@ -342,6 +343,7 @@ Term: TypeAlias = (
 )
 List: TypeAlias = "Nil | Cons"
 
+
 def is_ground(term: Term) -> bool:
     """Whether substitution leaves the term as it is."""
     return isinstance(term, float | str) or term.ground
@@ -414,9 +416,12 @@ def number_text(value: float) -> str:
         return str(min(int(value), 2**63 - 1))
     if 1e-3 <= abs(value) < 1e7:
         return repr(value)
-    digits, exponent = f"{value:.17e}".split("e")
-    for precision in range(1, 18):
-        digits, exponent = f"{value:.{precision}e}".split("e")
-        if float(f"{digits}e{exponent}") == value:
-            break
-    return f"{digits.rstrip('0') if digits[-1] == '0' and digits[-2] != '.' else digits}E{int(exponent)}"
+    return _scientific(value)
+
+
+def _scientific(value: float) -> str:
+    """With as few digits as tell the double from its neighbours: `1.5E10`."""
+    sign, digits, exponent = Decimal(repr(value)).normalize().as_tuple()
+    first, rest = str(digits[0]), "".join(map(str, digits[1:]))
+    power = int(exponent) + len(digits) - 1
+    return f"{'-' if sign else ''}{first}.{rest or '0'}E{power}"

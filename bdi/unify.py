@@ -56,20 +56,17 @@ def walk(term: Term, u: Unifier) -> Term:
 
 def substitute(term: Term, u: Unifier) -> Term:
     """The term with its variables replaced by their values and its arithmetic done."""
-    cls = term.__class__
-    if cls is float or cls is str:
+    if term.__class__ is float or term.__class__ is str:
         return term
-    if cls is Var:
+    if term.__class__ is Var:
         value = walk(term, u)
-        if value.__class__ is Var or is_ground(value):
+        if isinstance(value, Var) or is_ground(value):
             return value
         return substitute(value, u)
-    if cls is Literal:
-        if term.ground:  # type: ignore[union-attr]
-            return term
-        return substitute_literal(term, u)  # type: ignore[arg-type]
-    if cls is Arithmetic:
-        return _calculate(term, u)  # type: ignore[arg-type]
+    if term.__class__ is Literal:
+        return term if term.ground else substitute_literal(term, u)
+    if term.__class__ is Arithmetic:
+        return _calculate(term, u)
     return _substitute_other(term, u)
 
 
@@ -96,11 +93,11 @@ def _calculate(term: Arithmetic, u: Unifier) -> Term:
     left = substitute(term.left, u)
     if term.right is None:
         if left.__class__ is float:
-            return -left if term.operator == "-" else left  # type: ignore[operator]
+            return -left if term.operator == "-" else left
         return NAN if is_ground(left) else Arithmetic(term.operator, left)
     right = substitute(term.right, u)
     if left.__class__ is float and right.__class__ is float:
-        return OPERATORS[term.operator](left, right)  # type: ignore[arg-type]
+        return OPERATORS[term.operator](left, right)
     if is_ground(left) and is_ground(right):
         return NAN
     return Arithmetic(term.operator, left, right)
@@ -156,25 +153,24 @@ def unify(one: Term, other: Term, u: Unifier) -> bool:
     The annotations of the first have to be among those of the second.
     """
     while one.__class__ is Var:
-        value = u.get(one.name)  # type: ignore[union-attr]
+        value = u.get(one.name)
         if value is None:
             break
         one = value
     while other.__class__ is Var:
-        value = u.get(other.name)  # type: ignore[union-attr]
+        value = u.get(other.name)
         if value is None:
             break
         other = value
     if one is other:
         return True
-    cls = one.__class__
-    if cls is Var:
-        return _bind(one, other, u)  # type: ignore[arg-type]
+    if one.__class__ is Var:
+        return _bind(one, other, u)
     if other.__class__ is Var:
-        return _bind(other, one, u)  # type: ignore[arg-type]
-    if cls is Literal and other.__class__ is Literal:
-        return unify_literals(one, other, u)  # type: ignore[arg-type]
-    if cls is float or cls is str:
+        return _bind(other, one, u)
+    if one.__class__ is Literal and other.__class__ is Literal:
+        return unify_literals(one, other, u)
+    if one.__class__ is float or one.__class__ is str:
         if other.__class__ is Arithmetic or other.__class__ is Function:
             other = substitute(other, u)
         return one == other or (isinstance(other, Var) and unify(other, one, u))
@@ -184,8 +180,8 @@ def unify(one: Term, other: Term, u: Unifier) -> bool:
 def _bind(var: Var, value: Term, u: Unifier) -> bool:
     if value.__class__ is Arithmetic or value.__class__ is Function:
         value = substitute(value, u)
-    if value.__class__ is Var and not value.fresh and var.fresh:  # type: ignore[union-attr]
-        u[value.name] = var  # type: ignore[union-attr]
+    if value.__class__ is Var and not value.fresh and var.fresh:
+        u[value.name] = var
     else:
         u[var.name] = value
     return True
@@ -294,13 +290,13 @@ def matched(pattern: Literal, belief: Literal, u: Unifier) -> Unifier | None:
     result = u
     for mine, theirs in zip(pattern.args, belief.args):  # noqa: B905 - equal lengths, and often
         if mine.__class__ is Var:
-            value = result.get(mine.name)  # type: ignore[union-attr]
+            value = result.get(mine.name)
             if value is None:
                 if theirs.__class__ is Var or theirs.__class__ is Arithmetic:
                     return unified(pattern, belief, u)
                 if result is u:
                     result = dict(u)
-                result[mine.name] = theirs  # type: ignore[union-attr]
+                result[mine.name] = theirs
                 continue
             mine = value
         if mine is theirs:

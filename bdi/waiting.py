@@ -94,9 +94,7 @@ class Wait:
             if intention.is_suspended:
                 circumstance.suspend("suspended", intention)
             else:
-                fail(
-                    self._agent, intention, error_annots("wait_timeout", "timeout in .wait")
-                )
+                fail(self._agent, intention, error_annots("wait_timeout", "timeout in .wait"))
             return
         if intention.is_finished:
             return

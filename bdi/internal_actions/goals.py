@@ -340,7 +340,9 @@ def _description(intention: Intention) -> Literal:
             Literal("map", (name, substitute(value, means.u))) for name, value in means.u.items()
         )
         trigger = TriggerTerm(means.sort, means.literal)
-        stack.append(Literal("im", (text(means.plan.label), trigger, BodyTerm(tuple(left)), bindings)))
+        stack.append(
+            Literal("im", (text(means.plan.label), trigger, BodyTerm(tuple(left)), bindings))
+        )
     return Literal("intention", (float(intention.number), make_list(stack)))
 
 

@@ -74,9 +74,7 @@ def nth(call: Call, index: Term, elements: Term, element: Term) -> object:
 def _extreme(name: str, better: Callable[[int], bool]) -> Callable[..., object]:
     def extreme(call: Call, what: Term, *more: Term) -> object:
         if len(more) == 2:
-            items = [
-                substitute(what, u) for u in call.agent.logic.solutions(more[0], call.unifier)
-            ]
+            items = [substitute(what, u) for u in call.agent.logic.solutions(more[0], call.unifier)]
         else:
             items = list(a_list(name, what, "first"))
         if not items:

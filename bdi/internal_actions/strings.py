@@ -21,8 +21,6 @@ def substring(call: Call, part: Term, whole: Term, *position: Term) -> object:
     return call.each(make_list(position), _places(small, big, len(position)))
 
 
-
-
 def _places(small: str, big: str, count: int) -> Iterator[list[float]]:
     start = big.find(small)
     while 0 <= start < len(big):

@@ -22,9 +22,7 @@ from .call import Call, InternalAction, a_number, wrong
 EPOCH = datetime(2023, 1, 1)
 
 _UNITS = {"": 1, "s": 1_000, "m": 60_000, "h": 3_600_000, "d": 86_400_000}
-_AT = re.compile(
-    r"now\s*\+\s*(\d+)\s*(s|seconds?|m|minutes?|h|hours?|d|days?|)\s*", re.ASCII
-)
+_AT = re.compile(r"now\s*\+\s*(\d+)\s*(s|seconds?|m|minutes?|h|hours?|d|days?|)\s*", re.ASCII)
 
 
 def a_trigger(term: Term) -> TriggerTerm | None:
@@ -75,8 +73,10 @@ def wait(call: Call, what: Term, *more: Term) -> object:
 def at(call: Call, when: Term, event: Term) -> bool:
     parsed = _AT.fullmatch(when.strip()) if isinstance(when, str) else None
     if parsed is None:
-        raise ActionError(f"The time parameter ('{text(when)}') of the internal action 'at' "
-                          "did not parse correctly!")
+        raise ActionError(
+            f"The time parameter ('{text(when)}') of the internal action 'at' "
+            "did not parse correctly!"
+        )
     trigger = a_trigger(event)
     if trigger is None:
         raise wrong("at", f"'{text(event)}' is no event")
