@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Literal
 
 from navigation import Motion, State, join
 
 from .clock import Clock
+
+JUMP = 1e-6
+"""Metres. A body that is further than this from where it was has been put there."""
 
 Kind = Literal["person", "gantry", "agv"]
 
@@ -21,6 +25,7 @@ class Body:
         self.motion = motion
         self.history: list[Motion] = []
         self.on_change: list[Callable[[], None]] = []
+        self.on_jump: list[Callable[[], None]] = []
         self.on_record: Callable[[Body, Motion], None] | None = None
         self._clock = clock
         self._since = clock.now
@@ -39,9 +44,16 @@ class Body:
         return self.state.at
 
     def follow(self, motion: Motion) -> None:
-        """Do this from now on, instead of what it was doing."""
+        """Do this from now on, instead of what it was doing.
+
+        `on_jump` is called where the body is put elsewhere by it, `on_change` in any case.
+        """
         self.settle()
+        before, after = self.at, motion.state(self._clock.now).at
         self.motion = motion
+        if math.dist(before, after) > JUMP:
+            for jumped in self.on_jump:
+                jumped()
         for changed in self.on_change:
             changed()
 

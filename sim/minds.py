@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from pathlib import Path
 
@@ -29,18 +28,22 @@ def find_program(personality: str, folder: Path) -> str | Path:
     )
 
 
-def first_beliefs(entry: PersonEntry, plan: Floorplan, rules: RuleSet) -> list[str]:
-    """What a person knows before the trial starts, as AgentSpeak literals."""
+def first_beliefs(entry: PersonEntry, plan: Floorplan, rules: RuleSet) -> list[bdi.Literal | str]:
+    """What a person knows before the trial starts."""
     stations = [plan.station(name) for name in plan.patrol]
-    beliefs = [f"station({_atom(s.name)},{s.position[0]},{s.position[1]})" for s in stations]
+    beliefs: list[bdi.Literal | str] = [
+        bdi.Literal("station", (_name(station.name), *station.position)) for station in stations
+    ]
     if plan.safe_zone is not None:
-        x, y = plan.safe_zone.position
-        beliefs.append(f"safe_zone({x},{y})")
-    beliefs.append(f"pause_after_violation({rules.pause_after_violation * 1000:g})")
-    beliefs.append(f"pause_after_agv({rules.pause_after_agv * 1000:g})")
+        beliefs.append(bdi.Literal("safe_zone", plan.safe_zone.position))
+    for pause, seconds in (
+        ("pause_after_violation", rules.pause_after_violation),
+        ("pause_after_agv", rules.pause_after_agv),
+    ):
+        beliefs.append(bdi.Literal(pause, (seconds * 1000,)))
     return [*beliefs, *entry.beliefs]
 
 
-def _atom(name: str) -> str:
-    """A name as an AgentSpeak term: as it is where that is an atom, else as a string."""
-    return name if re.fullmatch(r"[a-z][A-Za-z0-9_]*", name) else json.dumps(name)
+def _name(name: str) -> bdi.Term:
+    """A name as an AgentSpeak term: an atom where it can be one, else a string."""
+    return bdi.Literal(name) if re.fullmatch(r"[a-z][A-Za-z0-9_]*", name) else name

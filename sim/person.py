@@ -69,7 +69,7 @@ class Person:
         self._home = (walker.body.at, walker.heading)
         self._put_home_at: float | None = None
         self._counts: dict[str, int] = {}
-        self._percepts: dict[str, str] = {}
+        self._percepts: dict[str, bdi.Literal] = {}
         self._thinking = Alarm(clock, self._think, THINKING)
         self._enforcing = Alarm(clock, self._enforce, ENFORCING)
         self._reason = "gantry"
@@ -97,13 +97,13 @@ class Person:
         if self.started_at is None:
             self.started_at = self._clock.now
             self._record("human_started", person=self.name)
-            self._perceive("human_start")
+            self._perceive(bdi.Literal("human_start"))
 
     def warn(self, percept: str, machine: Body) -> None:
         """The referee's word: `percept` is about `machine`. The safe zone is not optional."""
         if machine.kind == "gantry":
             x, y = machine.at
-            self._perceive_once(f"gantry_at({x},{y})", "gantry_at")
+            self._perceive_latest("gantry_at", x, y)
         self._count(percept)
         if percept != "gantry_detected":
             self._reason = machine.kind
@@ -122,7 +122,7 @@ class Person:
         if station is not None:
             self.visits.append(station)
         x, y = self.walker.body.at
-        self._perceive_once(f"at({x},{y})", "at")
+        self._perceive_latest("at", x, y)
         self._count("work_completed")
 
     def act(self, action: bdi.Literal) -> bool:
@@ -217,19 +217,19 @@ class Person:
     def _count(self, percept: str) -> None:
         n = self._counts.get(percept, 0)
         self._counts[percept] = n + 1
-        self._perceive_once(f"{percept}({n})", percept)
+        self._perceive_latest(percept, float(n))
 
-    def _perceive_once(self, literal: str, functor: str) -> None:
+    def _perceive_latest(self, functor: str, *arguments: float) -> None:
         """Only the latest percept of a functor is kept, so that minds don't grow for ever."""
-        before = self._percepts.get(functor)
+        percept, before = bdi.Literal(functor, arguments), self._percepts.get(functor)
         if before is not None and self._agent is not None:
             self._agent.remove_percept(before)
-        self._percepts[functor] = literal
-        self._perceive(literal)
+        self._percepts[functor] = percept
+        self._perceive(percept)
 
-    def _perceive(self, literal: str) -> None:
+    def _perceive(self, percept: bdi.Literal) -> None:
         if self._agent is not None:
-            self._agent.add_percept(literal)
+            self._agent.add_percept(percept)
             self._thinking.set(self._clock.now)
 
     def _think(self) -> None:

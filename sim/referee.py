@@ -150,6 +150,10 @@ class NoticeWatch:
             nearer = pair.first_time(TooClose(FixedDistance(max(self._nearest - 1e-3, 0.0))))
             self._alarm.set(min((t for t in (parted, nearer) if t is not None), default=None))
 
+    def start_over(self) -> None:
+        """Somebody was put elsewhere: whatever approach there was, it is over."""
+        self._stage = "alert"
+
     def _ring(self) -> None:
         if self._stage == "alert":
             if self.rule.every is None:
@@ -201,6 +205,7 @@ class Referee:
         pair = Pair(self._clock, person, gantry, self._end)
         self._watch(pair, self.rules.gantry_law, self._gantry_violation)
         notice = NoticeWatch(pair, self.rules.notice, self._notice)
+        person.on_jump.append(notice.start_over)
         person.on_change.append(notice.reconsider)
         gantry.on_change.append(notice.reconsider)
 

@@ -134,7 +134,7 @@ def _figures(summary: dict[str, Any]) -> list[tuple[str, str]]:
     figures = [
         ("penalties", str(summary["penalties"])),
         ("teleports by AGVs", str(summary["agv_teleports"])),
-        ("gantry disabled", f"{summary['gantry_disabled_time']:g} s"),
+        ("gantry disabled", f"{summary['gantry_disabled_time']:.1f} s"),
         ("gantry jobs done", str(summary["jobs_done"])),
     ]
     nearest = summary["minimum_separation"]

@@ -91,6 +91,16 @@ def test_the_antagonistic_person_turns_to_the_gantry_before_station1(scene):
     assert [e["station"] for e in arrivals] == ["station4", "station2"]
 
 
+def test_the_antagonistic_person_turns_to_the_gantry_in_every_round(scene):
+    """Once, being put into the safe zone counted as the nearest point of the approach."""
+    run = scene("antagonistic")
+    noticed, violations = events(run, "gantry_detected"), events(run, "violation")
+    assert len(noticed) - len(violations) in (0, 1)
+    for notice, violation in zip(noticed, violations, strict=False):
+        assert 0 < violation["t"] - notice["t"] < 6.0
+    assert "station1" not in run.summary["people"]["operator"]["visits"]
+
+
 def test_the_helpful_person_never_comes_too_close_and_does_not_dither(scene):
     run = scene("helpful")
     assert run.duration == 275.0
