@@ -1,6 +1,7 @@
 """The replay page, in a real browser where there is one."""
 
 import copy
+import itertools
 import json
 import math
 import re
@@ -178,6 +179,42 @@ def test_poses_are_those_of_the_motions(viewer, recording):
                 "([name, t]) => Object.values(window.floorwalker.pose(name, t))", [name, t]
             )
             assert shown[:5] == pytest.approx(replay_sample.pose(pieces, t), abs=1e-9), (name, t)
+
+
+def test_the_instant_before_a_change_is_what_led_up_to_it(viewer, recording):
+    for name in ("operator", "gantry", "agv1"):
+        pieces = recording["motions"][name]
+        shown = viewer.page.evaluate(
+            """name => {
+                const pieces = window.floorwalker.recording.motions[name];
+                const motion = new Motion(pieces);
+                return pieces.map(piece => Object.values(motion.before(piece[1])).slice(0, 5));
+            }""",
+            name,
+        )
+        for piece, state in zip(pieces, shown, strict=True):
+            assert state == pytest.approx(replay_sample.before([piece], piece[1]), abs=1e-9)
+
+
+def test_the_way_ahead_ends_where_the_person_next_stops(viewer, recording):
+    events = [e for e in recording["events"] if e.get("person") == "operator"]
+    for goal, arrived in itertools.pairwise(events):
+        if (goal["kind"], arrived["kind"]) != ("goal", "arrived"):
+            continue
+        middle = (goal["t"] + arrived["t"]) / 2
+        [first, *_, last] = viewer.page.evaluate(
+            "([pieces, t]) => new Track(new Motion(pieces)).ahead(t)",
+            [recording["motions"]["operator"], middle],
+        )
+        assert last == pytest.approx(list(goal["at"]), abs=1e-6)
+        here = replay_sample.pose(recording["motions"]["operator"], middle)
+        assert first == pytest.approx(here[:2], abs=1e-9)
+
+
+def test_a_stop_without_a_pause_ends_the_way_ahead(viewer):
+    there_and_back = [[0, 1, [0, 2, -1], [0], [0]], [1, 2, [1, 0, -1], [0], [3]]]
+    ahead = viewer.page.evaluate("p => new Track(new Motion(p)).ahead(0.5)", there_and_back)
+    assert ahead[-1] == pytest.approx([1.0, 0.0])
 
 
 def test_separations_are_those_of_the_motions(viewer, recording):
