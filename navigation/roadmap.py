@@ -96,16 +96,19 @@ class Roadmap:
         of, to = of[seen], to[seen]
         return [(to[of == k], length[k, to[of == k]]) for k in range(len(places))]
 
-    def distances_to(self, goal: Point, links: tuple[Indices, Floats]) -> Floats:
-        """No more than the way (metres) from each bend to `goal`, which has these `links`."""
-        to, length = links
+    def distances_to(self, goal: Point, last: list[tuple[int, float]]) -> Floats:
+        """No more than the way (metres) from each bend to `goal`.
+
+        `last` has the bends from which a way leaves the network, and how far it is from there.
+        """
         if self._between is None:
             away = self.bends.point - np.array(goal)
             straight: Floats = np.hypot(away[:, 0], away[:, 1])
             return straight
-        if not len(to):
+        if not last:
             return np.full(len(self.bends), math.inf)
-        nearest: Floats = (self._between[:, to] + length).min(axis=1)
+        to, far = zip(*last, strict=True)
+        nearest: Floats = (self._between[:, to] + np.array(far)).min(axis=1)
         return nearest
 
     def _standing(self, places: Bends) -> Bends:
@@ -176,20 +179,18 @@ class _Search:
         self._links: list[list[tuple[int, float]]] = [[] for _ in extra]
         self._points = roadmap.bends.point
         self._extra = [(float(x), float(y)) for x, y in extra]
-        self._link_ends(roadmap, goal, ends)
+        self._link_ends(roadmap, ends)
         self._back: dict[int, list[tuple[int, float]]] = {}
         if more:
             self._link_bodies(roadmap, around, extra)
+        self._left = self._bounds(roadmap, goal)
 
-    def _link_ends(self, roadmap: Roadmap, goal: Point, ends: Floats) -> None:
+    def _link_ends(self, roadmap: Roadmap, ends: Floats) -> None:
         from_start, to_goal = roadmap.links_from(ends)
         self._links[-2] = list(zip(*(part.tolist() for part in from_start), strict=True))
         self._to_goal = dict(zip(*(part.tolist() for part in to_goal), strict=True))
         if roadmap.visible(ends[:1], ends[1:])[0]:
             self._to_goal[self._start] = math.dist(*ends)
-        self._left = roadmap.distances_to(goal, to_goal).tolist()
-        away = np.array(self._extra) - np.array(goal)
-        self._left += np.hypot(away[:, 0], away[:, 1]).tolist()
 
     def _link_bodies(self, roadmap: Roadmap, around: Sequence[BodyBends], extra: Floats) -> None:
         parts = [part.bends for part in around]
@@ -220,6 +221,20 @@ class _Search:
                 for to, far in links:
                     self._back.setdefault(to, []).append((k, far))
                 k += 1
+
+    def _bounds(self, roadmap: Roadmap, goal: Point) -> list[float]:
+        """No more than the way that is left from each place (metres).
+
+        From a bend of the floor the way goes on over others to one that is linked to the goal, or
+        to a body's bend, from where it is not shorter than the straight line.
+        """
+        away = np.array(self._extra) - np.array(goal)
+        loose: list[float] = np.hypot(away[:, 0], away[:, 1]).tolist()
+        last = [(k, far) for k, far in self._to_goal.items() if k < self._fixed]
+        for k, links in self._back.items():
+            last += [(k, far + loose[to - self._fixed]) for to, far in links]
+        fixed: list[float] = roadmap.distances_to(goal, last).tolist()
+        return fixed + loose
 
     def run(self) -> list[Point] | None:
         """The points of the shortest way, or None."""
