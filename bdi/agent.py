@@ -1,40 +1,42 @@
 """An agent: beliefs, plans and intentions, and the cycle that brings them together.
 
 The cycle is Jason's: sense (percepts, one message), deliberate (one event),
-act (one feedback of an action, one step of one intention). Time belongs to the
+act (the outcome of one action, one step of one intention). Time belongs to the
 caller: `advance(t)` runs cycles until nothing is left to do at t.
 """
 
 from __future__ import annotations
 
-import heapq
 import logging
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 from itertools import count
 from random import Random
 from typing import TYPE_CHECKING, TypeAlias
 
+from .alarms import Alarms
 from .beliefs import BeliefBase
 from .circumstance import Circumstance, PendingAction
-from .errors import EndlessProgramError, Problem, ProgramError
-from .failure import ActionError, clear_failed, end, error_annots, fail, fail_event
+from .deliberation import clear, deliberate
+from .errors import EndlessProgramError, Problem, ProgramError, TooDeepError
+from .failure import ActionError, error_annots, fail
 from .history import Entry
 from .intentions import Event, Intention, Means
 from .internal_actions import STANDARD, Call, InternalAction
 from .loading import check_actions
 from .logic import Answer, Logic
-from .order import sorted_annots
 from .parser import parse_literal
-from .plans import LoadedPlan, PlanLibrary
+from .percepts import Percepts
+from .plans import PlanLibrary
 from .program import Belief, Program, Rule
+from .run_functions import with_run_functions
 from .steps import Waiting, with_source
-from .terms import FROM_PERCEPT, FROM_SELF, TRUE, Literal, text
+from .terms import TRUE, Literal, text
 from .unify import Names, Unifier, rename, substitute, substitute_literal
 
 if TYPE_CHECKING:
     from .society import Message, Society
-    from .waiting import Wait
 
 
 class Pending:
@@ -49,11 +51,12 @@ PENDING = Pending()
 Perform: TypeAlias = "Callable[[Literal], bool | Pending]"
 
 _LOG = logging.getLogger("bdi")
-_NANOSECOND = 1e9
+_SECOND = 1e9
 
 
 def _clock(seconds: float) -> int:
-    return round(seconds * _NANOSECOND)
+    """Nanoseconds: in these times add up exactly, and 0.1 + 0.2 is 0.3."""
+    return round(seconds * _SECOND)
 
 
 class Agent:
@@ -75,7 +78,7 @@ class Agent:
         max_depth: how many plans an intention may hold.
 
     Raises:
-        ProgramError: the program uses internal actions that do not exist.
+        ProgramError: the program uses internal actions that do not exist, or one label twice.
     """
 
     def __init__(
@@ -103,6 +106,7 @@ class Agent:
         self.plans = PlanLibrary()
         self.circumstance = Circumstance()
         self.logic = Logic(self.beliefs, self.names, self._call_in_query)
+        self.alarms = Alarms()
         self.society = society
         self.clock = _clock(start)
         self.max_depth = max_depth
@@ -114,20 +118,17 @@ class Agent:
         self._begun = False
         self._running = False
         self._stopped = False
-        self._percepts: dict[Literal, Literal] = {}
-        self._percepts_changed = False
-        self._arriving: list[tuple[bool, Literal]] = []
+        self._percepts = Percepts()
         self._mailbox: deque[Message] = deque()
         self._tasks: deque[Callable[[], None]] = deque()
-        self._wakeups: list[tuple[int, int, Callable[[], None], Wait | None]] = []
-        self._order = count()
         self._intention_numbers = count(1)
         self._action_numbers = count(1)
         self._requested: PendingAction | None = None
         if on_event is not None:
-            self.circumstance.on_end = self._intention_ended
+            self.circumstance.on_end = self._note_end
         check_actions(program, self.actions)
-        self.add_program(program, [_as_literal(belief) for belief in beliefs])
+        extra = tuple(Belief(_as_literal(belief)) for belief in beliefs)
+        self.add_program(replace(program, beliefs=extra + program.beliefs))
         if society is not None:
             society.join(self)
 
@@ -143,8 +144,8 @@ class Agent:
         """When something happens without anything new from outside, in seconds; or None."""
         if not self._begun or self._mailbox:
             return self._now
-        due = self._next_due()
-        return None if due is None else due / _NANOSECOND
+        due = self.alarms.next
+        return None if due is None else due / _SECOND
 
     @property
     def intentions(self) -> list[Intention]:
@@ -153,7 +154,7 @@ class Agent:
 
     @property
     def percepts(self) -> list[Literal]:
-        return list(self._percepts.values())
+        return self._percepts.current
 
     @property
     def has_mail(self) -> bool:
@@ -171,12 +172,15 @@ class Agent:
         return self._stopped
 
     def add_percept(self, percept: str | Literal) -> None:
-        """Something is perceived from the time of the next `advance` on."""
-        self._arrive(True, _as_literal(percept))
+        """Something is perceived from the time of the next `advance` on.
+
+        While the agent runs, as in `act`, it is perceived at once.
+        """
+        self._percepts.arrive(_as_literal(percept), added=True, at_once=self._running)
 
     def remove_percept(self, percept: str | Literal) -> None:
         """Something is no longer perceived from the time of the next `advance` on."""
-        self._arrive(False, _as_literal(percept))
+        self._percepts.arrive(_as_literal(percept), added=False, at_once=self._running)
 
     def finish(self, action: int | str | Literal, success: bool = True) -> None:
         """Tells the outcome of an action that `act` left PENDING.
@@ -189,8 +193,9 @@ class Agent:
             ValueError: no such action is open.
         """
         wanted = action if isinstance(action, int) else _as_literal(action)
+        told = [pending for pending, _ in self.circumstance.feedback]
         for pending in self.circumstance.pending_actions.values():
-            if wanted in (pending.number, pending.action):
+            if wanted in (pending.number, pending.action) and pending not in told:
                 self.circumstance.feedback.append((pending, success))
                 return
         raise ValueError(f"no action {action} is waiting for its outcome")
@@ -208,13 +213,7 @@ class Agent:
         target = _clock(time)
         if target < self.clock:
             raise ValueError(f"time goes forward: {time} s comes before {self._now} s")
-        if (
-            self._begun
-            and not self._arriving
-            and not self._wakeups
-            and not self._mailbox
-            and not self.circumstance.feedback
-        ):
+        if self._is_idle():
             self.clock, self._now = target, time
             return
         self._running = True
@@ -222,26 +221,41 @@ class Agent:
             if not self._begun:
                 self._begun = True
                 self._run_instant()
-            due = self._next_due()
+            due = self.alarms.next
             while due is not None and due < target:
-                self.clock, self._now = due, due / _NANOSECOND
+                self.clock, self._now = due, due / _SECOND
                 self._run_instant()
-                due = self._next_due()
+                due = self.alarms.next
             self.clock, self._now = target, time
-            arriving, self._arriving = self._arriving, []
-            for added, percept in arriving:
-                self._perceive(added, percept)
+            self._percepts.come()
             self._run_instant()
         except RecursionError:
-            problem = Problem(self.program.source, 0, 0, "a term is nested too deeply")
-            raise EndlessProgramError([problem]) from None
+            raise EndlessProgramError([self._here("a term is nested too deeply")]) from None
+        except TooDeepError as error:
+            raise EndlessProgramError([self._here(str(error))]) from None
         finally:
             self._running = False
 
+    def _is_idle(self) -> bool:
+        return not (
+            not self._begun
+            or self._percepts.are_coming
+            or self.alarms
+            or self._mailbox
+            or self.circumstance.feedback
+        )
+
     # ---- loading
 
-    def add_program(self, program: Program, beliefs: Iterable[Literal] = ()) -> None:
+    def add_program(self, program: Program) -> None:
         """Adds plans after those there are, then beliefs and goals, which raise events."""
+        program = with_run_functions(
+            program,
+            {
+                "math.random": lambda limit=1.0: self.random.random() * limit,
+                "system.time": lambda: float(self.clock // 1_000_000),
+            },
+        )
         for plan in program.plans:
             try:
                 self.plans.add(plan)
@@ -249,22 +263,22 @@ class Agent:
                 place = plan.place
                 problem = Problem(place.file, place.line, place.column, str(error))
                 raise ProgramError([problem]) from None
-        first = [Belief(belief) for belief in beliefs]
-        for clause in reversed([*first, *program.beliefs]):
+        # Each belief goes to the front, so that the first of them stands first in the end.
+        for clause in reversed(program.beliefs):
             self._add_initial(clause)
         for goal in program.goals:
-            literal = rename(goal.goal, self.names, {})
-            self.circumstance.post(Event("+!", with_source(literal)))  # type: ignore[arg-type]
+            literal = rename(with_source(goal.goal), self.names, {})
+            self.circumstance.post(Event("+!", literal))  # type: ignore[arg-type]
 
     def _add_initial(self, clause: Belief | Rule) -> None:
         if isinstance(clause, Rule):
             self.beliefs.add_rule(Rule(with_source(clause.head), clause.body, clause.place))
             return
         literal = substitute_literal(clause.belief, {})
-        if not literal.ground:
+        if literal.ground:
+            self.believe(literal)
+        else:
             self.beliefs.add_rule(Rule(with_source(literal), TRUE, clause.place))
-            return
-        self.believe(literal)
 
     # ---- what plans and internal actions do
 
@@ -281,8 +295,7 @@ class Agent:
 
     def say(self, line: str) -> None:
         """What `.print` does."""
-        if self._on_event is not None:
-            self._on_event(Entry(self._now, "print", line))
+        self.note("print", line)
         if self._print is None:
             print(line)
         else:
@@ -292,32 +305,27 @@ class Agent:
         _LOG.warning("%s: %s", self.name, line)
         self.note("warning", line, intention)
 
-    def note(self, kind: str, line: str, intention: Intention | None = None) -> None:
+    def note(self, kind: str, what: object, intention: Intention | None = None) -> None:
         """Tells `on_event` of something."""
         if self._on_event is None:
             return
         number = 0 if intention is None else intention.number
-        file, row = "", 0
+        place = None
         if intention is not None and intention.stack:
-            means = intention.top
-            place = means.plan.plan.place if means.step is None else means.step.formula.place
-            file, row = place.file, place.line
-        self._on_event(Entry(self._now, kind, line, number, file, row))
+            place = intention.top.place
+        file, line = ("", 0) if place is None else (place.file, place.line)
+        self._on_event(Entry(self._now, kind, str(what), number, file, line))
 
     def stop(self) -> None:
         """Ends the program: nothing runs any more."""
         self._stopped = True
         self.circumstance.clear_intentions()
         self.circumstance.clear_events()
-        self._wakeups.clear()
+        self.alarms.clear()
         self._tasks.clear()
 
     def at_next_cycle(self, task: Callable[[], None]) -> None:
         self._tasks.append(task)
-
-    def wake_at(self, clock: int, task: Callable[[], None], wait: Wait | None = None) -> None:
-        """Runs a task at a time in nanoseconds; of two at the same time the first goes first."""
-        heapq.heappush(self._wakeups, (clock, next(self._order), task, wait))
 
     def next_intention_number(self) -> int:
         return next(self._intention_numbers)
@@ -337,8 +345,8 @@ class Agent:
             or circumstance.atomic_event is not None
             or self._tasks
             or self._mailbox
-            or self._percepts_changed
-            or (self._wakeups and self._wakeups[0][0] <= self.clock)
+            or self._percepts.changed
+            or (self.alarms and self.alarms.is_due(self.clock))
             or self.plans.candidates(sort, literal)
         ):
             circumstance.post(Event(sort, literal, intention))
@@ -353,10 +361,10 @@ class Agent:
             # It has the next cycle to itself even when its atomic plan is over.
             self.circumstance.add_running(intention)
             if means.step is None:
-                self.clear(intention)
+                clear(self, intention)
             return
         if means.step is None:
-            self.clear(intention)
+            clear(self, intention)
         if intention.stack:
             self.circumstance.add_running(intention)
 
@@ -385,59 +393,22 @@ class Agent:
     def receive(self, message: Message) -> None:
         self._mailbox.append(message)
 
-    # ---- percepts
-
-    def _arrive(self, added: bool, percept: Literal) -> None:
-        if self._running:
-            self._perceive(added, percept)
-        else:
-            self._arriving.append((added, percept))
-
-    def _perceive(self, added: bool, percept: Literal) -> None:
-        key = percept.without_annots()
-        if added:
-            self._percepts.setdefault(key, percept)
-        else:
-            self._percepts.pop(key, None)
-        self._percepts_changed = True
-
-    def _sense(self) -> None:
-        """Makes beliefs of what is perceived: first what is gone, then what is new."""
-        self._percepts_changed = False
-        known = self.beliefs.percepts
-        for key in [key for key in known if key not in self._percepts]:
-            belief = Literal(key.functor, key.args, (FROM_PERCEPT,), key.negated)
-            if self.beliefs.remove(belief, {}) is not None:
-                self.note("percept", f"-{key}")
-                self.circumstance.post(Event("-", belief))
-        for key, percept in self._percepts.items():
-            if key not in known:
-                annots = sorted_annots((*percept.annots, FROM_PERCEPT))
-                added = self.beliefs.add(percept.with_annots(annots))
-                if added is not None:
-                    self.note("percept", f"+{key}")
-                    self.circumstance.post(Event("+", added))
-
-    # ---- time
-
-    def _next_due(self) -> int | None:
-        while self._wakeups and self._wakeups[0][3] is not None and self._wakeups[0][3].is_over:
-            heapq.heappop(self._wakeups)
-        return self._wakeups[0][0] if self._wakeups else None
+    # ---- the cycle
 
     def _run_instant(self) -> None:
         cycles = 0
         while self._has_work():
             cycles += 1
             if cycles > self._max_cycles:
-                raise EndlessProgramError([self._endless()])
+                limit = f"more than {self._max_cycles} cycles at {self._now:g} s"
+                raise EndlessProgramError([self._here(f"{limit}: this plan does not end")])
             self._cycle()
 
     def _has_work(self) -> bool:
         circumstance = self.circumstance
-        if self._percepts_changed or self._tasks or self._mailbox:
+        if self._percepts.changed or self._tasks or self._mailbox:
             return True
-        if self._wakeups and self._wakeups[0][0] <= self.clock:
+        if self.alarms and self.alarms.is_due(self.clock):
             return True
         if circumstance.feedback and circumstance.has_feedback():
             return True
@@ -447,24 +418,22 @@ class Agent:
             circumstance.events or circumstance.running or circumstance.atomic_event is not None
         )
 
-    def _endless(self) -> Problem:
-        limit = f"more than {self._max_cycles} cycles at {self._now} s: does a plan never end?"
+    def _here(self, message: str) -> Problem:
+        """What is wrong with the plan that is at work."""
         for intention in self.circumstance.intentions():
             means = intention.top
-            place = means.plan.plan.place if means.step is None else means.step.formula.place
-            message = f"{limit} It is in {means.plan.plan.trigger}"
-            return Problem(place.file, place.line, place.column, message)
-        return Problem(self.program.source, 0, 0, limit)
-
-    # ---- the cycle
+            place = means.place
+            what = f"{means.plan.plan.trigger}: {message}"
+            return Problem(place.file, place.line, place.column, what)
+        return Problem(self.program.source, 0, 0, message)
 
     def _cycle(self) -> None:
         circumstance = self.circumstance
         circumstance.selected_event = circumstance.selected = None
-        if self._wakeups or self._tasks or self._percepts_changed or self._mailbox:
+        if self.alarms or self._tasks or self._percepts.changed or self._mailbox:
             self._wake_and_sense()
         if circumstance.atomic is None:
-            self._deliberate(circumstance)
+            deliberate(self)
         if circumstance.feedback:
             self._take_feedback()
         intention = circumstance.select()
@@ -480,89 +449,20 @@ class Agent:
         else:
             step.run(self, intention, means, step)
             if means.step is None and intention.stack:
-                self.clear(intention)
+                clear(self, intention)
         if self._requested is not None:
-            self._perform()
+            self._perform(self._requested)
 
     def _wake_and_sense(self) -> None:
-        while self._wakeups and self._wakeups[0][0] <= self.clock:
-            heapq.heappop(self._wakeups)[2]()
+        self.alarms.ring(self.clock)
         while self._tasks:
             self._tasks.popleft()()
-        if self._percepts_changed:
-            self._sense()
+        if self._percepts.changed:
+            for event in self._percepts.update(self.beliefs):
+                self.note("percept", event)
+                self.circumstance.post(event)
         if self._mailbox and self.society is not None:
             self.society.process(self, self._mailbox.popleft())
-
-    def _deliberate(self, circumstance: Circumstance) -> None:
-        """Takes events until one is dealt with; those of beliefs without a plan are discarded."""
-        while True:
-            event = circumstance.atomic_event
-            if event is not None:
-                circumstance.atomic_event = None
-            elif circumstance.events:
-                event = circumstance.events.popleft()
-            else:
-                return
-            circumstance.selected_event = event
-            literal = event.literal
-            candidates = self.plans.candidates(event.sort, literal)
-            for plan in candidates:
-                u = plan.match(literal)
-                if u is not None and plan.applies is not None:
-                    u = plan.applies(self.logic, u)
-                if u is not None:
-                    self._adopt(plan, event, u)
-                    return
-            if event.is_goal:
-                self._no_plan(event, "applicable" if candidates else "relevant")
-                return
-            if event.intention is not None:
-                # Nobody cares for a change of belief: the plan that made it goes on.
-                self.move_on(event.intention, event.intention.top)
-                return
-
-    def _adopt(self, plan: LoadedPlan, event: Event, u: Unifier) -> None:
-        literal = event.literal
-        if not literal.ground:
-            literal = substitute_literal(literal, u)
-        means = Means(plan, event.sort, literal, u, plan.body)
-        intention = event.intention
-        if intention is None:
-            intention = Intention(next(self._intention_numbers))
-        elif intention.stack:
-            self._forget_tail(intention, means)
-            if len(intention.stack) >= self.max_depth:
-                place = plan.plan.place
-                message = f"{plan.plan.trigger} calls itself too deeply"
-                raise EndlessProgramError([Problem(place.file, place.line, place.column, message)])
-        intention.push(means)
-        self.circumstance.add_running(intention)
-        if self._on_event is not None:
-            self.note("plan", f"{event} by {plan}", intention)
-
-    def _forget_tail(self, intention: Intention, means: Means) -> None:
-        """A goal that ends by calling one of the same functor leaves no trace."""
-        top = intention.top
-        if (
-            len(top.sort) == 2
-            and top.sort[0] == "+"
-            and len(means.sort) == 2
-            and means.sort[0] == "+"
-            and top.step is not None
-            and top.step.next is None
-            and top.literal.key == means.literal.key
-        ):
-            intention.pop()
-            if intention.stack:
-                for name in intention.top.awaited:
-                    value = top.u.get(name)
-                    if value is not None:
-                        means.u[name] = rename(substitute(value, top.u), self.names, {})
-
-    def _no_plan(self, event: Event, what: str) -> None:
-        message = f"Found a goal for which there is no {what} plan: {event}"
-        fail_event(self, event, error_annots(f"no_{what}", message), message)
 
     def _take_feedback(self) -> None:
         circumstance = self.circumstance
@@ -578,50 +478,17 @@ class Agent:
                 fail(self, intention, error_annots("action_failed", ""))
             return
 
-    def _perform(self) -> None:
-        pending = self._requested
+    def _perform(self, pending: PendingAction) -> None:
         self._requested = None
-        if pending is None:
-            return
         self.circumstance.expect(pending)
         self.note("action", text(pending.action), pending.intention)
         outcome = True if self._act is None else self._act(pending.action)
         if not isinstance(outcome, Pending):
             self.circumstance.feedback.append((pending, bool(outcome)))
 
-    def clear(self, intention: Intention) -> None:
-        """Takes finished plans off an intention and goes on with those that called them."""
-        stack = intention.stack
-        while stack and stack[-1].step is None:
-            top = intention.pop()
-            if top.sort[0] == "-" and len(top.sort) == 2 and stack:
-                clear_failed(intention, top.literal)
-            if not stack:
-                break
-            means = stack[-1]
-            if means.step is not None:
-                self._hand_back(means, top.u)
-                means.step = means.step.next
-        if not stack:
-            self.circumstance.remove_running(intention)
-            self.circumstance.forget(intention)
-
-    def _hand_back(self, means: Means, u: Unifier) -> None:
-        """What a plan has found out for the variables of the one that called it."""
-        for name in means.awaited:
-            value = u.get(name)
-            if value is not None:
-                means.u[name] = rename(substitute(value, u), self.names, {})
-
-    def _intention_ended(self, intention: Intention) -> None:
+    def _note_end(self, intention: Intention) -> None:
         self.note("ended", f"intention {intention.number}", intention)
-
-    def end_intention(self, intention: Intention) -> None:
-        end(self, intention)
 
 
 def _as_literal(value: str | Literal) -> Literal:
     return parse_literal(value) if isinstance(value, str) else value
-
-
-__all__ = ["FROM_SELF", "PENDING", "Agent", "Pending"]

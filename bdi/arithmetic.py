@@ -150,18 +150,8 @@ def is_function(name: str, arity: int) -> bool:
     return name in FUNCTIONS and arity in FUNCTIONS[name][1]
 
 
-def apply_function(name: str, args: tuple[Term, ...]) -> float:
-    """The value of a function of ground arguments; NaN for arguments of the wrong kind."""
-    function, _ = FUNCTIONS[name]
-    if name not in LIST_FUNCTIONS and not all(isinstance(arg, float) for arg in args):
-        return NAN
-    try:
-        return float(function(*args))
-    except (TypeError, ValueError, OverflowError):
-        return NAN
-
-
-LIST_FUNCTIONS = frozenset(
+#: Functions that take a list or a string.
+_TAKE_ANYTHING = frozenset(
     {
         "math.average",
         "math.max",
@@ -173,3 +163,19 @@ LIST_FUNCTIONS = frozenset(
         ".length",
     }
 )
+
+
+def apply_function(
+    name: str, args: tuple[Term, ...], calculate: Callable[..., float] | None = None
+) -> float:
+    """The value of a function of ground arguments; NaN for arguments of the wrong kind."""
+    if calculate is None:
+        if name not in FUNCTIONS:
+            return NAN
+        calculate, _ = FUNCTIONS[name]
+    if name not in _TAKE_ANYTHING and not all(isinstance(arg, float) for arg in args):
+        return NAN
+    try:
+        return float(calculate(*args))
+    except (TypeError, ValueError, OverflowError):
+        return NAN

@@ -16,6 +16,7 @@ from .terms import Literal, Term
 from .unify import Unifier, substitute_literal, unify
 
 if TYPE_CHECKING:
+    from .alarms import Alarm
     from .waiting import Wait
 
 
@@ -44,6 +45,7 @@ class Circumstance:
         self.pending: dict[int, tuple[str, Intention]] = {}
         self.suspended_events: list[Event] = []
         self.waits: list[Wait] = []
+        self.future_events: list[Alarm] = []
         self.on_end: Callable[[Intention], None] | None = None
 
     # ---- events
@@ -193,7 +195,10 @@ class Circumstance:
         self.drop_pending(intention)
 
     def clear_intentions(self) -> None:
-        """Ends all intentions but the selected one."""
+        """Ends all intentions but the selected one, and cancels what `.at` has announced."""
+        for alarm in self.future_events:
+            alarm.cancel()
+        self.future_events.clear()
         self.atomic = None
         self.atomic_waits = False
         for intention in list(self.running):

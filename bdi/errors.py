@@ -30,3 +30,7 @@ class ProgramError(ValueError):
 
 class EndlessProgramError(ProgramError):
     """An agent was stopped: it ran out of its budget of cycles in one instant, or of depth."""
+
+
+class TooDeepError(Exception):
+    """Goals or rules call themselves more deeply than is allowed; told as EndlessProgramError."""

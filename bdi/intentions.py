@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from .program import Trigger
+from .program import Place, Trigger
 from .terms import Literal
 from .unify import Unifier, unify
 
@@ -60,6 +60,11 @@ class Means:
     @property
     def trigger(self) -> Trigger:
         return Trigger(self.sort[0], self.sort[1:], self.literal)
+
+    @property
+    def place(self) -> Place:
+        """Where it is in the program."""
+        return self.plan.plan.place if self.step is None else self.step.formula.place
 
     def branch(self) -> Means:
         """A copy that goes its own way."""

@@ -14,7 +14,7 @@ from itertools import combinations
 from typing import TypeAlias
 
 from .beliefs import BeliefBase
-from .errors import EndlessProgramError, Problem
+from .errors import TooDeepError
 from .order import compare
 from .program import Rule
 from .terms import (
@@ -192,9 +192,7 @@ class Logic:
         if len(candidates) == 1 and isinstance(candidates[0], Literal) and not literal.annots:
             return matched(literal, candidates[0], u)
         if len(choices) > MAX_CHOICES:
-            raise EndlessProgramError(
-                [Problem("", 0, 0, f"rules call each other without end, at last {literal}")]
-            )
+            raise TooDeepError(f"rules call each other without end, at last {literal}")
         choices.append(self._clauses(literal, candidates, u, goals))
         return None
 

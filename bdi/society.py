@@ -145,7 +145,7 @@ class Society:
         self._questions[message.question] = _Question(agent, intention, message.force, answer)
         agent.circumstance.suspend("ask", intention, Literal("ask", (float(message.question),)))
         if timeout is not None:
-            agent.wake_at(
+            agent.alarms.set(
                 agent.clock + timeout * MILLISECOND,
                 lambda: self._take_answer(
                     Message("", "answer", Literal("timeout"), message.question)
@@ -162,8 +162,6 @@ class Society:
         means = intention.top
         if unify(question.answer, message.content, means.u):
             agent.move_on(intention, means)
-            if means.step is None:
-                agent.clear(intention)
         else:
             reason = f"the answer {message.content} is not what was expected"
             fail(agent, intention, error_annots("ask_failed", reason))

@@ -8,7 +8,7 @@ of the classes below. Terms are values: nothing changes one after it is made.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from decimal import Decimal
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -252,14 +252,20 @@ class Arithmetic:
 
 
 class Function:
-    """A call of an arithmetic function: `math.abs(X)`."""
+    """A call of an arithmetic function: `math.abs(X)`.
 
-    __slots__ = ("args", "name")
+    `calculate` is there for a function of the run, as `math.random`.
+    """
+
+    __slots__ = ("args", "calculate", "name")
     ground = False
 
-    def __init__(self, name: str, args: tuple[Term, ...]) -> None:
+    def __init__(
+        self, name: str, args: tuple[Term, ...], calculate: Callable[..., float] | None = None
+    ) -> None:
         self.name = name
         self.args = args
+        self.calculate = calculate
 
     def __str__(self) -> str:
         return f"{self.name}({','.join(map(text, self.args))})" if self.args else self.name

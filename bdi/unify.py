@@ -9,7 +9,7 @@ from __future__ import annotations
 from itertools import count
 from typing import TypeAlias
 
-from .arithmetic import NAN, OPERATORS, RUN_FUNCTIONS, apply_function
+from .arithmetic import NAN, OPERATORS, apply_function
 from .order import sorted_annots
 from .program import BodyTerm, PlanTerm, TriggerTerm
 from .terms import (
@@ -74,13 +74,16 @@ def substitute_literal(literal: Literal, u: Unifier) -> Literal:
     annots = literal.annots
     if annots:
         values: list[Term] = []
+        rest: tuple[Term, ...] = ()
         for annot in annots:
             value = substitute(annot, u)
             if isinstance(annot, RestVar) and isinstance(value, Nil | Cons):
                 values.extend(value)
+            elif isinstance(annot, RestVar) and isinstance(value, Var):
+                rest = (RestVar(value.name, value.fresh),)
             else:
                 values.append(value)
-        annots = sorted_annots(tuple(values))
+        annots = sorted_annots(tuple(values)) + rest
     return Literal(
         literal.functor,
         tuple([substitute(arg, u) for arg in literal.args]),
@@ -108,9 +111,9 @@ def _substitute_other(term: Term, u: Unifier) -> Term:
         return term if term.ground else _substitute_list(term, u)
     if isinstance(term, Function):
         args = tuple(substitute(arg, u) for arg in term.args)
-        if term.name in RUN_FUNCTIONS or not all(map(is_ground, args)):
-            return Function(term.name, args)
-        return apply_function(term.name, args)
+        if not all(map(is_ground, args)):
+            return Function(term.name, args, term.calculate)
+        return apply_function(term.name, args, term.calculate)
     if isinstance(term, Relation):
         return Relation(term.symbol, substitute(term.left, u), substitute(term.right, u))
     if isinstance(term, And | Or):
@@ -350,7 +353,7 @@ def rename(term: Term, names: Names, renamed: dict[str, Var]) -> Term:
         right = None if term.right is None else inside(term.right)
         return Arithmetic(term.operator, inside(term.left), right)
     if isinstance(term, Function):
-        return Function(term.name, tuple(map(inside, term.args)))
+        return Function(term.name, tuple(map(inside, term.args)), term.calculate)
     if isinstance(term, Relation):
         return Relation(term.symbol, inside(term.left), inside(term.right))
     if isinstance(term, And | Or):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from .alarms import Alarm
 from .failure import error_annots, fail
 from .intentions import Event, Intention, Means
 from .program import TriggerTerm
@@ -39,8 +40,9 @@ class Wait:
         self._over = False
         if trigger is not None or condition is not None:
             agent.circumstance.waits.append(self)
+        self._alarm: Alarm | None = None
         if timeout is not None:
-            agent.wake_at(agent.clock + timeout * MILLISECOND, self._time_out, self)
+            self._alarm = agent.alarms.set(agent.clock + timeout * MILLISECOND, self._time_out)
 
     @property
     def is_over(self) -> bool:
@@ -73,6 +75,8 @@ class Wait:
 
     def _forget(self) -> None:
         self._over = True
+        if self._alarm is not None:
+            self._alarm.cancel()
         waits = self._agent.circumstance.waits
         if self in waits:
             waits.remove(self)

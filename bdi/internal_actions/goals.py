@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from types import MappingProxyType
 
 from ..circumstance import event_wants
+from ..deliberation import clear
 from ..failure import ActionError, end, find_failure_event
 from ..intentions import Event, Intention
 from ..program import BodyTerm, TriggerTerm
@@ -225,11 +226,11 @@ def _achieve(call: Call, intention: Intention, goal: Literal, u: Unifier) -> int
     if intention.drop_goal(goal, u) is None:
         return 0
     if intention.is_finished:
-        call.agent.clear(intention)
+        clear(call.agent, intention)
         return _IS_OVER
     if intention is not call.intention and intention.top.step is not None:
         intention.top.step = intention.top.step.next
-    call.agent.clear(intention)
+    clear(call.agent, intention)
     return _RUNS_ON
 
 
@@ -306,7 +307,7 @@ def _finish_events(call: Call, goal: Literal, succeeded: bool) -> None:
             if intention is not None and intention.stack:
                 if intention.top.step is not None:
                     intention.top.step = intention.top.step.next
-                call.agent.clear(intention)
+                clear(call.agent, intention)
                 if intention.stack:
                     circumstance.add_running(intention)
 

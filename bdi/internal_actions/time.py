@@ -86,10 +86,14 @@ def at(call: Call, when: Term, event: Term) -> bool:
     if not isinstance(literal, Literal):
         raise wrong("at", f"'{text(event)}' is no event")
 
+    announced = agent.circumstance.future_events
+
     def happen() -> None:
+        announced.remove(alarm)
         agent.circumstance.post(Event(trigger.kind, literal))
 
-    agent.wake_at(agent.clock + milliseconds * MILLISECOND, happen)
+    alarm = agent.alarms.set(agent.clock + milliseconds * MILLISECOND, happen)
+    announced.append(alarm)
     return True
 
 
