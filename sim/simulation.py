@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-import traceback
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -14,8 +13,8 @@ from navigation import CollisionWorld
 from .agv import Agv
 from .body import Body
 from .clock import Clock
-from .controllers import Controller, ControllerError, find_controller
-from .gantry import GantryRobot, Steps
+from .controllers import find_controller, supervised
+from .gantry import GantryRobot
 from .minds import find_program, first_beliefs
 from .outcome import Run
 from .person import Person
@@ -167,18 +166,7 @@ class Simulation:
     def _start_controller(self, gantry: GantryRobot) -> None:
         name = self.trial.gantry.controller
         controller = find_controller(name, self.trial.folder)
-        self.clock.process(self._supervised(name, controller, gantry))
-
-    def _supervised(self, name: str, controller: Controller, gantry: GantryRobot) -> Steps:
-        """The controller's steps; what goes wrong in it is told with its name and line."""
-        try:
-            yield from controller(gantry)
-        except Exception as why:
-            frame = traceback.extract_tb(why.__traceback__)[-1]
-            raise ControllerError(
-                f"the gantry controller {name!r} failed at t = {self.clock.now:g} s"
-                f" ({Path(frame.filename).name}, line {frame.lineno}): {why}"
-            ) from why
+        self.clock.process(supervised(name, controller, gantry))
 
     def _warn(self, body: Body, percept: str, machine: Body) -> None:
         for person in self.people:
@@ -214,8 +202,10 @@ class Simulation:
         for station in self.trial.floorplan.stations:
             if station.name == place:
                 return station.position
-        centre = self.trial.floorplan.obstacle(place).footprint.centroid
-        return (centre.x, centre.y)
+        for obstacle in self.trial.floorplan.obstacles:
+            if obstacle.name == place:
+                return (obstacle.footprint.centroid.x, obstacle.footprint.centroid.y)
+        raise ValueError(f"no obstacle, station or AGV is called {place!r}")
 
     def _call_at(self, t: float, action: Callable[[], None]) -> None:
         event = self.clock.at(t)

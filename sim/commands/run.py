@@ -41,9 +41,12 @@ def run(
     recording = Recording(out if out is not None else _free_folder(chosen.name))
     try:
         simulation = Simulation(chosen, recording)
-        interrupted = _advance(simulation)
-        finished = simulation.finish()
-        recording.finish(finished)
+        try:
+            interrupted = _advance(simulation)
+        finally:
+            # Also when the user's controller or program fails: what happened until then is kept.
+            finished = simulation.finish()
+            recording.finish(finished)
     finally:
         recording.close()
     _report(finished, recording.folder)

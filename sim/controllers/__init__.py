@@ -8,6 +8,7 @@ things to wait for. Copy one of these files to write your own, and name it in a 
 from .finding import CONTROLLERS, Controller, ControllerError, find_controller
 from .oblivious import oblivious
 from .parked import parked
+from .supervision import supervised
 
 __all__ = [
     "CONTROLLERS",
@@ -16,4 +17,5 @@ __all__ = [
     "find_controller",
     "oblivious",
     "parked",
+    "supervised",
 ]

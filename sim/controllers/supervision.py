@@ -1,0 +1,69 @@
+"""A controller under supervision: what goes wrong in it is told with its name and line."""
+
+from __future__ import annotations
+
+import inspect
+import traceback
+from collections.abc import Callable, Generator
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from simpy.events import Event
+
+from ..gantry import GantryRobot, Steps
+from .finding import Controller, ControllerError
+
+
+def supervised(name: str, controller: Controller, gantry: GantryRobot) -> Steps:
+    """The steps of `controller`, which a trial calls `name`.
+
+    `ControllerError` says what it did wrong: raised something, yielded something that can't be
+    waited for, or is no generator at all.
+    """
+    steps: Any = None
+    try:
+        steps = controller(gantry)
+        if not isinstance(steps, Generator):
+            steps = _iterated(steps)
+        yield from _checked(steps)
+    except Exception as why:
+        raise ControllerError(
+            f"the gantry controller {name!r} failed at t = {gantry.now:g} s"
+            f"{_place(why, controller, steps)}: {why or type(why).__name__}"
+        ) from why
+
+
+def _iterated(steps: Any) -> Steps:
+    if not hasattr(steps, "__iter__"):
+        raise TypeError(f"what it returned, {steps!r}, is no generator")
+    yield from steps
+
+
+def _checked(steps: Steps) -> Steps:
+    """The same steps, if each is something that can be waited for."""
+    go_on: Callable[[], Event] = partial(next, steps)
+    while True:
+        try:
+            event = go_on()
+        except StopIteration:
+            return
+        if not isinstance(event, Event):
+            raise TypeError(f"it yielded {event!r}, not something that the gantry's methods return")
+        try:
+            answer = yield event
+            go_on = partial(steps.send, answer)
+        except Exception as why:
+            go_on = partial(steps.throw, why)
+
+
+def _place(why: Exception, controller: Controller, steps: Any) -> str:
+    """The file and line of the controller at which it failed, in brackets, where they are known."""
+    try:
+        source = inspect.getsourcefile(controller)
+    except TypeError:
+        return ""
+    frame = getattr(steps, "gi_frame", None)
+    lines = [frame.f_lineno] if frame is not None and frame.f_code.co_filename == source else []
+    lines += [f.lineno for f in traceback.extract_tb(why.__traceback__) if f.filename == source]
+    return f" ({Path(source).name}, line {lines[-1]})" if source and lines else ""
