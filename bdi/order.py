@@ -12,8 +12,8 @@ def compare(one: Term, other: Term) -> int:
 
     Numbers come first, by value; strings compare by their text, quotes
     included; lists by length and then element by element; literals after their
-    strong negation, arity, functor, arguments and annotations. An unbound
-    variable is greater than anything bound.
+    strong negation (not asked of atoms), arity, functor, arguments and
+    annotations. An unbound variable is greater than anything bound.
     """
     one_is_var, other_is_var = isinstance(one, Var), isinstance(other, Var)
     if one_is_var or other_is_var:
@@ -52,7 +52,7 @@ def _compare_lists(one: Nil | Cons, other: Nil | Cons) -> int:
 
 def _compare_structures(one: Term, other: Term) -> int:
     if isinstance(one, Literal) and isinstance(other, Literal):
-        if one.negated != other.negated:
+        if one.negated != other.negated and not one.is_atom:
             return 1 if one.negated else -1
         return (
             _sign(len(one.args), len(other.args))

@@ -1,0 +1,152 @@
+"""Programs whose every line of output is known, and traces of a person's actions."""
+
+import json
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import bdi
+
+PROGRAMS = sorted((Path(__file__).parent / "programs").glob("*.asl"))
+
+# Actions of this functor fail in the programs here.
+FAILING = "jump"
+
+
+def run_out(program, limit=1000):
+    lines = []
+    agent = bdi.Agent(program, act=lambda action: action.functor != FAILING, print=lines.append)
+    agent.advance(0.0)
+    for _ in range(limit):
+        if agent.next_wakeup is None:
+            return "\n".join(lines).splitlines()
+        agent.advance(agent.next_wakeup)
+    raise AssertionError("the program does not end")
+
+
+@pytest.mark.parametrize("path", PROGRAMS, ids=lambda path: path.stem)
+def test_own_programs(path):
+    expected = path.with_suffix(".out").read_text(encoding="utf-8").splitlines()
+    assert run_out(bdi.parse_file(path)) == expected
+
+
+def test_reference_programs(shared_data):
+    paths = sorted((shared_data / "agentspeak" / "programs").glob("*.asl"))
+    assert paths
+    for path in paths:
+        expected = path.with_suffix(".out").read_text(encoding="utf-8").splitlines()
+        assert run_out(bdi.parse_file(path)) == expected, path.name
+
+
+def replay(folder, trace):
+    """What an agent does and says when the percepts of a trace come."""
+    actions, prints = [], []
+
+    def act(action):
+        actions.append({"t_ms": round(agent.now * 1000), "action": str(action)})
+        return True
+
+    def say(text):
+        prints.append({"t_ms": round(agent.now * 1000), "text": text})
+
+    program = bdi.parse_file(folder / trace["program"])
+    agent = bdi.Agent(program, beliefs=[trace["belief"]], act=act, print=say)
+    for time in sorted({change["t_ms"] for change in trace["percepts"]}):
+        for change in trace["percepts"]:
+            if change["t_ms"] == time and "add" in change:
+                agent.add_percept(change["add"])
+            elif change["t_ms"] == time:
+                agent.remove_percept(change["remove"])
+        agent.advance(time / 1000)
+    agent.advance(trace["end_ms"] / 1000)
+    return actions, prints
+
+
+def test_reference_traces(shared_data):
+    folder = shared_data / "agentspeak"
+    paths = sorted((folder / "traces").glob("*.json"))
+    assert paths
+    for path in paths:
+        trace = json.loads(path.read_text(encoding="utf-8"))
+        assert replay(folder / "operator", trace) == (trace["actions"], trace["prints"]), path.name
+
+
+COMMAND = "import typer; from sim.commands.agent import agent; typer.run(agent)"
+
+
+def command(*arguments):
+    return subprocess.run(
+        [sys.executable, "-c", COMMAND, *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        check=False,
+        cwd=Path(__file__).parents[2],
+    )
+
+
+def test_the_command_replays_a_trace(shared_data, tmp_path):
+    folder = shared_data / "agentspeak"
+    for name in ("helpful_flip", "antagonistic_detect_arrive_resume"):
+        trace = json.loads((folder / "traces" / f"{name}.json").read_text(encoding="utf-8"))
+        script = tmp_path / "script.jsonl"
+        lines = []
+        for change in trace["percepts"]:
+            how = "add" if "add" in change else "remove"
+            lines.append(json.dumps({"t": change["t_ms"] / 1000, how: change[how]}))
+        script.write_text("\n".join(lines), encoding="utf-8")
+        done = command(
+            folder / "operator" / trace["program"],
+            *("--belief", trace["belief"], "--percepts", script),
+            *("--until", trace["end_ms"] / 1000),
+        )
+        assert done.returncode == 0, done.stderr
+        told = [json.loads(line) for line in done.stdout.splitlines()]
+        expected = [
+            {"t": entry["t_ms"] / 1000, "action": entry["action"]} for entry in trace["actions"]
+        ]
+        assert [entry for entry in told if "action" in entry] == expected
+        said = [{"t": e["t_ms"] / 1000, "print": e["text"]} for e in trace["prints"]]
+        assert [entry for entry in told if "print" in entry] == said
+
+
+def test_the_command_runs_until_nothing_is_left():
+    done = command(PROGRAMS[0])
+    expected = PROGRAMS[0].with_suffix(".out").read_text(encoding="utf-8").splitlines()
+    assert [json.loads(line)["print"] for line in done.stdout.splitlines()] == expected
+
+
+def test_a_trace_of_the_inside_goes_to_stderr(tmp_path):
+    program = tmp_path / "one.asl"
+    program.write_text("!start. +!start <- step; .wait(1500); .print(later).", encoding="utf-8")
+    done = command(program, "--trace")
+    assert '{"t": 0.0, "action": "step"}' in done.stdout
+    assert re.search(r"1\.500 +print +later", done.stderr)
+    assert "one.asl:1" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ('{"t": 1}', '"add" or "remove"'),
+        ('{"t": 1, "add": "a", "remove": "b"}', '"add" or "remove"'),
+        ('{"t": 1, "add": "a", "x": 2}', '"add" or "remove"'),
+        ('{"t": "soon", "add": "a"}', "number of seconds"),
+        ('{"t": NaN, "add": "a"}', "number of seconds"),
+        ('{"t": -1, "add": "a"}', "begins at 0"),
+        ('{"t": 1, "add": 3}', "in quotes"),
+        ('{"t": 1, "add": "a("}', "a("),
+        ("percept", "not a line of JSON"),
+        ("[]", '"add" or "remove"'),
+    ],
+)
+def test_a_wrong_line_of_a_script_is_named(tmp_path, line, message):
+    from sim.commands.agent import _read_script
+
+    script = tmp_path / "script.jsonl"
+    script.write_text('{"t": 0.5, "add": "fine"}\n\n' + line + "\n", encoding="utf-8")
+    with pytest.raises(ValueError, match=re.escape(f"{script}:3: ")) as wrong:
+        _read_script(script)
+    assert message in str(wrong.value)
