@@ -11,11 +11,15 @@ from shapely.geometry import Polygon, box
 
 from .checks import geometry_problems
 from .document import Document, parse_yaml, read_yaml
+from .dxf import load_dxf
 from .model import Axis, Floorplan, Gantry, Human, Lane, Obstacle, SafeZone, Station
 from .problems import FloorplanError, Problem
+from .ros_map import build_ros_map, is_ros_map
 from .schema import AgvsSchema, AxisSchema, FloorplanSchema, GantrySchema, ObstacleSchema
+from .wkt import load_wkt
 
 YAML_SUFFIXES = (".yaml", ".yml")
+OTHER_SUFFIXES = {".wkt": load_wkt, ".dxf": load_dxf}
 
 
 def builtin() -> tuple[str, ...]:
@@ -34,10 +38,15 @@ def load(source: str | Path) -> Floorplan:
         data = resources.files(__package__).joinpath("data", f"{text}.yaml")
         return parse(data.read_text(encoding="utf-8"), file=text)
     path = Path(source)
-    if path.suffix.lower() in YAML_SUFFIXES:
-        return build(read_yaml(path, FloorplanError))
+    suffix = path.suffix.lower()
+    if suffix in YAML_SUFFIXES:
+        document = read_yaml(path, FloorplanError)
+        return build_ros_map(document) if is_ros_map(document) else build(document)
+    if suffix in OTHER_SUFFIXES:
+        return OTHER_SUFFIXES[suffix](path)
     if path.exists():
-        message = f"a floorplan's name ends in {' or '.join(YAML_SUFFIXES)}"
+        known = ", ".join((*YAML_SUFFIXES, *OTHER_SUFFIXES))
+        message = f"the name of a floorplan's file ends in one of {known}"
         raise FloorplanError(text, [Problem(message)])
     near = difflib.get_close_matches(text, builtin(), 1)
     hint = f"did you mean {near[0]!r}?" if near else f"built in are: {', '.join(builtin())}"

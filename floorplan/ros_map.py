@@ -1,0 +1,98 @@
+"""Floors from the maps of ROS's map_server: a YAML file and a grey image of cells.
+
+What the map says is free is floor, all else (occupied, unknown, see-through) is not. The floor is
+the largest free area that hangs together; cells that touch only at a corner do not. As in
+map_server, the thresholds decide alone: the grey (205) of unknown cells is below a free_thresh of
+0.25 and so counts as free; 0.196 leaves it out.
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Annotated, Literal
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+from shapely.geometry import Polygon
+
+from .document import Document
+from .flat import from_area
+from .image import GreyImage, read_image
+from .model import Floorplan
+from .problems import FloorplanError, Problem
+from .schema import Number, Positive
+from .trace import trace
+
+TOLERANCE = 0.45
+"""Cells. How far outlines may move when they are simplified: less than half a cell from either
+side leaves every wall closed, and a door of two cells more than one cell wide."""
+
+Share = Annotated[Number, Field(ge=0, le=1)]
+
+
+class RosMapSchema(BaseModel):
+    """The keys of a map_server file; it may have others, which say nothing about the floor."""
+
+    model_config = ConfigDict(extra="ignore", frozen=True)
+
+    image: Annotated[str, Field(min_length=1)]
+    resolution: Positive
+    origin: tuple[Number, Number, Number]
+    negate: Literal[0, 1] | bool
+    occupied_thresh: Share
+    free_thresh: Share
+    mode: Literal["trinary", "scale", "raw"] = "trinary"
+
+    @model_validator(mode="after")
+    def _thresholds_rise(self) -> RosMapSchema:
+        if self.free_thresh > self.occupied_thresh:
+            raise ValueError(
+                f"free_thresh ({self.free_thresh:g}) must not be above"
+                f" occupied_thresh ({self.occupied_thresh:g})"
+            )
+        return self
+
+
+def is_ros_map(document: Document) -> bool:
+    """Whether a YAML document is one of map_server's, told by its keys."""
+    return isinstance(document.data, dict) and not {"image", "resolution"}.isdisjoint(document.data)
+
+
+def build_ros_map(document: Document) -> Floorplan:
+    """The floorplan of a map; `FloorplanError` with what is wrong with it or its image."""
+    schema = document.checked(RosMapSchema, FloorplanError)
+    file = Path(document.file)
+    free = _free_cells(read_image(file.parent / schema.image), schema)
+    pieces = shapely.get_parts(trace(free, TOLERANCE))
+    if not len(pieces):
+        message = f"no cell of {schema.image} is free: there is no floor"
+        raise FloorplanError(document.file, [Problem(message)])
+    largest = pieces[int(np.argmax(shapely.area(pieces)))]
+    return from_area(file.stem, f"{file.name} (ROS map)", _in_metres(largest, len(free), schema))
+
+
+def _free_cells(image: GreyImage, schema: RosMapSchema) -> NDArray[np.bool_]:
+    """Which cells one may walk on, (rows, columns), the top row first."""
+    if schema.mode == "raw":
+        # Values up to 100 are percentages of being occupied, others mean unknown.
+        percent = np.rint(image.brightness * image.top)
+        low = (percent <= 100) & (percent < schema.free_thresh * 100)
+        return np.asarray(low & image.opaque, bool)
+    occupied = image.brightness if schema.negate else 1 - image.brightness
+    return np.asarray((occupied < schema.free_thresh) & image.opaque, bool)
+
+
+def _in_metres(area: Polygon, rows: int, schema: RosMapSchema) -> Polygon:
+    """Cells to metres: the origin is the lower left corner of the image, turned by its yaw."""
+    x, y, yaw = schema.origin
+    c, s = math.cos(yaw), math.sin(yaw)
+
+    def place(cells: NDArray[np.float64]) -> NDArray[np.float64]:
+        right = cells[:, 0] * schema.resolution
+        up = (rows - cells[:, 1]) * schema.resolution
+        return np.column_stack([x + c * right - s * up, y + s * right + c * up])
+
+    return shapely.orient_polygons(shapely.transform(area, place))

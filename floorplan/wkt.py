@@ -1,0 +1,70 @@
+"""Floors in well-known text, by JuPedSim's convention: the walkable area, obstacles as holes.
+
+The text is a POLYGON in metres, or a MULTIPOLYGON or GEOMETRYCOLLECTION of polygons that together
+make up one area.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import shapely
+
+from .checks import polygon_fault
+from .document import read_text
+from .flat import from_area
+from .model import Floorplan
+from .problems import FloorplanError, Problem
+
+
+def load_wkt(path: Path) -> Floorplan:
+    """The floorplan in the WKT file at `path`; `FloorplanError` with all that is wrong with it."""
+    return parse_wkt(read_text(path, FloorplanError), file=str(path))
+
+
+def parse_wkt(text: str, *, file: str = "<text>") -> Floorplan:
+    """The floorplan in `text`; errors call it `file`."""
+    try:
+        geometry = shapely.from_wkt(text.strip())
+    except shapely.GEOSException as why:
+        reason = re.sub(r"^ParseException: ", "", str(why)).strip()
+        raise FloorplanError(file, [Problem(f"is not well-known text: {reason}")]) from None
+    geometry = shapely.force_2d(geometry)
+    problems = list(_problems(geometry))
+    if problems:
+        raise FloorplanError(file, problems)
+    area = shapely.union_all(list(_polygons(geometry)))
+    if area.geom_type != "Polygon":
+        count = len(area.geoms)
+        message = f"its polygons make up {count} separate areas; a floor is one: join or split them"
+        raise FloorplanError(file, [Problem(message)])
+    return from_area(Path(file).stem, f"{Path(file).name} (WKT)", area)
+
+
+def _polygons(geometry: shapely.Geometry) -> Iterator[shapely.Geometry]:
+    if geometry.geom_type in ("MultiPolygon", "GeometryCollection"):
+        for part in geometry.geoms:
+            yield from _polygons(part)
+    else:
+        yield geometry
+
+
+def _problems(geometry: shapely.Geometry) -> Iterator[Problem]:
+    if geometry is None or geometry.is_empty:
+        yield Problem("is empty: there is no area to walk on")
+        return
+    parts = list(_polygons(geometry))
+    for index, part in enumerate(parts):
+        place = f"polygon {index + 1} of {len(parts)}" if len(parts) > 1 else ""
+        if part.geom_type != "Polygon":
+            kind = part.geom_type.upper()
+            yield Problem(f"expected a POLYGON, found a {kind}; only areas can be walked on", place)
+        elif part.is_empty:
+            yield Problem("is empty", place)
+        elif not np.isfinite(shapely.get_coordinates(part)).all():
+            yield Problem("has coordinates that are not finite numbers", place)
+        elif fault := polygon_fault(part):
+            yield Problem(fault, place)
