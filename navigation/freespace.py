@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
 from floorplan import Point
 
@@ -26,7 +27,7 @@ class FreeSpace:
     Two places can be reached from each other if, and only if, they are in one piece.
     """
 
-    def __init__(self, room: shapely.Geometry) -> None:
+    def __init__(self, room: shapely.Geometry | NDArray[np.object_]) -> None:
         parts = shapely.get_parts(room)
         self.pieces = parts[shapely.area(parts) > 0]
         """The pieces, as an array of polygons."""
@@ -39,6 +40,11 @@ class FreeSpace:
             return int(inside[0])
         gaps = shapely.distance(self.pieces, shapely.Point(point))
         return int(np.argmin(gaps)) if len(gaps) and gaps.min() < _EDGE else None
+
+    def together(self, one: Point, other: Point) -> bool:
+        """Whether both places are in the same piece."""
+        piece = self.piece_of(one)
+        return piece is not None and piece == self.piece_of(other)
 
     def nearest(self, point: Point) -> Point | None:
         """The place nearest to `point`, or None where there is none at all."""
@@ -58,9 +64,15 @@ def shrunk(room: shapely.Geometry, radius: float) -> shapely.Geometry:
     return room.difference(grown(edges_of_room(room), radius, STEP))
 
 
-def without(room: shapely.Geometry, bodies: Sequence[Body], radius: float) -> shapely.Geometry:
-    """The part of `room` that is at least `radius` metres from all `bodies`."""
-    return room.difference(shapely.union_all([_grown_body(body, radius) for body in bodies]))
+def without(space: FreeSpace, bodies: Sequence[Body], radius: float) -> FreeSpace:
+    """The part of `space` that is at least `radius` metres from all `bodies`."""
+    if not bodies:
+        return space
+    taken = shapely.union_all([_grown_body(body, radius) for body in bodies])
+    touched = shapely.intersects(space.pieces, taken)
+    left = [shapely.difference(piece, taken) for piece in space.pieces[touched]]
+    parts = shapely.get_parts(np.array(left, dtype=object))
+    return FreeSpace(np.concatenate([space.pieces[~touched], parts]))
 
 
 def _grown_body(body: Body, radius: float) -> shapely.Geometry:

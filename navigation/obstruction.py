@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection
+from dataclasses import dataclass
 
 import shapely
+from shapely.geometry import Polygon
 
 from floorplan import Point
 
@@ -32,49 +34,51 @@ def blocked_place(
     return f"{at} is {gap:.3f} m from {what}; a radius of {radius:g} m does not fit"
 
 
-def cut_off(
+def explain_cut_off(
     world: CollisionWorld, start: Point, goal: Point, radius: float, ignore: Collection[str]
-) -> str:
-    """What cuts `goal` off from `start` for a disc of `radius` metres; empty if nothing does."""
-    space = world.free_space(radius, ignore)
-    if _together(space, start, goal):
-        return ""
+) -> Callable[[], str]:
+    """What will say why no disc of `radius` metres gets from `start` to `goal` as things are now.
+
+    To find the words takes longer than the proof, so it is left for when they are wanted.
+    """
+    scene = _Scene(world.walkable_but(ignore), world.things(ignore), world.plan.boundary)
+    return lambda: _cut_off(scene, start, goal, radius)
+
+
+@dataclass(frozen=True, eq=False)
+class _Scene:
+    """What there was to walk on, and what stood in the way."""
+
+    walkable: shapely.Geometry
+    things: list[tuple[str, Polygon]]
+    boundary: Polygon
+
+
+def _cut_off(scene: _Scene, start: Point, goal: Point, radius: float) -> str:
     between = f"from ({start[0]:g}, {start[1]:g}) to ({goal[0]:g}, {goal[1]:g})"
-    walkable = world.walkable_but(ignore)
-    fits, apart = 0.0, FreeSpace(walkable)
-    if not _together(apart, start, goal):
-        walls = _walls_between(world, apart, start, goal, ignore)
+    fits, apart = 0.0, FreeSpace(scene.walkable)
+    if not apart.together(start, goal):
+        walls = _walls_between(scene, apart, start, goal)
         return f"no way, however narrow, leads {between}: {walls} cuts it off"
     too_wide = radius
     for _ in range(_HALVINGS):
         middle = (fits + too_wide) / 2
-        narrower = FreeSpace(walkable.buffer(-middle, quad_segs=_QUARTER))
-        if _together(narrower, start, goal):
+        narrower = FreeSpace(scene.walkable.buffer(-middle, quad_segs=_QUARTER))
+        if narrower.together(start, goal):
             fits = middle
         else:
             too_wide, apart = middle, narrower
-    x, y = _gap(apart, start, goal)
-    (one, _), (other, _) = world.neighbours((x, y), ignore)[:2]
+    place = shapely.line_interpolate_point(_link(apart, start, goal), 0.5, normalized=True)
+    one, other = _nearest_two(scene, place)
     return (
         f"no way leads {between} for a radius of {radius:.3g} m: the widest one is"
-        f" {2 * fits:.2f} m wide between {one} and {other} at ({x:.2f}, {y:.2f}),"
+        f" {2 * fits:.2f} m wide between {one} and {other} at ({place.x:.2f}, {place.y:.2f}),"
         f" and {2 * radius:.2f} m are needed; a radius up to {fits:.2f} m would pass"
     )
 
 
-def _together(space: FreeSpace, start: Point, goal: Point) -> bool:
-    one, other = space.piece_of(start), space.piece_of(goal)
-    return one is not None and one == other
-
-
-def _gap(space: FreeSpace, start: Point, goal: Point) -> Point:
-    """The middle between the pieces of `space` that start and goal are in."""
-    link = _link(space, start, goal)
-    middle = shapely.get_coordinates(link).mean(axis=0)
-    return (float(middle[0]), float(middle[1]))
-
-
 def _link(space: FreeSpace, start: Point, goal: Point) -> shapely.Geometry:
+    """The shortest line between the pieces of `space` that start and goal are in."""
     ends = [
         shapely.Point(place) if (piece := space.piece_of(place)) is None else space.pieces[piece]
         for place in (start, goal)
@@ -82,13 +86,14 @@ def _link(space: FreeSpace, start: Point, goal: Point) -> shapely.Geometry:
     return shapely.shortest_line(*ends)
 
 
-def _walls_between(
-    world: CollisionWorld,
-    space: FreeSpace,
-    start: Point,
-    goal: Point,
-    ignore: Collection[str],
-) -> str:
+def _nearest_two(scene: _Scene, place: shapely.Point) -> tuple[str, str]:
+    gaps = [("the boundary", float(scene.boundary.exterior.distance(place)))]
+    gaps += [(name, float(shape.distance(place))) for name, shape in scene.things]
+    (one, _), (other, _) = sorted(gaps, key=lambda named: named[1])[:2]
+    return one, other
+
+
+def _walls_between(scene: _Scene, space: FreeSpace, start: Point, goal: Point) -> str:
     link = _link(space, start, goal)
-    crossed = [name for name, shape in world.things(ignore) if link.intersects(shape)]
+    crossed = [name for name, shape in scene.things if link.intersects(shape)]
     return " with ".join(crossed) or "the boundary"

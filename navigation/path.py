@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -35,16 +36,27 @@ class PlanningError(Exception):
 
     `reason` is "start_blocked" or "goal_blocked" if there is no room to stand there,
     "unreachable" if it is proved that no way leads from one to the other, and "not_found" if a
-    planner spent its budget of samples without finding one that may well exist.
+    planner spent its budget of samples without finding one that may well exist. `message` says
+    it in words, and by what; it is worked out when it is first read, from the world as it was.
     """
 
-    def __init__(self, reason: Reason, message: str) -> None:
-        super().__init__(reason, message)
+    def __init__(self, reason: Reason, message: str | Callable[[], str]) -> None:
+        super().__init__(reason)
         self.reason: Reason = reason
-        self.message = message
+        self._message = message
+
+    @property
+    def message(self) -> str:
+        """What is in the way, in a sentence."""
+        if not isinstance(self._message, str):
+            self._message = self._message()
+        return self._message
 
     def __str__(self) -> str:
         return self.message
+
+    def __reduce__(self) -> tuple[type[PlanningError], tuple[Reason, str]]:
+        return (type(self), (self.reason, self.message))
 
 
 @dataclass(frozen=True)

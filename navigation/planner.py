@@ -14,7 +14,7 @@ from floorplan import Point
 
 from .bodies import Body
 from .freespace import STEP
-from .obstruction import blocked_place, cut_off
+from .obstruction import blocked_place, explain_cut_off
 from .path import Path, PlannerInfo, PlanningError, Reason
 from .roadmap import HAIR, Roadmap
 from .world import CollisionWorld
@@ -106,23 +106,30 @@ class PathPlanner:
         way = sample_way(question, info, parameters, seed)
         if way is not None:
             return way
-        reason = cut_off(self.world, start, goal, self.radius + HAIR, self.ignore)
-        if reason:
-            raise PlanningError("unreachable", reason)
+        if not self._connected(start, goal):
+            raise self._unreachable(start, goal)
         message = f"{name} found no way within its budget; give it more iterations"
         raise PlanningError("not_found", message)
 
     def _shortest(self, start: Point, goal: Point) -> list[Point]:
         if self.world.segment_free(start, goal, self.radius + _SLACK, self.ignore):
             return [start, goal]
+        if not self.world.fixed_space(self.radius + HAIR).together(start, goal):
+            raise self._unreachable(start, goal)
         for step in (COARSE, STEP):
             way = self._around_bodies(self.roadmap(step), start, goal)
             if way is not None:
                 return way
-            reason = cut_off(self.world, start, goal, self.radius + HAIR, self.ignore)
-            if reason:
-                raise PlanningError("unreachable", reason)
+            if not self._connected(start, goal):
+                raise self._unreachable(start, goal)
         raise PlanningError("not_found", "no way was found, though there should be one")
+
+    def _connected(self, start: Point, goal: Point) -> bool:
+        return self.world.free_space(self.radius + HAIR, self.ignore).together(start, goal)
+
+    def _unreachable(self, start: Point, goal: Point) -> PlanningError:
+        explain = explain_cut_off(self.world, start, goal, self.radius, self.ignore)
+        return PlanningError("unreachable", explain)
 
     def _around_bodies(self, roadmap: Roadmap, start: Point, goal: Point) -> list[Point] | None:
         """The shortest way on `roadmap`; only bodies that stand in the way are looked at.
@@ -137,7 +144,7 @@ class PathPlanner:
             return any(body in met for body in self.world.hits(a, b, keep, self.ignore))
 
         while True:
-            way = roadmap.shortest(start, goal, met, hit)
+            way = roadmap.shortest(start, goal, met, hit, lambda: not self._connected(start, goal))
             if way is None:
                 return None
             fresh = [

@@ -31,6 +31,9 @@ HAIR = 1e-4
 MOST_DISTANCES = 800
 """The distances between all bends are worked out beforehand up to this many."""
 
+PATIENCE = 200
+"""After so many links a search asks whether there is a way at all."""
+
 _ROWS = 256
 """How many bends are compared with all the others at a time."""
 
@@ -71,13 +74,15 @@ class Roadmap:
         goal: Point,
         bodies: Sequence[Body],
         hit: Callable[[Point, Point], bool],
+        hopeless: Callable[[], bool],
     ) -> list[Point] | None:
         """The shortest way round the floor's obstacles and `bodies`, or None where there is none.
 
         `hit(a, b)` tells whether a straight link that is free of the floor's obstacles runs into
-        a body.
+        a body. `hopeless()` is asked once if the search takes long, and ends it if it is true.
         """
-        return _Search(self, start, goal, [self._around(body) for body in bodies], hit).run()
+        search = _Search(self, start, goal, [self._around(body) for body in bodies], hit)
+        return search.run(hopeless)
 
     def visible(self, a: Floats, b: Floats) -> NDArray[np.bool_]:
         """Whether the disc can go straight from a to b (N, 2) as far as the floor is concerned."""
@@ -236,14 +241,18 @@ class _Search:
         fixed: list[float] = roadmap.distances_to(goal, last).tolist()
         return fixed + loose
 
-    def run(self) -> list[Point] | None:
+    def run(self, hopeless: Callable[[], bool]) -> list[Point] | None:
         """The points of the shortest way, or None."""
         best = {self._start: 0.0}
         before: dict[int, int] = {}
         left = self._left
         queue: list[tuple[float, float, int, int]] = []
         self._expand(self._start, 0.0, best, queue)
+        taken = 0
         while queue:
+            taken += 1
+            if taken == PATIENCE and hopeless():
+                return None
             _, so_far, here, there = heapq.heappop(queue)
             if so_far >= best.get(there, math.inf):
                 continue

@@ -49,7 +49,7 @@ class CollisionWorld:
         """Collision queries answered so far."""
         self.changes = 0
         """How often a body came, moved or went."""
-        self._rooms: dict[float, shapely.Geometry] = {}
+        self._fixed_space: dict[float, FreeSpace] = {}
         self._free_space: dict[float, tuple[tuple[Body, ...], FreeSpace]] = {}
         for lane in plan.lanes:
             self.move_agv(lane.name, lane.start)
@@ -126,12 +126,16 @@ class CollisionWorld:
         known = self._free_space.get(radius)
         if known is not None and known[0] == there:
             return known[1]
-        room = self._rooms.get(radius)
-        if room is None:
-            room = self._rooms[radius] = shrunk(self.floor, radius)
-        fresh = FreeSpace(without(room, there, radius))
+        fresh = without(self.fixed_space(radius), there, radius)
         self._free_space[radius] = (there, fresh)
         return fresh
+
+    def fixed_space(self, radius: float) -> FreeSpace:
+        """Where it could be if there were no bodies. Worked out once for each radius."""
+        known = self._fixed_space.get(radius)
+        if known is None:
+            known = self._fixed_space[radius] = FreeSpace(shrunk(self.floor, radius))
+        return known
 
     # Queries
 
