@@ -425,6 +425,11 @@ class Agent:
             place = means.place
             what = f"{means.plan.plan.trigger}: {message}"
             return Problem(place.file, place.line, place.column, what)
+        for event in self.circumstance.all_events():
+            for plan in self.plans.candidates(event.sort, event.literal):
+                place = plan.plan.place
+                what = f"{plan.plan.trigger}: {message}"
+                return Problem(place.file, place.line, place.column, what)
         return Problem(self.program.source, 0, 0, message)
 
     def _cycle(self) -> None:

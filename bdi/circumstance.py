@@ -241,9 +241,8 @@ class Circumstance:
                 yield intention
 
     def _dropped(self, intention: Intention) -> None:
-        for wait in list(self.waits):
-            if wait.intention is intention:
-                wait.cancel()
+        if intention.wait is not None:
+            intention.wait.cancel()
         self.forget(intention)
         if self.waits:
             self._recheck()

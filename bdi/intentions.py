@@ -6,12 +6,13 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from .program import Place, Trigger
-from .terms import Literal
+from .terms import Literal, Term
 from .unify import Unifier, unify
 
 if TYPE_CHECKING:
     from .plans import LoadedPlan
     from .steps import Step
+    from .waiting import Wait
 
 
 class Event:
@@ -90,13 +91,23 @@ class Fork:
 class Intention:
     """A stack of means; the last one is at work. `atomic` counts the atomic plans in it."""
 
-    __slots__ = ("atomic", "fork", "fork_point", "is_suspended", "number", "reason", "stack")
+    __slots__ = (
+        "atomic",
+        "fork",
+        "fork_point",
+        "is_suspended",
+        "number",
+        "reason",
+        "stack",
+        "wait",
+    )
 
     def __init__(self, number: int) -> None:
         self.number = number
         self.stack: list[Means] = []
         self.is_suspended = False
-        self.reason: object = None
+        self.reason: Term | None = None
+        self.wait: Wait | None = None
         self.fork: Fork | None = None
         self.fork_point = 0
         self.atomic = 0

@@ -38,6 +38,7 @@ class Wait:
         self._elapsed = elapsed
         self._began = agent.clock
         self._over = False
+        intention.wait = self
         if trigger is not None or condition is not None:
             agent.circumstance.waits.append(self)
         self._alarm: Alarm | None = None
@@ -75,6 +76,7 @@ class Wait:
 
     def _forget(self) -> None:
         self._over = True
+        self.intention.wait = None
         if self._alarm is not None:
             self._alarm.cancel()
         waits = self._agent.circumstance.waits

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
+from ..steps import WAITING, Waiting
 from ..terms import Literal, Term, display, text
 from .call import Call, InternalAction
 
@@ -29,10 +30,10 @@ def my_name(call: Call, name: Term) -> object:
     return call.unify(name, Literal(call.agent.name))
 
 
-def stop(call: Call, *delay: Term) -> bool:
+def stop(call: Call, *delay: Term) -> Waiting:
     call.agent.note("log", f".stopMAS({','.join(map(text, delay))})", call.intention)
     call.agent.stop()
-    return True
+    return WAITING
 
 
 ACTIONS: Mapping[str, InternalAction] = MappingProxyType(
