@@ -67,7 +67,7 @@ def build_ros_map(document: Document) -> Floorplan:
     file = Path(document.file)
     free = _free_cells(read_image(file.parent / schema.image), schema)
     pieces = shapely.get_parts(trace(free, TOLERANCE))
-    if not len(pieces):
+    if not shapely.area(pieces).any():
         message = f"no cell of {schema.image} is free: there is no floor"
         raise FloorplanError(document.file, [Problem(message)])
     largest = pieces[int(np.argmax(shapely.area(pieces)))]
