@@ -15,7 +15,7 @@ from .internal_actions import Call, InternalAction, InternalActions
 from .loading import load, parse, parse_file, programs
 from .parser import parse_literal, parse_term
 from .program import Plan, Program
-from .society import Society
+from .society import Message, Society
 from .terms import Literal, Term, Var, text
 
 __all__ = [
@@ -28,6 +28,7 @@ __all__ = [
     "InternalAction",
     "InternalActions",
     "Literal",
+    "Message",
     "Pending",
     "Plan",
     "Problem",

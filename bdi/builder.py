@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import Any, TypeAlias
 
@@ -315,7 +316,10 @@ class Builder(Transformer_NonRecursive[Token, Any]):
             )
 
     def number(self, meta: Meta, token: Token) -> float:
-        return float(token)
+        value = float(token)
+        if math.isinf(value):
+            raise RefusedError(*_at(meta), f"the number {token} is too large")
+        return value
 
     def string(self, meta: Meta, token: Token) -> str:
         return token[1:-1].replace("\\n", "\n").replace('\\"', '"')

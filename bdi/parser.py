@@ -99,7 +99,9 @@ def read_clauses(source: str, file: str) -> tuple[list[Clause], list[Problem]]:
 
 def _parse_part(source: str, before: str = "") -> Any:
     """The clause that a part of one makes with `before` before it and a full stop after it."""
-    tokens = [*tokenize(before), *tokenize(source), Token("DOT", _END)]
+    first = tokenize(before)
+    previous = str(first[-1]) if first else ""
+    tokens = [*first, *tokenize(source, previous), Token("DOT", _END)]
     try:
         return _parse_clause(tokens, source)
     except (UnexpectedInput, VisitError, RecursionError) as error:

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TypeAlias
 
 from .terms import TRUE, Literal, Relation, Term, Var, is_ground, text
+from .transform import transformed
 
 
 @dataclass(frozen=True)
@@ -149,7 +150,7 @@ class Fork:
         sign = " |&| " if self.all_of else " ||| "
         return sign.join(
             str(branch[0])
-            if len(branch) == 1 and not isinstance(branch[0], Fork)
+            if len(branch) == 1 and not isinstance(branch[0], Fork | If | While | For)
             else f"({body_text(branch)})"
             for branch in self.branches
         )
@@ -212,6 +213,9 @@ class Goal:
     goal: Literal
     place: Place = field(default=NOWHERE, compare=False)
 
+    def __str__(self) -> str:
+        return f"!{self.goal}"
+
 
 @dataclass(frozen=True)
 class Belief:
@@ -219,6 +223,9 @@ class Belief:
 
     belief: Literal
     place: Place = field(default=NOWHERE, compare=False)
+
+    def __str__(self) -> str:
+        return str(self.belief)
 
 
 @dataclass(frozen=True)
@@ -232,12 +239,15 @@ class Program:
     folder: Path | None = None
 
     def __str__(self) -> str:
-        lines = [
-            *(str(b.belief) if isinstance(b, Belief) else str(b) for b in self.beliefs),
-            *(f"!{g.goal}" for g in self.goals),
-            *(str(plan) for plan in self.plans),
-        ]
-        return "".join(f"{line}.\n" for line in lines)
+        clauses = (*self.beliefs, *self.goals, *self.plans)
+        return "".join(f"{clause}.\n" for clause in transformed(clauses, _escaped))
+
+
+def _escaped(part: object) -> str | None:
+    """A string as it is written in a program; None for anything else."""
+    if not isinstance(part, str):
+        return None
+    return part.replace('"', '\\"').replace("\n", "\\n")
 
 
 # ---- plans, bodies and triggers as terms
@@ -296,4 +306,5 @@ class PlanTerm:
         return self
 
     def __str__(self) -> str:
-        return f"{{ {self.plan} }}"
+        has_more = self.plan.body or self.plan.context != TRUE
+        return f"{{ {self.plan} }}" if has_more else f"{{ {self.plan} <- true }}"

@@ -20,14 +20,16 @@ def grammar() -> Lark:
     return Lark(source, start="clause", parser="lalr", lexer="basic", propagate_positions=True)
 
 
-def tokenize(source: str) -> list[Token]:
-    """The tokens of a text; characters that belong to none become STRAY tokens."""
-    return list(_with_updates(list(grammar().lex(source))))
+def tokenize(source: str, previous: str = "") -> list[Token]:
+    """The tokens of a text; characters that belong to none become STRAY tokens.
+
+    `previous` is the token before the text, where it is not the beginning.
+    """
+    return list(_with_updates(list(grammar().lex(source)), previous))
 
 
-def _with_updates(tokens: list[Token]) -> Iterator[Token]:
+def _with_updates(tokens: list[Token], previous: str) -> Iterator[Token]:
     """Joins the signs that begin a trigger or a body formula to one UPDATE token."""
-    previous = ""
     in_label = False
     depth = 0
     position = 0

@@ -197,7 +197,7 @@ def suspended(call: Call, goal: Term, *reason: Term) -> object:
     for intention, why in waiting:
         u = dict(call.unifier)
         if intention.wants(wanted, u):
-            return unified(reason[0], why, u) if reason else u  # type: ignore[arg-type]
+            return unified(reason[0], why, u) if reason else u
     return False
 
 

@@ -132,7 +132,7 @@ def test_an_action_may_take_its_time():
         asked.append(str(action))
         return bdi.PENDING
 
-    source = "!a. !b. +!a <- walk(1); .print(a, on). +!b <- walk(2); .print(b, on). -!b <- .print(b, no)."
+    source = "!a. !b. +!a <- walk(1); .print(a,on). +!b <- walk(2). -!b <- .print(b,no)."
     agent, log = make(source, act=act)
     agent.advance(0.0)
     assert asked == ["walk(1)", "walk(2)"]
@@ -241,7 +241,7 @@ def test_waiting_cannot_be_in_a_context():
 
 
 def test_two_plans_with_one_label():
-    with pytest.raises(bdi.ProgramError, match="x.asl:2:.*@l"):
+    with pytest.raises(bdi.ProgramError, match=r"x\.asl:2:.*@l"):
         bdi.Agent(bdi.parse("@l +!a <- b.\n@l +!c <- d.", "x.asl"))
 
 
