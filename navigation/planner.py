@@ -90,6 +90,11 @@ class PathPlanner:
             known = self._roadmaps[step] = Roadmap(self.world.floor, self.radius, step)
         return known
 
+    def prepare(self) -> None:
+        """Work out now what the first question would have to wait for."""
+        self.world.fixed_space(self.radius + HAIR)
+        self.roadmap()
+
     def _sampled(
         self, start: Point, goal: Point, name: str, parameters: Mapping[str, object], seed: int
     ) -> list[Point]:

@@ -1,0 +1,174 @@
+"""Planners side by side: the same seeded questions to each, and how well they were answered."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from floorplan import Floorplan, Point
+
+from .path import Path, PlanningError
+from .planner import PathPlanner
+from .shortest import ShortestWays
+from .world import CollisionWorld
+
+PER_SCENE = 10
+"""So many questions are asked before the AGVs move on."""
+
+_MARGIN = 1e-3
+"""Metres. Starts and goals have this much more room than they need."""
+
+_MOST_DRAWS = 100_000
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A floor with its AGVs somewhere (lane positions in metres), and questions to ask there."""
+
+    plan: Floorplan
+    agvs: tuple[tuple[str, float], ...]
+    questions: tuple[tuple[Point, Point], ...]
+    shortest: tuple[float, ...]
+    """Metres, for each question; see `shortest.SHORTFALL` for how exact."""
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """One answer of one planner to one question."""
+
+    floorplan: str
+    planner: str
+    query: int
+    solved: bool
+    reason: str
+    cpu_seconds: float
+    checks: int
+    length: float
+    """Metres, as are the next two; NaN where there is no way."""
+    shortest: float
+    clearance: float
+    bends: int
+    smoothness: float
+    """Radians that the way turns by, in all."""
+
+    @property
+    def ratio(self) -> float:
+        """How many times as long as the shortest way."""
+        return self.length / self.shortest if self.shortest > 0 else 1.0
+
+
+def scenes(plan: Floorplan, *, queries: int, seed: int, radius: float) -> Iterator[Scene]:
+    """Seeded questions on `plan` that have an answer, with AGVs anywhere on their lanes.
+
+    `ValueError` if there is no room on the floor for two places.
+    """
+    rng = np.random.default_rng(seed)
+    world = CollisionWorld(plan)
+    ways: ShortestWays | None = None
+    for first in range(0, queries, PER_SCENE):
+        for lane in plan.lanes:
+            world.move_agv(lane.name, float(rng.uniform(*lane.limits)))
+        if ways is None or plan.lanes:
+            ways = ShortestWays(world.walkable, radius)
+        count = min(PER_SCENE, queries - first)
+        questions = tuple(_question(world, ways, rng, radius) for _ in range(count))
+        yield Scene(
+            plan,
+            tuple((lane.name, world.agv_position(lane.name)) for lane in plan.lanes),
+            questions,
+            tuple(ways.length(*question) for question in questions),
+        )
+
+
+def benchmark(
+    plans: Sequence[Floorplan],
+    planners: Sequence[str],
+    *,
+    queries: int = 50,
+    seed: int = 0,
+    radius: float | None = None,
+    progress: Callable[[str, str], None] | None = None,
+) -> list[Attempt]:
+    """Ask each of `planners` the same `queries` on each of `plans`, for a disc of `radius` metres.
+
+    The floor's own people give the radius where none is given. `progress` is called after each
+    answer, with the names of the floor and the planner. All but the CPU times is the same again
+    for the same seed.
+    """
+    attempts = []
+    for plan in plans:
+        keep = plan.human.radius if radius is None else radius
+        asked = list(scenes(plan, queries=queries, seed=seed, radius=keep))
+        world = CollisionWorld(plan)
+        planner = PathPlanner(world, keep)
+        planner.prepare()
+        for name in planners:
+            query = 0
+            for scene in asked:
+                for agv, at in scene.agvs:
+                    world.move_agv(agv, at)
+                for (start, goal), best in zip(scene.questions, scene.shortest, strict=True):
+                    attempts.append(_attempt(planner, name, query, start, goal, best, seed))
+                    query += 1
+                    if progress is not None:
+                        progress(plan.name, name)
+    return attempts
+
+
+def _question(
+    world: CollisionWorld, ways: ShortestWays, rng: np.random.Generator, radius: float
+) -> tuple[Point, Point]:
+    """Two places with room to stand and a way between them."""
+    low_x, low_y, high_x, high_y = world.plan.boundary.bounds
+    pieces = [piece for piece in shapely.get_parts(ways.room) if piece.area > 0]
+    found: list[tuple[Point, int]] = []
+    for _ in range(_MOST_DRAWS):
+        at = (float(rng.uniform(low_x, high_x)), float(rng.uniform(low_y, high_y)))
+        if not world.free(at, radius + _MARGIN):
+            continue
+        (within,) = np.nonzero(shapely.intersects_xy(pieces, *at))
+        for other, piece in found:
+            if piece in within:
+                return other, at
+        found += [(at, int(piece)) for piece in within]
+    name = world.plan.name
+    raise ValueError(f"{name} has no two places for a radius of {radius:g} m with a way between")
+
+
+def _attempt(
+    planner: PathPlanner, name: str, query: int, start: Point, goal: Point, best: float, seed: int
+) -> Attempt:
+    checks = planner.world.checks
+    begin = time.process_time()
+    path: Path | None = None
+    reason = ""
+    try:
+        path = planner.plan(start, goal, planner=name, seed=seed + query)
+    except PlanningError as why:
+        reason = why.reason
+    cpu = time.process_time() - begin
+    return Attempt(
+        floorplan=planner.world.plan.name,
+        planner=name,
+        query=query,
+        solved=path is not None,
+        reason=reason,
+        cpu_seconds=cpu,
+        checks=planner.world.checks - checks,
+        length=path.length if path else math.nan,
+        shortest=best,
+        clearance=path.clearance if path else math.nan,
+        bends=len(path.points) - 2 if path else 0,
+        smoothness=_turning(path) if path else math.nan,
+    )
+
+
+def _turning(path: Path) -> float:
+    """Radians that `path` turns by in all."""
+    heading = np.unwrap(np.arctan2(*np.diff(path.points, axis=0).T[::-1]))
+    return float(np.abs(np.diff(heading)).sum())

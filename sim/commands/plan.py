@@ -1,0 +1,141 @@
+"""`floorwalker plan`: the way from one place on a floor to another."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from navigation import CollisionWorld
+    from navigation import Path as Way
+
+
+def plan(
+    floorplan: Annotated[str, typer.Argument(help="A built-in name, or a file.")],
+    x0: Annotated[float, typer.Argument(help="The start, in metres.")],
+    y0: Annotated[float, typer.Argument()],
+    x1: Annotated[float, typer.Argument(help="The goal, in metres.")],
+    y1: Annotated[float, typer.Argument()],
+    planner: Annotated[
+        str | None, typer.Option(help="Its name; `floorwalker list` has them all.")
+    ] = None,
+    parameter: Annotated[
+        list[str] | None,
+        typer.Option(help="NAME=VALUE of one of the planner's parameters; again for more."),
+    ] = None,
+    radius: Annotated[
+        float | None, typer.Option(help="Of the person, in metres; the floor's own by default.")
+    ] = None,
+    agv: Annotated[
+        list[str] | None,
+        typer.Option(help="NAME=PLACE: an AGV's location or lane position; again for more."),
+    ] = None,
+    seed: Annotated[int, typer.Option(help="Of planners that draw samples.")] = 0,
+    json: Annotated[bool, typer.Option("--json", help="Print the way as JSON.")] = False,
+    plot: Annotated[
+        Path | None, typer.Option(help="Draw floor and way into this PNG, SVG or PDF.")
+    ] = None,
+) -> None:
+    """Plan a person's way from (X0, Y0) to (X1, Y1), in metres."""
+    import time
+
+    import floorplan as floors
+    import navigation
+
+    world = navigation.CollisionWorld(floors.load(floorplan))
+    for name, place in _pairs(agv or [], "--agv"):
+        _move(world, name, place)
+    asked = {"planner": planner} if planner else {}
+    parameters = {name: _value(text) for name, text in _pairs(parameter or [], "--parameter")}
+    seeker = navigation.PathPlanner(world, radius)
+    begin = time.process_time()
+    try:
+        way = seeker.plan((x0, y0), (x1, y1), **asked, parameters=parameters, seed=seed)
+    except navigation.PlanningError as why:
+        raise ValueError(str(why)) from None
+    cpu_seconds = time.process_time() - begin
+    if plot is not None:
+        _draw(world, way, plot)
+    typer.echo(_as_json(way, cpu_seconds) if json else _in_words(way, cpu_seconds))
+
+
+def _pairs(texts: list[str], option: str) -> list[tuple[str, str]]:
+    pairs = []
+    for text in texts:
+        name, equals, value = text.partition("=")
+        if not (name and equals and value):
+            raise typer.BadParameter(f"expected NAME=VALUE, found {text!r}", param_hint=option)
+        pairs.append((name, value))
+    return pairs
+
+
+def _move(world: CollisionWorld, name: str, place: str) -> None:
+    try:
+        world.move_agv(name, float(_value(place)) if _is_number(place) else place)
+    except KeyError as why:
+        raise ValueError(why.args[0]) from None
+
+
+def _is_number(text: str) -> bool:
+    return isinstance(_value(text), (int, float)) and not isinstance(_value(text), bool)
+
+
+def _value(text: str) -> float | int | bool | str:
+    """`text` as the number or yes/no that it spells, or as it is."""
+    if text.lower() in ("true", "false"):
+        return text.lower() == "true"
+    for kind in (int, float):
+        try:
+            return kind(text)
+        except ValueError:
+            continue
+    return text
+
+
+def _in_words(way: Way, cpu_seconds: float) -> str:
+    lines = [
+        f"{way.length:.3f} m by {way.planner}, {way.clearance:.3f} m clear,"
+        f" {way.checks} checks, {1000 * cpu_seconds:.1f} ms"
+    ]
+    lines += [f"  {x:9.3f} {y:9.3f}" for x, y in way.points]
+    return "\n".join(lines)
+
+
+def _as_json(way: Way, cpu_seconds: float) -> str:
+    import json
+
+    return json.dumps(
+        {
+            "points": way.points.tolist(),
+            "length": way.length,
+            "clearance": way.clearance,
+            "planner": way.planner,
+            "checks": way.checks,
+            "cpu_seconds": cpu_seconds,
+        }
+    )
+
+
+def _draw(world: CollisionWorld, way: Way, path: Path) -> None:
+    try:
+        from matplotlib.figure import Figure
+    except ImportError:
+        raise ValueError(
+            "matplotlib draws plots and is missing; pip install 'floorwalker[plot]'"
+        ) from None
+    figure = Figure(figsize=(9, 9), layout="constrained")
+    axes = figure.add_subplot(aspect="equal", xlabel="x (m)", ylabel="y (m)")
+    axes.plot(*world.plan.boundary.exterior.xy, color="black", linewidth=1)
+    moving = {body.name for body in world.bodies}
+    for name, shape in world.things():
+        axes.fill(*shape.exterior.xy, color="tab:orange" if name in moving else "0.7")
+    axes.plot(*way.points.T, color="tab:blue")
+    axes.plot(*way.points[0], "o", color="tab:blue")
+    axes.plot(*way.points[-1], "*", color="tab:blue", markersize=12)
+    axes.set_title(f"{world.plan.name}: {way.length:.2f} m by {way.planner}")
+    try:
+        figure.savefig(path)
+    except ValueError as why:
+        raise ValueError(f"{path}: {why}") from None
