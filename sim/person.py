@@ -22,8 +22,8 @@ from .walker import Place, Walker
 THINKING, ENFORCING = 3, 4
 """Priorities, among what happens at one instant, of thinking and of the referee's insistence."""
 
-MOST_THOUGHTS = 1000
-"""How often a person may think at one instant before the program counts as endless."""
+MOST_AT_ONCE = 1000
+"""How often a person may think or act at one instant before the program counts as endless."""
 
 GLANCE_AHEAD = 2.0
 """Seconds. `step_between` goes to where the gantry will be after this time."""
@@ -73,7 +73,7 @@ class Person:
         self._thinking = Alarm(clock, self._think, THINKING)
         self._enforcing = Alarm(clock, self._enforce, ENFORCING)
         self._reason = "gantry"
-        self._thoughts = (clock.now, 0)
+        self._instant = (clock.now, 0)
         self._actions: dict[str, Callable[..., bool]] = {
             "move": self._move,
             "stop_movement": self._stop_movement,
@@ -127,6 +127,7 @@ class Person:
 
     def act(self, action: bdi.Literal) -> bool:
         """Carry out an external action of the agent; whether it could be."""
+        self._count_at_once()
         perform = self._actions.get(action.functor)
         if perform is None:
             known = ", ".join(self._actions)
@@ -235,13 +236,17 @@ class Person:
     def _think(self) -> None:
         assert self._agent is not None
         now = self._clock.now
-        since, thoughts = self._thoughts
-        self._thoughts = (now, thoughts + 1 if since == now else 1)
-        if self._thoughts[1] > MOST_THOUGHTS:
-            raise MindError(f"{self.name} acts for ever at t = {now:g} s without letting time pass")
+        self._count_at_once()
         self._agent.advance(now)
         if self._thinking.time is None:
             self._thinking.set(self._agent.next_wakeup)
+
+    def _count_at_once(self) -> None:
+        now = self._clock.now
+        since, count = self._instant
+        self._instant = (now, count + 1 if since == now else 1)
+        if self._instant[1] > MOST_AT_ONCE:
+            raise MindError(f"{self.name} acts for ever at t = {now:g} s without letting time pass")
 
     def _enforce(self) -> None:
         if self._put_home_at != self._clock.now:

@@ -10,8 +10,7 @@ from navigation import FixedDistance, Law, Piece, Scaled, SeparationLaw
 
 from .outcome import Run
 from .recorder import rounded
-
-FORMAT = "floorwalker-replay/1"
+from .replay import FORMAT
 
 
 def replay_data(run: Run) -> dict[str, Any]:
@@ -43,6 +42,7 @@ def _floorplan(plan: Floorplan) -> dict[str, Any]:
         "name": plan.name,
         "title": plan.title,
         "boundary": plan.boundary.exterior.coords[:-1],
+        "holes": [ring.coords[:-1] for ring in plan.boundary.interiors],
         "obstacles": [_obstacle(obstacle) for obstacle in plan.obstacles],
         "stations": [{"name": s.name, "at": s.position} for s in plan.stations],
         "safe_zone": {"at": zone.position, "heading": zone.heading} if zone else None,

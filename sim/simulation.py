@@ -24,6 +24,9 @@ from .summary import summarise
 from .trial import PersonEntry, Trial
 from .walker import Place, Walker
 
+MOST_CYCLES = 200_000
+"""How many reasoning cycles a person may take at one instant; a handful is usual."""
+
 
 class Simulation:
     """One trial, run step by step.
@@ -140,6 +143,7 @@ class Simulation:
             seed=trial.seed,
             print=lambda text: self._record("said", person=entry.name, text=text),
             on_event=lambda entry: self._heed(person, entry),
+            max_cycles=MOST_CYCLES,
         )
         person.think_with(agent)
         if entry.start.time is not None:

@@ -1,0 +1,211 @@
+"""People: when they start, what their programs can do, and what happens in their way."""
+
+import math
+
+import numpy as np
+import pytest
+
+import bdi
+import sim
+
+ALONE = "floorplan: ariac2023\nduration: {duration}\ngantry: {{at: [0.4, 7.0, 0.0]}}\n"
+
+
+def run(text, folder=".", duration=60):
+    trial = sim.Trial.parse(ALONE.format(duration=duration) + text, folder=folder)
+    return sim.run(trial)
+
+
+def events(finished, *kinds):
+    return [event for event in finished.events if event["kind"] in kinds]
+
+
+@pytest.fixture
+def program(tmp_path):
+    """Runs one person with a program, alone on the floor or with more lines of a trial."""
+
+    def go(text, more="", duration=60, at="[-15, -10]"):
+        (tmp_path / "mine.asl").write_text(text)
+        person = f"people: [{{name: a, personality: mine.asl, at: {at}}}]\n"
+        return run(person + more, tmp_path, duration)
+
+    return go
+
+
+def test_a_person_starts_at_a_time():
+    finished = run("people: [{name: a, start: {time: 12.5}}]")
+    assert [event["t"] for event in events(finished, "human_started")] == [12.5]
+    assert finished.motions["a"].state(12.4).speed == 0
+    assert finished.motions["a"].state(14.0).speed > 0
+    assert finished.summary["people"]["a"]["started"] == 12.5
+
+
+JOBS = """
+people: [{{name: a, start: {start}}}]
+gantry:
+  controller: oblivious
+  at: [-2.0, 4.0, 0.0]
+  jobs: [{{pick: bin1, place: agv1, part: red pump}}, {{wait: 2.0}}, {{submit: A1}}]
+"""
+
+
+@pytest.mark.parametrize(
+    ("start", "kind"),
+    [
+        ("{part_placed: {part: red pump, agv: agv1}}", "job_done"),
+        ("{part_placed: {agv: agv1}}", "job_done"),
+        ("{part_placed: {part: blue pump}}", None),
+        ("{order_submitted: A1}", "order_submitted"),
+        ("{order_submitted: A2}", None),
+    ],
+)
+def test_a_person_starts_when_something_happens(start, kind):
+    text = "floorplan: ariac2023\nduration: 30\n" + JOBS.format(start=start)
+    finished = sim.run(sim.Trial.parse(text))
+    started = [event["t"] for event in events(finished, "human_started")]
+    assert started == ([events(finished, kind)[0]["t"]] if kind else [])
+
+
+def test_several_people_walk_at_once_each_with_a_mind_of_their_own():
+    finished = run(
+        "people: [{name: a, personality: helpful}, {name: b, start: {time: 3}},"
+        " {name: c, max_speed: 0.5, at: [-5, 0]}]"
+    )
+    assert {event["person"] for event in events(finished, "arrived")} == {"a", "b", "c"}
+    speeds = {name: finished.sample(100)[name][:, 3:] for name in "abc"}
+    tops = {name: np.hypot(*velocity.T).max() for name, velocity in speeds.items()}
+    assert tops == pytest.approx({"a": 1.0, "b": 1.0, "c": 0.5})
+    assert finished.summary["people"]["a"]["visits"][:2] == ["station4", "station2"]
+
+
+def test_the_same_person_behaves_the_same_beside_others():
+    alone = run("people: [{name: a}]")
+    beside = run("people: [{name: b, start: {time: 1}}, {name: a}]")
+    ts = np.linspace(0, 60, 600)
+    assert np.array_equal(alone.motions["a"].position(ts), beside.motions["a"].position(ts))
+
+
+def test_an_agv_that_parks_in_the_way_makes_a_walker_replan(program):
+    """The walk along y = 4.8 is free when it begins; agv1 then parks on it, far ahead."""
+    finished = program(
+        "!go. +!go <- walk_speed(0.3); move(-4, 4.8, 0).",
+        "agvs: {agv1: [{time: 1.0, to: assembly_front}]}",
+        at="[-14.5, 4.8]",
+    )
+    (blocked,) = events(finished, "path_blocked")
+    (replanned,) = events(finished, "replanned")
+    stopped = events(finished, "agv_moved")[0]["arrives"]
+    assert blocked["t"] == replanned["t"] == pytest.approx(stopped)
+    assert finished.summary["people"]["a"]["replans"] == 1
+    assert events(finished, "arrived")[0]["at"] == [-4.0, 4.8]
+    ts = np.linspace(stopped, 60, 5000)
+    agv = finished.trial.floorplan.lane("agv1").footprint(5.6)
+    import shapely
+
+    points = shapely.points(finished.motions["a"].position(ts))
+    assert shapely.distance(points, agv).min() >= 0.3 - 1e-9
+
+
+def test_a_goal_in_a_table_is_told_and_the_action_fails(program):
+    finished = program(
+        """
+        !go.
+        +!go <- move(-7.7, 3.0, 0); .print("not reached").
+        -!go <- .print("no way").
+        +goal_blocked(N) <- .print("told ", N).
+        """
+    )
+    assert sorted(event["text"] for event in events(finished, "said")) == ["no way", "told 0"]
+    (blocked,) = events(finished, "path_blocked")
+    assert "assembly_table1" in blocked["message"]
+    assert finished.summary["people"]["a"]["distance_walked"] == 0
+
+
+def test_stopping_turning_and_walking_slowly(program):
+    finished = program(
+        """
+        !go.
+        +!go <- walk_speed(0.5); move(-10.8, -3.75, 0); .wait(4000); stop_movement;
+                .wait(2000); face_gantry; .wait(1000); move_away(2).
+        """
+    )
+    motion = finished.motions["a"]
+    assert motion.state(3.0).speed == pytest.approx(0.5)
+    assert motion.state(4.0 + 0.5 / 2.5 + 1e-3).speed == 0
+    x, y = motion.state(6.5).at
+    looking = math.atan2(7.0 - y, 0.4 - x)
+    assert motion.rotation(6.5) == pytest.approx(looking)
+    gap = math.dist(motion.state(60).at, motion.state(6.5).at)
+    assert gap == pytest.approx(2.0, abs=1e-6)
+    assert math.dist(motion.state(60).at, (0.4, 7.0)) > math.dist((x, y), (0.4, 7.0))
+
+
+def test_somebody_who_is_there_already_says_so_after_a_moment(program):
+    finished = program("!go. +!go <- move(-15, -10, 0). +work_completed(N) <- .print(N).")
+    assert [event["t"] for event in events(finished, "said")] == [pytest.approx(0.1)]
+
+
+def test_turning_at_speed_never_breaks_the_limits(program):
+    """A new goal behind somebody who walks: they brake first, then walk back."""
+    finished = program("!go. +!go <- move(-10.8, -3.75, 0); .wait(3000); move(-15, -10, 0).")
+    ts = np.linspace(0, 20, 20_001)
+    velocity = finished.motions["a"].velocity(ts)
+    change = np.hypot(*np.diff(velocity, axis=0).T) / np.diff(ts)
+    assert change.max() <= 2.5 * (1 + 1e-3)
+    assert finished.motions["a"].position(30.0) == pytest.approx((-15, -10))
+
+
+@pytest.mark.parametrize("name", bdi.programs())
+def test_every_personality_lives_through_a_trial_with_a_busy_gantry(name):
+    finished = sim.run(
+        sim.Trial.parse(
+            f"""
+floorplan: ariac2023
+people: [{{name: a, personality: {name}}}]
+gantry:
+  controller: oblivious
+  repeat: true
+  jobs: [{{pick: bin1, place: agv2}}, {{move: [-9.0, 2.0, 0.0]}}, {{pick: bin8, place: agv4}}]
+agvs: {{agv2: [{{time: 60.0, to: as1}}, {{time: 120.0, to: kitting}}]}}
+"""
+        )
+    )
+    assert finished.duration == 275.0
+    assert finished.summary["people"]["a"]["distance_walked"] > 20
+    assert events(finished, "warning") == []
+    assert events(finished, "gantry_detected")
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("!go. +!go <- jump(3).", "there is no action 'jump'"),
+        ("!go. +!go <- move(1).", r"should be move\(x, y, z\)"),
+        ("!go. +!go <- move(here, there).", r"should be move\(x, y, z\)"),
+        ("!go. +!go <- !go.", "mine.asl"),
+    ],
+)
+def test_programs_that_ask_for_what_nobody_can_do(program, text, message):
+    with pytest.raises((sim.MindError, bdi.ProgramError), match=message):
+        program(text)
+
+
+def test_a_program_that_acts_for_ever_at_one_instant_is_stopped(program):
+    """Being told of a blocked way at once, and asking for the same way at once."""
+    with pytest.raises((sim.MindError, bdi.ProgramError), match="without letting time pass"):
+        program("!go. +!go <- move(-7.7, 3, 0). +goal_blocked(_) <- move(-7.7, 3, 0).")
+
+
+def test_the_rules_of_the_competition():
+    trial = sim.Trial.load("scene_indifferent")
+    import dataclasses
+
+    finished = sim.run(dataclasses.replace(trial, rules=sim.ARIAC2023))
+    noticed = events(finished, "gantry_detected")
+    assert noticed[0]["noticing_distance"] == 5.0
+    gaps = np.diff([event["t"] for event in noticed])
+    assert gaps.min() >= 20.0 - 1e-9
+    violation = events(finished, "violation")[0]
+    assert events(finished, "gantry_enabled")[0]["t"] == pytest.approx(violation["t"] + 15.0)
+    after = [event for event in events(finished, "goal") if event["t"] > violation["t"] + 1e-6]
+    assert after[0]["t"] == pytest.approx(violation["t"] + 10.0)
