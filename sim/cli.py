@@ -9,8 +9,10 @@ from typing import Annotated
 import typer
 
 from .commands.agent import agent
+from .commands.benchmark import benchmark
 from .commands.check import check
 from .commands.list import list_all
+from .commands.plan import plan
 from .commands.run import run
 
 app = typer.Typer(
@@ -41,8 +43,10 @@ def _floorwalker(
 
 
 app.command()(run)
+app.command(context_settings={"ignore_unknown_options": True})(plan)
 app.command()(check)
 app.command()(agent)
+app.command()(benchmark)
 app.command(name="list")(list_all)
 
 
