@@ -32,7 +32,7 @@ from .plans import PlanLibrary
 from .program import Belief, Program, Rule
 from .run_functions import with_run_functions
 from .steps import Waiting, with_source
-from .terms import TRUE, Literal, text
+from .terms import TRUE, Literal
 from .unify import Names, Unifier, rename, substitute, substitute_literal
 
 if TYPE_CHECKING:
@@ -486,7 +486,7 @@ class Agent:
     def _perform(self, pending: PendingAction) -> None:
         self._requested = None
         self.circumstance.expect(pending)
-        self.note("action", text(pending.action), pending.intention)
+        self.note("action", pending.action, pending.intention)
         outcome = True if self._act is None else self._act(pending.action)
         if not isinstance(outcome, Pending):
             self.circumstance.feedback.append((pending, bool(outcome)))

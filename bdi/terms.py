@@ -79,24 +79,30 @@ class Literal:
         self.negated = negated
         #: What beliefs and plans are filed under: functor, arity, strong negation.
         self.key = (functor, len(args), negated)
-        self.ground = all(map(is_ground, args)) and all(map(is_ground, annots))
+        self.ground = _all_ground(args) and _all_ground(annots)
         self._hash: int | None = None
 
     def with_args(self, args: tuple[Term, ...]) -> Literal:
-        """This literal with as many other arguments; its annotations are ground."""
+        """This literal, whose annotations are ground, with as many other arguments."""
+        return self._with(args, self.annots, _all_ground(args))
+
+    def with_annots(self, annots: tuple[Term, ...]) -> Literal:
+        """This literal with these annotations, which are sorted and without doubles."""
+        ground = _all_ground(annots) and (self.ground or _all_ground(self.args))
+        return self._with(self.args, annots, ground)
+
+    def without_annots(self) -> Literal:
+        return self.with_annots(()) if self.annots else self
+
+    def _with(self, args: tuple[Term, ...], annots: tuple[Term, ...], ground: bool) -> Literal:
         other = Literal.__new__(Literal)
         other.functor = self.functor
         other.args = args
-        other.annots = self.annots
+        other.annots = annots
         other.negated = self.negated
         other.key = self.key
+        other.ground = ground
         other._hash = None
-        for arg in args:
-            cls = arg.__class__
-            if cls is not float and cls is not str and not arg.ground:  # type: ignore[union-attr]
-                other.ground = False
-                return other
-        other.ground = True
         return other
 
     @property
@@ -106,12 +112,6 @@ class Literal:
     @property
     def is_internal_action(self) -> bool:
         return "." in self.functor and self.functor[0] != "'"
-
-    def without_annots(self) -> Literal:
-        return Literal(self.functor, self.args, (), self.negated) if self.annots else self
-
-    def with_annots(self, annots: tuple[Term, ...]) -> Literal:
-        return Literal(self.functor, self.args, annots, self.negated)
 
     def __str__(self) -> str:
         parts = ["~" if self.negated else "", self.functor]
@@ -353,6 +353,13 @@ List: TypeAlias = "Nil | Cons"
 def is_ground(term: Term) -> bool:
     """Whether substitution leaves the term as it is."""
     return isinstance(term, float | str) or term.ground
+
+
+def _all_ground(terms: tuple[Term, ...]) -> bool:
+    for term in terms:
+        if term.__class__ is not float and term.__class__ is not str and not term.ground:  # type: ignore[union-attr]
+            return False
+    return True
 
 
 TRUE = Literal("true")

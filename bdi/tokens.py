@@ -25,7 +25,9 @@ def tokenize(source: str, previous: str = "") -> list[Token]:
 
     `previous` is the token before the text, where it is not the beginning.
     """
-    return list(_with_updates(list(grammar().lex(source)), previous))
+    reading = grammar().parse_interactive(source)
+    tokens = reading.lexer_thread.lex(reading.parser_state)  # type: ignore[no-untyped-call]
+    return list(_with_updates(list(tokens), previous))
 
 
 def _with_updates(tokens: list[Token], previous: str) -> Iterator[Token]:

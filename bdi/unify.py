@@ -310,6 +310,8 @@ def matched(pattern: Literal, belief: Literal, u: Unifier) -> Unifier | None:
             if mine != theirs:
                 return None
             continue
+        if mine.__class__ is Literal and theirs.__class__ is Literal and mine.key != theirs.key:
+            return None
         if result is u:
             result = dict(u)
         if not unify(mine, theirs, result):

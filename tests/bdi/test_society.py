@@ -60,7 +60,7 @@ def test_taking_back_a_goal():
 
 
 def test_a_question_may_find_no_answer_in_time():
-    society, agents, log = make(
+    _, agents, log = make(
         {"ann": "!go. +!go <- .send(bob,askOne,x(_),A,50); .print(A).", "bob": "a."}
     )
     agents["ann"].advance(0.0)
