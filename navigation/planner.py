@@ -23,7 +23,7 @@ ROADMAP = "Roadmap"
 """The name of the default planner."""
 
 COARSE = math.radians(15.0)
-"""Radians. The bends of the network that is asked first."""
+"""Radians. The bends of ways where nothing else is said."""
 
 TOO_CLOSE = 1e-3
 """Metres. How much too close to something a person may stand who sets out all the same."""
@@ -36,17 +36,26 @@ class PathPlanner:
     """Finds ways through a `CollisionWorld` for a disc of `radius` metres.
 
     The world is read as it is when a way is asked for. `ignore` names bodies in it that don't
-    count: the person for whom the planner plans, above all.
+    count: the person for whom the planner plans, above all. Ways go round corners in bends of
+    `step` radians at most: smaller ones hug them closer, and are more.
     """
 
     def __init__(
-        self, world: CollisionWorld, radius: float | None = None, ignore: Collection[str] = ()
+        self,
+        world: CollisionWorld,
+        radius: float | None = None,
+        ignore: Collection[str] = (),
+        *,
+        step: float = COARSE,
     ) -> None:
         self.world = world
         self.radius = world.plan.human.radius if radius is None else float(radius)
         if not 0 < self.radius < math.inf:
             raise ValueError(f"a radius must be positive and finite, found {self.radius:g}")
+        if not STEP <= step <= math.pi / 2:
+            raise ValueError(f"bends must be from {STEP:.3g} to 1.57 radians, found {step:g}")
         self.ignore = frozenset(ignore)
+        self.step = step
         self._roadmaps: dict[float, Roadmap] = {}
 
     def plan(
@@ -83,8 +92,9 @@ class PathPlanner:
         clearance = self.world.clearance(points, self.ignore)
         return Path(points, clearance, planner, self.world.checks - before)
 
-    def roadmap(self, step: float = COARSE) -> Roadmap:
+    def roadmap(self, step: float | None = None) -> Roadmap:
         """The network of ways between the fixed things, worked out when it is first needed."""
+        step = self.step if step is None else step
         known = self._roadmaps.get(step)
         if known is None:
             known = self._roadmaps[step] = Roadmap(self.world.floor, self.radius, step)
@@ -121,7 +131,7 @@ class PathPlanner:
             return [start, goal]
         if not self.world.fixed_space(self.radius + HAIR).together(start, goal):
             raise self._unreachable(start, goal)
-        for step in (COARSE, STEP):
+        for step in (self.step, STEP):
             way = self._around_bodies(self.roadmap(step), start, goal)
             if way is not None:
                 return way

@@ -1,0 +1,131 @@
+"""Ways for an overhead gantry: straight where it can, round walls and people where it must."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from floorplan import Floorplan, Gantry
+
+from .bodies import Disc
+from .planner import ROADMAP, PathPlanner
+from .roadmap import HAIR
+from .world import CollisionWorld
+
+Pose = tuple[float, float, float]
+"""x, y in metres, rotation in radians."""
+
+BEND = math.radians(30.0)
+"""Radians. A gantry's ways bend by this much at most at a time: it stops at every bend."""
+
+_LEAST = 1e-3
+"""Metres. The radius of the smallest thing that is kept out of."""
+
+
+@dataclass(frozen=True, eq=False)
+class GantryPath:
+    """A polyline for the gantry's axis. The rotation goes along in step with the way."""
+
+    points: NDArray[np.float64]
+    """(N, 3): x, y in metres and the rotation in radians; the start first, the goal last."""
+    planner: str
+    checks: int
+
+    @property
+    def length(self) -> float:
+        """Metres on the floor plane."""
+        return float(np.hypot(*np.diff(self.points[:, :2], axis=0).T).sum())
+
+
+class GantryPlanner:
+    """Finds ways for the gantry of a floorplan, with its arm folded.
+
+    Torso and folded arm together are taken as a disc about the axis, so the rotation is free
+    everywhere: its radius is the arm's reach or, if that is more, half the torso's diagonal, and it
+    begins at the lower of the two bottoms. What is not as tall is passed over. `agvs` gives AGVs
+    that count as obstacles, by name, and where they stand (a location or a lane position, metres);
+    by default none does, since the gantry works above them.
+
+    `ValueError` if the floorplan has no gantry.
+    """
+
+    def __init__(self, plan: Floorplan, *, agvs: Mapping[str, float | str] | None = None) -> None:
+        if plan.gantry is None:
+            raise ValueError(f"{plan.name} has no gantry")
+        self.gantry = plan.gantry
+        self.radius = _radius(plan.gantry)
+        counted = dict(agvs or {})
+        self._world = CollisionWorld(
+            replace(
+                plan,
+                boundary=self._range(),
+                lanes=tuple(lane for lane in plan.lanes if lane.name in counted),
+            ),
+            bottom=min(plan.gantry.torso[2], plan.gantry.arm_bottom),
+            top=plan.gantry.torso[3],
+        )
+        for name, at in counted.items():
+            self._world.move_agv(name, at)
+        self._planner = PathPlanner(self._world, self.radius, step=BEND)
+
+    def plan(
+        self,
+        start: Pose,
+        goal: Pose,
+        *,
+        keep_out: Sequence[tuple[float, float, float]] = (),
+        planner: str = ROADMAP,
+        parameters: Mapping[str, object] | None = None,
+        seed: int = 0,
+    ) -> GantryPath:
+        """A way of the axis from `start` to `goal` (x, y in metres, rotation in radians).
+
+        It keeps the arm's reach from what is tall, and the axis out of the discs `keep_out`
+        (x, y, radius in metres), or out of the arm's reach of their centres where that is more.
+        Of a disc that it stands in at the start it comes no nearer to the centre.
+        `PlanningError` says why there is no way; `ValueError` if a pose is beyond an axis's range.
+        """
+        for pose, end in ((start, "start"), (goal, "goal")):
+            self._check_range(pose, end)
+        names = [f"keep out {k}" for k in range(len(keep_out))]
+        try:
+            for name, (x, y, radius) in zip(names, keep_out, strict=True):
+                away = math.dist((x, y), start[:2]) - 2 * HAIR
+                solid = max(min(radius, away) - self.radius, _LEAST)
+                self._world.place(name, Disc((x, y), solid))
+            path = self._planner.plan(
+                start[:2], goal[:2], planner=planner, parameters=parameters, seed=seed
+            )
+        finally:
+            for name in names:
+                if any(body.name == name for body in self._world.bodies):
+                    self._world.remove(name)
+        so_far = np.append(0.0, np.cumsum(np.hypot(*np.diff(path.points, axis=0).T)))
+        share = so_far / so_far[-1] if so_far[-1] > 0 else np.array([0.0, 1.0])
+        turned = start[2] + share * (goal[2] - start[2])
+        return GantryPath(np.column_stack([path.points, turned]), path.planner, path.checks)
+
+    def _range(self) -> shapely.Polygon:
+        """All that the envelope can cover: the axes' ranges, and the radius around them."""
+        x, y = self.gantry.x, self.gantry.y
+        room = self.radius + 2 * HAIR
+        return shapely.box(x.low - room, y.low - room, x.high + room, y.high + room)
+
+    def _check_range(self, pose: Pose, end: str) -> None:
+        if len(pose) != 3:
+            raise ValueError(f"the {end} must be x, y and a rotation, found {pose!r}")
+        for name, axis, at in zip(("x", "y", "rotation"), self.gantry.axes, pose, strict=True):
+            if not axis.low - HAIR <= at <= axis.high + HAIR:
+                raise ValueError(
+                    f"the {end}'s {name} = {at:g} is outside the gantry's range"
+                    f" {axis.low:g} … {axis.high:g}"
+                )
+
+
+def _radius(gantry: Gantry) -> float:
+    return max(gantry.arm_reach, math.hypot(gantry.torso[0], gantry.torso[1]) / 2)
