@@ -136,7 +136,7 @@ class Simulation:
             synchronise=self._synchronise,
         )
         agent = bdi.Agent(
-            bdi.load(find_program(entry.personality, trial.folder)),
+            entry.program or bdi.load(find_program(entry.personality, trial.folder)),
             beliefs=first_beliefs(entry, plan, trial.rules),
             act=person.act,
             name=entry.name,

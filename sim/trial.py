@@ -31,7 +31,11 @@ class Start:
 
 @dataclass(frozen=True)
 class PersonEntry:
-    """One person of a trial. Figures that are None are the floorplan's."""
+    """One person of a trial. Figures that are None are the floorplan's.
+
+    `personality` is a built-in name or an .asl file; `program` is what was read from it, or None
+    to read it when the trial is run.
+    """
 
     name: str
     personality: str = "indifferent"
@@ -41,6 +45,7 @@ class PersonEntry:
     radius: float | None = None
     max_speed: float | None = None
     max_acceleration: float | None = None
+    program: bdi.Program | None = field(default=None, compare=False, repr=False)
 
 
 @dataclass(frozen=True)
@@ -118,6 +123,8 @@ class Trial:
         """
         from .minds import find_program
 
-        bdi.load(find_program(personality, self.folder))
-        people = tuple(replace(person, personality=personality) for person in self.people)
+        program = bdi.load(find_program(personality, self.folder))
+        people = tuple(
+            replace(person, personality=personality, program=program) for person in self.people
+        )
         return replace(self, people=people)

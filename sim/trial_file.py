@@ -130,7 +130,7 @@ def _build(document: Document, folder: Path) -> Trial:
         duration=schema.duration,
         seed=schema.seed,
         rules=RULE_SETS.get(schema.rules, PAPER),
-        people=tuple(_person(entry) for entry in schema.people),
+        people=tuple(_person(entry, folder) for entry in schema.people),
         gantry=GantryEntry(
             schema.gantry.controller,
             schema.gantry.at,
@@ -163,8 +163,12 @@ def _floorplan(name: str, folder: Path, document: Document) -> Floorplan:
     return floorplan.load(path)
 
 
-def _person(entry: _Person) -> PersonEntry:
+def _person(entry: _Person, folder: Path) -> PersonEntry:
     placed = entry.start.part_placed
+    try:
+        program = bdi.load(find_program(entry.personality, folder))
+    except FileNotFoundError:
+        program = None  # told below, together with everything else
     return PersonEntry(
         name=entry.name,
         personality=entry.personality,
@@ -178,6 +182,7 @@ def _person(entry: _Person) -> PersonEntry:
         radius=entry.radius,
         max_speed=entry.max_speed,
         max_acceleration=entry.max_acceleration,
+        program=program,
     )
 
 
@@ -217,7 +222,7 @@ def _person_problems(
     person: PersonEntry, trial: Trial, document: Document, k: int
 ) -> Iterator[Problem]:
     try:
-        bdi.load(find_program(person.personality, trial.folder))
+        find_program(person.personality, trial.folder)
     except FileNotFoundError as why:
         yield document.problem(str(why), "people", k, "personality")
     plan = trial.floorplan
