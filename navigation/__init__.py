@@ -1,6 +1,7 @@
 """How bodies move: collision, paths, motions in continuous time, and separation."""
 
 from .bodies import Disc
+from .gantry_planner import GantryPath, GantryPlanner
 from .machines import (
     ARIAC_GANTRY,
     GantryLimits,
@@ -48,6 +49,8 @@ __all__ = [
     "Disc",
     "FixedDistance",
     "GantryLimits",
+    "GantryPath",
+    "GantryPlanner",
     "Law",
     "Motion",
     "Moving",

@@ -8,6 +8,7 @@ always a little less than the true room, never more.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -38,6 +39,10 @@ class Corners:
     begin: Floats
     turn: Floats
 
+    def take(self, keep: NDArray[np.bool_]) -> Corners:
+        """Those of the corners that are marked in `keep` (K,)."""
+        return Corners(self.centre[keep], self.radius[keep], self.begin[keep], self.turn[keep])
+
 
 @dataclass(frozen=True)
 class Bends:
@@ -45,20 +50,38 @@ class Bends:
 
     `point` (N, 2) metres; `before` and `after` (N, 2) are the unit directions of the way that
     goes round the corner clockwise, on either side of the bend; `reach` (N,) is how far from the
-    bend (metres) that way touches the arc.
+    bend (metres) that way touches the arc; `corner` (N,) is the index of the corner.
     """
 
     point: Floats
     before: Floats
     after: Floats
     reach: Floats
+    corner: NDArray[np.intp]
 
     def __len__(self) -> int:
         return len(self.point)
 
     def take(self, keep: NDArray[np.bool_]) -> Bends:
         """Those of the bends that are marked in `keep` (N,)."""
-        return Bends(self.point[keep], self.before[keep], self.after[keep], self.reach[keep])
+        return Bends(
+            self.point[keep],
+            self.before[keep],
+            self.after[keep],
+            self.reach[keep],
+            self.corner[keep],
+        )
+
+    @staticmethod
+    def join(parts: Sequence[Bends]) -> Bends:
+        """All the bends of several parts; corners keep the numbers they have in their part."""
+        return Bends(
+            np.concatenate([part.point for part in parts]),
+            np.concatenate([part.before for part in parts]),
+            np.concatenate([part.after for part in parts]),
+            np.concatenate([part.reach for part in parts]),
+            np.concatenate([part.corner for part in parts]),
+        )
 
     def graze(self, along: Floats) -> NDArray[np.bool_]:
         """Whether straight ways along `along` (…, N, 2; metres) only graze the corner at the bend.
@@ -113,7 +136,8 @@ def bends(around: Corners, radius: float, step: float) -> Bends:
     middle = around.begin[of] - (place + 0.5) * share
     point = around.centre[of] + out[:, None] * _unit(middle)
     reach = out * np.sin(share / 2)
-    return Bends(point, _clockwise(middle + share / 2), _clockwise(middle - share / 2), reach)
+    before, after = _clockwise(middle + share / 2), _clockwise(middle - share / 2)
+    return Bends(point, before, after, reach, of)
 
 
 def grown(edges: list[Floats], radius: float, step: float) -> shapely.Geometry:

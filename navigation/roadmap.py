@@ -23,7 +23,8 @@ from numpy.typing import NDArray
 from floorplan import Point
 
 from .bodies import Body
-from .corners import Bends, Floats, bends, corners, edges_of_room
+from .corners import Bends, Corners, Floats, bends, corners, edges_of_room
+from .freespace import STEP
 
 HAIR = 1e-4
 """Metres. How much more than its radius a disc keeps from everything where a way bends."""
@@ -63,7 +64,7 @@ class Roadmap:
         self._edges = floor.boundary
         shapely.prepare(self._floor)
         shapely.prepare(self._edges)
-        self.bends = self._standing(bends(corners(edges_of_room(floor)), radius + HAIR, step))
+        self.bends = self._standing_bends(corners(edges_of_room(floor)))
         self.links = self._network()
         self._between = _all_distances(self.links) if len(self.bends) <= MOST_DISTANCES else None
         self._bodies: dict[str, BodyBends] = {}
@@ -116,11 +117,24 @@ class Roadmap:
         nearest: Floats = (self._between[:, to] + np.array(far)).min(axis=1)
         return nearest
 
-    def _standing(self, places: Bends) -> Bends:
-        """Those bends that are clear of the floor's edges."""
+    def _standing_bends(self, around: Corners) -> Bends:
+        """The bends around corners that are clear of the floor's edges.
+
+        Where some are not, a corner is close to another thing, and is drawn more finely: wide
+        bends would close a narrow gap.
+        """
+        wide = bends(around, self.radius + HAIR, self.step)
+        clear = self._standing(wide)
+        close = np.bincount(wide.corner[~clear], minlength=len(around.turn)) > 0
+        fine = bends(around.take(close), self.radius + HAIR, STEP)
+        return Bends.join([wide.take(~close[wide.corner]), fine.take(self._standing(fine))])
+
+    def _standing(self, places: Bends) -> NDArray[np.bool_]:
+        """Which bends are clear of the floor's edges."""
         inside = shapely.contains_xy(self._floor, places.point)
         clear = ~shapely.dwithin(self._edges, shapely.points(places.point), self.radius + HAIR / 2)
-        return places.take(inside & clear)
+        both: NDArray[np.bool_] = inside & clear
+        return both
 
     def _network(self) -> list[list[tuple[int, float]]]:
         place = self.bends.point
@@ -145,7 +159,7 @@ class Roadmap:
         known = self._bodies.get(body.name)
         if known is not None and known.body is body:
             return known
-        around = self._standing(bends(body.corners, self.radius + HAIR, self.step))
+        around = self._standing_bends(body.corners)
         along = self.bends.point[None] - around.point[:, None]
         candidates = self.bends.graze(along) & around.graze(along.swapaxes(0, 1)).T
         of, to = np.nonzero(candidates)
@@ -198,13 +212,7 @@ class _Search:
             self._to_goal[self._start] = math.dist(*ends)
 
     def _link_bodies(self, roadmap: Roadmap, around: Sequence[BodyBends], extra: Floats) -> None:
-        parts = [part.bends for part in around]
-        loose = Bends(
-            np.concatenate([part.point for part in parts]),
-            np.concatenate([part.before for part in parts]),
-            np.concatenate([part.after for part in parts]),
-            np.concatenate([part.reach for part in parts]),
-        )
+        loose = Bends.join([part.bends for part in around])
         along = loose.point[None] - extra[:, None]
         length = np.hypot(along[..., 0], along[..., 1])
         there = loose.graze(along)
