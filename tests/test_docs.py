@@ -1,0 +1,83 @@
+"""The documents are true: their examples run, their links lead somewhere."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+import bdi
+import floorplan
+import sim
+
+ROOT = Path(__file__).resolve().parents[1]
+DOCUMENTS = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+BLOCK = re.compile(r"(?P<before>[^\n]*\n(?:[^\n]*\n)?)\n?```(?P<kind>\w+)\n(?P<text>.*?)```", re.S)
+NAMED = re.compile(r"`([\w.]+\.(?:yaml|asl|py|wkt|jsonl))`")
+
+
+def blocks(document, kind):
+    """The blocks of one kind, each with the file name in the lines before it, if any."""
+    for block in BLOCK.finditer(document.read_text(encoding="utf-8")):
+        if block["kind"] == kind:
+            names = NAMED.findall(block["before"])
+            yield (names[-1] if names else None), block["text"]
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: path.name)
+def test_python_examples_run(document, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    for kind in ("yaml", "agentspeak", "asl", "prolog"):
+        for name, text in blocks(document, kind):
+            if name:
+                (tmp_path / name).write_text(text, encoding="utf-8")
+    namespace = {}
+    for _, text in blocks(document, "python"):
+        exec(compile(text, f"{document.name}", "exec"), namespace)
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: path.name)
+def test_files_that_are_shown_load(document, tmp_path):
+    saved = []
+    for kind in ("yaml", "python", "agentspeak", "asl"):
+        for name, text in blocks(document, kind):
+            if name and name.endswith(("yaml", "py", "asl")):
+                (tmp_path / name).write_text(text, encoding="utf-8")
+                saved.append(tmp_path / name)
+    for path in saved:
+        if path.name.endswith(".trial.yaml"):
+            sim.Trial.load(path)
+        elif path.suffix == ".yaml" and "boundary" in path.read_text(encoding="utf-8"):
+            floorplan.load(path)
+        elif path.suffix == ".asl":
+            bdi.parse_file(path)
+
+
+def test_the_example_of_a_trial_is_one():
+    (_, text), *_ = blocks(ROOT / "docs" / "trials.md", "yaml")
+    trial = sim.Trial.parse(text)
+    assert len(trial.gantry.jobs) == 3
+
+
+def test_the_controller_that_is_shown_runs(tmp_path):
+    document = ROOT / "docs" / "write-a-controller.md"
+    ((name, controller),) = blocks(document, "python")
+    ((_, text),) = blocks(document, "yaml")
+    (tmp_path / name).write_text(controller)
+    run = sim.run(sim.Trial.parse(text, folder=tmp_path))
+    assert run.motions["gantry"].position(0.0) == pytest.approx((-7.0, 0.0))
+    assert abs(run.motions["gantry"].position(100.0)[0] - -2.3) < 1e-6
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: path.name)
+def test_links_lead_somewhere(document):
+    for link in re.findall(r"\]\(([^)#\s]+)(?:#[^)]*)?\)", document.read_text(encoding="utf-8")):
+        if not link.startswith("http"):
+            assert (document.parent / link).exists(), f"{document.name} links to {link}"
+
+
+def test_every_example_in_the_folder_runs(capsys):
+    trials = sorted((ROOT / "examples").glob("*.trial.yaml"))
+    assert trials
+    for trial in trials:
+        run = sim.run(sim.Trial.load(trial))
+        assert run.unmet == [], trial.name
