@@ -1,0 +1,93 @@
+"""How fast trials run: CPU seconds, medians over repetitions.
+
+    python benchmarks/simulation.py [--repetitions N]
+
+The trial is the main job, `ariac2023`: 275 s, one person, the gantry parked, one AGV that moves.
+Loading it (files, personality) is not counted in `sim.run`; the collision world and the roadmap,
+which a run builds anew, are. Whole processes count everything, the interpreter's start included.
+"""
+
+from __future__ import annotations
+
+import argparse
+import resource
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import bdi
+import navigation
+import sim
+
+ROOT = Path(__file__).resolve().parents[1]
+
+
+def cpu_of_run(trial: sim.Trial) -> float:
+    begin = time.process_time()
+    sim.run(trial)
+    return time.process_time() - begin
+
+
+def cpu_of_process(*arguments: str) -> float:
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    command = [sys.executable, "-m", "sim.cli", *arguments]
+    subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+
+
+def cpu_of_monitor(changes: int = 100) -> tuple[float, float]:
+    """The monitor on two gantry-like motions of 275 s, and the same pair sampled at 1 kHz."""
+    import random
+
+    import numpy as np
+
+    rng = random.Random(0)
+    motions = []
+    for _ in range(2):
+        moves, t, current = [], 0.0, (0.0, 0.0, 0.0)
+        for _ in range(changes):
+            target = (rng.uniform(-14, 0), rng.uniform(-7, 7), rng.uniform(-3, 3))
+            moves.append(navigation.gantry_move(current, target, t))
+            t += 275.0 / changes
+            current = moves[-1].state(t)
+        motions.append(navigation.join(moves, end=275.0))
+    law = sim.PAPER.gantry_law
+    begin = time.process_time()
+    navigation.violations(motions[0], motions[1], law, 0.0, 275.0)
+    exact = time.process_time() - begin
+    begin = time.process_time()
+    for k in range(275_000):
+        one, other = (motion.state(k / 1000) for motion in motions)
+        apart = np.hypot(one.position[0] - other.position[0], one.position[1] - other.position[1])
+        _ = apart < law.distance(one.speed, other.speed)
+    return exact, time.process_time() - begin
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--repetitions", type=int, default=15)
+    repetitions = parser.parse_args().repetitions
+    base = sim.Trial.load("ariac2023")
+    print(f"{'sim.run, 275 s':32} {'median s':>9} {'least s':>9} {'× real time':>12}")
+    for personality in bdi.programs():
+        trial = base.with_personality(personality)
+        seconds = [cpu_of_run(trial) for _ in range(repetitions)]
+        median = statistics.median(seconds)
+        print(f"{personality:32} {median:9.4f} {min(seconds):9.4f} {275 / median:12,.0f}")
+    print(f"{'whole process':32} {'median s':>9}")
+    helps = [cpu_of_process("--help") for _ in range(repetitions)]
+    print(f"{'floorwalker --help':32} {statistics.median(helps):9.4f}")
+    with tempfile.TemporaryDirectory() as folder:
+        runs = [cpu_of_process("run", "--out", f"{folder}/{k}") for k in range(repetitions)]
+    print(f"{'floorwalker run':32} {statistics.median(runs):9.4f}")
+    exact, sampled = cpu_of_monitor()
+    print(f"{'monitor, 100 changes a side':32} {exact:9.4f}")
+    print(f"{'the same sampled at 1 kHz':32} {sampled:9.4f}")
+
+
+if __name__ == "__main__":
+    main()
