@@ -240,7 +240,7 @@ class Agent:
         return not (
             not self._begun
             or self._percepts.are_coming
-            or self.alarms
+            or self.alarms.heap
             or self._mailbox
             or self.circumstance.feedback
         )
@@ -346,7 +346,7 @@ class Agent:
             or self._tasks
             or self._mailbox
             or self._percepts.changed
-            or (self.alarms and self.alarms.is_due(self.clock))
+            or (self.alarms.heap and self.alarms.is_due(self.clock))
             or self.plans.candidates(sort, literal)
         ):
             circumstance.post(Event(sort, literal, intention))
@@ -397,7 +397,8 @@ class Agent:
 
     def _run_instant(self) -> None:
         cycles = 0
-        while self._has_work():
+        circumstance = self.circumstance
+        while (circumstance.running and circumstance.atomic is None) or self._has_work():
             cycles += 1
             if cycles > self._max_cycles:
                 limit = f"more than {self._max_cycles} cycles at {self._now:g} s"
@@ -408,7 +409,7 @@ class Agent:
         circumstance = self.circumstance
         if self._percepts.changed or self._tasks or self._mailbox:
             return True
-        if self.alarms and self.alarms.is_due(self.clock):
+        if self.alarms.heap and self.alarms.is_due(self.clock):
             return True
         if circumstance.feedback and circumstance.has_feedback():
             return True
@@ -435,17 +436,15 @@ class Agent:
     def _cycle(self) -> None:
         circumstance = self.circumstance
         circumstance.selected_event = circumstance.selected = None
-        if self.alarms or self._tasks or self._percepts.changed or self._mailbox:
+        if self.alarms.heap or self._tasks or self._percepts.changed or self._mailbox:
             self._wake_and_sense()
-        if circumstance.atomic is None:
+        if circumstance.atomic is None and (circumstance.events or circumstance.atomic_event):
             deliberate(self)
         if circumstance.feedback:
             self._take_feedback()
         intention = circumstance.select()
-        if intention is None:
-            return
         circumstance.selected = intention
-        if not intention.stack:
+        if intention is None or not intention.stack:
             return
         means = intention.stack[-1]
         step = means.step

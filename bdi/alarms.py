@@ -24,21 +24,18 @@ class Alarms:
     """Alarms by time, in nanoseconds; of two at the same time the first that was set goes first."""
 
     def __init__(self) -> None:
-        self._heap: list[tuple[int, int, Alarm]] = []
+        self.heap: list[tuple[int, int, Alarm]] = []
         self._order = count()
-
-    def __bool__(self) -> bool:
-        return bool(self._heap)
 
     def set(self, clock: int, task: Callable[[], None]) -> Alarm:
         alarm = Alarm(task)
-        heapq.heappush(self._heap, (clock, next(self._order), alarm))
+        heapq.heappush(self.heap, (clock, next(self._order), alarm))
         return alarm
 
     @property
     def next(self) -> int | None:
         """When the next one is due."""
-        heap = self._heap
+        heap = self.heap
         while heap and heap[0][2].cancelled:
             heapq.heappop(heap)
         return heap[0][0] if heap else None
@@ -50,7 +47,7 @@ class Alarms:
     def ring(self, clock: int) -> None:
         """Runs what is due."""
         while self.is_due(clock):
-            heapq.heappop(self._heap)[2].task()
+            heapq.heappop(self.heap)[2].task()
 
     def clear(self) -> None:
-        self._heap.clear()
+        self.heap.clear()

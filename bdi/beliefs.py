@@ -17,6 +17,10 @@ def has_source(literal: Literal) -> bool:
     return any(isinstance(annot, Literal) and annot.functor == "source" for annot in literal.annots)
 
 
+def _among(some: tuple[Term, ...], others: tuple[Term, ...]) -> bool:
+    return some is others or all(annot in others for annot in some)
+
+
 #: A rank and a belief or rule: the lower the rank, the earlier it is tried.
 _Entry = tuple[int, "Literal | Rule"]
 
@@ -123,6 +127,8 @@ class BeliefBase:
     def __init__(self) -> None:
         self._shelves: dict[Key, Shelf] = {}
         self.percepts: dict[Literal, Literal] = {}
+        #: Percepts that are no longer believed, since somebody last looked.
+        self.lost_percepts: dict[Literal, None] = {}
 
     def __iter__(self) -> Iterator[Literal]:
         """The beliefs, without the rules."""
@@ -178,7 +184,7 @@ class BeliefBase:
         if shelf is None:
             return None
         known = shelf.find(literal.args)
-        if known is not None and all(annot in known.annots for annot in literal.annots):
+        if known is not None and _among(literal.annots, known.annots):
             if not literal.annots:
                 return None
             self._strip(shelf, known, literal.annots)
@@ -205,9 +211,7 @@ class BeliefBase:
         if shelf is None:
             return None
         for belief in shelf.all():
-            if isinstance(belief, Literal) and (
-                belief.annots is annots or all(annot in belief.annots for annot in annots)
-            ):
+            if isinstance(belief, Literal) and _among(annots, belief.annots):
                 removed = belief if belief.annots is annots else belief.with_annots(annots)
                 return removed if self._strip(shelf, belief, annots) else None
         return None
@@ -217,9 +221,14 @@ class BeliefBase:
         if belief.annots is ONLY_SELF and annots is ONLY_SELF:
             shelf.remove(belief.args)
             return True
+        if FROM_PERCEPT in belief.annots and FROM_PERCEPT in annots:
+            key = belief.without_annots()
+            self.percepts.pop(key, None)
+            self.lost_percepts[key] = None
+        if belief.annots is annots:
+            shelf.remove(belief.args)
+            return True
         left = belief.with_annots(tuple(a for a in belief.annots if a not in annots))
-        if FROM_PERCEPT in belief.annots and FROM_PERCEPT not in left.annots:
-            self.percepts.pop(belief.without_annots(), None)
         if has_source(left):
             shelf.replace(left)
             return False

@@ -5,7 +5,7 @@ from __future__ import annotations
 from .beliefs import BeliefBase
 from .intentions import Event
 from .order import sorted_annots
-from .terms import FROM_PERCEPT, Literal
+from .terms import FROM_PERCEPT, ONLY_PERCEPT, Literal
 
 
 class Percepts:
@@ -14,7 +14,8 @@ class Percepts:
     def __init__(self) -> None:
         self._now: dict[Literal, Literal] = {}
         self._coming: list[tuple[bool, Literal]] = []
-        self.changed = False
+        #: What has come or gone since it was last made beliefs of.
+        self.changed: dict[Literal, None] = {}
 
     def arrive(self, percept: Literal, *, added: bool, at_once: bool) -> None:
         if at_once:
@@ -38,24 +39,35 @@ class Percepts:
 
     def _change(self, percept: Literal, added: bool) -> None:
         key = percept.without_annots()
+        if added and key in self._now:
+            return
         if added:
-            self._now.setdefault(key, percept)
-        else:
-            self._now.pop(key, None)
-        self.changed = True
+            self._now[key] = percept
+        elif self._now.pop(key, None) is None:
+            return
+        self.changed.pop(key, None)
+        self.changed[key] = None
 
     def update(self, beliefs: BeliefBase) -> list[Event]:
-        """Makes beliefs of what is perceived: the events of what is gone, then of what is new."""
-        self.changed = False
+        """Makes beliefs of what is perceived: the events of what is gone, then of what is new.
+
+        What the program has stopped believing although it is still perceived
+        is new again.
+        """
+        changed, self.changed = self.changed, {}
+        candidates = {**beliefs.lost_percepts, **changed}
         events = []
-        for key in [key for key in beliefs.percepts if key not in self._now]:
-            belief = Literal(key.functor, key.args, (FROM_PERCEPT,), key.negated)
-            if beliefs.remove(belief, {}) is not None:
-                events.append(Event("-", belief))
-        for key, percept in self._now.items():
-            if key not in beliefs.percepts:
+        for key in changed:
+            if key not in self._now and key in beliefs.percepts:
+                belief = key.with_annots(ONLY_PERCEPT)
+                if beliefs.remove(belief, {}) is not None:
+                    events.append(Event("-", belief))
+        for key in candidates:
+            percept = self._now.get(key)
+            if percept is not None and key not in beliefs.percepts:
                 annots = sorted_annots((*percept.annots, FROM_PERCEPT))
-                added = beliefs.add(percept.with_annots(annots))
+                added = beliefs.add(percept.with_annots(annots if percept.annots else ONLY_PERCEPT))
                 if added is not None:
                     events.append(Event("+", added))
+        beliefs.lost_percepts.clear()
         return events

@@ -84,26 +84,26 @@ class Literal:
 
     def with_args(self, args: tuple[Term, ...]) -> Literal:
         """This literal, whose annotations are ground, with as many other arguments."""
-        return self._with(args, self.annots, _all_ground(args))
-
-    def with_annots(self, annots: tuple[Term, ...]) -> Literal:
-        """This literal with these annotations, which are sorted and without doubles."""
-        ground = _all_ground(annots) and (self.ground or _all_ground(self.args))
-        return self._with(self.args, annots, ground)
-
-    def without_annots(self) -> Literal:
-        return self.with_annots(()) if self.annots else self
-
-    def _with(self, args: tuple[Term, ...], annots: tuple[Term, ...], ground: bool) -> Literal:
         other = Literal.__new__(Literal)
         other.functor = self.functor
         other.args = args
-        other.annots = annots
+        other.annots = self.annots
         other.negated = self.negated
         other.key = self.key
-        other.ground = ground
+        other.ground = _all_ground(args)
         other._hash = None
         return other
+
+    def with_annots(self, annots: tuple[Term, ...]) -> Literal:
+        """This literal with these annotations, which are sorted and without doubles."""
+        other = self.with_args(self.args)
+        other.annots = annots
+        if other.ground and not _all_ground(annots):
+            other.ground = False
+        return other
+
+    def without_annots(self) -> Literal:
+        return self.with_annots(()) if self.annots else self
 
     @property
     def is_atom(self) -> bool:
@@ -368,6 +368,7 @@ FROM_SELF = Literal("source", (Literal("self"),))
 #: The annotations of most beliefs and goals.
 ONLY_SELF: tuple[Term, ...] = (FROM_SELF,)
 FROM_PERCEPT = Literal("source", (Literal("percept"),))
+ONLY_PERCEPT: tuple[Term, ...] = (FROM_PERCEPT,)
 
 
 def make_list(elements: Iterable[Term], tail: Term = EMPTY) -> Term:

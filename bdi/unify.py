@@ -310,8 +310,11 @@ def matched(pattern: Literal, belief: Literal, u: Unifier) -> Unifier | None:
             if mine != theirs:
                 return None
             continue
-        if mine.__class__ is Literal and theirs.__class__ is Literal and mine.key != theirs.key:
-            return None
+        if mine.__class__ is Literal and theirs.__class__ is Literal:
+            if mine.key != theirs.key:
+                return None
+            if not mine.args and not mine.annots:
+                continue
         if result is u:
             result = dict(u)
         if not unify(mine, theirs, result):
