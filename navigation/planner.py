@@ -158,8 +158,9 @@ class PathPlanner:
         def hit(a: Point, b: Point) -> bool:
             return any(body in met for body in self.world.hits(a, b, keep, self.ignore))
 
+        ends = roadmap.ends(start, goal)
         while True:
-            way = roadmap.shortest(start, goal, met, hit, lambda: not self._connected(start, goal))
+            way = roadmap.shortest(ends, met, hit, lambda: not self._connected(start, goal))
             if way is None:
                 return None
             fresh = [

@@ -12,6 +12,7 @@ polyhedral obstacles", Communications of the ACM 22 (1979).
 from __future__ import annotations
 
 import heapq
+import itertools
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -38,8 +39,6 @@ PATIENCE = 200
 _ROWS = 256
 """How many bends are compared with all the others at a time."""
 
-Indices = NDArray[np.intp]
-
 
 @dataclass(frozen=True, eq=False)
 class BodyBends:
@@ -48,6 +47,18 @@ class BodyBends:
     body: Body
     bends: Bends
     links: list[list[tuple[int, float]]]
+
+
+@dataclass(frozen=True, eq=False)
+class Ends:
+    """A start and a goal, and how the floor's network links them (bends and metres)."""
+
+    start: Point
+    goal: Point
+    from_start: list[tuple[int, float]]
+    to_goal: dict[int, float]
+    straight: bool
+    """Whether only bodies may stand between them."""
 
 
 class Roadmap:
@@ -69,10 +80,16 @@ class Roadmap:
         self._between = _all_distances(self.links) if len(self.bends) <= MOST_DISTANCES else None
         self._bodies: dict[str, BodyBends] = {}
 
+    def ends(self, start: Point, goal: Point) -> Ends:
+        """How `start` and `goal` are linked to the network, for one or more searches."""
+        places = np.array([start, goal], dtype=float)
+        from_start, to_goal = self._links_from(places)
+        straight = bool(self.visible(places[:1], places[1:])[0])
+        return Ends(start, goal, from_start, dict(to_goal), straight)
+
     def shortest(
         self,
-        start: Point,
-        goal: Point,
+        ends: Ends,
         bodies: Sequence[Body],
         hit: Callable[[Point, Point], bool],
         hopeless: Callable[[], bool],
@@ -82,25 +99,13 @@ class Roadmap:
         `hit(a, b)` tells whether a straight link that is free of the floor's obstacles runs into
         a body. `hopeless()` is asked once if the search takes long, and ends it if it is true.
         """
-        search = _Search(self, start, goal, [self._around(body) for body in bodies], hit)
-        return search.run(hopeless)
+        return _Search(self, ends, [self._around(body) for body in bodies], hit).run(hopeless)
 
     def visible(self, a: Floats, b: Floats) -> NDArray[np.bool_]:
         """Whether the disc can go straight from a to b (N, 2) as far as the floor is concerned."""
         lines = shapely.linestrings(np.stack([a, b], axis=1))
         near: NDArray[np.bool_] = shapely.dwithin(self._edges, lines, self.radius + HAIR / 2)
         return ~near
-
-    def links_from(self, places: Floats) -> list[tuple[Indices, Floats]]:
-        """The bends that each of `places` (N, 2) sees and could pass on from, and how far (m)."""
-        along = self.bends.point[None] - places[:, None]
-        length = np.hypot(along[..., 0], along[..., 1])
-        # From between the arc and the bends drawn around it, a bend is seen but not grazed.
-        candidates = self.bends.graze(along) | (length <= self.bends.reach * 1.01)
-        of, to = np.nonzero(candidates)
-        seen = self.visible(places[of], self.bends.point[to])
-        of, to = of[seen], to[seen]
-        return [(to[of == k], length[k, to[of == k]]) for k in range(len(places))]
 
     def distances_to(self, goal: Point, last: list[tuple[int, float]]) -> Floats:
         """No more than the way (metres) from each bend to `goal`.
@@ -116,6 +121,19 @@ class Roadmap:
         to, far = zip(*last, strict=True)
         nearest: Floats = (self._between[:, to] + np.array(far)).min(axis=1)
         return nearest
+
+    def _links_from(self, places: Floats) -> list[list[tuple[int, float]]]:
+        """The bends that each of `places` (N, 2) sees and could pass on from, and how far (m)."""
+        along = self.bends.point[None] - places[:, None]
+        length = np.hypot(along[..., 0], along[..., 1])
+        # From between the arc and the bends drawn around it, a bend is seen but not grazed.
+        candidates = self.bends.graze(along) | (length <= self.bends.reach * 1.01)
+        of, to = np.nonzero(candidates)
+        seen = self.visible(places[of], self.bends.point[to])
+        links: list[list[tuple[int, float]]] = [[] for _ in places]
+        for i, j in zip(of[seen].tolist(), to[seen].tolist(), strict=True):
+            links[i].append((j, float(length[i, j])))
+        return links
 
     def _standing_bends(self, around: Corners) -> Bends:
         """The bends around corners that are clear of the floor's edges.
@@ -182,34 +200,29 @@ class _Search:
     def __init__(
         self,
         roadmap: Roadmap,
-        start: Point,
-        goal: Point,
+        ends: Ends,
         around: Sequence[BodyBends],
         hit: Callable[[Point, Point], bool],
     ) -> None:
         self._hit = hit
         self._fixed = len(roadmap.bends)
-        more = [part.bends for part in around]
-        ends = np.array([start, goal], dtype=float)
-        extra = np.concatenate([*(part.point for part in more), ends])
+        extra = np.array(
+            [*itertools.chain(*(part.bends.point for part in around)), ends.start, ends.goal]
+        )
         self._start = self._fixed + len(extra) - 2
         self._goal = self._start + 1
         self._floor_links = roadmap.links
-        self._links: list[list[tuple[int, float]]] = [[] for _ in extra]
         self._points = roadmap.bends.point
         self._extra = [(float(x), float(y)) for x, y in extra]
-        self._link_ends(roadmap, ends)
+        self._links: list[list[tuple[int, float]]] = [[] for _ in extra]
+        self._links[-2] += ends.from_start
+        self._to_goal = dict(ends.to_goal)
+        if ends.straight:
+            self._to_goal[self._start] = math.dist(ends.start, ends.goal)
         self._back: dict[int, list[tuple[int, float]]] = {}
-        if more:
+        if around:
             self._link_bodies(roadmap, around, extra)
-        self._left = self._bounds(roadmap, goal)
-
-    def _link_ends(self, roadmap: Roadmap, ends: Floats) -> None:
-        from_start, to_goal = roadmap.links_from(ends)
-        self._links[-2] = list(zip(*(part.tolist() for part in from_start), strict=True))
-        self._to_goal = dict(zip(*(part.tolist() for part in to_goal), strict=True))
-        if roadmap.visible(ends[:1], ends[1:])[0]:
-            self._to_goal[self._start] = math.dist(*ends)
+        self._left = self._bounds(roadmap, ends.goal)
 
     def _link_bodies(self, roadmap: Roadmap, around: Sequence[BodyBends], extra: Floats) -> None:
         loose = Bends.join([part.bends for part in around])
