@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
+from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -119,7 +120,9 @@ def _report(run: Run, folder: Path) -> None:
 
     summary = run.summary
     console = Console()
-    table = Table(title=f"{summary['floorplan']}, {summary['trial']}", title_justify="left")
+    trial, floor = summary["trial"], summary["floorplan"]
+    title = trial if trial == floor else f"{trial} on {floor}"
+    table = Table(title=title, title_justify="left")
     table.add_column("figure")
     table.add_column("value", overflow="fold")
     for name, value in _figures(summary):
@@ -152,9 +155,15 @@ def _figures(summary: dict[str, Any]) -> list[tuple[str, str]]:
     for name, person in summary["people"].items():
         figures += [
             (f"{name}: personality", Path(person["personality"]).stem),
-            (f"{name}: visits", " ".join(person["visits"]) or "none"),
+            (f"{name}: visits", _counted(person["visits"])),
             (f"{name}: walked", f"{person['distance_walked']:.1f} m"),
             (f"{name}: stood", f"{person['time_standing']:.1f} s"),
             (f"{name}: replans", str(person["replans"])),
         ]
     return figures
+
+
+def _counted(visits: list[str]) -> str:
+    """How often each station was visited, in the order of the first visits."""
+    counts = Counter(visits)
+    return ", ".join(f"{name} {count}×" for name, count in counts.items()) or "none"
