@@ -1,31 +1,14 @@
-"""Personalities: where their programs are, and what every person believes at first."""
+"""What every person believes before a trial starts."""
 
 from __future__ import annotations
 
 import re
-from pathlib import Path
 
 import bdi
 from floorplan import Floorplan
 
-from .rules import RuleSet, suggestion
+from .rules import RuleSet
 from .trial import PersonEntry
-
-
-def find_program(personality: str, folder: Path) -> str | Path:
-    """The built-in personality of that name, or the path of an .asl file seen from `folder`.
-
-    `FileNotFoundError` says what there is.
-    """
-    if personality in bdi.programs():
-        return personality
-    path = folder / personality
-    if path.is_file():
-        return path
-    raise FileNotFoundError(
-        f"no personality and no .asl file is called {personality!r};"
-        f" {suggestion(personality, bdi.programs())}"
-    )
 
 
 def first_beliefs(entry: PersonEntry, plan: Floorplan, rules: RuleSet) -> list[bdi.Literal | str]:

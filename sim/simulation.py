@@ -15,9 +15,10 @@ from .body import Body
 from .clock import Clock
 from .controllers import find_controller, supervised
 from .gantry import GantryRobot
-from .minds import find_program, first_beliefs
+from .minds import first_beliefs
 from .outcome import Run
 from .person import Person
+from .programs import find_program
 from .recorder import Event, Listener, Listeners, recording_to
 from .referee import Referee
 from .summary import summarise
@@ -90,7 +91,15 @@ class Simulation:
             self.gantry.close()
         self._record("trial_ended", interrupted=interrupted)
         motions = {body.name: body.track() for body in self.bodies}
-        summary = summarise(self, motions, interrupted)
+        summary = summarise(
+            self.trial,
+            self.clock.now,
+            interrupted=interrupted,
+            people=self.people,
+            gantry=self.gantry,
+            referee=self.referee,
+            motions=motions,
+        )
         cpu = time.process_time() - self._cpu_begin
         summary["cpu_seconds"] = round(cpu, 6)
         summary["realtime_factor"] = round(self.clock.now / cpu, 1) if cpu > 0 else None

@@ -3,19 +3,27 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 from navigation import Law, Motion, minimum_separation
 
+from .gantry import GantryRobot
+from .person import Person
 from .recorder import rounded
-
-if TYPE_CHECKING:
-    from .person import Person
-    from .simulation import Simulation
+from .referee import Referee
+from .trial import Trial
 
 
 def summarise(
-    simulation: Simulation, motions: dict[str, Motion], interrupted: bool
+    trial: Trial,
+    now: float,
+    *,
+    interrupted: bool,
+    people: Sequence[Person],
+    gantry: GantryRobot | None,
+    referee: Referee,
+    motions: Mapping[str, Motion],
 ) -> dict[str, Any]:
     """The figures of a run that depend on nothing but the trial.
 
@@ -23,13 +31,11 @@ def summarise(
     required distance at that instant in metres, time in seconds. Times and distances of people
     count from their start.
     """
-    trial, now = simulation.trial, simulation.clock.now
-    gantry = simulation.gantry
     nearest = {
         person.name: _nearest(
             motions[person.name], motions["gantry"], trial.rules.gantry_law, person.started_at, now
         )
-        for person in simulation.people
+        for person in people
         if gantry is not None and person.started_at is not None
     }
     summary: dict[str, Any] = {
@@ -39,8 +45,8 @@ def summarise(
         "seed": trial.seed,
         "duration": now,
         "interrupted": interrupted,
-        "penalties": simulation.referee.penalties,
-        "agv_teleports": simulation.referee.agv_teleports,
+        "penalties": referee.penalties,
+        "agv_teleports": referee.agv_teleports,
         "gantry_disabled_time": gantry.disabled_time if gantry else 0.0,
         "jobs_done": gantry.jobs_done if gantry else 0,
         "minimum_separation": min(
@@ -49,7 +55,7 @@ def summarise(
         "people": {
             person.name: _person_figures(person, motions[person.name], now)
             | {"minimum_separation": nearest.get(person.name)}
-            for person in simulation.people
+            for person in people
         },
     }
     figures: dict[str, Any] = rounded(summary)

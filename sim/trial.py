@@ -9,6 +9,7 @@ from typing import Any, Literal
 import bdi
 from floorplan import Floorplan, InputError
 
+from .programs import find_program
 from .rules import PAPER, RuleSet
 
 
@@ -121,8 +122,6 @@ class Trial:
 
         `FileNotFoundError` if there is none, `bdi.ProgramError` if there is something wrong in it.
         """
-        from .minds import find_program
-
         program = bdi.load(find_program(personality, self.folder))
         people = tuple(
             replace(person, personality=personality, program=program) for person in self.people

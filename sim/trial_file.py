@@ -15,7 +15,7 @@ from floorplan import Document, Floorplan, Number, Pair, Positive, Problem, Stri
 
 from .controllers import ControllerError, find_controller
 from .expectations import expectation_problems
-from .minds import find_program
+from .programs import find_program
 from .rules import PAPER, RULE_SETS, suggestion
 from .trial import AgvMove, GantryEntry, Job, PersonEntry, Start, Trial, TrialError
 
