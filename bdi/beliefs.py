@@ -7,7 +7,7 @@ from operator import itemgetter
 
 from .order import sorted_annots
 from .program import Rule
-from .terms import FROM_PERCEPT, ONLY_SELF, Literal, Term, Var, is_ground
+from .terms import FROM_PERCEPT, ONLY_PERCEPT, ONLY_SELF, Literal, Term, Var, is_ground
 from .unify import Unifier, substitute, substitute_literal, unify
 
 Key = tuple[str, int, bool]
@@ -172,6 +172,31 @@ class BeliefBase:
         if FROM_PERCEPT in added:
             self.percepts[literal.without_annots()] = literal
         return literal.with_annots(added)
+
+    def perceive(self, key: Literal, percept: Literal) -> Literal | None:
+        """Believes a percept; `key` is it without annotations. What is new, as `add`."""
+        if percept.annots:
+            annots = sorted_annots((*percept.annots, FROM_PERCEPT))
+            return self.add(percept.with_annots(annots))
+        shelf = self._shelves.get(key.key)
+        if shelf is None:
+            shelf = self._shelves[key.key] = Shelf()
+        literal = key.with_annots(ONLY_PERCEPT)
+        if shelf.find(key.args) is not None:
+            return self.add(literal)
+        shelf.add(literal)
+        self.percepts[key] = literal
+        return literal
+
+    def forget_percept(self, key: Literal) -> Literal | None:
+        """Stops believing a percept, unless it has other sources. What was removed, as `remove`."""
+        shelf = self._shelves[key.key]
+        belief = shelf.find(key.args)
+        if belief is not None and belief.annots is ONLY_PERCEPT:
+            shelf.remove(key.args)
+            del self.percepts[key]
+            return belief
+        return self.remove(key.with_annots(ONLY_PERCEPT), {})
 
     def remove(self, literal: Literal, u: Unifier) -> Literal | None:
         """Takes annotations off a belief, and the belief when no source is left.

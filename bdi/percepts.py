@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from .beliefs import BeliefBase
 from .intentions import Event
-from .order import sorted_annots
-from .terms import FROM_PERCEPT, ONLY_PERCEPT, Literal
+from .terms import Literal
 
 
 class Percepts:
@@ -55,19 +54,16 @@ class Percepts:
         is new again.
         """
         changed, self.changed = self.changed, {}
-        candidates = {**beliefs.lost_percepts, **changed}
-        events = []
+        gone = [key for key in changed if key not in self._now and key in beliefs.percepts]
+        removed = [beliefs.forget_percept(key) for key in gone]
+        events = [Event("-", belief) for belief in removed if belief is not None]
+        if beliefs.lost_percepts:
+            changed = {**beliefs.lost_percepts, **changed}
+            beliefs.lost_percepts = {}
         for key in changed:
-            if key not in self._now and key in beliefs.percepts:
-                belief = key.with_annots(ONLY_PERCEPT)
-                if beliefs.remove(belief, {}) is not None:
-                    events.append(Event("-", belief))
-        for key in candidates:
             percept = self._now.get(key)
             if percept is not None and key not in beliefs.percepts:
-                annots = sorted_annots((*percept.annots, FROM_PERCEPT))
-                added = beliefs.add(percept.with_annots(annots if percept.annots else ONLY_PERCEPT))
-                if added is not None:
-                    events.append(Event("+", added))
-        beliefs.lost_percepts.clear()
+                belief = beliefs.perceive(key, percept)
+                if belief is not None:
+                    events.append(Event("+", belief))
         return events
