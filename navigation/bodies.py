@@ -63,12 +63,6 @@ class Body:
             return round_corner(self.shape.centre, self.shape.radius)
         return corners(edges_of_solid(self.shape))
 
-    def distance(self, point: Point) -> float:
-        """Metres from `point`; 0 inside."""
-        if isinstance(self.shape, Disc):
-            return max(math.dist(point, self.shape.centre) - self.shape.radius, 0.0)
-        return shapes.distance(point, self.solid)
-
     def clear_of(self, line: shapely.Geometry) -> float:
         """Metres between it and a line (shapely)."""
         if isinstance(self.shape, Disc):

@@ -43,28 +43,45 @@ def disc(centre: Point, radius: float) -> Any:
     return fcl.CollisionObject(fcl.Sphere(radius), fcl.Transform(at))
 
 
-def swept_disc(a: Point, b: Point, radius: float) -> Any:
-    """The FCL object of all that a disc covers on its straight way from `a` to `b`."""
-    dx, dy = b[0] - a[0], b[1] - a[1]
-    length = math.hypot(dx, dy)
-    if length == 0:
-        return disc(a, radius)
-    c, s = dx / length, dy / length
-    # FCL's capsules lie along z: this turns z into the direction of the way.
-    turn = np.array([[0.0, -s, c], [0.0, c, s], [-1.0, 0.0, 0.0]])
-    middle = np.array([(a[0] + b[0]) / 2, (a[1] + b[1]) / 2, 0.0])
-    return fcl.CollisionObject(fcl.Capsule(radius, length), fcl.Transform(turn, middle))
+class Sweep:
+    """All that a disc covers on its straight way, as an FCL object.
+
+    There is one object for all ways: python-fcl never gives back the memory of an object that it
+    has made, 32 bytes each.
+    """
+
+    def __init__(self) -> None:
+        self._ball = fcl.Sphere(1.0)
+        self._capsule = fcl.Capsule(1.0, 1.0)
+        self._still = fcl.CollisionObject(self._ball, fcl.Transform())
+        self._moving = fcl.CollisionObject(self._capsule, fcl.Transform())
+
+    def between(self, a: Point, b: Point, radius: float) -> Any:
+        """The object for the way from `a` to `b`, until the next call."""
+        dx, dy = b[0] - a[0], b[1] - a[1]
+        length = math.hypot(dx, dy)
+        middle = np.array([(a[0] + b[0]) / 2, (a[1] + b[1]) / 2, 0.0])
+        if length == 0:
+            self._ball.radius = radius
+            self._still.setTranslation(middle)
+            return self._still
+        c, s = dx / length, dy / length
+        # FCL's capsules lie along z: this turns z into the direction of the way.
+        turn = np.array([[0.0, -s, c], [0.0, c, s], [-1.0, 0.0, 0.0]])
+        self._capsule.radius, self._capsule.lz = radius, length
+        self._moving.setTransform(fcl.Transform(turn, middle))
+        return self._moving
+
+    def distance(self, point: Point, other: Any) -> float:
+        """Metres from `point` to an FCL object; 0 inside it."""
+        probe = self.between(point, point, _POINT)
+        # FCL leaves the distance of overlapping shapes undefined.
+        if touch(probe, other):
+            return 0.0
+        gap = fcl.distance(probe, other, fcl.DistanceRequest(), fcl.DistanceResult())
+        return float(gap) + _POINT
 
 
 def touch(one: Any, other: Any) -> bool:
     """Whether two FCL objects share a point."""
     return bool(fcl.collide(one, other, fcl.CollisionRequest(), fcl.CollisionResult()))
-
-
-def distance(point: Point, other: Any) -> float:
-    """Metres from `point` to an FCL object; 0 inside it."""
-    probe = disc(point, _POINT)
-    # FCL leaves the distance of overlapping shapes undefined.
-    if touch(probe, other):
-        return 0.0
-    return float(fcl.distance(probe, other, fcl.DistanceRequest(), fcl.DistanceResult())) + _POINT

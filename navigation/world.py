@@ -43,6 +43,7 @@ class CollisionWorld:
         shapely.prepare(self.edges)
         rim = shapely.box(*self._bounds).buffer(_AROUND, join_style="mitre")
         self._solid = shapes.region(rim.difference(self.floor))
+        self._sweep = shapes.Sweep()
         self._bodies: dict[str, Body] = {}
         self._agvs: dict[str, float] = {}
         self.checks = 0
@@ -152,8 +153,8 @@ class CollisionWorld:
         self.checks += 1
         if not self._within(point, 0.0):
             return 0.0
-        least = shapes.distance(point, self._solid)
-        return min([least, *(body.distance(point) for body in self._around(ignore))])
+        solids = [self._solid, *(body.solid for body in self._around(ignore))]
+        return min(self._sweep.distance(point, solid) for solid in solids)
 
     def clearance(self, points: ArrayLike, ignore: Collection[str] = ()) -> float:
         """The least distance (metres) anywhere along the polyline `points` ((N, 2), metres)."""
@@ -210,22 +211,20 @@ class CollisionWorld:
         x, y = point
         return low_x + margin <= x <= high_x - margin and low_y + margin <= y <= high_y - margin
 
-    def hits(
-        self, a: Point, b: Point, radius: float, ignore: Collection[str] = ()
-    ) -> Iterator[Body]:
+    def hits(self, a: Point, b: Point, radius: float, ignore: Collection[str] = ()) -> list[Body]:
         """The bodies that a disc of `radius` metres touches on its straight way from a to b."""
         near = [body for body in self._around(ignore) if body.near(a, b, radius)]
         if not near:
-            return
+            return []
         self.checks += 1
-        sweep = shapes.swept_disc(a, b, radius)
-        yield from (body for body in near if shapes.touch(sweep, body.solid))
+        sweep = self._sweep.between(a, b, radius)
+        return [body for body in near if shapes.touch(sweep, body.solid)]
 
     def _free(self, a: Point, b: Point, radius: float, ignore: Collection[str]) -> bool:
         self.checks += 1
         if not (self._within(a, radius) and self._within(b, radius)):
             return False
-        sweep = shapes.swept_disc(a, b, radius)
+        sweep = self._sweep.between(a, b, radius)
         return not shapes.touch(sweep, self._solid) and not any(
             shapes.touch(sweep, body.solid)
             for body in self._around(ignore)
