@@ -5,18 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
-from simpy.events import Event
-
 from floorplan import Lane
 from navigation import AxisState, agv_run, lane_state
 
 from .body import Body
-from .clock import Alarm, Clock
+from .clock import Alarm, Clock, Turn
 from .recorder import Record
 from .trial import AgvMove
-
-MOTION_ENDS = 1
-"""Priority, among what happens at one instant, of motions that come to their end."""
 
 
 class Agv:
@@ -37,11 +32,9 @@ class Agv:
         self._clock = clock
         self._record = record
         self._stopped = stopped
-        self._arrival = Alarm(clock, self._arrive, MOTION_ENDS)
+        self._arrival = Alarm(clock, self._arrive, Turn.MOTION_ENDS)
         for move in moves:
-            departure = clock.at(move.time)
-            assert departure.callbacks is not None
-            departure.callbacks.append(partial(self._depart, move.to))
+            clock.call_at(move.time, partial(self.drive, move.to))
 
     @property
     def lane_position(self) -> float:
@@ -55,9 +48,6 @@ class Agv:
         self._record("agv_moved", agv=self.lane.name, to=to, arrives=motion.end)
         self.body.follow(motion)
         self._arrival.set(motion.end)
-
-    def _depart(self, to: str | float, _: Event) -> None:
-        self.drive(to)
 
     def _arrive(self) -> None:
         self._stopped(self)

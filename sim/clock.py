@@ -3,10 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from enum import IntEnum
 from heapq import heappush
 
 import simpy
-from simpy.events import NORMAL, Event, EventPriority
+from simpy.events import Event, EventPriority
+
+
+class Turn(IntEnum):
+    """Who goes first among what happens at one instant; as SimPy's priorities, the lower one."""
+
+    VIOLATION = 0
+    MOTION_ENDS = 1
+    NOTICE = 2
+    THOUGHT = 3
+    INSISTENCE = 4
 
 
 class Clock(simpy.Environment):
@@ -16,23 +27,30 @@ class Clock(simpy.Environment):
     has to arrive as it was worked out.
     """
 
-    def at(self, t: float, priority: int = NORMAL) -> Event:
+    def at(self, t: float, turn: Turn = Turn.MOTION_ENDS) -> Event:
         """An event that happens at `t` (seconds, not before now)."""
         event = Event(self)
         event._ok = True
         event._value = None
-        entry = (max(t, self.now), EventPriority(priority), next(self._eid), event)
+        entry = (max(t, self.now), EventPriority(turn), next(self._eid), event)
         heappush(self._queue, entry)
+        return event
+
+    def call_at(self, t: float, action: Callable[[], None], turn: Turn = Turn.MOTION_ENDS) -> Event:
+        """Call `action` at `t` (seconds); the event of that instant."""
+        event = self.at(t, turn)
+        assert event.callbacks is not None  # it has not happened yet
+        event.callbacks.append(lambda _: action())
         return event
 
 
 class Alarm:
     """Calls `action` at an instant that may be changed or taken back until then."""
 
-    def __init__(self, clock: Clock, action: Callable[[], None], priority: int = NORMAL) -> None:
+    def __init__(self, clock: Clock, action: Callable[[], None], turn: Turn) -> None:
         self._clock = clock
         self._action = action
-        self._priority = priority
+        self._turn = turn
         self._pending: Event | None = None
         self._time: float | None = None
 
@@ -48,9 +66,7 @@ class Alarm:
         self._time = t
         self._pending = None
         if t is not None:
-            self._pending = self._clock.at(t, self._priority)
-            assert self._pending.callbacks is not None
-            self._pending.callbacks.append(self._ring)
+            self._pending = event = self._clock.call_at(t, lambda: self._ring(event), self._turn)
 
     def _ring(self, event: Event) -> None:
         if event is self._pending:

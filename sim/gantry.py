@@ -112,16 +112,14 @@ class GantryRobot:
         self._disabled_at = self._clock.now
         self._interrupt()
         self.body.follow(gantry_stop(self.body.state, self._clock.now, limits=self._limits))
-        ready = self._clock.at(self._clock.now + seconds)
-        assert ready.callbacks is not None
-        ready.callbacks.append(self._enable)
+        self._clock.call_at(self._clock.now + seconds, self._enable)
 
     def close(self) -> None:
         """The trial is over: count the time it was disabled until now."""
         if self.disabled:
             self.disabled_time += self._clock.now - self._disabled_at
 
-    def _enable(self, _: Event) -> None:
+    def _enable(self) -> None:
         self.disabled_time += self._clock.now - self._disabled_at
         self._record("gantry_enabled")
         enabled, self._enabled = self._enabled, None

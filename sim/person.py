@@ -15,12 +15,9 @@ from floorplan import Floorplan
 from navigation import CollisionWorld, PlanningError
 
 from .body import Body
-from .clock import Alarm, Clock
+from .clock import Alarm, Clock, Turn
 from .recorder import Record
 from .walker import Place, Walker
-
-THINKING, ENFORCING = 3, 4
-"""Priorities, among what happens at one instant, of thinking and of the referee's insistence."""
 
 MOST_AT_ONCE = 1000
 """How often a person may think or act at one instant before the program counts as endless."""
@@ -70,8 +67,8 @@ class Person:
         self._put_home_at: float | None = None
         self._counts: dict[str, int] = {}
         self._percepts: dict[str, bdi.Literal] = {}
-        self._thinking = Alarm(clock, self._think, THINKING)
-        self._enforcing = Alarm(clock, self._enforce, ENFORCING)
+        self._thinking = Alarm(clock, self._think, Turn.THOUGHT)
+        self._enforcing = Alarm(clock, self._enforce, Turn.INSISTENCE)
         self._reason = "gantry"
         self._instant = (clock.now, 0)
         self._actions: dict[str, Callable[..., bool]] = {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Literal
 
@@ -16,25 +17,15 @@ from navigation import (
     Motion,
     Moving,
     Not,
-    State,
     TooClose,
     first_time,
     when,
 )
 
 from .body import Body
-from .clock import Alarm, Clock
+from .clock import Alarm, Clock, Turn
 from .recorder import Record
 from .rules import Notice, RuleSet
-
-VIOLATION, NOTICE = 0, 2
-"""Priorities of what happens at the same instant; motions end (1) between the two."""
-
-
-def separation(person: State, machine: State) -> float:
-    """The distance between two centres, metres."""
-    (ax, ay), (bx, by) = person.at, machine.at
-    return float(((ax - bx) ** 2 + (ay - by) ** 2) ** 0.5)
 
 
 class Pair:
@@ -63,7 +54,7 @@ class Pair:
 
     def distance(self) -> float:
         """The distance between the centres now, metres."""
-        return separation(self.person.state, self.machine.state)
+        return math.dist(self.person.at, self.machine.at)
 
     def horizon(self) -> float:
         """The instant from which on both stand, or the trial's end."""
@@ -86,7 +77,7 @@ class SeparationWatch:
         self._since: float | None = None
         is_agv = pair.machine.kind == "agv"
         self._condition = Both(Moving(), TooClose(law)) if is_agv else TooClose(law)
-        self._alarm = Alarm(pair.clock, self._ring, VIOLATION)
+        self._alarm = Alarm(pair.clock, self._ring, Turn.VIOLATION)
         self.reconsider()
 
     def reconsider(self) -> None:
@@ -135,7 +126,7 @@ class NoticeWatch:
         self._stage: Literal["alert", "closing", "parting"] = "alert"
         self._silent_until = 0.0
         self._nearest = 0.0
-        self._alarm = Alarm(pair.clock, self._ring, NOTICE)
+        self._alarm = Alarm(pair.clock, self._ring, Turn.NOTICE)
         self.reconsider()
 
     def reconsider(self) -> None:
@@ -198,7 +189,7 @@ class Referee:
         self._warn = warn
         self._disable_gantry = disable_gantry
         self._harmless_until = 0.0
-        self._resume = Alarm(clock, self._recheck, NOTICE)
+        self._resume = Alarm(clock, self._recheck, Turn.NOTICE)
 
     def watch_gantry(self, person: Body, gantry: Body) -> None:
         """From now on, keep `person` and the gantry apart."""

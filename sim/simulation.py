@@ -156,7 +156,7 @@ class Simulation:
         )
         person.think_with(agent)
         if entry.start.time is not None:
-            self._call_at(entry.start.time, person.start)
+            self.clock.call_at(entry.start.time, person.start)
         if self.gantry is not None:
             self.referee.watch_gantry(walker.body, self.gantry.body)
         for agv in self.agvs:
@@ -219,11 +219,6 @@ class Simulation:
             if obstacle.name == place:
                 return (obstacle.footprint.centroid.x, obstacle.footprint.centroid.y)
         raise ValueError(f"no obstacle, station or AGV is called {place!r}")
-
-    def _call_at(self, t: float, action: Callable[[], None]) -> None:
-        event = self.clock.at(t)
-        assert event.callbacks is not None
-        event.callbacks.append(lambda _: action())
 
 
 def run(trial: Trial, *listeners: Listener) -> Run:

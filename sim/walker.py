@@ -21,11 +21,8 @@ from navigation import (
 )
 
 from .body import Body
-from .clock import Alarm, Clock
+from .clock import Alarm, Clock, Turn
 from .recorder import Record
-
-MOTION_ENDS = 1
-"""Priority, among what happens at one instant, of motions that come to their end."""
 
 REPORT_DELAY = 0.1
 """Seconds until somebody who is sent to where they are already says that they are there."""
@@ -58,7 +55,7 @@ class Walker:
         self._planner = PathPlanner(world, radius=human.radius)
         self._record = record
         self._arrived = arrived
-        self._arrival = Alarm(clock, self._arrive, MOTION_ENDS)
+        self._arrival = Alarm(clock, self._arrive, Turn.MOTION_ENDS)
 
     @property
     def heading(self) -> float:
