@@ -8,11 +8,12 @@ from collections.abc import Sequence
 import numpy as np
 import shapely
 from numpy.typing import NDArray
+from shapely.geometry import Polygon
 
 from floorplan import Point
 
 from .bodies import Body, Disc
-from .corners import around_disc, edges_of_room, edges_of_solid, grown
+from .corners import around_disc, bends, corners, edges_of_room, edges_of_solid, grown
 
 STEP = math.radians(3.0)
 """Radians. How finely arcs are drawn here: at most 0.04 % of the radius is lost."""
@@ -79,4 +80,9 @@ def _grown_body(body: Body, radius: float) -> shapely.Geometry:
     """What `body` keeps the centre of a disc of `radius` metres out of."""
     if isinstance(body.shape, Disc):
         return around_disc(body.shape.centre, body.shape.radius + radius, STEP)
-    return body.shape.union(grown(edges_of_solid(body.shape), radius, STEP))
+    edges = edges_of_solid(body.shape)
+    around = corners(edges)
+    if len(edges) == 1 and len(around.turn) == len(edges[0]) - 1:
+        # Convex: the bends around its corners are all there is to the outline.
+        return Polygon(bends(around, radius, STEP).point)
+    return body.shape.union(grown(edges, radius, STEP))

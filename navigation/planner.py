@@ -28,6 +28,9 @@ COARSE = math.radians(15.0)
 TOO_CLOSE = 1e-3
 """Metres. How much too close to something a person may stand who sets out all the same."""
 
+_MANY = 3
+"""If so many bodies are in the way, it is worth finding out first whether there is one."""
+
 _SLACK = HAIR / 2
 """Metres. What is asked of a way beyond the radius, so that rounding can't take it away."""
 
@@ -172,6 +175,8 @@ class PathPlanner:
             if not fresh:
                 return way
             met += dict.fromkeys(fresh)
+            if len(met) >= _MANY and not self._connected(start, goal):
+                return None
 
     def _footing(self, place: Point, end: str, tolerance: float) -> Point:
         """`place` itself, or where to go first from there if it is a hair too close to something.
