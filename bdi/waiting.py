@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 from .alarms import Alarm
 from .failure import error_annots, fail
 from .intentions import Event, Intention, Means
-from .program import TriggerTerm
-from .terms import Term
+from .program import Act, TriggerTerm
+from .steps import compile_body
+from .terms import Literal, Term
 from .unify import unify
 
 if TYPE_CHECKING:
@@ -44,10 +45,6 @@ class Wait:
         self._alarm: Alarm | None = None
         if timeout is not None:
             self._alarm = agent.alarms.set(agent.clock + timeout * MILLISECOND, self._time_out)
-
-    @property
-    def is_over(self) -> bool:
-        return self._over
 
     def notice(self, event: Event | None) -> None:
         """Looks whether an event, or what an event may have changed, is what it waits for."""
@@ -98,6 +95,8 @@ class Wait:
         waits_for_something = self._trigger is not None or self._condition is not None
         if timed_out and waits_for_something and self._elapsed is None:
             if intention.is_suspended:
+                # It fails when it is resumed.
+                self.means.step = compile_body((Act(Literal(".fail")),))
                 circumstance.suspend("suspended", intention)
             else:
                 fail(self._agent, intention, error_annots("wait_timeout", "timeout in .wait"))

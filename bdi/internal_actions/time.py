@@ -43,30 +43,32 @@ def wait(call: Call, what: Term, *more: Term) -> object:
     agent, intention = call.agent, call.intention
     if intention is None:
         raise wrong("wait", "it cannot be used in a context")
+    reason: Term
     if isinstance(what, float):
-        begun = Wait(agent, intention, timeout=max(0, int(what)))
+        milliseconds = float(max(0, int(what)))
+        Wait(agent, intention, timeout=int(milliseconds))
+        reason = Literal("time", (milliseconds,))
     else:
         timeout = int(a_number("wait", more[0], "second")) if more else None
-        elapsed = more[1] if len(more) > 1 else None
         trigger = a_trigger(what)
-        if trigger is None:
+        condition = what if trigger is None else None
+        if condition is not None:
             if not isinstance(what, Literal | Relation | And | Or | Not | Var):
                 raise wrong("wait", f"'{text(what)}' is nothing to wait for")
             solution = agent.logic.first(what, call.unifier)
             if solution is not None:
                 return solution
-        begun = Wait(
+        Wait(
             agent,
             intention,
             trigger=trigger,
-            condition=what if trigger is None else None,
+            condition=condition,
             timeout=timeout,
-            elapsed=elapsed,
+            elapsed=more[1] if len(more) > 1 else None,
         )
-    reason = Literal("wait", (float(intention.number),))
-    agent.circumstance.suspend("wait", intention, reason)
-    if begun.is_over:
-        agent.circumstance.take_pending(intention, "wait")
+        reason = what if trigger is None else trigger.literal
+    waiting_for = Literal("wait", (float(intention.number),), (reason,))
+    agent.circumstance.suspend("wait", intention, waiting_for)
     return WAITING
 
 
