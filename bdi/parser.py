@@ -32,6 +32,8 @@ _KINDS = (
     ("a literal", _BEGIN_A_LITERAL),
 )
 
+_OPERATORS = frozenset({"'*'", "'**'", "'+'", "'-'", "'/'", "'div'", "'mod'"})
+
 #: Stands for the full stop after a part of a clause.
 _END = "the end"
 
@@ -64,9 +66,20 @@ def _problem(error: Exception, tokens: Sequence[Token], file: str) -> Problem:
         if token.type == "$END" or token == _END:
             last = tokens[-1] if token.type == "$END" else tokens[-2]
             found, line, column = "the end", last.end_line or 0, last.end_column or 0
-        expected = _expected(error.accepts or error.expected)
+        expected = _expected(_acceptable(tokens, error.token))
         return Problem(file, line, column, f"found {found}, expected {expected}")
     raise error
+
+
+def _acceptable(tokens: Sequence[Token], wrong: Token) -> Collection[str]:
+    """The kinds of tokens that could have stood where a wrong one stands."""
+    parser = grammar().parse_interactive()
+    for token in tokens:
+        if token is wrong:
+            break
+        parser.feed_token(token)
+    accepts: Collection[str] = parser.accepts()  # type: ignore[no-untyped-call]
+    return accepts
 
 
 def _expected(names: Collection[str]) -> str:

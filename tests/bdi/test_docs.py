@@ -1,0 +1,83 @@
+"""What the pages about AgentSpeak show is what happens."""
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+import bdi
+
+DOCS = Path(__file__).parents[2] / "docs"
+
+
+def blocks(page, language):
+    """The code blocks of a page that are in a language ("" for AgentSpeak and scripts)."""
+    found, inside = [], None
+    for line in (DOCS / page).read_text(encoding="utf-8").splitlines():
+        if inside is not None and line == "```":
+            if inside[0] == language:
+                found.append("\n".join(inside[1:]))
+            inside = None
+        elif inside is not None:
+            inside.append(line)
+        elif line.startswith("```"):
+            inside = [line[3:]]
+    return found
+
+
+def told(console):
+    return [json.loads(line) for line in console.splitlines() if line.startswith("{")]
+
+
+def run(program, script=(), beliefs=()):
+    log = []
+    agent = bdi.Agent(
+        program,
+        beliefs=beliefs,
+        act=lambda action: log.append({"t": agent.now, "action": str(action)}) or True,
+        print=lambda line: log.append({"t": agent.now, "print": line}),
+    )
+    for entry in script:
+        agent.add_percept(entry["add"])
+        agent.advance(entry["t"])
+    while agent.next_wakeup is not None:
+        agent.advance(agent.next_wakeup)
+    return log
+
+
+def test_the_counter():
+    program, *_ = blocks("agentspeak.md", "")
+    console, *_ = blocks("agentspeak.md", "console")
+    assert run(bdi.parse(program)) == told(console)
+
+
+@pytest.mark.parametrize("example", blocks("agentspeak.md", "python"))
+def test_the_python_examples_run(example, capsys):
+    exec(compile(example, "agentspeak.md", "exec"), {})
+    printed = capsys.readouterr().out.split()
+    assert printed[0] in ("5", "walk")
+
+
+def test_every_internal_action_is_named():
+    page = (DOCS / "agentspeak.md").read_text(encoding="utf-8")
+    named = set(re.findall(r"`(\.[a-z]\w+)", page))
+    agent = bdi.Agent(bdi.parse("a."))
+    missing = {name for name in agent.actions if name not in named}
+    assert missing <= {".intention"}
+    assert named - set(agent.actions) <= {".create_agent", ".kill_agent"}
+
+
+def test_the_polite_person():
+    plain, script, program, figures, *_ = blocks("write-a-personality.md", "")
+    first, second, *_ = blocks("write-a-personality.md", "console")
+    percepts = told(script)
+    stations = ["station(a, 0, 0)", "station(b, 8, 0)", "station(c, 8, 6)"]
+    assert run(bdi.parse(plain), percepts, stations) == told(first)
+    expected = told(second)
+    watched = run(bdi.parse(program), percepts, stations)
+    assert [entry for entry in watched if 12 <= entry["t"] < 25] == expected
+    slower = run(
+        bdi.parse(figures + '{ include("patrol.asl") }'), percepts, [*stations, "politeness(5000)"]
+    )
+    assert {"t": 20.0, "action": "move(8,0,0)"} in slower
