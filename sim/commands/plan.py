@@ -51,10 +51,7 @@ def plan(
     parameters = {name: _value(text) for name, text in _pairs(parameter or [], "--parameter")}
     seeker = navigation.PathPlanner(world, radius)
     begin = time.process_time()
-    try:
-        way = seeker.plan((x0, y0), (x1, y1), **asked, parameters=parameters, seed=seed)
-    except navigation.PlanningError as why:
-        raise ValueError(str(why)) from None
+    way = seeker.plan((x0, y0), (x1, y1), **asked, parameters=parameters, seed=seed)
     cpu_seconds = time.process_time() - begin
     if plot is not None:
         _draw(world, way, plot)
