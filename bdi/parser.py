@@ -92,7 +92,11 @@ def _expected(names: Collection[str]) -> str:
             words.append(word)
             left -= begins | _BEGIN_A_LITERAL | _BEGIN_A_TERM
     words += sorted(_NAMES.get(name, "") for name in left & _NAMES.keys())
-    words += sorted(f"'{parser.get_terminal(name).pattern.value}'" for name in left - _NAMES.keys())
+    signs = {f"'{parser.get_terminal(name).pattern.value}'" for name in left - _NAMES.keys()}
+    if signs >= _OPERATORS:
+        words.append("an operator")
+        signs -= _OPERATORS
+    words += sorted(signs)
     if len(words) < 2:
         return "".join(words) or "nothing more"
     return f"{', '.join(words[:-1])} or {words[-1]}"
@@ -112,7 +116,7 @@ def read_clauses(source: str, file: str) -> tuple[list[Clause], list[Problem]]:
 
 def _parse_part(source: str, before: str = "") -> Any:
     """The clause that a part of one makes with `before` before it and a full stop after it."""
-    first = tokenize(before)
+    first = tokenize(before) if before else []
     previous = str(first[-1]) if first else ""
     tokens = [*first, *tokenize(source, previous), Token("DOT", _END)]
     try:

@@ -22,8 +22,7 @@ blocked_pause(2000) :- not patience(_).
 most_tries(N) :- tries(N).
 most_tries(3) :- not tries(_).
 
-first(S) :- station(S, _, _) & not (earlier(_, S)).
-earlier(S, T) :- .findall(N, station(N, _, _), Ring) & .nth(I, Ring, S) & .nth(J, Ring, T) & I < J.
+first(S) :- .findall(N, station(N, _, _), [S|_]).
 
 away(S, Steps, T) :-
     .findall(N, station(N, _, _), Ring) & .length(Ring, L) &
