@@ -1,0 +1,98 @@
+import csv
+import json
+import subprocess
+import sys
+
+import pytest
+
+
+def floorwalker(*words, ok=True):
+    done = subprocess.run(
+        [sys.executable, "-m", "sim.cli", *map(str, words)], capture_output=True, text=True
+    )
+    if ok:
+        assert done.returncode == 0, done.stderr
+    return done
+
+
+def test_a_way_in_words():
+    done = floorwalker("plan", "ariac2023", -15, -10, -5, 3.75)
+    lines = done.stdout.splitlines()
+    assert lines[0].startswith("17.002 m by Roadmap, 0.997 m clear")
+    assert lines[1].split() == ["-15.000", "-10.000"]
+    assert lines[-1].split() == ["-5.000", "3.750"]
+    assert done.stderr == ""
+
+
+def test_a_way_as_json_with_options():
+    done = floorwalker(
+        *("plan", "ariac2023", -11.3, 6, -11.3, 3.5, "--json", "--radius", 0.25),
+        *("--planner", "RRTConnect", "--parameter", "range=2", "--seed", 3, "--agv", "agv1=9.0"),
+    )
+    way = json.loads(done.stdout)
+    assert way["points"][0] == [-11.3, 6.0]
+    assert way["points"][-1] == [-11.3, 3.5]
+    assert way["planner"] == "RRTConnect"
+    assert way["length"] > 2.6
+    assert way["clearance"] >= 0.25
+    assert way["checks"] > 0
+    assert way["cpu_seconds"] > 0
+    assert done.stderr == ""
+
+
+def test_no_way_is_one_sentence_and_exit_1():
+    done = floorwalker("plan", "ariac2023", -15, -10, -7.5, 3, ok=False)
+    assert done.returncode == 1
+    assert done.stdout == ""
+    assert done.stderr == "floorwalker: the goal (-7.5, 3) is inside assembly_table1\n"
+
+
+@pytest.mark.parametrize(
+    ("words", "why"),
+    [
+        (("--planner", "RTConnect"), "did you mean RRTConnect?"),
+        (("--parameter", "range=1"), "Roadmap has no parameters, found range"),
+        (("--agv", "agv9=1"), "no AGV called 'agv9'"),
+        (("--agv", "agv1=99"), "its lane runs from 0 to 18"),
+        (("--radius", "-1"), "a radius must be positive"),
+    ],
+)
+def test_senseless_input_is_exit_1(words, why):
+    done = floorwalker("plan", "ariac2023", -15, -10, -5, 3.75, *words, ok=False)
+    assert done.returncode == 1
+    assert why in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_wrong_usage_is_exit_2():
+    assert floorwalker("plan", "ariac2023", -15, -10, ok=False).returncode == 2
+    wrong = floorwalker("plan", "ariac2023", -15, -10, -5, 3.75, "--agv", "agv1", ok=False)
+    assert wrong.returncode == 2
+
+
+def test_a_plot(tmp_path):
+    pytest.importorskip("matplotlib")
+    floorwalker("plan", "ariac2023", -15, -10, -5, 3.75, "--plot", tmp_path / "way.svg")
+    assert (tmp_path / "way.svg").read_text().startswith("<?xml")
+    wrong = floorwalker(
+        "plan", "ariac2023", -15, -10, -5, 3.75, "--plot", tmp_path / "way.txt2", ok=False
+    )
+    assert wrong.returncode == 1
+    assert "way.txt2" in wrong.stderr
+
+
+def test_benchmark_writes_tables_logs_and_plots(tmp_path):
+    done = floorwalker(
+        *("benchmark", "--floorplan", "ariac2023", "--queries", 4, "--out", tmp_path),
+        *("--planner", "Roadmap", "--planner", "RRTConnect"),
+    )
+    assert "Roadmap" in done.stdout
+    assert "100%" in done.stdout
+    with (tmp_path / "benchmark.csv").open() as file:
+        assert len(list(csv.DictReader(file))) == 8
+    assert (tmp_path / "ariac2023.log").read_text().startswith("OMPL version")
+    # No progress bar where nobody looks.
+    assert done.stderr.count("\n") == 1
+    wrong = floorwalker("benchmark", "--planner", "Dijkstra", ok=False)
+    assert wrong.returncode == 1
+    assert "no planner is called 'Dijkstra'" in wrong.stderr
