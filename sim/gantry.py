@@ -12,7 +12,7 @@ from floorplan import Gantry
 from navigation import gantry_limits, gantry_move, gantry_stop, standing
 
 from .body import Body
-from .clock import Clock
+from .clock import Alarm, Clock, Turn
 from .recorder import Record
 from .trial import GantryEntry, Job
 
@@ -60,6 +60,7 @@ class GantryRobot:
         self._enabled: Event | None = None
         self._disabled_at = 0.0
         self._interruption = clock.event()
+        self._ready = Alarm(clock, self._enable, Turn.MOTION_ENDS)
 
     @property
     def now(self) -> float:
@@ -106,13 +107,15 @@ class GantryRobot:
         return self._clock.process(self._do(job))
 
     def disable(self, seconds: float) -> None:
-        """Stop as fast as it can, and stand for `seconds`."""
+        """Stop as fast as it can, and stand for `seconds` from now on."""
         self._record("gantry_disabled", seconds=seconds)
+        self._ready.set(self._clock.now + seconds)
+        if self._enabled is not None:
+            return
         self._enabled = self._clock.event()
         self._disabled_at = self._clock.now
         self._interrupt()
         self.body.follow(gantry_stop(self.body.state, self._clock.now, limits=self._limits))
-        self._clock.call_at(self._clock.now + seconds, self._enable)
 
     def close(self) -> None:
         """The trial is over: count the time it was disabled until now."""

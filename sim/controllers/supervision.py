@@ -14,6 +14,9 @@ from simpy.events import Event
 from ..gantry import GantryRobot, Steps
 from .finding import Controller, ControllerError
 
+MOST_AT_ONCE = 1000
+"""How often a controller may yield at one instant before it counts as endless."""
+
 
 def supervised(name: str, controller: Controller, gantry: GantryRobot) -> Steps:
     """The steps of `controller`, which a trial calls `name`.
@@ -26,7 +29,7 @@ def supervised(name: str, controller: Controller, gantry: GantryRobot) -> Steps:
         steps = controller(gantry)
         if not isinstance(steps, Generator):
             steps = _iterated(steps)
-        yield from _checked(steps)
+        yield from _checked(steps, gantry)
     except Exception as why:
         raise ControllerError(
             f"the gantry controller {name!r} failed at t = {gantry.now:g} s"
@@ -40,10 +43,14 @@ def _iterated(steps: Any) -> Steps:
     yield from steps
 
 
-def _checked(steps: Steps) -> Steps:
+def _checked(steps: Steps, gantry: GantryRobot) -> Steps:
     """The same steps, if each is something that can be waited for."""
     go_on: Callable[[], Event] = partial(next, steps)
+    now, yields = gantry.now, 0
     while True:
+        now, yields = gantry.now, yields + 1 if gantry.now == now else 0
+        if yields > MOST_AT_ONCE:
+            raise RuntimeError("it goes on for ever without letting time pass")
         try:
             event = go_on()
         except StopIteration:

@@ -61,6 +61,14 @@ def test_repeating_goes_on_to_the_end():
     assert run.summary["jobs_done"] > 6
 
 
+def test_jobs_that_take_no_time_are_not_repeated_for_ever():
+    trial = sim.Trial.parse(
+        "floorplan: ariac2023\nduration: 60\ngantry: {controller: oblivious, repeat: true,"
+        " at: [-7.0, 0.0, 0.0], jobs: [{move: [-5.0, 0.0, 0.0]}]}"
+    )
+    assert sim.run(trial).summary["jobs_done"] == 2
+
+
 def test_a_parked_gantry_stays():
     run = sim.run(alone("parked"))
     assert run.summary["jobs_done"] == 0
@@ -186,6 +194,10 @@ def back_and_forth(gantry):
             "AGV is called 'moon'",
         ),
         ("def go():\n    yield\n", "takes 0 positional arguments"),
+        (
+            "def go(gantry):\n    while True:\n        yield gantry.wait(0)\n",
+            "without letting time pass",
+        ),
     ],
 )
 def test_a_controller_that_fails_is_named_with_its_line(controller, text, message):
