@@ -11,11 +11,8 @@ polyhedral obstacles", Communications of the ACM 22 (1979).
 
 from __future__ import annotations
 
-import heapq
-import itertools
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 import shapely
@@ -26,6 +23,7 @@ from floorplan import Point
 from .bodies import Body
 from .corners import Bends, Corners, Floats, bends, corners, edges_of_room
 from .freespace import STEP
+from .search import BodyBends, Ends, Search
 
 HAIR = 1e-4
 """Metres. How much more than its radius a disc keeps from everything where a way bends."""
@@ -33,32 +31,8 @@ HAIR = 1e-4
 MOST_DISTANCES = 800
 """The distances between all bends are worked out beforehand up to this many."""
 
-PATIENCE = 200
-"""After so many links a search asks whether there is a way at all."""
-
 _ROWS = 256
 """How many bends are compared with all the others at a time."""
-
-
-@dataclass(frozen=True, eq=False)
-class BodyBends:
-    """The bends around one body, and their links to those of the floor."""
-
-    body: Body
-    bends: Bends
-    links: list[list[tuple[int, float]]]
-
-
-@dataclass(frozen=True, eq=False)
-class Ends:
-    """A start and a goal, and how the floor's network links them (bends and metres)."""
-
-    start: Point
-    goal: Point
-    from_start: list[tuple[int, float]]
-    to_goal: dict[int, float]
-    straight: bool
-    """Whether only bodies may stand between them."""
 
 
 class Roadmap:
@@ -99,7 +73,7 @@ class Roadmap:
         `hit(a, b)` tells whether a straight link that is free of the floor's obstacles runs into
         a body. `hopeless()` is asked once if the search takes long, and ends it if it is true.
         """
-        return _Search(self, ends, [self._around(body) for body in bodies], hit).run(hopeless)
+        return Search(self, ends, [self._around(body) for body in bodies], hit).run(hopeless)
 
     def visible(self, a: Floats, b: Floats) -> NDArray[np.bool_]:
         """Whether the disc can go straight from a to b (N, 2) as far as the floor is concerned."""
@@ -188,141 +162,6 @@ class Roadmap:
         fresh = BodyBends(body, around, links)
         self._bodies[body.name] = fresh
         return fresh
-
-
-class _Search:
-    """One A* search. Links are checked against bodies only when the search takes them.
-
-    The floor's bends have the numbers below N; those of bodies, then the start and the goal
-    follow.
-    """
-
-    def __init__(
-        self,
-        roadmap: Roadmap,
-        ends: Ends,
-        around: Sequence[BodyBends],
-        hit: Callable[[Point, Point], bool],
-    ) -> None:
-        self._hit = hit
-        self._fixed = len(roadmap.bends)
-        extra = np.array(
-            [*itertools.chain(*(part.bends.point for part in around)), ends.start, ends.goal]
-        )
-        self._start = self._fixed + len(extra) - 2
-        self._goal = self._start + 1
-        self._floor_links = roadmap.links
-        self._points = roadmap.bends.point
-        self._extra = [(float(x), float(y)) for x, y in extra]
-        self._links: list[list[tuple[int, float]]] = [[] for _ in extra]
-        self._links[-2] += ends.from_start
-        self._to_goal = dict(ends.to_goal)
-        if ends.straight:
-            self._to_goal[self._start] = math.dist(ends.start, ends.goal)
-        self._back: dict[int, list[tuple[int, float]]] = {}
-        if around:
-            self._link_bodies(roadmap, around, extra)
-        self._left = self._bounds(roadmap, ends.goal)
-
-    def _link_bodies(self, roadmap: Roadmap, around: Sequence[BodyBends], extra: Floats) -> None:
-        loose = Bends.join([part.bends for part in around])
-        along = loose.point[None] - extra[:, None]
-        length = np.hypot(along[..., 0], along[..., 1])
-        there = loose.graze(along)
-        here = np.ones_like(there)
-        here[:-2] = loose.graze(along[:-2].swapaxes(0, 1)).T
-        there[-2:] |= length[-2:] <= loose.reach * 1.01
-        one, other = np.nonzero(there & here & (length > 0))
-        seen = roadmap.visible(extra[one], loose.point[other])
-        for i, j in zip(one[seen].tolist(), other[seen].tolist(), strict=True):
-            k = self._fixed + j
-            if i == len(extra) - 1:
-                self._to_goal[k] = length[i, j]
-            else:
-                self._links[i].append((k, length[i, j]))
-        k = self._fixed
-        for part in around:
-            for links in part.links:
-                self._links[k - self._fixed].extend(links)
-                for to, far in links:
-                    self._back.setdefault(to, []).append((k, far))
-                k += 1
-
-    def _bounds(self, roadmap: Roadmap, goal: Point) -> list[float]:
-        """No more than the way that is left from each place (metres).
-
-        From a bend of the floor the way goes on over others to one that is linked to the goal, or
-        to a body's bend, from where it is not shorter than the straight line.
-        """
-        away = np.array(self._extra) - np.array(goal)
-        loose: list[float] = np.hypot(away[:, 0], away[:, 1]).tolist()
-        last = [(k, far) for k, far in self._to_goal.items() if k < self._fixed]
-        for k, links in self._back.items():
-            last += [(k, far + loose[to - self._fixed]) for to, far in links]
-        fixed: list[float] = roadmap.distances_to(goal, last).tolist()
-        return fixed + loose
-
-    def run(self, hopeless: Callable[[], bool]) -> list[Point] | None:
-        """The points of the shortest way, or None."""
-        best = {self._start: 0.0}
-        before: dict[int, int] = {}
-        left = self._left
-        queue: list[tuple[float, float, int, int]] = []
-        self._expand(self._start, 0.0, best, queue)
-        taken = 0
-        while queue:
-            taken += 1
-            if taken == PATIENCE and hopeless():
-                return None
-            _, so_far, here, there = heapq.heappop(queue)
-            if so_far >= best.get(there, math.inf):
-                continue
-            if self._hit(self._point(here), self._point(there)):
-                continue
-            best[there] = so_far
-            before[there] = here
-            if there == self._goal:
-                return self._trace(before)
-            if left[there] < math.inf:
-                self._expand(there, so_far, best, queue)
-        return None
-
-    def _expand(
-        self,
-        here: int,
-        so_far: float,
-        best: dict[int, float],
-        queue: list[tuple[float, float, int, int]],
-    ) -> None:
-        left = self._left
-        for there, length in self._links_of(here):
-            then = so_far + length
-            if then < best.get(there, math.inf):
-                heapq.heappush(queue, (then + left[there], then, here, there))
-        if here in self._to_goal:
-            then = so_far + self._to_goal[here]
-            heapq.heappush(queue, (then, then, here, self._goal))
-
-    def _links_of(self, here: int) -> list[tuple[int, float]]:
-        if here >= self._fixed:
-            return self._links[here - self._fixed]
-        if here in self._back:
-            return self._floor_links[here] + self._back[here]
-        return self._floor_links[here]
-
-    def _point(self, index: int) -> Point:
-        if index >= self._fixed:
-            return self._extra[index - self._fixed]
-        x, y = self._points[index].tolist()
-        return (x, y)
-
-    def _trace(self, before: dict[int, int]) -> list[Point]:
-        index = self._goal
-        way = [self._point(index)]
-        while index != self._start:
-            index = before[index]
-            way.append(self._point(index))
-        return way[::-1]
 
 
 def _all_distances(links: list[list[tuple[int, float]]]) -> Floats:
