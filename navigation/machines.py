@@ -76,11 +76,14 @@ def agv_run(lane: Lane, current: AxisState, target: str | float, start: float = 
 
 
 def lane_state(lane: Lane, state: State) -> AxisState:
-    """Where on its lane an AGV in `state` is, and how it moves along it."""
-    c, s = lane.direction
+    """Where on its lane an AGV in `state` is, and how it moves along it.
+
+    At the ends of the lane, rounding does not take it off.
+    """
+    (low, high), (c, s) = lane.limits, lane.direction
     (x, y), (vx, vy, _), (ax, ay, _) = state.at, state.velocity, state.acceleration
     q = (x - lane.origin[0]) * c + (y - lane.origin[1]) * s
-    return AxisState(q, vx * c + vy * s, ax * c + ay * s)
+    return AxisState(min(max(q, low), high), vx * c + vy * s, ax * c + ay * s)
 
 
 def _axis_states(current: State) -> list[AxisState]:

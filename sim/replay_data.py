@@ -16,11 +16,12 @@ from .replay import FORMAT
 def replay_data(run: Run) -> dict[str, Any]:
     """The run in the format of the replay page: metres, seconds, radians."""
     plan = run.trial.floorplan
+    trial = run.trial.name
     timing = ("cpu_seconds", "realtime_factor")
     data: dict[str, Any] = rounded(
         {
             "format": FORMAT,
-            "title": f"{plan.name} · {run.trial.name}",
+            "title": trial if trial == plan.name else f"{trial} · {plan.name}",
             "duration": run.duration,
             "summary": {k: v for k, v in run.summary.items() if k not in timing},
             "floorplan": _floorplan(plan),

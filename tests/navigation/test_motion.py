@@ -171,6 +171,19 @@ def test_an_agv_run_is_the_trapezoid_of_its_limits():
     assert turned.position(turned.end) == pytest.approx((-2.27, 4.8))
 
 
+@given(st.lists(st.floats(0, 18), max_size=4))
+def test_an_agv_that_came_back_is_still_on_its_lane(stops):
+    """Rounding once left one 4e-16 m before the beginning of its lane."""
+    lane = floorplan.load("ariac2023").lane("agv1")
+    state, t = AxisState(0.0), 0.0
+    for q in [*stops, 0.0, 18.0, 0.0]:
+        run = navigation.agv_run(lane, state, q, t)
+        t = run.end + 1.0
+        state = navigation.lane_state(lane, run.state(t))
+        assert lane.limits[0] <= state.position <= lane.limits[1]
+        assert state.position == pytest.approx(q, abs=1e-9)
+
+
 @given(st.lists(pose, min_size=2, max_size=5))
 def test_scalars_arrays_and_states_agree(poses):
     motions, t, current = [], 0.0, poses[0]
