@@ -31,6 +31,9 @@ TOO_CLOSE = 1e-3
 _MANY = 3
 """If so many bodies are in the way, it is worth finding out first whether there is one."""
 
+_STEP = HAIR / 100
+"""Metres. Shorter steps are left out of a way: their direction is mostly rounding."""
+
 _SLACK = HAIR / 2
 """Metres. What is asked of a way beyond the radius, so that rounding can't take it away."""
 
@@ -87,11 +90,7 @@ class PathPlanner:
             way = self._shortest(leave, arrive)
         else:
             way = self._sampled(leave, arrive, planner, parameters or {}, seed)
-        if leave != a:
-            way.insert(0, a)
-        if arrive != b:
-            way.append(b)
-        points = np.array(way if len(way) > 1 else [a, b], dtype=float)
+        points = np.array(_distinct([a, leave, *way, arrive, b]), dtype=float)
         clearance = self.world.clearance(points, self.ignore)
         return Path(points, clearance, planner, self.world.checks - before)
 
@@ -195,6 +194,15 @@ class PathPlanner:
         if footing is None or math.dist(place, footing) > 10 * TOO_CLOSE:
             raise PlanningError(reason, blocked_place(world, place, end, self.radius, ignore))
         return footing
+
+
+def _distinct(way: list[Point]) -> list[Point]:
+    """`way` without places that are a step of no account from the one before or from the end."""
+    kept = [way[0]]
+    for place in way[1:-1]:
+        if math.dist(place, kept[-1]) > _STEP and math.dist(place, way[-1]) > _STEP:
+            kept.append(place)
+    return [*kept, way[-1]]
 
 
 def planners() -> tuple[PlannerInfo, ...]:
