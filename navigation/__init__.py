@@ -1,6 +1,7 @@
 """How bodies move: collision, paths, motions in continuous time, and separation."""
 
 from .bodies import Disc
+from .encounter import Enclosure, Encounter, Odometer
 from .gantry_planner import GantryPath, GantryPlanner
 from .machines import (
     ARIAC_GANTRY,
@@ -23,6 +24,7 @@ from .monitor import (
     TooClose,
     first_time,
     first_violation,
+    minimum_margin,
     minimum_separation,
     violations,
     when,
@@ -31,7 +33,16 @@ from .motion import Motion, Piece, State, join, standing
 from .path import Path, PlannerInfo, PlanningError
 from .planner import PathPlanner, planners
 from .profiles import AxisLimits, AxisState
-from .separation import FixedDistance, Law, Scaled, SeparationLaw
+from .separation import (
+    ApproachLaw,
+    FixedDistance,
+    IntegralLaw,
+    Law,
+    MotionLaw,
+    Scaled,
+    SeparationLaw,
+)
+from .surfaces import Box, Cylinder, Shapes, agv_box, folded_arm, torso_box
 from .walk import can_go_on, corner_speed, remaining_path, stop_walking, walk
 from .world import CollisionWorld
 
@@ -40,21 +51,29 @@ __all__ = [
     "RESOLUTION",
     "STANDING_SPEED",
     "Apart",
+    "ApproachLaw",
     "Approaching",
     "AxisLimits",
     "AxisState",
     "Both",
+    "Box",
     "CollisionWorld",
     "Condition",
+    "Cylinder",
     "Disc",
+    "Enclosure",
+    "Encounter",
     "FixedDistance",
     "GantryLimits",
     "GantryPath",
     "GantryPlanner",
+    "IntegralLaw",
     "Law",
     "Motion",
+    "MotionLaw",
     "Moving",
     "Not",
+    "Odometer",
     "Path",
     "PathPlanner",
     "Piece",
@@ -62,23 +81,28 @@ __all__ = [
     "PlanningError",
     "Scaled",
     "SeparationLaw",
+    "Shapes",
     "State",
     "TooClose",
+    "agv_box",
     "agv_run",
     "can_go_on",
     "corner_speed",
     "first_time",
     "first_violation",
+    "folded_arm",
     "gantry_limits",
     "gantry_move",
     "gantry_stop",
     "join",
     "lane_state",
+    "minimum_margin",
     "minimum_separation",
     "planners",
     "remaining_path",
     "standing",
     "stop_walking",
+    "torso_box",
     "violations",
     "walk",
     "when",

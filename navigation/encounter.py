@@ -1,12 +1,30 @@
-"""Two motions beside each other: bounds on their distance and speeds over an interval."""
+"""Two motions beside each other: bounds on distance, speeds and ways over an interval."""
 
 from __future__ import annotations
 
+import cmath
+import itertools
 import math
-from collections.abc import Iterator
+from bisect import bisect_right
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
+import numpy as np
+
 from .motion import Cubic, Motion, Piece, shift, still
+
+_GAUSS = tuple(
+    (1 + float(node), float(weight))
+    for node, weight in zip(*np.polynomial.legendre.leggauss(8), strict=True)
+)
+"""Nodes (on 0 … 2) and weights of Gauss-Legendre quadrature."""
+
+_ELLIPSE = 7.0
+"""How far, as the sum of the half axes of a Bernstein ellipse, speed must be analytic around a
+stretch that is integrated with `_GAUSS`: the error is then below 2e-13 of the stretch's length
+(L. N. Trefethen, "Approximation Theory and Approximation Practice", theorem 19.3)."""
 
 
 class Bounds(NamedTuple):
@@ -20,23 +38,210 @@ class Bounds(NamedTuple):
     robot_high: float
 
 
+@dataclass(frozen=True)
+class Enclosure:
+    """A figure over an interval: within `slack` of `value` + `slope` (t − its middle).
+
+    At an instant `value` is exact, and the other two don't count.
+    """
+
+    value: float
+    slope: float = 0.0
+    slack: float = 0.0
+
+    @staticmethod
+    def between(low: float, high: float) -> Enclosure:
+        """A figure of which nothing else is known."""
+        return Enclosure((low + high) / 2, 0.0, (high - low) / 2)
+
+    def range(self, half: float) -> tuple[float, float]:
+        """The least and the most it may be on an interval of twice `half` (seconds)."""
+        around = abs(self.slope) * half + self.slack
+        return self.value - around, self.value + around
+
+    def __add__(self, other: Enclosure | float) -> Enclosure:
+        if isinstance(other, Enclosure):
+            return Enclosure(
+                self.value + other.value, self.slope + other.slope, self.slack + other.slack
+            )
+        return Enclosure(self.value + other, self.slope, self.slack)
+
+    def __mul__(self, factor: float) -> Enclosure:
+        return Enclosure(self.value * factor, self.slope * factor, self.slack * abs(factor))
+
+
+class Odometer:
+    """How far a motion has gone along its way, and how fast it goes. Jumps are no way gone."""
+
+    def __init__(self, motion: Motion) -> None:
+        self.motion = motion
+
+    def reading(self, t: float) -> float:
+        """The metres gone from the motion's start to `t` (seconds); exact to 1e-12 of them."""
+        begins, stretches, total = self._stretches
+        if t >= self.motion.end:
+            return total
+        if t <= self.motion.start:
+            return 0.0
+        stretch = stretches[bisect_right(begins, t) - 1]
+        return stretch.gone + stretch.length(t - stretch.begin)
+
+    def ahead(self, begin: float, end: float, seconds: float) -> Enclosure:
+        """The way gone (metres) within `seconds` of each instant from `begin` to `end`."""
+        middle, half = begin + (end - begin) / 2, (end - begin) / 2
+        way = self.reading(middle + seconds) - self.reading(middle)
+        if half == 0.0:
+            return Enclosure(way)
+        # Its derivative is the speed at the far end less that at the near one.
+        slowest, fastest = self.speed(begin, end).range(half)
+        slowest_then, fastest_then = self.speed(begin + seconds, end + seconds).range(half)
+        least, most = slowest_then - fastest, fastest_then - slowest
+        return Enclosure(way, (least + most) / 2, (most - least) / 2 * half)
+
+    def speed(self, begin: float, end: float) -> Enclosure:
+        """The speed (m/s) from `begin` to `end`; at a change, the one after it."""
+        motion = self.motion
+        if end < motion.start or begin >= motion.end:
+            return Enclosure(0.0)
+        k = bisect_right(self._begins, begin) - 1
+        if k >= 0 and end <= motion.pieces[k].end:
+            return _speed_along(motion.pieces[k], begin, end)
+        stands = begin < motion.start or end > motion.end
+        low, high = (0.0, 0.0) if stands else (math.inf, 0.0)
+        for piece in itertools.islice(motion.pieces, max(k, 0), None):
+            if piece.begin >= end:
+                break
+            since, until = max(begin, piece.begin), min(end, piece.end)
+            if until <= since:
+                continue
+            slowest, fastest = _speed_along(piece, since, until).range((until - since) / 2)
+            low, high = min(low, slowest), max(high, fastest)
+        return Enclosure.between(max(low, 0.0), high)
+
+    @cached_property
+    def _begins(self) -> list[float]:
+        return [piece.begin for piece in self.motion.pieces]
+
+    @cached_property
+    def _stretches(self) -> tuple[list[float], list[_Stretch], float]:
+        """Where each stretch begins (seconds), the stretches, and the whole way (metres)."""
+        stretches: list[_Stretch] = []
+        gone = 0.0
+        for piece in self.motion.pieces:
+            for u, w in itertools.pairwise(_smooth_cuts(piece)):
+                x, y = shift(piece.x, u), shift(piece.y, u)
+                stretches.append(_Stretch(piece.begin + u, gone, x, y))
+                gone += stretches[-1].length(w - u)
+        return [stretch.begin for stretch in stretches], stretches, gone
+
+
+class _Stretch(NamedTuple):
+    """A part of a motion's way on which its speed is smooth, after `gone` metres."""
+
+    begin: float
+    gone: float
+    x: Cubic
+    y: Cubic
+
+    def length(self, u: float) -> float:
+        """The length of its first `u` seconds, metres."""
+        (_, x1, x2, x3), (_, y1, y2, y3) = self.x, self.y
+        if x2 == y2 == x3 == y3 == 0.0:
+            return math.hypot(x1, y1) * u
+        half = u / 2
+        total = 0.0
+        for node, weight in _GAUSS:
+            w = half * node
+            total += weight * math.hypot(
+                x1 + w * (2 * x2 + w * 3 * x3), y1 + w * (2 * y2 + w * 3 * y3)
+            )
+        return half * total
+
+
+def _smooth_cuts(piece: Piece) -> list[float]:
+    """Where to cut a piece (seconds from its begin) so that its speed is smooth in between.
+
+    The velocity as a complex number x' + i y' is a quadratic in time; speed is its modulus, and
+    analytic but at its roots and their conjugates.
+    """
+    duration = piece.end - piece.begin
+    roots = _velocity_roots(piece, duration)
+    turns = sorted(root.real for root in roots if 0.0 < root.real < duration)
+    cuts = [0.0, *turns, duration]
+    # At a real root the body stands: the modulus has a corner there, and is smooth on both sides.
+    corners = [root for root in roots if abs(root.imag) > 1e-12]
+    undecided = [*itertools.pairwise(cuts)][::-1]
+    smooth = [0.0]
+    while undecided:
+        low, high = undecided.pop()
+        middle, half = (low + high) / 2, (high - low) / 2
+        if half < 1e-9 or all(_ellipse((root - middle) / half) > _ELLIPSE for root in corners):
+            smooth.append(high)
+        else:
+            undecided += [(middle, high), (low, middle)]
+    return smooth
+
+
+def _velocity_roots(piece: Piece, duration: float) -> list[complex]:
+    (_, x1, x2, x3), (_, y1, y2, y3) = piece.x, piece.y
+    a, b, c = complex(3 * x3, 3 * y3), complex(2 * x2, 2 * y2), complex(x1, y1)
+    if abs(a) * duration**2 > 1e-14 * (abs(b) * duration + abs(c)):
+        root = cmath.sqrt(b * b - 4 * a * c)
+        q = -(b + (root if (b.conjugate() * root).real >= 0 else -root)) / 2
+        return [q / a, c / q] if q else [0j]
+    if abs(b) * duration > 1e-14 * abs(c):
+        return [-c / b]
+    return []
+
+
+def _ellipse(z: complex) -> float:
+    """The sum of the half axes of the ellipse with foci ±1 through `z`."""
+    return abs(z + cmath.sqrt(z - 1) * cmath.sqrt(z + 1))
+
+
 class Encounter:
-    """A stretch of time in which the motions of a person and a machine are one cubic each."""
+    """A stretch of time in which the motions of a person and a machine are one cubic each.
 
-    __slots__ = ("_human", "_robot", "_x", "_y", "begin", "end")
+    `human` and `robot` are the odometers of the whole motions.
+    """
 
-    def __init__(self, begin: float, end: float, human: Piece, robot: Piece) -> None:
+    __slots__ = (
+        "_human",
+        "_human_piece",
+        "_human_steady",
+        "_robot",
+        "_robot_piece",
+        "_robot_steady",
+        "_x",
+        "_y",
+        "begin",
+        "end",
+        "human",
+        "robot",
+    )
+
+    def __init__(
+        self,
+        begin: float,
+        end: float,
+        pieces: tuple[Piece, Piece],
+        odometers: tuple[Odometer, Odometer],
+    ) -> None:
         self.begin = begin
         self.end = end
+        self.human, self.robot = odometers
+        self._human_piece, self._robot_piece = human, robot = pieces
         human_x, human_y = _from(human, begin)
         robot_x, robot_y = _from(robot, begin)
         self._human = (human_x, human_y)
         self._robot = (robot_x, robot_y)
+        self._human_steady = _steady_speed(human_x, human_y)
+        self._robot_steady = _steady_speed(robot_x, robot_y)
         self._x = _difference(robot_x, human_x)
         self._y = _difference(robot_y, human_y)
 
     def distance(self, t: float) -> float:
-        """The distance between the centres at `t` (metres)."""
+        """The distance between the two at `t` (metres)."""
         u = t - self.begin
         a, b = self._x, self._y
         return math.hypot(
@@ -65,23 +270,35 @@ class Encounter:
         """What holds throughout the interval from `begin` to `end` within this stretch."""
         half = (end - begin) / 2
         middle = begin - self.begin + half
-        human_low, human_high = _speed(self._human, middle, half)
-        robot_low, robot_high = _speed(self._robot, middle, half)
-        near, far, _ = self._distance(middle, half)
+        human_low, human_high = self._human_steady or _speed(self._human, middle, half)
+        robot_low, robot_high = self._robot_steady or _speed(self._robot, middle, half)
+        near, far, _ = self._distance(middle, half, 0.0)
         return Bounds(near, far, human_low, human_high, robot_low, robot_high)
 
-    def nearest(self, begin: float, end: float) -> tuple[float, float]:
-        """A lower bound on the distance over an interval, and an instant that comes close to it."""
+    def apart(self, begin: float, end: float, slope: float = 0.0) -> tuple[float, float, float]:
+        """Bounds on distance − `slope` (t − middle) over an interval, and an instant near the low.
+
+        The slope (m/s) is that of a required distance which grows while the two move.
+        """
         half = (end - begin) / 2
         middle = begin - self.begin + half
-        near, _, offset = self._distance(middle, half)
-        return near, self.begin + middle + offset
+        near, far, offset = self._distance(middle, half, slope)
+        return near, far, min(max(self.begin + middle + offset, begin), end)
 
-    def _distance(self, middle: float, half: float) -> tuple[float, float, float]:
-        """Bounds on the distance within `half` of `middle`, and where its linear part is least.
+    def human_speed(self, begin: float, end: float) -> Enclosure:
+        """The human's speed over an interval within this stretch, m/s."""
+        return _speed_along(self._human_piece, begin, end)
 
-        About the middle the relative position is r + v u + (a/2) u² + (j/6) u³. The distance to
-        the segment r + v u is known exactly; the rest can't be longer than (a/2) h² + (j/6) h³.
+    def robot_speed(self, begin: float, end: float) -> Enclosure:
+        """The robot's speed over an interval within this stretch, m/s."""
+        return _speed_along(self._robot_piece, begin, end)
+
+    def _distance(self, middle: float, half: float, slope: float) -> tuple[float, float, float]:
+        """Bounds on distance − slope u for all |u| <= `half`, and the u where it is about least.
+
+        About the middle the relative position is r + v u + (a/2) u² + (j/6) u³. What |r + v u| −
+        slope u may be is known exactly, for it is convex; the rest of the position can't be longer
+        than (a/2) h² + (j/6) h³.
         """
         a, b = self._x, self._y
         x = a[0] + middle * (a[1] + middle * (a[2] + middle * a[3]))
@@ -96,23 +313,37 @@ class Encounter:
             bend += half * half * half * math.hypot(a[3], b[3])
         square = vx * vx + vy * vy
         offset = 0.0
-        if square > 0.0:
-            offset = min(max(-(x * vx + y * vy) / square, -half), half)
+        if square > slope * slope:
+            offset = -(x * vx + y * vy) / square
+            if slope:
+                across = abs(x * vy - y * vx)
+                offset += slope * across / (square * math.sqrt(square - slope * slope))
+            offset = min(max(offset, -half), half)
+        elif slope:
+            offset = math.copysign(half, slope)
         near = math.hypot(x + vx * offset, y + vy * offset)
-        far = max(
-            math.hypot(x - vx * half, y - vy * half), math.hypot(x + vx * half, y + vy * half)
-        )
-        return max(near - bend, 0.0), far + bend, offset
+        before = math.hypot(x - vx * half, y - vy * half)
+        after = math.hypot(x + vx * half, y + vy * half)
+        if slope:
+            rise = slope * half
+            return near - slope * offset - bend, max(before + rise, after - rise) + bend, offset
+        return max(near - bend, 0.0), max(before, after) + bend, offset
 
 
-def encounters(human: Motion, robot: Motion, begin: float, end: float) -> Iterator[Encounter]:
+MakeEncounter = Callable[[float, float, tuple[Piece, Piece], tuple[Odometer, Odometer]], Encounter]
+
+
+def encounters(
+    human: Motion, robot: Motion, begin: float, end: float, make: MakeEncounter = Encounter
+) -> Iterator[Encounter]:
     """The stretches from `begin` to `end` (seconds), in order of time; one if they are equal."""
     human_pieces, robot_pieces = _ahead(human, begin, end), _ahead(robot, begin, end)
     human_piece, robot_piece = next(human_pieces), next(robot_pieces)
+    odometers = (Odometer(human), Odometer(robot))
     t = begin
     while True:
         until = min(human_piece.end, robot_piece.end, end)
-        yield Encounter(t, until, human_piece, robot_piece)
+        yield make(t, until, (human_piece, robot_piece), odometers)
         t = until
         if t >= end:
             return
@@ -128,8 +359,15 @@ def _ahead(motion: Motion, begin: float, end: float) -> Iterator[Piece]:
         yield still(motion.state(begin).position, begin, motion.start)
     for piece in motion.pieces_from(begin):
         if piece.end > begin:
+            _require_figures(piece)
             yield piece
     yield still(motion.state(motion.end).position, motion.end, max(end, motion.end))
+
+
+def _require_figures(piece: Piece) -> None:
+    begin, end, (x0, x1, x2, x3), (y0, y1, y2, y3), _ = piece
+    if not math.isfinite(begin + end + x0 + x1 + x2 + x3 + y0 + y1 + y2 + y3):
+        raise ValueError(f"a motion is not finite from t = {begin} s to {end} s")
 
 
 def _from(piece: Piece, t: float) -> tuple[Cubic, Cubic]:
@@ -146,9 +384,6 @@ def _difference(a: Cubic, b: Cubic) -> Cubic:
 def _speed(axes: tuple[Cubic, Cubic], middle: float, half: float) -> tuple[float, float]:
     """Bounds on a speed within `half` of `middle`."""
     x, y = axes
-    if x[2] == y[2] == x[3] == y[3] == 0.0:
-        speed = math.hypot(x[1], y[1])
-        return speed, speed
     speed = math.hypot(
         x[1] + middle * (2 * x[2] + middle * 3 * x[3]),
         y[1] + middle * (2 * y[2] + middle * 3 * y[3]),
@@ -156,3 +391,36 @@ def _speed(axes: tuple[Cubic, Cubic], middle: float, half: float) -> tuple[float
     slack = half * 2 * math.hypot(x[2] + 3 * x[3] * middle, y[2] + 3 * y[3] * middle)
     slack += half * half * 3 * math.hypot(x[3], y[3])
     return max(speed - slack, 0.0), speed + slack
+
+
+def _steady_speed(x: Cubic, y: Cubic) -> tuple[float, float] | None:
+    """Twice the speed, as its least and its most, where it never changes."""
+    if x[2] == y[2] == x[3] == y[3] == 0.0:
+        speed = math.hypot(x[1], y[1])
+        return speed, speed
+    return None
+
+
+def _speed_along(piece: Piece, begin: float, end: float) -> Enclosure:
+    """The speed of a piece over an interval within it, m/s.
+
+    Its second derivative is at most a² / |v| + |j|, with a the acceleration across the velocity.
+    """
+    half = (end - begin) / 2
+    u = begin - piece.begin + half
+    (_, x1, x2, x3), (_, y1, y2, y3) = piece.x, piece.y
+    vx, vy = x1 + u * (2 * x2 + u * 3 * x3), y1 + u * (2 * y2 + u * 3 * y3)
+    speed = math.hypot(vx, vy)
+    if half == 0.0 or x2 == y2 == x3 == y3 == 0.0:
+        return Enclosure(speed)
+    ax, ay, jx, jy = 2 * x2 + u * 6 * x3, 2 * y2 + u * 6 * y3, 6 * x3, 6 * y3
+    jerk = math.hypot(jx, jy)
+    change = (math.hypot(ax, ay) + jerk * half) * half
+    least = speed - change
+    if least > 0.0:
+        across = abs(vx * ay - vy * ax) + half * abs(vx * jy - vy * jx)
+        across += half * half / 2 * abs(ax * jy - ay * jx)
+        bend = ((across / least) ** 2 / least + jerk) * half * half / 2
+        if bend < change:
+            return Enclosure(speed, (vx * ax + vy * ay) / speed, bend)
+    return Enclosure(speed, 0.0, change)

@@ -11,19 +11,26 @@ encounters, not with the time watched.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Protocol
 
-from .encounter import Encounter, encounters
+from .encounter import Enclosure, Encounter, encounters
 from .motion import Motion
-from .separation import Law
+from .separation import Law, MotionLaw
+from .surfaces import Shapes
 
 RESOLUTION = 1e-7
 """Seconds. Instants are found at least this exactly; nothing longer is missed."""
 
 STANDING_SPEED = 0.01
 """m/s. A machine that is no faster counts as standing where a rule asks for one that moves."""
+
+ROUNDING = 1e-11
+"""Metres. What looks at ways gone is not sure of less: being short by this is no violation."""
+
+EXACT = 1e-9
+"""Metres. Least distances and margins are this exact, margins of a plain `Law` to 1e-6."""
 
 
 class Condition(Protocol):
@@ -39,18 +46,51 @@ class Condition(Protocol):
 
 @dataclass(frozen=True)
 class TooClose:
-    """The distance between the centres is less than `law` requires."""
+    """The two are closer than `law` requires."""
 
-    law: Law
+    law: Law | MotionLaw
 
     def holds(self, encounter: Encounter, begin: float, end: float) -> bool | None:
         """See `Condition`."""
+        law = self.law
+        if not hasattr(law, "distance"):
+            return _short_of(law.required(encounter, begin, end), encounter, begin, end)
         b = encounter.bounds(begin, end)
-        if b.distance_low >= self.law.distance(b.human_high, b.robot_high):
+        most = law.distance(b.human_high, b.robot_high)
+        if b.distance_low >= most:
             return False
-        if b.distance_high < self.law.distance(b.human_low, b.robot_low):
+        least = law.distance(b.human_low, b.robot_low)
+        if b.distance_high < least:
             return True
+        if not least <= most:
+            raise ValueError(
+                f"{law} requires {least} m at speeds of {b.human_low:g} and {b.robot_low:g} m/s,"
+                f" but {most} m at {b.human_high:g} and {b.robot_high:g} m/s;"
+                " a law must not ask for less when speeds grow"
+            )
         return None
+
+
+def _short_of(required: Enclosure, encounter: Encounter, begin: float, end: float) -> bool | None:
+    """Whether the distance is less than `required`."""
+    low, high = _margin(required, encounter, begin, end)[:2]
+    if low >= -ROUNDING:
+        return False
+    # There is a gap between the two limits, so that rounding can't leave a tie undecided.
+    if high < -ROUNDING / 2:
+        return True
+    if not low <= high:
+        raise ValueError(f"a law requires {required} from t = {begin} s to {end} s")
+    return None
+
+
+def _margin(
+    required: Enclosure, encounter: Encounter, begin: float, end: float
+) -> tuple[float, float, float]:
+    """Bounds on distance − required over an interval, and an instant near the least."""
+    low, high, candidate = encounter.apart(begin, end, required.slope if begin < end else 0.0)
+    slack = required.slack if begin < end else 0.0
+    return low - required.value - slack, high - required.value + slack, candidate
 
 
 @dataclass(frozen=True)
@@ -67,7 +107,7 @@ class Moving:
 
 @dataclass(frozen=True)
 class Approaching:
-    """The two come closer to each other."""
+    """The centres of the two come closer to each other."""
 
     def holds(self, encounter: Encounter, begin: float, end: float) -> bool | None:
         """See `Condition`."""
@@ -79,7 +119,7 @@ class Approaching:
 
 @dataclass(frozen=True)
 class Apart:
-    """The distance between the centres is at least `metres`."""
+    """The distance between the two is at least `metres`."""
 
     metres: float
 
@@ -122,11 +162,20 @@ class Both:
 
 
 def when(
-    condition: Condition, person: Motion, machine: Motion, begin: float, end: float
+    condition: Condition,
+    person: Motion,
+    machine: Motion,
+    begin: float,
+    end: float,
+    *,
+    shapes: Shapes | None = None,
 ) -> Iterator[tuple[float, float]]:
-    """The maximal intervals between `begin` and `end` (seconds) in which `condition` holds."""
+    """The maximal intervals between `begin` and `end` (seconds) in which `condition` holds.
+
+    Distances are taken between the centres on the floor, or between the surfaces of `shapes`.
+    """
     since = begin
-    for t, holds in _changes(condition, person, machine, begin, end):
+    for t, holds in _changes(condition, _meetings(person, machine, begin, end, shapes)):
         if holds:
             since = t
         else:
@@ -134,21 +183,33 @@ def when(
 
 
 def first_time(
-    condition: Condition, person: Motion, machine: Motion, begin: float, end: float
+    condition: Condition,
+    person: Motion,
+    machine: Motion,
+    begin: float,
+    end: float,
+    *,
+    shapes: Shapes | None = None,
 ) -> float | None:
     """The first instant between `begin` and `end` (seconds) at which `condition` holds."""
-    for t, _ in _changes(condition, person, machine, begin, end):
+    for t, _ in _changes(condition, _meetings(person, machine, begin, end, shapes)):
         return t
     return None
 
 
-def _changes(
-    condition: Condition, person: Motion, machine: Motion, begin: float, end: float
-) -> Iterator[tuple[float, bool]]:
+def _meetings(
+    person: Motion, machine: Motion, begin: float, end: float, shapes: Shapes | None
+) -> Iterator[Encounter]:
+    if not (math.isfinite(begin) and math.isfinite(end) and begin <= end):
+        raise ValueError(f"can't watch from {begin} s to {end} s")
+    make = Encounter if shapes is None else shapes.encounter
+    return encounters(person, machine, begin, end, make)
+
+
+def _changes(condition: Condition, meetings: Iterator[Encounter]) -> Iterator[tuple[float, bool]]:
     """The instants at which `condition` begins (True) and ceases (False) to hold, in turn."""
-    _require_span(begin, end)
     held = False
-    for encounter in encounters(person, machine, begin, end):
+    for encounter in meetings:
         undecided = [(encounter.begin, encounter.end)]
         while undecided:
             lower, upper = undecided.pop()
@@ -166,53 +227,113 @@ def _changes(
                 held = holds
                 yield t, held
     if held:
-        yield end, False
+        yield encounter.end, False
 
 
 def first_violation(
-    person: Motion, machine: Motion, law: Law, begin: float, end: float
+    person: Motion,
+    machine: Motion,
+    law: Law | MotionLaw,
+    begin: float,
+    end: float,
+    *,
+    shapes: Shapes | None = None,
 ) -> float | None:
     """The first instant in [begin, end] (seconds) at which the two are closer than `law` asks.
 
-    Distances are taken between the centres; at most `RESOLUTION` late. None if there is none.
+    Distances are taken between the centres on the floor, or between the surfaces of `shapes`.
+    At most `RESOLUTION` late. None if there is none.
     """
-    return first_time(TooClose(law), person, machine, begin, end)
+    return first_time(TooClose(law), person, machine, begin, end, shapes=shapes)
 
 
 def violations(
-    person: Motion, machine: Motion, law: Law, begin: float, end: float
+    person: Motion,
+    machine: Motion,
+    law: Law | MotionLaw,
+    begin: float,
+    end: float,
+    *,
+    shapes: Shapes | None = None,
 ) -> list[tuple[float, float]]:
     """All intervals (begin, end) in seconds in which the two are closer than `law` asks."""
-    return list(when(TooClose(law), person, machine, begin, end))
+    return list(when(TooClose(law), person, machine, begin, end, shapes=shapes))
 
 
 def minimum_separation(
-    person: Motion, machine: Motion, begin: float, end: float
+    person: Motion,
+    machine: Motion,
+    begin: float,
+    end: float,
+    *,
+    shapes: Shapes | None = None,
 ) -> tuple[float, float]:
-    """When the two are nearest, and how near: (seconds, metres between the centres).
+    """When the two are nearest, and how near: (seconds, metres).
 
-    The first of several such instants. The distance is exact to 1e-9 m.
+    Between the centres on the floor, or between the surfaces of `shapes`. The first of several
+    such instants. The distance is exact to 1e-9 m.
     """
-    _require_span(begin, end)
-    best = (begin, math.inf)
-    for encounter in encounters(person, machine, begin, end):
+    return _least(Encounter.apart, _meetings(person, machine, begin, end, shapes), EXACT)
+
+
+def minimum_margin(
+    person: Motion,
+    machine: Motion,
+    law: Law | MotionLaw,
+    begin: float,
+    end: float,
+    *,
+    shapes: Shapes | None = None,
+) -> tuple[float, float]:
+    """When distance − required distance is least, and how much that is: (seconds, metres).
+
+    Negative where the two are closer than `law` asks. Where the requirement jumps with a speed,
+    both sides of the jump count. The first of several such instants. Exact to 1e-9 m for every
+    law that is a `MotionLaw` (all here but `Scaled`), to 1e-6 m for others.
+    """
+    meetings = _meetings(person, machine, begin, end, shapes)
+    if isinstance(law, MotionLaw):
+        return _least(_margin_by_motion(law), meetings, EXACT)
+    return _least(_margin_by_speeds(law), meetings, 1e-6)
+
+
+_Bounds = Callable[[Encounter, float, float], tuple[float, float, float]]
+"""The least and the most of a figure over an interval, and an instant near the least."""
+
+
+def _least(bounds: _Bounds, meetings: Iterator[Encounter], tolerance: float) -> tuple[float, float]:
+    """The first instant at which a figure is least (seconds), and how much it is then."""
+    best = (0.0, math.inf)
+    for encounter in meetings:
         undecided = [(encounter.begin, encounter.end)]
         while undecided:
             lower, upper = undecided.pop()
-            bound, candidate = encounter.nearest(lower, upper)
-            if bound >= best[1] - 1e-9:
+            low, high, candidate = bounds(encounter, lower, upper)
+            if low >= best[1] - tolerance:
                 continue
-            candidate = min(max(candidate, lower), upper)
+            if math.isnan(low + high):
+                raise ValueError(f"the law asks for no finite distance from {lower} s to {upper} s")
             for t in (lower, candidate, upper):
-                distance = encounter.distance(t)
-                if distance < best[1] - 1e-12:
-                    best = (t, distance)
+                figure = bounds(encounter, t, t)[0]
+                if figure < best[1] - 1e-12:
+                    best = (t, figure)
             middle = lower + (upper - lower) / 2
-            if bound < best[1] - 1e-9 and lower < middle < upper:
+            if low < best[1] - tolerance and lower < middle < upper:
                 undecided += [(middle, upper), (lower, middle)]
     return best
 
 
-def _require_span(begin: float, end: float) -> None:
-    if not (math.isfinite(begin) and math.isfinite(end) and begin <= end):
-        raise ValueError(f"can't watch from {begin} s to {end} s")
+def _margin_by_motion(law: MotionLaw) -> _Bounds:
+    return lambda encounter, begin, end: _margin(
+        law.required(encounter, begin, end), encounter, begin, end
+    )
+
+
+def _margin_by_speeds(law: Law) -> _Bounds:
+    def bounds(encounter: Encounter, begin: float, end: float) -> tuple[float, float, float]:
+        b = encounter.bounds(begin, end)
+        least = law.distance(b.human_low, b.robot_low)
+        most = law.distance(b.human_high, b.robot_high)
+        return _margin(Enclosure.between(least, most), encounter, begin, end)
+
+    return bounds

@@ -4,11 +4,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, fields
-from typing import Protocol
+from typing import Protocol, runtime_checkable
+
+from .encounter import Enclosure, Encounter
+
+WALKING_SPEED = 1.6
+"""m/s. ISO 13855:2010's approach speed of people who walk."""
 
 
 class Law(Protocol):
-    """Any rule for the distance that must be kept.
+    """Any rule for the distance that must be kept at these speeds.
 
     `distance` must not shrink when either speed grows: the monitor relies on it to judge whole
     intervals of time at once.
@@ -16,6 +21,21 @@ class Law(Protocol):
 
     def distance(self, human_speed: float, robot_speed: float) -> float:
         """The required distance in metres for these speeds in m/s."""
+        ...
+
+
+@runtime_checkable
+class MotionLaw(Protocol):
+    """A rule that looks at how the two go on, not only at their speeds of an instant.
+
+    A `Law` that can tell this as well is judged more finely (see `minimum_margin`).
+    """
+
+    def required(self, encounter: Encounter, begin: float, end: float) -> Enclosure:
+        """The distance in metres that is required from `begin` to `end` (seconds).
+
+        The interval lies within `encounter`; at an instant the value is exact.
+        """
         ...
 
 
@@ -50,6 +70,82 @@ class SeparationLaw:
             + self.intrusion
         )
 
+    def required(self, encounter: Encounter, begin: float, end: float) -> Enclosure:
+        """See `MotionLaw`."""
+        human = encounter.human_speed(begin, end) * (self.t1 + self.t2)
+        robot = encounter.robot_speed(begin, end) * self.t1
+        return human + robot + (self.stopping + self.intrusion)
+
+
+@dataclass(frozen=True, kw_only=True)
+class IntegralLaw:
+    """The protective separation distance of speed and separation monitoring, integral form.
+
+    S(t0) = S_H + S_R + S_S + C + Z_D + Z_R, in the terms of ISO/TS 15066:2016, clause 5.5.4.2.3:
+
+    - S_H, the way of the human from t0 to t0 + `t1` + `t2`: ∫ v_H dt,
+    - S_R, the way of the robot from t0 to t0 + `t1`, while it is sensed and reacted to: ∫ v_R dt,
+    - S_S, the way of the robot from t0 + `t1` to t0 + `t1` + `t2`, while it stops: `stopping`
+      metres, or if None, that of a speed which falls evenly from v_R(t0 + `t1`) to 0,
+    - C, the `intrusion` distance; Z_D and Z_R, the uncertainties of where the human is
+      (`human_uncertainty`) and the robot (`robot_uncertainty`), all in metres.
+
+    The speeds are those of the known motions, into the future: the human counts as if every step
+    led towards the robot. At constant speeds, and with `stopping` given, this is `SeparationLaw`.
+    Discussed in J. A. Marvel and R. Norcross, "Implementing speed and separation monitoring in
+    collaborative robot workcells", Robotics and Computer-Integrated Manufacturing 44, 2017.
+    `ValueError` if a term is negative.
+    """
+
+    t1: float
+    t2: float
+    stopping: float | None = None
+    intrusion: float = 0.0
+    human_uncertainty: float = 0.0
+    robot_uncertainty: float = 0.0
+
+    def __post_init__(self) -> None:
+        for term in fields(self):
+            if getattr(self, term.name) is not None:
+                _require_length(term.name, getattr(self, term.name))
+
+    def required(self, encounter: Encounter, begin: float, end: float) -> Enclosure:
+        """See `MotionLaw`."""
+        human = encounter.human.ahead(begin, end, self.t1 + self.t2)
+        robot = encounter.robot.ahead(begin, end, self.t1)
+        allowance = self.intrusion + self.human_uncertainty + self.robot_uncertainty
+        if self.stopping is not None:
+            return human + robot + (self.stopping + allowance)
+        braking = encounter.robot.speed(begin + self.t1, end + self.t1) * (self.t2 / 2)
+        return human + robot + braking + allowance
+
+
+@dataclass(frozen=True, kw_only=True)
+class ApproachLaw:
+    """The distance to people whose speed is not known: S = K T + C of ISO 13855:2010, clause 5.
+
+    T is the `time` in seconds from sensing a person to the end of the machine's motion, K the
+    approach `speed` in m/s (people who walk: 1.6), C the `intrusion` distance in metres. ISO/TS
+    15066:2016, clause 5.5.4.2.3, takes the same speed where the human's is not monitored.
+    `ValueError` if a term is negative.
+    """
+
+    time: float
+    intrusion: float = 0.0
+    speed: float = WALKING_SPEED
+
+    def __post_init__(self) -> None:
+        for term in fields(self):
+            _require_length(term.name, getattr(self, term.name))
+
+    def distance(self, human_speed: float, robot_speed: float) -> float:
+        """The required distance in metres, whatever the speeds."""
+        return self.speed * self.time + self.intrusion
+
+    def required(self, encounter: Encounter, begin: float, end: float) -> Enclosure:
+        """See `MotionLaw`."""
+        return Enclosure(self.speed * self.time + self.intrusion)
+
 
 @dataclass(frozen=True)
 class FixedDistance:
@@ -63,6 +159,10 @@ class FixedDistance:
     def distance(self, human_speed: float, robot_speed: float) -> float:
         """The required distance in metres, whatever the speeds."""
         return self.metres
+
+    def required(self, encounter: Encounter, begin: float, end: float) -> Enclosure:
+        """See `MotionLaw`."""
+        return Enclosure(self.metres)
 
 
 @dataclass(frozen=True)
