@@ -36,8 +36,9 @@ class MindError(ValueError):
 class Person:
     """One person of a trial.
 
-    `synchronise` puts the AGVs of the collision world where they are now; the agent's plans are
-    carried out by a `Walker`.
+    `synchronise` puts the AGVs of the collision world where they are now; `thought` is called
+    when the agent has thought, so that others can hear what it said. Its plans are carried out
+    by a `Walker`.
     """
 
     def __init__(
@@ -51,6 +52,7 @@ class Person:
         gantry: Body | None,
         record: Record,
         synchronise: Callable[[], None],
+        thought: Callable[[], None],
     ) -> None:
         self.name = walker.body.name
         self.personality = personality
@@ -63,6 +65,7 @@ class Person:
         self._gantry = gantry
         self._record = record
         self._synchronise = synchronise
+        self._thought = thought
         self._home = (walker.body.at, walker.heading)
         self._put_home_at: float | None = None
         self._counts: dict[str, int] = {}
@@ -110,7 +113,7 @@ class Person:
         """Something has come to rest on the floor: see whether the way is still free."""
         trouble = self.walker.check_way()
         if trouble is not None:
-            self._blocked(trouble)
+            self._count("goal_blocked" if trouble.reason == "goal_blocked" else "path_blocked")
 
     def arrived(self, goal: Place) -> None:
         """The walker has reached `goal`."""
@@ -170,7 +173,7 @@ class Person:
             if self._world.segment_free((x, y), goal, radius):
                 return self._go(goal)
             step /= 2
-        return False
+        return self._no_way((x, y), "there is no room to step back")
 
     def _teleport(self, reason: str) -> bool:
         at, heading = self._home
@@ -194,7 +197,9 @@ class Person:
     def _go_near(self, point: Place) -> bool:
         self._synchronise()
         free = self._world.nearest_free(point, self.walker.human.radius)
-        return free is not None and self._go(free)
+        if free is None:
+            return self._no_way(point, "there is no room to stand anywhere")
+        return self._go(free)
 
     def _go(self, goal: Place) -> bool:
         self._synchronise()
@@ -202,15 +207,16 @@ class Person:
         try:
             self.walker.go(goal)
         except PlanningError as why:
-            self._record("path_blocked", person=self.name, goal=goal, message=str(why))
-            self._blocked(why)
-            return False
+            return self._no_way(goal, str(why), why.reason == "goal_blocked")
         return True
 
     # What the agent is told.
 
-    def _blocked(self, why: PlanningError) -> None:
-        self._count("goal_blocked" if why.reason == "goal_blocked" else "path_blocked")
+    def _no_way(self, goal: Place, message: str, at_the_goal: bool = False) -> bool:
+        """Tell that there is no way to `goal`; False, as the outcome of the action."""
+        self._record("path_blocked", person=self.name, goal=goal, message=message)
+        self._count("goal_blocked" if at_the_goal else "path_blocked")
+        return False
 
     def _count(self, percept: str) -> None:
         n = self._counts.get(percept, 0)
@@ -235,8 +241,15 @@ class Person:
         now = self._clock.now
         self._count_at_once()
         self._agent.advance(now)
-        if self._thinking.time is None:
-            self._thinking.set(self._agent.next_wakeup)
+        self._thought()
+
+    def wake(self) -> None:
+        """See whether there is something to think about earlier than expected: a message."""
+        if self._agent is None or self._agent.next_wakeup is None:
+            return
+        wakeup = max(self._agent.next_wakeup, self._clock.now)
+        if self._thinking.time is None or wakeup < self._thinking.time:
+            self._thinking.set(wakeup)
 
     def _count_at_once(self) -> None:
         now = self._clock.now

@@ -45,6 +45,7 @@ class Simulation:
         self._record = recording_to(self._listener, lambda: self.clock.now)
         self.world = CollisionWorld(trial.floorplan)
         self.people: list[Person] = []
+        self._society = bdi.Society()
         self._record("trial_started", trial=trial.name, floorplan=trial.floorplan.name)
         self.agvs = [
             Agv(
@@ -143,6 +144,7 @@ class Simulation:
             gantry=self.gantry.body if self.gantry else None,
             record=self._record,
             synchronise=self._synchronise,
+            thought=self._wake,
         )
         agent = bdi.Agent(
             entry.program or bdi.load(find_program(entry.personality, trial.folder)),
@@ -152,6 +154,7 @@ class Simulation:
             seed=trial.seed,
             print=lambda text: self._record("said", person=entry.name, text=text),
             on_event=lambda entry: self._heed(person, entry),
+            society=self._society,
             max_cycles=MOST_CYCLES,
         )
         person.think_with(agent)
@@ -206,6 +209,10 @@ class Simulation:
     def _synchronise(self) -> None:
         for agv in self.agvs:
             self.world.move_agv(agv.lane.name, agv.lane_position)
+
+    def _wake(self) -> None:
+        for person in self.people:
+            person.wake()
 
     def _locate(self, place: str) -> Place:
         """Where the gantry goes to for an obstacle, a station or an AGV of that name."""

@@ -2,7 +2,9 @@
 // then goes on to where the walk was interrupted.
 
 +gantry_detected(_) : bound_for(_)
-  <- stop_movement; .drop_all_desires; -+errand(gantry); move_to_gantry.
+  <- stop_movement; .drop_all_desires; -+errand(gantry); !set_out.
+
++!set_out <- move_to_gantry.
 
 +work_completed(_) : errand(gantry) & bound_for(S) <- .abolish(errand(_)); !walk_to(S).
 

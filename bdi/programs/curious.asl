@@ -15,8 +15,10 @@ slowly(0.4) :- not approach_speed(_).
 bored :- looked_at(T) & now(N) & no_interest_for(Ms) & N - T < Ms.
 
 +gantry_detected(_) : bound_for(S) & not errand(_) & not bored & slowly(F)
-  <- stop_movement; .drop_all_desires; +errand(gantry); walk_speed(F); move_to_gantry;
+  <- stop_movement; .drop_all_desires; +errand(gantry); walk_speed(F); !set_out;
      !lose_interest(S).
+
++!set_out <- move_to_gantry.
 
 +work_completed(_) : errand(gantry) <- face_gantry.
 

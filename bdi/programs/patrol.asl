@@ -33,8 +33,8 @@ ahead(S, T) :- reversed & away(S, -1, T).
 behind(S, T) :- not reversed & away(S, -1, T).
 behind(S, T) :- reversed & away(S, 1, T).
 
-// milliseconds of the day, to know how long ago something was
-now(T) :- .time(H, M, S, Ms) & T = ((H * 60 + M) * 60 + S) * 1000 + Ms.
+// milliseconds, to know how long ago something was
+now(T) :- T = system.time.
 
 +human_start : first(S) <- !walk_to(S).
 
@@ -57,7 +57,10 @@ now(T) :- .time(H, M, S, Ms) & T = ((H * 60 + M) * 60 + S) * 1000 + Ms.
 
 +!compose <- .abolish(errand(_)); .abolish(tried(_)).
 
-// ---- no way: wait a little, try again, and after a few tries go elsewhere
+// ---- no way, on the ring or on an errand: the action fails, and it is told; wait a little, try again, and after a few tries go elsewhere
+
+-!walk_to(_).
+-!set_out.
 
 +path_blocked(_) : bound_for(S) <- !try_again(S).
 +goal_blocked(_) : bound_for(S) <- !try_again(S).

@@ -9,8 +9,10 @@ retreat_by(3) :- not retreat(_).
 calming_time(Ms) :- calm_after(Ms).
 calming_time(3000) :- not calm_after(_).
 
-+gantry_detected(_) : bound_for(_) & not errand(_) & retreat_by(D)
-  <- stop_movement; .drop_all_desires; +errand(retreat); move_away(D).
++gantry_detected(_) : bound_for(_) & not errand(_)
+  <- stop_movement; .drop_all_desires; +errand(retreat); !set_out.
+
++!set_out : retreat_by(D) <- move_away(D).
 
 +work_completed(_) : errand(retreat) & bound_for(S) & ahead(S, Next) & calming_time(Ms)
   <- .wait(Ms); .abolish(errand(_)); !walk_to(Next).

@@ -7,7 +7,9 @@ standing_time(Ms) :- stand(Ms).
 standing_time(4000) :- not stand(_).
 
 +gantry_detected(_) : bound_for(_) & not errand(_)
-  <- stop_movement; .drop_all_desires; +errand(stand); step_between.
+  <- stop_movement; .drop_all_desires; +errand(stand); !set_out.
+
++!set_out <- step_between.
 
 +work_completed(_) : errand(stand) & bound_for(S) & standing_time(Ms)
   <- face_gantry; .wait(Ms); .abolish(errand(_)); !walk_to(S).

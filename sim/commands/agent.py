@@ -59,6 +59,7 @@ def agent(
         act=act,
         print=lambda line: show(print=line),
         name="human",
+        society=bdi.Society(),
         seed=seed,
         on_event=follow if trace else None,
     )

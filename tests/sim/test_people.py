@@ -155,6 +155,31 @@ def test_turning_at_speed_never_breaks_the_limits(program):
     assert finished.motions["a"].position(30.0) == pytest.approx((-15, -10))
 
 
+def test_people_talk_to_each_other_within_an_instant(tmp_path):
+    (tmp_path / "asks.asl").write_text(
+        "!go. +!go <- .wait(2500); .send(b, askOne, mood(_), mood(M)); .print(M);"
+        " .send(b, achieve, cheer_up)."
+    )
+    (tmp_path / "told.asl").write_text(
+        'mood(grumpy). +!cheer_up[source(S)] <- -+mood(glad); .print(glad, " of ", S).'
+    )
+    finished = run(
+        "people: [{name: a, personality: asks.asl}, {name: b, personality: told.asl}]", tmp_path
+    )
+    said = [(event["t"], event["person"], event["text"]) for event in events(finished, "said")]
+    assert said == [(2.5, "a", "grumpy"), (2.5, "b", "glad of a")]
+
+
+def test_stepping_back_where_there_is_no_room_fails_and_is_told(program):
+    """Once it only failed: a scared person in a corner stood there for ever."""
+    finished = program(
+        "!go. +!go <- move_away(2). -!go <- .print(cornered). +path_blocked(_) <- .print(told).",
+        at="[1.69, -11.69]",
+    )
+    assert sorted(event["text"] for event in events(finished, "said")) == ["cornered", "told"]
+    assert finished.summary["people"]["a"]["distance_walked"] == 0
+
+
 @pytest.mark.parametrize("name", bdi.programs())
 def test_every_personality_lives_through_a_trial_with_a_busy_gantry(name):
     finished = sim.run(
