@@ -9,16 +9,25 @@ from shapely.geometry import Polygon
 
 
 def solid(world):
-    """Everything that is no room to walk, in a wide frame around the floor."""
+    """Everything that is no room to walk, in a wide frame around the floor.
+
+    Discs are drawn from inside, with 32 corners.
+    """
     frame = shapely.box(*world.plan.boundary.bounds).buffer(5.0, join_style="mitre")
     return frame.difference(world.plan.boundary).union(
         shapely.union_all(
             [
                 *(o.footprint for o in world.plan.obstacles if o.overlaps(world.bottom, world.top)),
-                *(body.footprint for body in world.bodies),
+                *(_shape(body.shape) for body in world.bodies),
             ]
         )
     )
+
+
+def _shape(shape):
+    if isinstance(shape, Polygon):
+        return shape
+    return shapely.Point(shape.centre).buffer(shape.radius, quad_segs=8)
 
 
 def gap(world, points):
@@ -26,7 +35,9 @@ def gap(world, points):
     points = np.asarray(points, dtype=float)
     still = (points == points[0]).all()
     line = shapely.Point(points[0]) if still else shapely.linestrings(points)
-    return float(shapely.distance(solid(world), line))
+    discs = [body.shape for body in world.bodies if not isinstance(body.shape, Polygon)]
+    gaps = [line.distance(shapely.Point(disc.centre)) - disc.radius for disc in discs]
+    return max(0.0, min([float(shapely.distance(solid(world), line)), *gaps]))
 
 
 def length(points):

@@ -73,8 +73,7 @@ def check_path(world, path, start, goal, radius):
     assert np.isfinite(path.points).all()
     assert gap(world, path.points) >= radius - 1e-9
     assert path.length == pytest.approx(length(path.points), rel=1e-12)
-    # The oracle draws discs as polygons around them.
-    assert gap(world, path.points) - 1e-9 <= path.clearance <= gap(world, path.points) + 1e-3
+    assert path.clearance == pytest.approx(gap(world, path.points), abs=1e-9)
     assert path.checks > 0
     steps = np.hypot(*np.diff(path.points, axis=0).T)
     assert (steps > 1e-7).all() or len(path.points) == 2
