@@ -171,6 +171,7 @@ class _Gauge:
 
     def __init__(self, person: Cylinder, part: Cylinder | Box) -> None:
         self._height = max(part.bottom - person.top, person.bottom - part.top, 0.0)
+        self._radius = person.radius
         self._rounding = person.radius + part.rounding
         self._corners = part.corners
         self._reach = max(math.hypot(*corner) for corner in part.corners)
@@ -192,47 +193,57 @@ class _Gauge:
     def range(self, course: _Course, slope: float) -> tuple[float, float]:
         """Bounds on distance − `slope` u for the instants u of a course.
 
-        The plane that separates the two at the middle keeps its normal. The person's nearest point
-        and the corners of the footprint move along it at a known rate, so it separates them still,
-        by no less than the lower bound. The two points that are nearest at the middle move with
-        their bodies, and the distance is never more than theirs: the upper bound.
+        The lower bound is that of a plane that separates the two at the middle: one that keeps its
+        normal, or one that turns with the machine (better beside a wall that turns). Along the
+        normal, the person and the corners of the footprint move at a known rate. The upper bound
+        is the distance from the person to the part's point that is nearest at the middle and moves
+        with it. Both are off by second order in the course's `half`.
         """
         x, y, vx, vy, spin, half, bend, twist, swing = course
         gap, nearest = self._gap(x, y)
         distance = math.hypot(gap, self._height)
+        turned = twist + swing * swing / 2
         if nearest is None:
             around = abs(slope) * half
             moved = math.hypot(vx, vy) * half + bend + self._farthest * swing
             return self._height - around, distance + moved + around
-        (from_x, from_y, _), (to_x, to_y, _) = nearest.tolist()
-        nx, ny = (to_x - from_x) / distance, (to_y - from_y) / distance
+        at_x, at_y = nearest
+        dx, dy = x - at_x, y - at_y
         level = gap / distance
-        low = min(
-            nx * (x - cx)
-            + ny * (y - cy)
-            - abs(nx * (vx + spin * cy) + ny * (vy - spin * cx) - slope) * half
-            for cx, cy in self._corners
-        )
-        low -= level * (self._rounding + bend + self._reach * (twist + swing * swing / 2))
-        low += self._height * self._height / distance
-        wx, wy = (vx + spin * from_y) * half, (vy - spin * from_x) * half
-        dx, dy, rise = to_x - from_x, to_y - from_y, slope * half
-        high = (
-            bend
-            + self._farthest * (twist + swing * swing / 2)
-            + max(
-                math.hypot(dx + wx, dy + wy, self._height) - rise,
-                math.hypot(dx - wx, dy - wy, self._height) + rise,
-            )
+        scale = level / math.hypot(dx, dy)
+        nx, ny = dx * scale, dy * scale
+        towards = nx * vx + ny * vy - slope
+        inside = [(nx * (x - cx) + ny * (y - cy), nx * cy - ny * cx) for cx, cy in self._corners]
+        low = min(apart - abs(towards + spin * lever) * half for apart, lever in inside)
+        low -= level * (bend + self._reach * turned)
+        if swing > 0.0 and self._reach > 0.0:
+            away, moved = math.hypot(x, y), math.hypot(vx, vy) * half + bend
+            turning = min(apart for apart, _ in inside)
+            turning -= abs(towards + spin * (nx * y - ny * x)) * half
+            turning -= level * (bend + away * turned + moved * (swing + swing * swing / 2))
+            low = max(low, turning)
+        low += self._height * self._height / distance - level * self._rounding
+        wx, wy, rise = (vx + spin * at_y) * half, (vy - spin * at_x) * half, slope * half
+        high = bend + self._farthest * turned
+        high += max(
+            self._over(math.hypot(dx + wx, dy + wy)) - rise,
+            self._over(math.hypot(dx - wx, dy - wy)) + rise,
         )
         return (low if slope else max(low, self._height)), high
 
-    def _gap(self, x: float, y: float) -> tuple[float, Any]:
-        """Metres between the footprints, and the nearest points of both (None: they overlap)."""
+    def _over(self, away: float) -> float:
+        """The distance from a point of the part to a person whose axis is `away` metres off."""
+        return math.hypot(max(away - self._radius, 0.0), self._height)
+
+    def _gap(self, x: float, y: float) -> tuple[float, tuple[float, float] | None]:
+        """Metres between the footprints, and the part's nearest point (None: they overlap)."""
         self._disc.setTranslation(np.array([x, y, 0.0]))
         result = fcl.DistanceResult()
         gap = fcl.distance(self._footprint, self._disc, self._request, result)
-        return (gap, np.array(result.nearest_points)) if gap > 0.0 else (0.0, None)
+        if gap <= 0.0:
+            return 0.0, None
+        at_x, at_y, _ = result.nearest_points[0].tolist()
+        return gap, (at_x, at_y)
 
 
 class SurfaceEncounter(Encounter):
