@@ -82,8 +82,10 @@ class SeparationWatch:
 
     def reconsider(self) -> None:
         """Work out anew when something happens next; called whenever a motion changes."""
-        now = self.pair.clock.now
-        coming = self.pair.next_interval(self._condition)
+        now, machine = self.pair.clock.now, self.pair.machine
+        # An AGV that stands never counts, and most stand most of the time.
+        idle = machine.kind == "agv" and machine.motion.end <= now
+        coming = None if idle else self.pair.next_interval(self._condition)
         if self._since is None:
             self._alarm.set(coming[0] if coming else None)
         elif coming is None or coming[0] > now + 10 * RESOLUTION:
