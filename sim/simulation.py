@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import bdi
-from navigation import CollisionWorld
+from navigation import CollisionWorld, PathPlanner
 
 from .agv import Agv
 from .body import Body
@@ -44,6 +44,7 @@ class Simulation:
         self._listener = Listeners(_Keeper(self.events, self._react), *listeners)
         self._record = recording_to(self._listener, lambda: self.clock.now)
         self.world = CollisionWorld(trial.floorplan)
+        self._planners: dict[float, PathPlanner] = {}
         self.people: list[Person] = []
         self._society = bdi.Society()
         self._record("trial_started", trial=trial.name, floorplan=trial.floorplan.name)
@@ -125,11 +126,12 @@ class Simulation:
             for name in ("radius", "max_speed", "max_acceleration")
             if getattr(entry, name) is not None
         }
+        human = replace(plan.human, **given)
         walker = Walker(
             self.clock,
             entry.name,
-            replace(plan.human, **given),
-            self.world,
+            human,
+            self._planner(human.radius),
             at=at,
             heading=zone.heading if zone and entry.at is None else 0.0,
             record=self._record,
@@ -171,6 +173,12 @@ class Simulation:
         if entry.kind == "warning":
             place = {"file": Path(entry.file).name, "line": entry.line} if entry.file else {}
             self._record("warning", person=person.name, text=entry.text, **place)
+
+    def _planner(self, radius: float) -> PathPlanner:
+        """One planner for all people of a size: its network is worth sharing."""
+        if radius not in self._planners:
+            self._planners[radius] = PathPlanner(self.world, radius)
+        return self._planners[radius]
 
     def _make_gantry(self) -> GantryRobot | None:
         gantry = self.trial.floorplan.gantry

@@ -8,7 +8,6 @@ from collections.abc import Callable
 
 from floorplan import Human
 from navigation import (
-    CollisionWorld,
     Motion,
     PathPlanner,
     PlanningError,
@@ -38,7 +37,7 @@ class Walker:
         clock: Clock,
         name: str,
         human: Human,
-        world: CollisionWorld,
+        planner: PathPlanner,
         *,
         at: Place,
         heading: float,
@@ -51,8 +50,7 @@ class Walker:
         self.speed_share = 1.0
         self.replans = 0
         self._clock = clock
-        self._world = world
-        self._planner = PathPlanner(world, radius=human.radius)
+        self._planner = planner
         self._record = record
         self._arrived = arrived
         self._arrival = Alarm(clock, self._arrive, Turn.MOTION_ENDS)
@@ -93,7 +91,7 @@ class Walker:
             return None
         way = remaining_path(self.body.motion, self._clock.now)
         radius = self.human.radius
-        if all(self._world.segment_free(a, b, radius) for a, b in itertools.pairwise(way)):
+        if all(self._planner.world.segment_free(a, b, radius) for a, b in itertools.pairwise(way)):
             return None
         self._record("path_blocked", person=self.body.name, goal=self.goal)
         try:
@@ -135,7 +133,7 @@ class Walker:
             if why.reason != "start_blocked":
                 raise
             # Something has come too close: step out from beside it first.
-            free = self._world.nearest_free(start, self.human.radius)
+            free = self._planner.world.nearest_free(start, self.human.radius)
             if free is None:
                 raise
             path = self._planner.plan(free, goal)
