@@ -1,10 +1,26 @@
-"""Laws: the formula, and what is refused."""
+"""Laws: the formula, what they say of a whole interval, and what is refused."""
 
 import math
 
+import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from navigation import FixedDistance, Scaled, SeparationLaw
+import navigation
+from navigation import (
+    ApproachLaw,
+    Enclosure,
+    FixedDistance,
+    IntegralLaw,
+    Motion,
+    MotionLaw,
+    Odometer,
+    Piece,
+    Scaled,
+    SeparationLaw,
+)
+from navigation.encounter import encounters
 
 
 def test_the_linear_form():
@@ -21,6 +37,140 @@ def test_noticing_is_a_multiple_with_a_cap():
 
 def test_a_fixed_distance_does_not_care():
     assert FixedDistance(2.1).distance(3.0, 4.0) == 2.1
+
+
+def test_the_approach_speed_of_the_standard_is_a_constant():
+    law = ApproachLaw(time=0.5, intrusion=0.85)
+    assert law.distance(0.0, 3.0) == law.distance(2.0, 0.0) == pytest.approx(1.6 * 0.5 + 0.85)
+    assert ApproachLaw(time=2.0, speed=2.0).distance(0.0, 0.0) == 4.0
+
+
+def integral(law, person, machine, t):
+    """What the integral law requires at an instant."""
+    encounter, *_ = encounters(person, machine, t, t)
+    return law.required(encounter, t, t).value
+
+
+def test_at_constant_speeds_the_integral_form_is_the_linear_form():
+    terms = {"t1": 0.7, "t2": 1.1, "stopping": 0.25, "intrusion": 0.5}
+    person = navigation.walk([(-20, 0), (20, 0)], 0.0, max_speed=1.3)
+    machine = navigation.gantry_move((-14, -7, 0), (0, 7, 0))
+    assert integral(IntegralLaw(**terms), person, machine, 10.0) == pytest.approx(
+        SeparationLaw(**terms).distance(1.3, machine.state(10.0).speed), abs=1e-12
+    )
+
+
+def test_the_integral_form_counts_the_way_that_is_left():
+    """Braking from 1 m/s at 2.5 m/s² takes 0.4 s and 0.2 m."""
+    person = navigation.walk([(0, 0), (5, 0)], 0.0)
+    machine = navigation.standing((0, 0))
+    law = IntegralLaw(t1=1.0, t2=1.0, human_uncertainty=0.1, robot_uncertainty=0.2, intrusion=0.3)
+    assert person.end == pytest.approx(5.4, abs=1e-6)
+    assert integral(law, person, machine, 5.0) == pytest.approx(0.2 + 0.6, abs=1e-6)
+    assert integral(law, person, machine, 4.0) == pytest.approx(1.2 + 0.6, abs=1e-6)
+    assert integral(law, person, machine, 5.4) == pytest.approx(0.6, abs=1e-6)
+
+
+def test_the_integral_form_brakes_the_robot_evenly_where_nothing_is_said():
+    person = navigation.standing((0, 0))
+    machine = navigation.walk([(0, 0), (50, 0)], 0.0, max_speed=2.0)
+    law = IntegralLaw(t1=1.0, t2=1.5)
+    assert integral(law, person, machine, 10.0) == pytest.approx(2.0 * 1.0 + 2.0 * 1.5 / 2)
+
+
+def test_being_put_elsewhere_is_no_way_gone():
+    walk = navigation.walk([(-10, 0), (10, 0)], 0.0)
+    person = navigation.join([walk, navigation.standing((-20, 0), start=8.0)], end=20.0)
+    odometer = Odometer(person)
+    assert odometer.reading(8.0) == odometer.reading(20.0) == pytest.approx(7.8, abs=1e-6)
+    law = IntegralLaw(t1=1.0, t2=1.0)
+    machine = navigation.standing((0, 0))
+    assert integral(law, person, machine, 7.5) == pytest.approx(0.5, abs=1e-6)
+
+
+cubics = st.tuples(st.just(0.0), *(st.floats(-2, 2) for _ in range(3)))
+curves = st.builds(
+    lambda x, y, end: Motion((Piece(0.0, end, x, y, (0.0,) * 4),)),
+    cubics,
+    cubics,
+    st.floats(0.01, 5),
+)
+
+
+@given(curves, st.floats(0, 1))
+def test_an_odometer_reads_the_length_of_the_way(motion, share):
+    t = share * motion.end
+    steps = np.linspace(0.0, t, 20_001)
+    chords = np.hypot(*np.diff(motion.position(steps), axis=0).T).sum()
+    fastest = np.hypot(*motion.velocity(np.linspace(0, motion.end, 99)).T).max() + 1.0
+    reading = Odometer(motion).reading(t)
+    assert reading == pytest.approx(chords, abs=1e-6 * fastest * (1 + t))
+    assert reading >= chords - 1e-9 * (1 + chords)
+
+
+@given(
+    st.one_of(st.floats(1e-12, 2), st.sampled_from([1e-10, 1e-7, 1e-4])),
+    st.floats(-2, 2),
+    st.floats(0.01, 2),
+    st.floats(0, 5),
+)
+def test_an_odometer_agrees_with_the_closed_form_of_a_parabola(across, v, a, t):
+    """∫ √(b² + w²) dw = (w √(b² + w²) + b² asinh(w / b)) / 2, however sharp the turn."""
+    piece = Piece(0.0, 5.0, (0.0, across, 0.0, 0.0), (0.0, v, a, 0.0), (0.0,) * 4)
+
+    def stem(w):
+        return (w * math.hypot(across, w) + across**2 * math.asinh(w / across)) / 2
+
+    length = (stem(v + 2 * a * t) - stem(v)) / (2 * a)
+    assert Odometer(Motion((piece,))).reading(t) == pytest.approx(length, rel=1e-11, abs=1e-11)
+
+
+def test_an_odometer_counts_back_and_forth():
+    piece = Piece(0.0, 2.0, (0.0, 3.0, -3.0, 0.0), (0.0,) * 4, (0.0,) * 4)
+    odometer = Odometer(Motion((piece,)))
+    assert odometer.reading(0.5) == pytest.approx(0.75, abs=1e-14)
+    assert odometer.reading(1.0) == pytest.approx(1.5, abs=1e-14)
+    assert odometer.reading(2.0) == odometer.reading(9.0) == pytest.approx(7.5, abs=1e-13)
+    assert odometer.reading(-1.0) == 0.0
+
+
+@given(curves, curves, st.floats(0, 2), st.floats(0, 2), st.floats(0, 1), st.floats(0, 1))
+def test_what_a_law_says_of_an_interval_holds_throughout(person, machine, t1, t2, low, high):
+    laws = [
+        IntegralLaw(t1=t1, t2=t2, intrusion=0.5),
+        SeparationLaw(t1=t1, t2=t2),
+        ApproachLaw(time=t1),
+        FixedDistance(t2),
+    ]
+    for law in laws:
+        assert isinstance(law, MotionLaw)
+        for encounter in encounters(person, machine, 0.0, 6.0):
+            length = encounter.end - encounter.begin
+            begin = encounter.begin + length * min(low, high)
+            end = encounter.begin + length * max(low, high)
+            found = law.required(encounter, begin, end)
+            for t in np.linspace(begin, end, 9).tolist():
+                exact = law.required(encounter, t, t).value
+                expected = found.value + found.slope * (t - (begin + end) / 2)
+                assert abs(exact - expected) <= found.slack + 1e-10
+
+
+def test_enclosures_add_up():
+    one = Enclosure(1.0, 0.5, 0.1) * -2.0 + Enclosure(1.0, 1.0, 0.0) + 4.0
+    assert (one.value, one.slope, one.slack) == (3.0, 0.0, 0.2)
+    assert one.range(10.0) == (2.8, 3.2)
+    assert Enclosure.between(1.0, 2.0).range(3.0) == (1.0, 2.0)
+
+
+@pytest.mark.parametrize("value", [-0.1, math.nan, math.inf])
+def test_terms_of_the_other_laws_are_checked_too(value):
+    integral_terms = ("t1", "t2", "stopping", "intrusion", "human_uncertainty", "robot_uncertainty")
+    for term in integral_terms:
+        with pytest.raises(ValueError, match=f"{term} must be a number of at least 0"):
+            IntegralLaw(**{"t1": 1.0, "t2": 1.0, term: value})
+    for term in ("time", "intrusion", "speed"):
+        with pytest.raises(ValueError, match=f"{term} must be a number of at least 0"):
+            ApproachLaw(**{"time": 1.0, term: value})
 
 
 @pytest.mark.parametrize("term", ["t1", "t2", "stopping", "intrusion"])
