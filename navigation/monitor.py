@@ -17,7 +17,7 @@ from typing import Protocol
 
 from .encounter import Enclosure, Encounter, encounters
 from .motion import Motion
-from .separation import Law, MotionLaw
+from .separation import Law, MotionLaw, require_sense
 from .surfaces import Shapes
 
 RESOLUTION = 1e-7
@@ -46,9 +46,12 @@ class Condition(Protocol):
 
 @dataclass(frozen=True)
 class TooClose:
-    """The two are closer than `law` requires."""
+    """The two are closer than `law` requires. `ValueError` if the law makes no sense."""
 
     law: Law | MotionLaw
+
+    def __post_init__(self) -> None:
+        require_sense(self.law)
 
     def holds(self, encounter: Encounter, begin: float, end: float) -> bool | None:
         """See `Condition`."""
@@ -291,6 +294,7 @@ def minimum_margin(
     both sides of the jump count. The first of several such instants. Exact to 1e-9 m for every
     law that is a `MotionLaw` (all here but `Scaled`), to 1e-6 m for others.
     """
+    require_sense(law)
     meetings = _meetings(person, machine, begin, end, shapes)
     if isinstance(law, MotionLaw):
         return _least(_margin_by_motion(law), meetings, EXACT)

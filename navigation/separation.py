@@ -12,6 +12,10 @@ WALKING_SPEED = 1.6
 """m/s. ISO 13855:2010's approach speed of people who walk."""
 
 
+_TRIED = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (2.0, 1.0))
+"""Speeds of human and robot in m/s, each pair as fast as the one before or faster."""
+
+
 class Law(Protocol):
     """Any rule for the distance that must be kept at these speeds.
 
@@ -186,3 +190,23 @@ class Scaled:
 def _require_length(name: str, length: float) -> None:
     if not (math.isfinite(length) and length >= 0):
         raise ValueError(f"{name} must be a number of at least 0, not {length}")
+
+
+def require_sense(law: object) -> None:
+    """`ValueError` if an object is no law, or if trying it shows that it breaks its promise.
+
+    A few speeds are tried. A law that asks for less at others is not found out.
+    """
+    distance = getattr(law, "distance", None)
+    if distance is None:
+        if not isinstance(law, MotionLaw):
+            raise ValueError(f"a law has a method distance or required, {law!r} has neither")
+        return
+    tried = [distance(human, robot) for human, robot in _TRIED]
+    for speeds, metres, least in zip(_TRIED, tried, [tried[0], *tried], strict=False):
+        if not metres >= least:
+            raise ValueError(
+                f"{law!r} asks for {metres} m at speeds of {speeds[0]:g} (human) and"
+                f" {speeds[1]:g} m/s (robot), but for {least} m at lower ones;"
+                " a law must not ask for less when speeds grow"
+            )
