@@ -504,11 +504,9 @@ def test_two_fingers_zoom_the_floor(open_page, recording):
         points = [{"x": x - spread, "y": y, "id": 0}, {"x": x + spread, "y": y, "id": 1}]
         fingers.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
     fingers.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
-    viewer.settle()
-    assert differ(whole, floor.screenshot())
+    viewer.wait_until(lambda: differ(whole, floor.screenshot()))
     viewer.page.locator("#fit").tap()
-    viewer.settle()
-    assert not differ(whole, floor.screenshot())
+    viewer.wait_until(lambda: not differ(whole, floor.screenshot()))
 
 
 def test_every_control_has_a_name(viewer):
