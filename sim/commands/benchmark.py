@@ -11,8 +11,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from floorplan import Floorplan
-    from navigation.benchmark import Attempt
-    from navigation.benchmark_files import Row
+    from navigation.benchmark import Attempt, Row
 
 
 def benchmark(
@@ -35,7 +34,7 @@ def benchmark(
     """Measure planners: CPU time, checks, length against the shortest way, clearance, turning."""
     import floorplan as floors
     from navigation import planners
-    from navigation.benchmark_files import summary
+    from navigation.benchmark import summary
 
     known = [info.name for info in planners()]
     names = list(dict.fromkeys(planner or known))
@@ -103,7 +102,7 @@ def _print_table(rows: Sequence[Row]) -> None:
 
 
 def _write(attempts: Sequence[Attempt], out: Path, seed: int) -> None:
-    from navigation.benchmark_files import write_csv, write_ompl_log
+    from navigation.benchmark import write_csv, write_ompl_log
 
     out.mkdir(parents=True, exist_ok=True)
     write_csv(attempts, out / "benchmark.csv")

@@ -9,9 +9,15 @@ from shapely.geometry import Point, box
 import floorplan
 from floorplan import Floorplan, Obstacle
 from navigation import CollisionWorld
-from navigation.benchmark import benchmark, scenes
-from navigation.benchmark_files import summary, write_csv, write_ompl_log
-from navigation.shortest import SHORTFALL, ShortestWays
+from navigation.benchmark import (
+    SHORTFALL,
+    ShortestWays,
+    benchmark,
+    scenes,
+    summary,
+    write_csv,
+    write_ompl_log,
+)
 
 
 @pytest.fixture(scope="module")

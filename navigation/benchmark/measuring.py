@@ -12,10 +12,10 @@ import shapely
 
 from floorplan import Floorplan, Point
 
-from .path import Path, PlanningError
-from .planner import PathPlanner
+from ..path import Path, PlanningError
+from ..planner import PathPlanner
+from ..world import CollisionWorld
 from .shortest import ShortestWays
-from .world import CollisionWorld
 
 PER_SCENE = 10
 """So many questions are asked before the AGVs move on."""

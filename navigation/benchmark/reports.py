@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .benchmark import Attempt
+from .measuring import Attempt
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,18 @@
+"""Planners side by side: seeded questions, measured answers, tables and logs."""
+
+from .measuring import Attempt, Scene, benchmark, scenes
+from .reports import Row, summary, write_csv, write_ompl_log
+from .shortest import SHORTFALL, ShortestWays
+
+__all__ = [
+    "SHORTFALL",
+    "Attempt",
+    "Row",
+    "Scene",
+    "ShortestWays",
+    "benchmark",
+    "scenes",
+    "summary",
+    "write_csv",
+    "write_ompl_log",
+]
