@@ -63,7 +63,7 @@ def _program(file: str) -> str:
     import bdi
 
     program = bdi.load(file)
-    return f"a program of {len(program.plans)} plans"
+    return f"a program of {_number(len(program.plans), 'plan')}"
 
 
 def _trial(trial: object) -> str:
@@ -79,8 +79,16 @@ def _floor(plan: object) -> str:
 
     assert isinstance(plan, Floorplan)
     west, south, east, north = plan.boundary.bounds
+    things = [
+        _number(len(plan.obstacles), "obstacle"),
+        _number(len(plan.stations), "station"),
+        _number(len(plan.lanes), "AGV"),
+    ]
     return (
-        f"a floorplan of {east - west:g} m × {north - south:g} m with {len(plan.obstacles)}"
-        f" obstacles, {len(plan.stations)} stations, {len(plan.lanes)} AGVs"
+        f"a floorplan of {east - west:g} m × {north - south:g} m with {', '.join(things)}"
         f" and {'a' if plan.gantry else 'no'} gantry"
     )
+
+
+def _number(count: int, thing: str) -> str:
+    return f"{count} {thing}" if count == 1 else f"{count} {thing}s"
