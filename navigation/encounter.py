@@ -220,6 +220,9 @@ class Encounter:
         "robot",
     )
 
+    rounding = 0.0
+    """Metres by which distances may be off, so that ties need not be what they seem."""
+
     def __init__(
         self,
         begin: float,
@@ -365,8 +368,8 @@ def _ahead(motion: Motion, begin: float, end: float) -> Iterator[Piece]:
 
 
 def _require_figures(piece: Piece) -> None:
-    begin, end, (x0, x1, x2, x3), (y0, y1, y2, y3), _ = piece
-    if not math.isfinite(begin + end + x0 + x1 + x2 + x3 + y0 + y1 + y2 + y3):
+    begin, end, (x0, x1, x2, x3), (y0, y1, y2, y3), turn = piece
+    if not math.isfinite(begin + end + x0 + x1 + x2 + x3 + y0 + y1 + y2 + y3 + sum(turn)):
         raise ValueError(f"a motion is not finite from t = {begin} s to {end} s")
 
 

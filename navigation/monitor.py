@@ -60,10 +60,11 @@ class TooClose:
             return _short_of(law.required(encounter, begin, end), encounter, begin, end)
         b = encounter.bounds(begin, end)
         most = law.distance(b.human_high, b.robot_high)
-        if b.distance_low >= most:
+        # The second limit is below the first, so that rounding can't leave a tie undecided.
+        if b.distance_low + encounter.rounding >= most:
             return False
         least = law.distance(b.human_low, b.robot_low)
-        if b.distance_high < least:
+        if b.distance_high + encounter.rounding / 2 < least:
             return True
         if not least <= most:
             raise ValueError(
@@ -79,7 +80,6 @@ def _short_of(required: Enclosure, encounter: Encounter, begin: float, end: floa
     low, high = _margin(required, encounter, begin, end)[:2]
     if low >= -ROUNDING:
         return False
-    # There is a gap between the two limits, so that rounding can't leave a tie undecided.
     if high < -ROUNDING / 2:
         return True
     if not low <= high:
@@ -129,9 +129,9 @@ class Apart:
     def holds(self, encounter: Encounter, begin: float, end: float) -> bool | None:
         """See `Condition`."""
         b = encounter.bounds(begin, end)
-        if b.distance_high < self.metres:
+        if b.distance_high + encounter.rounding / 2 < self.metres:
             return False
-        return True if b.distance_low >= self.metres else None
+        return True if b.distance_low + encounter.rounding >= self.metres else None
 
 
 @dataclass(frozen=True)

@@ -2,9 +2,9 @@
 
 All solids here stand upright: a footprint between a bottom and a top. Their distance is √(p² + z²)
 with p the distance of the footprints in the plane and z the gap between the heights. FCL is asked
-for p: of a sphere (the person's disc) and of a box or a sphere that cut the plane in the machine's
-footprint. Between these FCL is exact to 1e-12 m; between a cylinder and a box it would iterate,
-and be wrong by up to 0.5 mm.
+for the distance of the person's axis (a tiny sphere) from a box or a sphere that cuts the plane in
+the machine's footprint; p is less by the person's radius. Of these FCL is exact to 1e-12 m; of a
+cylinder and a box it would be wrong by up to 0.5 mm, because it iterates.
 """
 
 from __future__ import annotations
@@ -27,6 +27,9 @@ PERSON_RADIUS = 0.30
 
 PERSON_HEIGHT = 1.75
 """Metres. A person's height where nothing else is said."""
+
+_POINT = 1e-6
+"""Metres. The radius of the sphere that stands for a person's axis."""
 
 
 def _require_solid(solid: Cylinder | Box) -> None:
@@ -172,11 +175,11 @@ class _Gauge:
     def __init__(self, person: Cylinder, part: Cylinder | Box) -> None:
         self._height = max(part.bottom - person.top, person.bottom - part.top, 0.0)
         self._radius = person.radius
-        self._rounding = person.radius + part.rounding
+        self._grown = person.radius + part.rounding
         self._corners = part.corners
         self._reach = max(math.hypot(*corner) for corner in part.corners)
         self._farthest = self._reach + part.rounding
-        self._disc = fcl.CollisionObject(fcl.Sphere(person.radius))
+        self._axis = fcl.CollisionObject(fcl.Sphere(_POINT))
         footprint = (
             fcl.Sphere(part.radius)
             if isinstance(part, Cylinder)
@@ -187,8 +190,7 @@ class _Gauge:
 
     def distance(self, x: float, y: float) -> float:
         """Metres between the surfaces for a person at (x, y), 0 if they overlap."""
-        gap, _ = self._gap(x, y)
-        return math.hypot(gap, self._height)
+        return self._over(self._away(x, y)[0])
 
     def range(self, course: _Course, slope: float) -> tuple[float, float]:
         """Bounds on distance − `slope` u for the instants u of a course.
@@ -200,56 +202,62 @@ class _Gauge:
         with it. Both are off by second order in the course's `half`.
         """
         x, y, vx, vy, spin, half, bend, twist, swing = course
-        gap, nearest = self._gap(x, y)
-        distance = math.hypot(gap, self._height)
+        away, (at_x, at_y) = self._away(x, y)
         turned = twist + swing * swing / 2
-        if nearest is None:
+        moved = math.hypot(vx, vy) * half + bend
+        if away == 0.0:
             around = abs(slope) * half
-            moved = math.hypot(vx, vy) * half + bend + self._farthest * swing
-            return self._height - around, distance + moved + around
-        at_x, at_y = nearest
+            return self._height - around, self._over(moved + self._farthest * swing) + around
         dx, dy = x - at_x, y - at_y
-        level = gap / distance
-        scale = level / math.hypot(dx, dy)
-        nx, ny = dx * scale, dy * scale
+        distance = self._over(away)
+        wx, wy, rise = (vx + spin * at_y) * half, (vy - spin * at_x) * half, slope * half
+        bent = bend + self._farthest * turned
+        high = max(
+            self._over(math.hypot(dx + wx, dy + wy) + bent) - rise,
+            self._over(math.hypot(dx - wx, dy - wy) + bent) + rise,
+        )
+        if away <= self._radius:
+            return distance - abs(rise), high
+        level = (away - self._radius) / distance
+        nx, ny = dx / away * level, dy / away * level
         towards = nx * vx + ny * vy - slope
         inside = [(nx * (x - cx) + ny * (y - cy), nx * cy - ny * cx) for cx, cy in self._corners]
         low = min(apart - abs(towards + spin * lever) * half for apart, lever in inside)
         low -= level * (bend + self._reach * turned)
         if swing > 0.0 and self._reach > 0.0:
-            away, moved = math.hypot(x, y), math.hypot(vx, vy) * half + bend
             turning = min(apart for apart, _ in inside)
             turning -= abs(towards + spin * (nx * y - ny * x)) * half
-            turning -= level * (bend + away * turned + moved * (swing + swing * swing / 2))
+            turning -= level * (
+                bend + math.hypot(x, y) * turned + moved * (swing + swing * swing / 2)
+            )
             low = max(low, turning)
-        low += self._height * self._height / distance - level * self._rounding
-        wx, wy, rise = (vx + spin * at_y) * half, (vy - spin * at_x) * half, slope * half
-        high = bend + self._farthest * turned
-        high += max(
-            self._over(math.hypot(dx + wx, dy + wy)) - rise,
-            self._over(math.hypot(dx - wx, dy - wy)) + rise,
-        )
+        low += self._height * self._height / distance - level * self._grown
         return (low if slope else max(low, self._height)), high
 
     def _over(self, away: float) -> float:
-        """The distance from a point of the part to a person whose axis is `away` metres off."""
+        """The distance from the part to a person whose axis is `away` metres from its footprint."""
         return math.hypot(max(away - self._radius, 0.0), self._height)
 
-    def _gap(self, x: float, y: float) -> tuple[float, tuple[float, float] | None]:
-        """Metres between the footprints, and the part's nearest point (None: they overlap)."""
-        self._disc.setTranslation(np.array([x, y, 0.0]))
+    def _away(self, x: float, y: float) -> tuple[float, tuple[float, float]]:
+        """Metres from the footprint to a point, and the footprint's point nearest to it.
+
+        0 within the footprint, and then the point is of no use.
+        """
+        self._axis.setTranslation(np.array([x, y, 0.0]))
         result = fcl.DistanceResult()
-        gap = fcl.distance(self._footprint, self._disc, self._request, result)
+        gap = fcl.distance(self._footprint, self._axis, self._request, result)
         if gap <= 0.0:
-            return 0.0, None
+            return 0.0, (x, y)
         at_x, at_y, _ = result.nearest_points[0].tolist()
-        return gap, (at_x, at_y)
+        return gap + _POINT, (at_x, at_y)
 
 
 class SurfaceEncounter(Encounter):
     """An encounter in which distances are those between surfaces."""
 
     __slots__ = ("_gauges", "_rotation")
+
+    rounding = 1e-12
 
     def __init__(
         self,
