@@ -28,7 +28,8 @@ def load_wkt(path: Path) -> Floorplan:
 def parse_wkt(text: str, *, file: str = "<text>") -> Floorplan:
     """The floorplan in `text`; errors call it `file`."""
     try:
-        geometry = shapely.from_wkt(text.strip())
+        with np.errstate(invalid="ignore"):  # what is not finite is told below
+            geometry = shapely.from_wkt(text.strip())
     except shapely.GEOSException as why:
         reason = re.sub(r"^ParseException: ", "", str(why)).strip()
         raise FloorplanError(file, [Problem(f"is not well-known text: {reason}")]) from None
