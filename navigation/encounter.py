@@ -40,14 +40,15 @@ class Bounds(NamedTuple):
 
 @dataclass(frozen=True)
 class Enclosure:
-    """A figure over an interval: within `slack` of `value` + `slope` (t − its middle).
+    """A figure over an interval: within `slack` of `value` + `slope` u + `curve` u² / 2.
 
-    At an instant `value` is exact, and the other two don't count.
+    u is the time from the middle of the interval, in seconds. At an instant `value` is exact.
     """
 
     value: float
     slope: float = 0.0
     slack: float = 0.0
+    curve: float = 0.0
 
     @staticmethod
     def between(low: float, high: float) -> Enclosure:
@@ -56,18 +57,26 @@ class Enclosure:
 
     def range(self, half: float) -> tuple[float, float]:
         """The least and the most it may be on an interval of twice `half` (seconds)."""
-        around = abs(self.slope) * half + self.slack
+        around = (abs(self.slope) + abs(self.curve) * half / 2) * half + self.slack
         return self.value - around, self.value + around
 
     def __add__(self, other: Enclosure | float) -> Enclosure:
         if isinstance(other, Enclosure):
             return Enclosure(
-                self.value + other.value, self.slope + other.slope, self.slack + other.slack
+                self.value + other.value,
+                self.slope + other.slope,
+                self.slack + other.slack,
+                self.curve + other.curve,
             )
-        return Enclosure(self.value + other, self.slope, self.slack)
+        return Enclosure(self.value + other, self.slope, self.slack, self.curve)
 
     def __mul__(self, factor: float) -> Enclosure:
-        return Enclosure(self.value * factor, self.slope * factor, self.slack * abs(factor))
+        return Enclosure(
+            self.value * factor,
+            self.slope * factor,
+            self.slack * abs(factor),
+            self.curve * factor,
+        )
 
 
 class Odometer:
@@ -93,10 +102,8 @@ class Odometer:
         if half == 0.0:
             return Enclosure(way)
         # Its derivative is the speed at the far end less that at the near one.
-        slowest, fastest = self.speed(begin, end).range(half)
-        slowest_then, fastest_then = self.speed(begin + seconds, end + seconds).range(half)
-        least, most = slowest_then - fastest, fastest_then - slowest
-        return Enclosure(way, (least + most) / 2, (most - least) / 2 * half)
+        growth = self.speed(begin + seconds, end + seconds) + self.speed(begin, end) * -1.0
+        return Enclosure(way, growth.value, growth.slack * half, growth.slope)
 
     def speed(self, begin: float, end: float) -> Enclosure:
         """The speed (m/s) from `begin` to `end`; at a change, the one after it."""
@@ -275,17 +282,20 @@ class Encounter:
         middle = begin - self.begin + half
         human_low, human_high = self._human_steady or _speed(self._human, middle, half)
         robot_low, robot_high = self._robot_steady or _speed(self._robot, middle, half)
-        near, far, _ = self._distance(middle, half, 0.0)
+        near, far, _ = self._distance(middle, half, 0.0, 0.0)
         return Bounds(near, far, human_low, human_high, robot_low, robot_high)
 
-    def apart(self, begin: float, end: float, slope: float = 0.0) -> tuple[float, float, float]:
-        """Bounds on distance − `slope` (t − middle) over an interval, and an instant near the low.
+    def apart(
+        self, begin: float, end: float, slope: float = 0.0, curve: float = 0.0
+    ) -> tuple[float, float, float]:
+        """Bounds on distance − `slope` u − `curve` u² / 2 over an interval, u from its middle.
 
-        The slope (m/s) is that of a required distance which grows while the two move.
+        Slope (m/s) and curve (m/s²) are those of a required distance that changes while the two
+        move. The third number is an instant at which the figure is near the low.
         """
         half = (end - begin) / 2
         middle = begin - self.begin + half
-        near, far, offset = self._distance(middle, half, slope)
+        near, far, offset = self._distance(middle, half, slope, curve)
         return near, far, min(max(self.begin + middle + offset, begin), end)
 
     def human_speed(self, begin: float, end: float) -> Enclosure:
@@ -296,8 +306,10 @@ class Encounter:
         """The robot's speed over an interval within this stretch, m/s."""
         return _speed_along(self._robot_piece, begin, end)
 
-    def _distance(self, middle: float, half: float, slope: float) -> tuple[float, float, float]:
-        """Bounds on distance − slope u for all |u| <= `half`, and the u where it is about least.
+    def _distance(
+        self, middle: float, half: float, slope: float, curve: float
+    ) -> tuple[float, float, float]:
+        """See `apart`, for all |u| <= `half`; the third number is a u.
 
         About the middle the relative position is r + v u + (a/2) u² + (j/6) u³. What |r + v u| −
         slope u may be is known exactly, for it is convex; the rest of the position can't be longer
@@ -327,10 +339,27 @@ class Encounter:
         near = math.hypot(x + vx * offset, y + vy * offset)
         before = math.hypot(x - vx * half, y - vy * half)
         after = math.hypot(x + vx * half, y + vy * half)
-        if slope:
+        if slope or curve:
             rise = slope * half
+            bend = self._bend(middle, half, curve, bend)
             return near - slope * offset - bend, max(before + rise, after - rise) + bend, offset
         return max(near - bend, 0.0), max(before, after) + bend, offset
+
+    def _bend(self, middle: float, half: float, curve: float, bend: float) -> float:
+        """What distance − curve u² / 2 may be off that along a straight line: of third order.
+
+        With n the direction of r, that is (n·a − curve) u² / 2 + (n·j/6) u³, and in addition what
+        is due to n turning, and to the part of the bend across n. `bend` is the length of it all.
+        """
+        (x, vx, ax, jx), (y, vy, ay, jy) = shift(self._x, middle), shift(self._y, middle)
+        whole = bend + abs(curve) / 2 * half * half
+        away = math.hypot(x, y)
+        nearest = away - math.hypot(vx, vy) * half
+        if nearest <= 0.0:
+            return whole
+        along = abs((x * ax + y * ay) / away - curve / 2) + abs(x * jx + y * jy) / away * half
+        turn = abs(x * vy - y * vx) * half / (nearest * nearest)
+        return min(along * half * half + bend * (turn + bend / (2 * nearest)), whole)
 
 
 MakeEncounter = Callable[[float, float, tuple[Piece, Piece], tuple[Odometer, Odometer]], Encounter]

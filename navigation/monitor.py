@@ -91,8 +91,11 @@ def _margin(
     required: Enclosure, encounter: Encounter, begin: float, end: float
 ) -> tuple[float, float, float]:
     """Bounds on distance − required over an interval, and an instant near the least."""
-    low, high, candidate = encounter.apart(begin, end, required.slope if begin < end else 0.0)
-    slack = required.slack if begin < end else 0.0
+    if begin == end:
+        margin = encounter.distance(begin) - required.value
+        return margin, margin, begin
+    low, high, candidate = encounter.apart(begin, end, required.slope, required.curve)
+    slack = required.slack
     return low - required.value - slack, high - required.value + slack, candidate
 
 

@@ -153,18 +153,22 @@ def agv_box(lane: Lane) -> Box:
 class _Course(NamedTuple):
     """How a person moves in the frame that the machine has at an instant.
 
-    Place and velocity (m, m/s), and how fast the machine turns (rad/s). For `half` seconds before
-    and after, the person stays within `bend` (m) and the machine within `twist` (rad) of that; the
-    machine turns by no more than `swing` (rad).
+    Place, velocity and half the acceleration (m, m/s, m/s²), and how fast the machine turns
+    (rad/s). For `half` seconds before and after, the person stays within `bend` (m) of place and
+    velocity, and within `jolt` (m) if the acceleration counts too; the machine stays within
+    `twist` (rad) and turns by no more than `swing` (rad).
     """
 
     x: float
     y: float
     vx: float
     vy: float
+    ax: float
+    ay: float
     spin: float
     half: float
     bend: float
+    jolt: float
     twist: float
     swing: float
 
@@ -192,8 +196,8 @@ class _Gauge:
         """Metres between the surfaces for a person at (x, y), 0 if they overlap."""
         return self._over(self._away(x, y)[0])
 
-    def range(self, course: _Course, slope: float) -> tuple[float, float]:
-        """Bounds on distance − `slope` u for the instants u of a course.
+    def range(self, course: _Course, slope: float, curve: float) -> tuple[float, float]:
+        """Bounds on distance − `slope` u − `curve` u² / 2 for the instants u of a course.
 
         The lower bound is that of a plane that separates the two at the middle: one that keeps its
         normal, or one that turns with the machine (better beside a wall that turns). Along the
@@ -201,38 +205,40 @@ class _Gauge:
         is the distance from the person to the part's point that is nearest at the middle and moves
         with it. Both are off by second order in the course's `half`.
         """
-        x, y, vx, vy, spin, half, bend, twist, swing = course
+        x, y, vx, vy, ax, ay, spin, half, bend, jolt, twist, swing = course
         away, (at_x, at_y) = self._away(x, y)
         turned = twist + swing * swing / 2
         moved = math.hypot(vx, vy) * half + bend
         if away == 0.0:
-            around = abs(slope) * half
+            around = (abs(slope) + abs(curve) / 2 * half) * half
             return self._height - around, self._over(moved + self._farthest * swing) + around
         dx, dy = x - at_x, y - at_y
         distance = self._over(away)
         wx, wy, rise = (vx + spin * at_y) * half, (vy - spin * at_x) * half, slope * half
+        bow = abs(curve) / 2 * half * half
         bent = bend + self._farthest * turned
         high = max(
             self._over(math.hypot(dx + wx, dy + wy) + bent) - rise,
             self._over(math.hypot(dx - wx, dy - wy) + bent) + rise,
         )
         if away <= self._radius:
-            return distance - abs(rise), high
+            return distance - abs(rise) - bow, high + bow
         level = (away - self._radius) / distance
         nx, ny = dx / away * level, dy / away * level
         towards = nx * vx + ny * vy - slope
         inside = [(nx * (x - cx) + ny * (y - cy), nx * cy - ny * cx) for cx, cy in self._corners]
         low = min(apart - abs(towards + spin * lever) * half for apart, lever in inside)
-        low -= level * (bend + self._reach * turned)
+        low -= abs(nx * ax + ny * ay - curve / 2) * half * half
+        low -= level * (jolt + self._reach * turned)
         if swing > 0.0 and self._reach > 0.0:
-            turning = min(apart for apart, _ in inside)
+            turning = min(apart for apart, _ in inside) - bow
             turning -= abs(towards + spin * (nx * y - ny * x)) * half
             turning -= level * (
                 bend + math.hypot(x, y) * turned + moved * (swing + swing * swing / 2)
             )
             low = max(low, turning)
         low += self._height * self._height / distance - level * self._grown
-        return (low if slope else max(low, self._height)), high
+        return (low if slope or curve else max(low, self._height)), high + bow
 
     def _over(self, away: float) -> float:
         """The distance from the part to a person whose axis is `away` metres from its footprint."""
@@ -274,9 +280,11 @@ class SurfaceEncounter(Encounter):
 
     def distance(self, t: float) -> float:
         """The distance between the surfaces at `t` (metres), 0 where they overlap."""
-        return self._distance(t - self.begin, 0.0, 0.0)[0]
+        return self._distance(t - self.begin, 0.0, 0.0, 0.0)[0]
 
-    def _distance(self, middle: float, half: float, slope: float) -> tuple[float, float, float]:
+    def _distance(
+        self, middle: float, half: float, slope: float, curve: float
+    ) -> tuple[float, float, float]:
         """See `Encounter`. Exact to second order in `half`, so it converges as fast."""
         turn = value(self._rotation, middle)
         c, s = math.cos(turn), math.sin(turn)
@@ -288,17 +296,21 @@ class SurfaceEncounter(Encounter):
         _, vx, ax, jx = shift(self._x, middle)
         _, vy, ay, jy = shift(self._y, middle)
         _, spin, spin_up, spin_jerk = shift(self._rotation, middle)
+        jolt = half * half * half * math.hypot(jx, jy)
         twist = half * half * (abs(spin_up) + half * abs(spin_jerk))
         course = _Course(
             x,
             y,
             -(c * vx + s * vy),
             s * vx - c * vy,
+            -(c * ax + s * ay),
+            s * ax - c * ay,
             spin,
             half,
-            half * half * (math.hypot(ax, ay) + half * math.hypot(jx, jy)),
+            half * half * math.hypot(ax, ay) + jolt,
+            jolt,
             twist,
             abs(spin) * half + twist,
         )
-        lows, highs = zip(*(gauge.range(course, slope) for gauge in self._gauges), strict=True)
-        return min(lows), min(highs), 0.0
+        ranges = [gauge.range(course, slope, curve) for gauge in self._gauges]
+        return min(low for low, _ in ranges), min(high for _, high in ranges), 0.0

@@ -19,6 +19,7 @@ from navigation import (
     Scaled,
     SeparationLaw,
 )
+from navigation.encounter import encounters
 
 LAW = SeparationLaw(t1=1.0, t2=1.5, stopping=0.0, intrusion=1.0)
 END = 30.0
@@ -349,7 +350,7 @@ def test_the_integral_law_misses_no_violation_of_a_millisecond(milliseconds):
 
 def test_a_stop_exactly_at_the_limit_is_no_violation_of_the_integral_law():
     """Walking up to it, distance and way ahead shrink together: a tie for 2.5 s."""
-    person = navigation.walk([(-10, 0), (-1, 0)], 0.0, max_acceleration=25.0)
+    person = navigation.walk([(-10, 0), (-1, 0)], 0.0)
     machine = navigation.standing((0, 0))
     law = IntegralLaw(t1=1.0, t2=1.5, stopping=0.0, intrusion=1.0)
     assert navigation.violations(person, machine, law, 0.0, 20.0) == []
@@ -361,6 +362,20 @@ def test_the_constant_approach_speed_keeps_people_away_who_stand():
     law = ApproachLaw(time=1.0, intrusion=0.4)
     t = navigation.first_violation(person, machine, law, 0.0, 20.0)
     assert t == pytest.approx(7.0 + 0.2, abs=1e-6)
+
+
+@given(walks, gantry_motions(), *(st.floats(-1, 1) for _ in range(2)), st.floats(0, 1))
+def test_bounds_on_distances_hold_throughout_an_interval(person, machine, slope, curve, share):
+    for encounter in encounters(person, machine, 0.0, END):
+        begin, end = encounter.begin, encounter.end
+        end = begin + share * (end - begin)
+        near, far, candidate = encounter.apart(begin, end, slope, curve)
+        assert begin <= candidate <= end
+        ts = np.linspace(begin, end, 9)
+        u = ts - (begin + end) / 2
+        exact = [encounter.distance(t) for t in ts.tolist()] - slope * u - curve * u * u / 2
+        assert near - 1e-9 <= exact.min()
+        assert far + 1e-9 >= exact.max()
 
 
 @dataclass(frozen=True)

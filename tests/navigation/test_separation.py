@@ -151,7 +151,8 @@ def test_what_a_law_says_of_an_interval_holds_throughout(person, machine, t1, t2
             found = law.required(encounter, begin, end)
             for t in np.linspace(begin, end, 9).tolist():
                 exact = law.required(encounter, t, t).value
-                expected = found.value + found.slope * (t - (begin + end) / 2)
+                u = t - (begin + end) / 2
+                expected = found.value + found.slope * u + found.curve * u * u / 2
                 assert abs(exact - expected) <= found.slack + 1e-10
 
 
@@ -159,6 +160,8 @@ def test_enclosures_add_up():
     one = Enclosure(1.0, 0.5, 0.1) * -2.0 + Enclosure(1.0, 1.0, 0.0) + 4.0
     assert (one.value, one.slope, one.slack) == (3.0, 0.0, 0.2)
     assert one.range(10.0) == (2.8, 3.2)
+    two = (Enclosure(1.0, 0.5, 0.0, 2.0) + Enclosure(0.0, 0.0, 0.0, 1.0)) * 2.0
+    assert (two.curve, two.range(1.0)) == (6.0, (-2.0, 6.0))
     assert Enclosure.between(1.0, 2.0).range(3.0) == (1.0, 2.0)
 
 

@@ -179,11 +179,12 @@ def test_bounds_hold_throughout_an_interval(person, machine, shapes, slope, low,
         end = encounter.begin + length * max(low, high)
         if end <= begin:
             continue
-        for steepness in (0.0, slope):
-            near, far, candidate = encounter.apart(begin, end, steepness)
+        for steepness, curve in ((0.0, 0.0), (slope, 0.0), (slope, 2 * slope), (0.0, slope)):
+            near, far, candidate = encounter.apart(begin, end, steepness, curve)
             assert begin <= candidate <= end
             ts = np.linspace(begin, end, 9)
-            exact = by_shapely(person, machine, shapes, ts) - steepness * (ts - (begin + end) / 2)
+            u = ts - (begin + end) / 2
+            exact = by_shapely(person, machine, shapes, ts) - steepness * u - curve * u * u / 2
             assert near <= exact.min() + 1e-9
             assert far >= exact.max() - 1e-9
 
