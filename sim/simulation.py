@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+import zlib
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -153,7 +154,7 @@ class Simulation:
             beliefs=first_beliefs(entry, plan, trial.rules),
             act=person.act,
             name=entry.name,
-            seed=trial.seed,
+            seed=_seed_of(trial.seed, entry.name),
             print=lambda text: self._record("said", person=entry.name, text=text),
             on_event=lambda entry: self._heed(person, entry),
             society=self._society,
@@ -244,6 +245,11 @@ def run(trial: Trial, *listeners: Listener) -> Run:
     simulation = Simulation(trial, *listeners)
     simulation.advance(trial.duration)
     return simulation.finish()
+
+
+def _seed_of(seed: int, name: str) -> int:
+    """The seed of one person's chances: their own, and the same whoever else is there."""
+    return zlib.crc32(f"{seed} {name}".encode())
 
 
 class _Keeper(Listener):

@@ -140,6 +140,17 @@ def test_stopping_turning_and_walking_slowly(program):
     assert math.dist(motion.state(60).at, (0.4, 7.0)) > math.dist((x, y), (0.4, 7.0))
 
 
+def test_chance_comes_from_the_seed_and_differs_between_people(tmp_path):
+    (tmp_path / "dice.asl").write_text("!go. +!go <- .random(R); .print(R).")
+    people = "people: [{name: a, personality: dice.asl}, {name: b, personality: dice.asl}]"
+    thrown = [
+        [event["text"] for event in events(run(f"seed: {seed}\n{people}", tmp_path), "said")]
+        for seed in (0, 0, 1)
+    ]
+    assert thrown[0] == thrown[1]
+    assert len({*thrown[0], *thrown[2]}) == 4
+
+
 def test_somebody_who_is_there_already_says_so_after_a_moment(program):
     finished = program("!go. +!go <- move(-15, -10, 0). +work_completed(N) <- .print(N).")
     assert [event["t"] for event in events(finished, "said")] == [pytest.approx(0.1)]
