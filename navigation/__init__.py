@@ -1,7 +1,7 @@
 """How bodies move: collision, paths, motions in continuous time, and separation."""
 
 from .bodies import Disc
-from .encounter import Enclosure, Encounter, Odometer
+from .encounter import Encounter
 from .gantry_planner import GantryPath, GantryPlanner
 from .machines import (
     ARIAC_GANTRY,
@@ -30,6 +30,7 @@ from .monitor import (
     when,
 )
 from .motion import Motion, Piece, State, join, standing
+from .odometer import Enclosure, Odometer
 from .path import Path, PlannerInfo, PlanningError
 from .planner import PathPlanner, planners
 from .profiles import AxisLimits, AxisState

@@ -15,8 +15,9 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Protocol
 
-from .encounter import Enclosure, Encounter, encounters
+from .encounter import Encounter, encounters
 from .motion import Motion
+from .odometer import Enclosure
 from .separation import Law, MotionLaw, require_sense
 from .surfaces import Shapes
 

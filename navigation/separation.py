@@ -6,7 +6,8 @@ import math
 from dataclasses import dataclass, fields
 from typing import Protocol, runtime_checkable
 
-from .encounter import Enclosure, Encounter
+from .encounter import Encounter
+from .odometer import Enclosure
 
 WALKING_SPEED = 1.6
 """m/s. ISO 13855:2010's approach speed of people who walk."""

@@ -19,8 +19,9 @@ import numpy as np
 
 from floorplan import Gantry, Lane
 
-from .encounter import Encounter, Odometer
+from .encounter import Encounter
 from .motion import Piece, shift, value
+from .odometer import Odometer
 
 PERSON_RADIUS = 0.30
 """Metres. A person's radius where nothing else is said."""
