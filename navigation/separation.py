@@ -39,7 +39,8 @@ class MotionLaw(Protocol):
     def required(self, encounter: Encounter, begin: float, end: float) -> Enclosure:
         """The distance in metres that is required from `begin` to `end` (seconds).
 
-        The interval lies within `encounter`; at an instant the value is exact.
+        The interval lies within `encounter`; at an instant the value is exact. Where a speed
+        jumps at `end`, what is required from then on may be left out.
         """
         ...
 

@@ -149,7 +149,8 @@ def test_what_a_law_says_of_an_interval_holds_throughout(person, machine, t1, t2
             begin = encounter.begin + length * min(low, high)
             end = encounter.begin + length * max(low, high)
             found = law.required(encounter, begin, end)
-            for t in np.linspace(begin, end, 9).tolist():
+            # A robot that halts at once, at the end, is not meant by what is said of before.
+            for t in np.linspace(begin, end, 9)[:-1].tolist():
                 exact = law.required(encounter, t, t).value
                 u = t - (begin + end) / 2
                 expected = found.value + found.slope * u + found.curve * u * u / 2
