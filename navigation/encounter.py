@@ -9,6 +9,9 @@ from typing import NamedTuple
 from .motion import Cubic, Motion, Piece, shift, still
 from .odometer import Enclosure, Odometer, speed_along
 
+_NEAR = 1e-9
+"""Metres. Nearer than this, the direction from one to the other is mostly rounding."""
+
 
 class Bounds(NamedTuple):
     """What holds throughout an interval: metres and m/s. At an instant, low equals high."""
@@ -147,7 +150,7 @@ class Encounter:
             offset = -(x * vx + y * vy) / square
             if slope:
                 across = abs(x * vy - y * vx)
-                offset += slope * across / (square * math.sqrt(square - slope * slope))
+                offset += across / square * (slope / math.sqrt(square - slope * slope))
             offset = min(max(offset, -half), half)
         elif slope:
             offset = math.copysign(half, slope)
@@ -170,7 +173,7 @@ class Encounter:
         whole = bend + abs(curve) / 2 * half * half
         away = math.hypot(x, y)
         nearest = away - math.hypot(vx, vy) * half
-        if nearest <= 0.0:
+        if nearest < _NEAR:
             return whole
         along = abs((x * ax + y * ay) / away - curve / 2) + abs(x * jx + y * jy) / away * half
         turn = abs(x * vy - y * vx) * half / (nearest * nearest)

@@ -378,6 +378,20 @@ def test_bounds_on_distances_hold_throughout_an_interval(person, machine, slope,
         assert far + 1e-9 >= exact.max()
 
 
+@pytest.mark.parametrize("metres", [1e-9, 1e-80, 1e-145, 1e-160, 1e-300, 5e-324])
+def test_motions_too_small_to_see_are_no_trouble(metres):
+    person = navigation.standing((0, 0))
+    machine = navigation.gantry_move((0.0, metres, 0.0), (0.0, 0.0, 0.5))
+    drift = Motion((Piece(0.0, 3.0, (0.0, metres, metres, metres), (metres,) * 4, (0.0,) * 4),))
+    for law in (IntegralLaw(t1=1.0, t2=1.0), LAW):
+        for body in (machine, drift):
+            margin_ = navigation.minimum_margin(person, body, law, 0.0, 5.0)[1]
+            required = 1.0 if law is LAW else 0.0
+            assert margin_ == pytest.approx(-required, abs=1e-7)
+            found = navigation.violations(person, body, law, 0.0, 5.0)
+            assert found == [(0.0, 5.0)] or law is not LAW
+
+
 @dataclass(frozen=True)
 class Kinetic:
     """A law of somebody's own: 0.5 m and what the robot needs to brake at 2 m/s²."""
