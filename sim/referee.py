@@ -227,13 +227,7 @@ class Referee:
         if self._clock.now < self._harmless_until:
             return
         self.penalties += 1
-        self._record(
-            "violation",
-            person=pair.person.name,
-            **{"with": pair.machine.name},
-            penalty=True,
-            **_figures(pair, law),
-        )
+        self._record_violation(pair, law, penalty=True)
         seconds = self.rules.gantry_disabled
         self._disable_gantry(seconds)
         self._harmless_until = self._clock.now + seconds + self.rules.grace
@@ -248,14 +242,17 @@ class Referee:
 
     def _agv_violation(self, pair: Pair, law: Law) -> None:
         self.agv_teleports += 1
+        self._record_violation(pair, law, penalty=False)
+        self._warn(pair.person, "agv_danger", pair.machine)
+
+    def _record_violation(self, pair: Pair, law: Law, *, penalty: bool) -> None:
         self._record(
             "violation",
             person=pair.person.name,
             **{"with": pair.machine.name},
-            penalty=False,
+            penalty=penalty,
             **_figures(pair, law),
         )
-        self._warn(pair.person, "agv_danger", pair.machine)
 
 
 def _figures(pair: Pair, law: Law) -> dict[str, float]:
