@@ -1,31 +1,63 @@
-"""The gantry as its controller sees it: moves, picks, places and waits that can be yielded."""
+"""The gantry as its controller sees it: what it can be told, and what it can see."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Generator
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, Literal
 
 from simpy.events import Event, Process
 
 from floorplan import Gantry
-from navigation import gantry_limits, gantry_move, gantry_stop, standing
+from navigation import Motion, State, gantry_limits, gantry_move, gantry_stop, standing
 
 from .body import Body
 from .clock import Alarm, Clock, Turn
 from .recorder import Record
-from .trial import GantryEntry, Job
+from .rules import PAPER, RuleSet
+from .tasks import Handling, Pose, Step, Task, Tasks, tasks_of
+from .trial import GantryEntry
 
-Steps = Generator[Event, Any, None]
+Steps = Generator[Event, Any, Any]
 """What a controller is: a generator of events to wait for, in SimPy's manner."""
+
+Interruption = Literal["person_close", "disabled", "enabled"]
+"""What can interrupt a controller that asked for it."""
+
+OBSERVATION_RATE = 10.0
+"""Hz. How often the gantry sees where people are."""
+
+REACH = 1e-3
+"""Metres. How near to a place the gantry's axis has to be to handle something there."""
 
 
 @dataclass(frozen=True)
-class Handling:
-    """How long the gantry's hand takes, seconds (our choice; none are published)."""
+class Sighting:
+    """A person as the gantry's sensors see them: x, y in metres, velocity in m/s."""
 
-    pick: float = 2.0
-    place: float = 2.0
+    name: str
+    at: tuple[float, float]
+    velocity: tuple[float, float]
+
+    @property
+    def speed(self) -> float:
+        """The speed over the floor, m/s."""
+        return math.hypot(*self.velocity)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Surroundings:
+    """What a gantry has around it: the people it sees, the places it works at, the rules.
+
+    `locate(place)` is where an obstacle, a station or an AGV is, None while an AGV drives;
+    `human_speed` is how fast people may come (m/s).
+    """
+
+    see: Callable[[], tuple[Sighting, ...]] = tuple
+    locate: Callable[[str], tuple[float, float] | None]
+    rules: RuleSet = PAPER
+    human_speed: float = 1.0
 
 
 class GantryRobot:
@@ -41,26 +73,36 @@ class GantryRobot:
         clock: Clock,
         gantry: Gantry,
         entry: GantryEntry,
+        surroundings: Surroundings,
         *,
         record: Record,
-        locate: Callable[[str], tuple[float, float]],
     ) -> None:
         x, y, rotation = entry.at or gantry.start
         self.body = Body(clock, "gantry", "gantry", standing((x, y), heading=rotation))
-        self.jobs = entry.jobs
-        self.repeat = entry.repeat
+        self.gantry = gantry
+        self.rules = surroundings.rules
+        self.human_speed = surroundings.human_speed
+        self.handling = Handling()
+        self.tasks = Tasks(clock)
         self.jobs_done = 0
         self.disabled_time = 0.0
-        self.handling = Handling()
+        self.on_interest: Callable[[], None] = lambda: None
         self._clock = clock
-        self._locate = locate
-        self._gantry = gantry
+        self._entry = entry
+        self._surroundings = surroundings
         self._limits = gantry_limits(gantry)
         self._record = record
         self._enabled: Event | None = None
         self._disabled_at = 0.0
-        self._interruption = clock.event()
+        self._commands = 0
+        self._braking = clock.event()
+        self._floor_changed = clock.event()
         self._ready = Alarm(clock, self._enable, Turn.MOTION_ENDS)
+        self._controller: Process | None = None
+        self._interruptions: dict[Interruption, float] = {}
+        self._begin_round()
+
+    # What it sees.
 
     @property
     def now(self) -> float:
@@ -68,7 +110,12 @@ class GantryRobot:
         return self._clock.now
 
     @property
-    def position(self) -> tuple[float, float, float]:
+    def state(self) -> State:
+        """Where it is and how it moves now."""
+        return self.body.state
+
+    @property
+    def position(self) -> Pose:
         """Where it is now: x, y (metres), rotation (radians)."""
         return self.body.state.position
 
@@ -77,34 +124,105 @@ class GantryRobot:
         """Whether it stands because the referee disabled it."""
         return self._enabled is not None
 
-    def move_to(self, x: float, y: float, rotation: float | None = None) -> Process:
+    def look(self, after: float = 0.0) -> Process:
+        """The people around, as seen at the first observation `after` seconds from now or later.
+
+        The value is a tuple of `Sighting`s: `people = yield gantry.look()`.
+        """
+        _require_time(after)
+        return self._clock.process(self._look(after))
+
+    def interrupt_on(self, reason: Interruption, distance: float = math.inf) -> None:
+        """From now on, interrupt the controller where it waits when this happens.
+
+        It is interrupted in SimPy's manner: the `yield` raises `simpy.Interrupt` with `reason` as
+        its cause. "person_close" happens when a person comes within `distance` metres of the
+        gantry's axis, "disabled" and "enabled" when the referee stops it and lets it go on.
+        """
+        if reason not in ("person_close", "disabled", "enabled"):
+            raise ValueError(f"nothing called {reason!r} interrupts a controller")
+        if reason == "person_close" and not 0 < distance < math.inf:
+            raise ValueError(f"give the distance for person_close in metres, not {distance}")
+        self._interruptions[reason] = distance
+        self.on_interest()
+
+    # What it can be told.
+
+    def move_to(
+        self, x: float, y: float, rotation: float | None = None, *, speed_share: float = 1.0
+    ) -> Process:
         """Go to x, y (metres) and `rotation` (radians; None keeps it), to be waited for.
 
-        `ValueError` if that is outside the gantry's range.
+        `speed_share` of its top speeds is what it makes use of. A new move or a stop takes the
+        place of this one. `ValueError` if that is outside the gantry's range.
         """
-        target = (x, y, self.position[2] if rotation is None else rotation)
-        faults = self._gantry.faults(target)
-        if faults:
-            raise ValueError("; ".join(faults))
-        return self._clock.process(self._move(target))
+        target = self._target(x, y, rotation)
+        limits = self._limits_at(speed_share)
+        return self._clock.process(self._move(target, limits))
+
+    def preview(
+        self, x: float, y: float, rotation: float | None = None, *, speed_share: float = 1.0
+    ) -> Motion:
+        """The motion that `move_to` would make from here and now; nothing moves by it."""
+        target = self._target(x, y, rotation)
+        return gantry_move(self.state, target, self.now, limits=self._limits_at(speed_share))
+
+    def stop(self) -> Process:
+        """Stop as fast as it can, to be waited for; the move under way is forgotten."""
+        return self._clock.process(self._stop())
+
+    def stopping(self, state: State, t: float) -> Motion:
+        """The fastest stop from `state` at `t` (seconds); nothing moves by it."""
+        return gantry_stop(state, t, limits=self._limits)
 
     def wait(self, seconds: float) -> Process:
         """Let `seconds` go by in which the gantry is not disabled."""
-        if not seconds >= 0:
-            raise ValueError(f"can't wait {seconds} s")
+        _require_time(seconds)
         return self._clock.process(self._work(seconds))
 
     def pick(self, place: str) -> Process:
         """Go to `place` (an obstacle, a station or an AGV by name) and take something there."""
-        return self._clock.process(self._handle(place, self.handling.pick))
+        return self._clock.process(self._visit(Step("pick", self.handling.pick, place=place)))
 
     def place(self, place: str) -> Process:
         """Go to `place` and put down what was taken."""
-        return self._clock.process(self._handle(place, self.handling.place))
+        return self._clock.process(self._visit(Step("place", self.handling.place, place=place)))
 
-    def do(self, job: Job) -> Process:
-        """One job of the trial, whatever its kind; records that it is done."""
-        return self._clock.process(self._do(job))
+    # What there is to do.
+
+    @property
+    def open_tasks(self) -> tuple[Task, ...]:
+        """The tasks that may be begun or gone on with now, the preferred one first."""
+        return self.tasks.open
+
+    def next_task(self) -> Event:
+        """The preferred open task, as soon as there is one; None when there won't be any."""
+        return self.tasks.next()
+
+    def do(self, task: Task) -> Process:
+        """All of a task, the straight way."""
+        return self._clock.process(self._do(task))
+
+    def where(self, task: Task) -> Pose | None:
+        """Where the task's next step is now: x, y, rotation; None if it can't be reached now.
+
+        A step at an AGV can't be while the AGV drives, or stands beyond the rails.
+        """
+        return self._pose(_next_step(task))
+
+    def locate(self, task: Task) -> Process:
+        """Begin the task, or go on with it: `where` its next step is, once it can be reached."""
+        return self._clock.process(self._find(task))
+
+    def handle(self, task: Task) -> Process:
+        """Do what the task's next step needs, here. The value is whether it could be done."""
+        return self._clock.process(self._handle(task))
+
+    # What others do with it.
+
+    def start(self, controller: Steps) -> None:
+        """Let `controller` tell it what to do from now on."""
+        self._controller = self._clock.process(controller)
 
     def disable(self, seconds: float) -> None:
         """Stop as fast as it can, and stand for `seconds` from now on."""
@@ -114,8 +232,25 @@ class GantryRobot:
             return
         self._enabled = self._clock.event()
         self._disabled_at = self._clock.now
-        self._interrupt()
-        self.body.follow(gantry_stop(self.body.state, self._clock.now, limits=self._limits))
+        self._brake()
+        self.interrupt("disabled")
+
+    def interrupt(self, reason: Interruption) -> None:
+        """Interrupt the controller, if it asked for it and is waiting for something."""
+        controller = self._controller
+        if reason in self._interruptions and controller is not None and controller.is_alive:
+            controller.interrupt(reason)
+
+    @property
+    def close_distance(self) -> float | None:
+        """Metres within which a person's coming interrupts the controller, if it asked for it."""
+        return self._interruptions.get("person_close")
+
+    def floor_changed(self) -> None:
+        """An AGV has come to rest."""
+        changed, self._floor_changed = self._floor_changed, self._clock.event()
+        changed.succeed()
+        self.tasks.reconsider()
 
     def close(self) -> None:
         """The trial is over: count the time it was disabled until now."""
@@ -128,21 +263,52 @@ class GantryRobot:
         enabled, self._enabled = self._enabled, None
         assert enabled is not None
         enabled.succeed()
+        self.interrupt("enabled")
 
-    def _interrupt(self) -> None:
-        self._interruption.succeed()
-        self._interruption = self._clock.event()
+    def _brake(self) -> None:
+        self.body.follow(self.stopping(self.state, self.now))
+        braking, self._braking = self._braking, self._clock.event()
+        braking.succeed()
 
-    def _move(self, target: tuple[float, float, float]) -> Steps:
+    def _target(self, x: float, y: float, rotation: float | None) -> Pose:
+        target = (x, y, self.position[2] if rotation is None else rotation)
+        faults = self.gantry.faults(target)
+        if faults:
+            raise ValueError("; ".join(faults))
+        return target
+
+    def _limits_at(self, share: float) -> Any:
+        if not 0 < share <= 1:
+            raise ValueError(f"speed_share must be more than 0 and at most 1, not {share}")
+        if share == 1:
+            return self._limits
+        return tuple(replace(axis, max_speed=axis.max_speed * share) for axis in self._limits)
+
+    def _look(self, after: float) -> Steps:
+        earliest = (self.now + after) * OBSERVATION_RATE
+        yield self._clock.at(math.ceil(earliest - 1e-9) / OBSERVATION_RATE, Turn.NOTICE)
+        return self._surroundings.see()
+
+    def _move(self, target: Pose, limits: Any) -> Steps:
+        self._commands += 1
+        command = self._commands
         while True:
             if self._enabled is not None:
                 yield self._enabled
-            motion = gantry_move(self.body.state, target, self._clock.now, limits=self._limits)
+                if self._commands != command:
+                    return
+            motion = gantry_move(self.state, target, self.now, limits=limits)
             self.body.follow(motion)
             arrival = self._clock.at(motion.end)
-            yield arrival | self._interruption
-            if arrival.processed:
+            yield arrival | self._braking
+            if arrival.processed or self._commands != command:
                 return
+
+    def _stop(self) -> Steps:
+        self._commands += 1
+        if self._enabled is None:
+            self._brake()
+        yield self._clock.at(self.body.motion.end)
 
     def _work(self, seconds: float) -> Steps:
         while seconds > 0:
@@ -150,27 +316,87 @@ class GantryRobot:
                 yield self._enabled
             begun = self._clock.now
             done = self._clock.at(begun + seconds)
-            yield done | self._interruption
+            yield done | self._braking
             if done.processed:
                 return
             seconds -= self._clock.now - begun
 
-    def _handle(self, place: str, seconds: float) -> Steps:
-        x, y = self._locate(place)
-        yield self.move_to(x, y)
-        yield self.wait(seconds)
+    def _pose(self, step: Step) -> Pose | None:
+        """Where a step is now, if it can be reached now."""
+        if step.target is not None:
+            return step.target
+        if step.place is None:
+            return self.position
+        at = self._surroundings.locate(step.place)
+        if at is None:
+            return None
+        return (at[0] + step.offset[0], at[1] + step.offset[1], self.position[2])
 
-    def _do(self, job: Job) -> Steps:
-        if job.kind == "move":
-            yield self.move_to(*job.target)
-        elif job.kind == "wait":
-            yield self.wait(job.seconds)
-        elif job.kind == "pick_place":
-            yield self.pick(job.pick)
-            yield self.place(job.place)
-        if job.kind == "submit":
-            self._record("order_submitted", order=job.order)
-            return
-        self.jobs_done += 1
-        fields = {"part": job.part, "from": job.pick, "to": job.place}
-        self._record("job_done", job=job.kind, **(fields if job.kind == "pick_place" else {}))
+    def _find(self, task: Task) -> Steps:
+        step = _next_step(task)
+        self._begin(task)
+        pose = self._pose(step)
+        while pose is None:
+            yield self._floor_changed
+            pose = self._pose(step)
+        return pose
+
+    def _visit(self, step: Step) -> Steps:
+        while (pose := self._pose(step)) is None:
+            yield self._floor_changed
+        yield self.move_to(*pose)
+        yield self.wait(step.seconds)
+
+    def _handle(self, task: Task) -> Steps:
+        step = _next_step(task)
+        pose = self._pose(step)
+        moving = self.now < self.body.motion.end
+        if pose is None or moving or math.dist(pose[:2], self.position[:2]) > REACH:
+            return False
+        self._begin(task)
+        yield self.wait(step.seconds)
+        task.advance()
+        if task.finished:
+            self._finish(task)
+        return True
+
+    def _do(self, task: Task) -> Steps:
+        while task.next_step is not None:
+            pose = yield self.locate(task)
+            yield self.move_to(*pose)
+            yield self.handle(task)
+
+    def _begin(self, task: Task) -> None:
+        if not task.begun:
+            task.begun = True
+            self._record("job_started", job=task.kind, **task.fields)
+
+    def _finish(self, task: Task) -> None:
+        if task.kind == "submit":
+            self._record("order_submitted", **task.fields)
+        else:
+            self.jobs_done += 1
+            self._record("job_done", job=task.kind, **task.fields)
+        task.done()
+        round_over = all(task.finished for task in self._round)
+        if self._entry.repeat and round_over and self.now > self._round_began:
+            self._begin_round()
+        self.tasks.reconsider()
+
+    def _begin_round(self) -> None:
+        """Set out to do the jobs of the trial."""
+        self._round_began = self.now
+        self._round = tasks_of(self._entry.jobs, self.handling)
+        self.tasks.add(self._round)
+
+
+def _next_step(task: Task) -> Step:
+    step = task.next_step
+    if step is None:
+        raise ValueError(f"{task} is done already")
+    return step
+
+
+def _require_time(seconds: float) -> None:
+    if not 0 <= seconds < math.inf:
+        raise ValueError(f"can't wait {seconds} s")

@@ -6,20 +6,23 @@ import time
 import zlib
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import bdi
+from floorplan import Gantry
 from navigation import CollisionWorld, PathPlanner
 
 from .agv import Agv
 from .body import Body
 from .clock import Clock
 from .controllers import find_controller, supervised
-from .gantry import GantryRobot
+from .gantry import GantryRobot, Sighting, Surroundings
 from .minds import first_beliefs
 from .outcome import Run
 from .person import Person
 from .programs import find_program
+from .proximity import ProximityWatch
 from .recorder import Event, Listener, Listeners, recording_to
 from .referee import Referee
 from .summary import summarise
@@ -186,12 +189,38 @@ class Simulation:
         if gantry is None:
             return None
         entry = self.trial.gantry
-        return GantryRobot(self.clock, gantry, entry, record=self._record, locate=self._locate)
+        surroundings = Surroundings(
+            see=self._see,
+            locate=partial(self._locate, gantry),
+            rules=self.trial.rules,
+            human_speed=max(
+                (entry.max_speed or self.trial.floorplan.human.max_speed)
+                for entry in (*self.trial.people, PersonEntry("anybody"))
+            ),
+        )
+        return GantryRobot(self.clock, gantry, entry, surroundings, record=self._record)
 
     def _start_controller(self, gantry: GantryRobot) -> None:
+        people = [person.walker.body for person in self.people]
+        gantry.on_interest = lambda: watch.near(gantry.close_distance)
+        watch = ProximityWatch(
+            self.clock,
+            people,
+            gantry.body,
+            self.trial.duration,
+            partial(gantry.interrupt, "person_close"),
+        )
         name = self.trial.gantry.controller
         controller = find_controller(name, self.trial.folder)
-        self.clock.process(supervised(name, controller, gantry))
+        gantry.start(supervised(name, controller, gantry))
+
+    def _see(self) -> tuple[Sighting, ...]:
+        """The people as the gantry sees them now."""
+        return tuple(
+            Sighting(body.name, state.at, state.velocity[:2])
+            for body in (person.walker.body for person in self.people)
+            for state in [body.state]
+        )
 
     def _warn(self, body: Body, percept: str, machine: Body) -> None:
         for person in self.people:
@@ -214,6 +243,8 @@ class Simulation:
         self._synchronise()
         for person in self.people:
             person.check_way()
+        if self.gantry is not None:
+            self.gantry.floor_changed()
 
     def _synchronise(self) -> None:
         for agv in self.agvs:
@@ -223,11 +254,16 @@ class Simulation:
         for person in self.people:
             person.wake()
 
-    def _locate(self, place: str) -> Place:
-        """Where the gantry goes to for an obstacle, a station or an AGV of that name."""
+    def _locate(self, gantry: Gantry, place: str) -> Place | None:
+        """Where the gantry goes to for an obstacle, a station or an AGV of that name.
+
+        None for an AGV that drives, or stands beyond the gantry's range.
+        """
         for agv in self.agvs:
             if agv.lane.name == place:
-                return agv.body.at
+                x, y = at = agv.body.at
+                within = not gantry.faults((x, y, 0.0))
+                return at if within and agv.body.motion.end <= self.clock.now else None
         for station in self.trial.floorplan.stations:
             if station.name == place:
                 return station.position

@@ -1,4 +1,4 @@
-"""Does its jobs as if it were alone."""
+"""Does its tasks as if it were alone."""
 
 from __future__ import annotations
 
@@ -6,10 +6,6 @@ from ..gantry import GantryRobot, Steps
 
 
 def oblivious(gantry: GantryRobot) -> Steps:
-    """One job after the other, again and again if the trial says so."""
-    while True:
-        begin = gantry.now
-        for job in gantry.jobs:
-            yield gantry.do(job)
-        if not gantry.repeat or gantry.now == begin:
-            return
+    """One task after the other, straight to where it is."""
+    while (task := (yield gantry.next_task())) is not None:
+        yield gantry.do(task)
