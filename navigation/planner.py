@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from floorplan import Point
 
+from . import ground
 from .bodies import Body
 from .freespace import STEP
 from .obstruction import blocked_place, explain_cut_off
@@ -99,7 +100,7 @@ class PathPlanner:
         step = self.step if step is None else step
         known = self._roadmaps.get(step)
         if known is None:
-            known = self._roadmaps[step] = Roadmap(self.world.floor, self.radius, step)
+            known = self._roadmaps[step] = ground.roadmap(self.world.floor, self.radius, step)
         return known
 
     def prepare(self) -> None:

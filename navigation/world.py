@@ -12,12 +12,9 @@ from shapely.geometry import Polygon
 
 from floorplan import Floorplan, Lane, Point
 
-from . import shapes
+from . import ground, shapes
 from .bodies import Body, Disc
-from .freespace import FreeSpace, shrunk, without
-
-_AROUND = 10.0
-"""Metres. How thick the solid rim around a floor is drawn."""
+from .freespace import FreeSpace, without
 
 
 class CollisionWorld:
@@ -41,8 +38,7 @@ class CollisionWorld:
         self._bounds: tuple[float, float, float, float] = plan.boundary.bounds
         shapely.prepare(self.floor)
         shapely.prepare(self.edges)
-        rim = shapely.box(*self._bounds).buffer(_AROUND, join_style="mitre")
-        self._solid = shapes.region(rim.difference(self.floor))
+        self._solid = ground.solid(self.floor, self._bounds)
         self._sweep = shapes.Sweep()
         self._bodies: dict[str, Body] = {}
         self._agvs: dict[str, float] = {}
@@ -135,7 +131,7 @@ class CollisionWorld:
         """Where it could be if there were no bodies. Worked out once for each radius."""
         known = self._fixed_space.get(radius)
         if known is None:
-            known = self._fixed_space[radius] = FreeSpace(shrunk(self.floor, radius))
+            known = self._fixed_space[radius] = ground.fixed_space(self.floor, radius)
         return known
 
     # Queries
