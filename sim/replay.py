@@ -1,13 +1,15 @@
 """The replay page: a recorded run as one HTML file that needs nothing else.
 
-The page (`data/replay.html`) draws from the motions themselves, so that a recording is small and
-exact at any speed. Here the recording is put into it.
+The page draws from the motions themselves, so that a recording is small and exact at any speed.
+Its parts lie in `data/replay/`, one idea a file; here they are joined, and the recording is put
+into them.
 """
 
 from __future__ import annotations
 
 import html
 import json
+import re
 from collections.abc import Mapping
 from importlib.resources import files
 from typing import Any
@@ -15,8 +17,24 @@ from typing import Any
 FORMAT = "floorwalker-replay/1"
 """What `recording["format"]` says, so that a page can tell a recording it does not know."""
 
-_TITLE = "{{title}}"
-_RECORDING = "{{recording}}"
+SCRIPTS = (
+    "recording",
+    "motion",
+    "track",
+    "separation",
+    "events",
+    "canvas",
+    "camera",
+    "floor",
+    "scene",
+    "chart",
+    "panel",
+    "event_list",
+    "summary",
+    "clock",
+    "replay",
+)
+"""The page's scripts in reading order."""
 
 
 def render(recording: Mapping[str, Any]) -> str:
@@ -30,11 +48,17 @@ def render(recording: Mapping[str, Any]) -> str:
             f"the replay page reads recordings of format {FORMAT!r}, "
             f"not {recording.get('format')!r}"
         )
-    template = (files("sim") / "data" / "replay.html").read_text(encoding="utf-8")
-    before_title, after_title = template.split(_TITLE)
-    before_recording, after_recording = after_title.split(_RECORDING)
-    title = html.escape(str(recording.get("title", "replay")))
-    return "".join((before_title, title, before_recording, _embeddable(recording), after_recording))
+    contents = {
+        "title": html.escape(str(recording.get("title", "replay"))),
+        "style": _part("page.css"),
+        "script": "\n".join(_part(f"{name}.js") for name in SCRIPTS),
+        "recording": _embeddable(recording),
+    }
+    return re.sub(r"\{\{(\w+)\}\}", lambda place: contents[place[1]], _part("page.html"))
+
+
+def _part(name: str) -> str:
+    return (files("sim") / "data" / "replay" / name).read_text(encoding="utf-8")
 
 
 def _embeddable(recording: Mapping[str, Any]) -> str:

@@ -1,0 +1,117 @@
+/* A sharp canvas, colours, text, a camera. */
+
+const FONT = 'system-ui, -apple-system, "Segoe UI", Roboto, "Helvetica Neue", sans-serif';
+
+const COLORS = [
+  "floor", "line", "grid", "text", "muted", "low", "high", "edge", "halo", "card",
+  "person-1", "person-2", "person-3", "person-4", "gantry", "gantry-ink", "agv", "notice",
+  "danger", "danger-ink",
+];
+
+/** The colours of the style sheet by name, as they are in the present theme. */
+function readPalette() {
+  const style = getComputedStyle(document.documentElement);
+  return Object.fromEntries(COLORS.map(name => [name, style.getPropertyValue(`--${name}`).trim()]));
+}
+
+/** A canvas that has as many pixels as the screen shows of it; units are CSS pixels. */
+class Surface {
+  constructor(canvas, onResize) {
+    this.canvas = canvas;
+    this.context = canvas.getContext("2d");
+    this.width = this.height = this.ratio = 1;
+    const box = "devicePixelContentBoxSize" in ResizeObserverEntry.prototype
+      ? "device-pixel-content-box" : "content-box";
+    new ResizeObserver(() => {
+      this.#fit();
+      onResize();
+    }).observe(canvas, { box });
+    this.#fit();
+  }
+
+  #fit() {
+    this.ratio = window.devicePixelRatio || 1;
+    this.width = Math.max(1, this.canvas.clientWidth);
+    this.height = Math.max(1, this.canvas.clientHeight);
+    this.canvas.width = Math.round(this.width * this.ratio);
+    this.canvas.height = Math.round(this.height * this.ratio);
+  }
+
+  /** A clean context in CSS pixels. */
+  clear() {
+    this.context.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
+    this.context.clearRect(0, 0, this.width, this.height);
+    return this.context;
+  }
+}
+
+/** Text that stays readable on whatever is below it. */
+function drawText(context, text, x, y, { color, halo, size = 11, weight = 400, align = "center" }) {
+  context.font = `${weight} ${size}px ${FONT}`;
+  context.textAlign = align;
+  context.textBaseline = "middle";
+  if (halo) {
+    context.lineJoin = "round";
+    context.lineWidth = 3;
+    context.strokeStyle = halo;
+    context.strokeText(text, x, y);
+  }
+  context.fillStyle = color;
+  context.fillText(text, x, y);
+}
+
+/** Text on a small plate of its own, for figures that must not be misread. */
+function drawPlate(context, text, x, y, palette, color) {
+  context.font = `600 12px ${FONT}`;
+  const width = context.measureText(text).width + 12;
+  context.beginPath();
+  context.roundRect(x - width / 2, y - 10, width, 20, 5);
+  context.fillStyle = palette.card;
+  context.strokeStyle = palette[color];
+  context.lineWidth = 1;
+  context.fill();
+  alpha(context, 0.5, () => context.stroke());
+  drawText(context, text, x, y + 0.5, { color: palette[color], size: 12, weight: 600 });
+}
+
+/** An event's shape in the middle of (x, y); `size` 1 is 12 pixels wide. */
+function drawGlyph(context, { shape, hollow, color }, x, y, palette, size = 1) {
+  const path = new Path2D(SHAPES[shape]);
+  context.save();
+  context.translate(x, y);
+  context.scale(size, size);
+  context.lineWidth = hollow ? 1.8 : 2;
+  context.strokeStyle = hollow ? palette[color] : palette.halo;
+  context.stroke(path);
+  if (!hollow) {
+    context.fillStyle = palette[color];
+    context.fill(path);
+  }
+  context.restore();
+}
+
+/** A pattern of slanted lines: says "not allowed" without a hue. */
+function hatching(context, color, ratio) {
+  const size = Math.round(6 * ratio);
+  const tile = document.createElement("canvas");
+  tile.width = tile.height = size;
+  const pen = tile.getContext("2d");
+  pen.strokeStyle = color;
+  pen.lineWidth = ratio;
+  pen.beginPath();
+  for (const shift of [-size, 0, size]) {
+    pen.moveTo(shift, size);
+    pen.lineTo(shift + size, 0);
+  }
+  pen.stroke();
+  const pattern = context.createPattern(tile, "repeat");
+  pattern.setTransform(new DOMMatrix().scale(1 / ratio));
+  return pattern;
+}
+
+function alpha(context, opacity, draw) {
+  context.save();
+  context.globalAlpha *= opacity;
+  draw();
+  context.restore();
+}

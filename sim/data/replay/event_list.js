@@ -1,0 +1,53 @@
+/* The list of events. */
+
+/** The list of events: a button each; the last one that has happened is marked and kept in view. */
+class EventList {
+  constructor(events, bodies, onChoose) {
+    this.times = Float64Array.from(events, event => event.t);
+    this.list = $("events").querySelector("ol");
+    this.items = events.map(event => {
+      const look = lookOf(event, bodies);
+      const words = element("span", { text: look.words });
+      const detail = detailOf(event);
+      if (detail) words.append(element("small", { text: detail }));
+      const button = element("button", { type: "button" },
+        element("time", { text: fixed(event.t, 2) }), element("span", { html: glyph(look) }), words);
+      button.addEventListener("click", () => onChoose(event.t));
+      return element("li", {}, button);
+    });
+    this.list.append(...this.items);
+    this.current = -1;
+    this.isHeld = false;       // while the pointer is over the list, it does not scroll by itself
+    this.list.addEventListener("pointerenter", event => { this.isHeld = event.pointerType === "mouse"; });
+    this.list.addEventListener("pointerleave", () => { this.isHeld = false; });
+  }
+
+  show(t) {
+    const current = lastUpTo(this.times, t + 1e-9);
+    if (current === this.current) return;
+    this.items[this.current]?.removeAttribute("aria-current");
+    this.current = current;
+    const item = this.items[current];
+    item?.setAttribute("aria-current", "true");
+    if (!this.isHeld) this.#keepInView(item);
+  }
+
+  /** Scroll the list, and never the page. */
+  #keepInView(item) {
+    const { list } = this;
+    if (!item) list.scrollTop = 0;
+    else if (item.offsetTop < list.scrollTop + 30) list.scrollTop = item.offsetTop - 60;
+    else if (item.offsetTop + item.offsetHeight > list.scrollTop + list.clientHeight - 60) {
+      list.scrollTop = item.offsetTop + item.offsetHeight - list.clientHeight + 60;
+    }
+  }
+
+  /** The time of the next event after t, or of the last one before it. */
+  after(t) {
+    return this.times[lastUpTo(this.times, t + 1e-9) + 1];
+  }
+
+  before(t) {
+    return this.times[lastBefore(this.times, t - 1e-9)];
+  }
+}

@@ -1,0 +1,99 @@
+/* What the kinds of events look like and say. */
+
+/** Shapes in a box from -6 to 6; `hollow` ones are stroked. */
+const SHAPES = {
+  disc: "M-4 0a4 4 0 1 0 8 0a4 4 0 1 0-8 0z",
+  triangle: "M0-5L5.2 4.2H-5.2z",
+  arrow: "M-3.5-4.5L4.5 0L-3.5 4.5z",
+  diamond: "M0-5.2L5.2 0L0 5.2L-5.2 0z",
+  square: "M-4-4H4V4H-4z",
+  cross: "M-4-4L4 4M4-4L-4 4",
+  bar: "M-1.8-5H1.8V5H-1.8z",
+  turn: "M4-1.5A4.2 4.2 0 1 0 3 3M4.5-5V-1.2H.8",
+};
+
+const ROWS = ["people", "robots", "safety"];
+
+/** Of each kind: its row of the timeline, if it has one, and its look; "person" is that person's colour. */
+const LOOKS = {
+  trial_started: { shape: "bar", color: "muted" },
+  human_started: { row: "people", shape: "arrow", color: "person" },
+  goal: { row: "people", shape: "disc", hollow: true, color: "person" },
+  arrived: { row: "people", shape: "disc", color: "person" },
+  said: { row: "people", shape: "square", hollow: true, color: "person" },
+  gantry_detected: { row: "people", shape: "diamond", color: "notice" },
+  path_blocked: { row: "people", shape: "cross", hollow: true, color: "notice" },
+  replanned: { row: "people", shape: "turn", hollow: true, color: "person" },
+  agv_moved: { row: "robots", shape: "arrow", color: "agv" },
+  job_done: { row: "robots", shape: "square", color: "gantry-ink" },
+  order_submitted: { row: "robots", shape: "square", hollow: true, color: "gantry-ink" },
+  violation: { row: "safety", shape: "triangle", color: "danger" },
+  teleport: { row: "safety", shape: "cross", hollow: true, color: "danger" },
+  gantry_disabled: { row: "safety", shape: "bar", color: "gantry-ink" },
+  gantry_enabled: { row: "safety", shape: "bar", hollow: true, color: "gantry-ink" },
+  trial_ended: { shape: "bar", color: "muted" },
+};
+const UNKNOWN_LOOK = { row: "robots", shape: "disc", hollow: true, color: "muted" };
+
+const WORDS = {
+  trial_started: () => "trial starts",
+  human_started: e => `${who(e)} starts`,
+  goal: e => `${who(e)} sets out for ${where(e)}`,
+  arrived: e => `${who(e)} is at ${where(e)}`,
+  said: e => `${who(e)}: ${e.text}`,
+  gantry_detected: e => `${who(e)} notices the gantry`,
+  path_blocked: e => `${who(e)} finds the way blocked`,
+  replanned: e => `${who(e)} takes another way`,
+  agv_moved: e => `${spoken(e.agv ?? "AGV")} goes to ${where(e)}`,
+  job_done: e => `gantry has done: ${job(e)}`,
+  order_submitted: e => ["order submitted", e.order].filter(Boolean).join(": "),
+  violation: e => `${who(e)} too close to ${spoken(e.with ?? "a robot")}`,
+  teleport: e => `${who(e)} is teleported`,
+  gantry_disabled: () => "gantry disabled",
+  gantry_enabled: () => "gantry enabled",
+  trial_ended: () => "trial ends",
+};
+
+/** How an event looks and what it says; `bodies` is a Map by name. */
+function lookOf(event, bodies) {
+  const look = { ...LOOKS[event.kind] ?? UNKNOWN_LOOK };
+  if (look.color === "person") look.color = bodies.get(event.person)?.color ?? "person-1";
+  return { ...look, words: WORDS[event.kind]?.(event) ?? spoken(event.kind) };
+}
+
+/** The second line of an event: distances, penalties, and what the simulation itself says. */
+function detailOf(event) {
+  const details = [];
+  if (Number.isFinite(event.distance)) {
+    details.push(`${metres(event.distance)} away`);
+  }
+  if (Number.isFinite(event.required)) details.push(`${metres(event.required)} required`);
+  if (event.penalty) details.push("penalty");
+  if (event.kind === "teleport") details.push(`to ${where(event)}`);
+  if (event.message) details.push(event.message);
+  return details.join(" · ");
+}
+
+const who = event => spoken(event.person ?? "person");
+const job = event => [spoken(event.job ?? "a job"), event.part,
+  event.from && `from ${spoken(event.from)}`, event.to && `to ${spoken(event.to)}`].filter(Boolean).join(" ");
+
+function where(event) {
+  const place = event.station ?? event.to ?? event.at;
+  if (Number.isFinite(place)) return `${metres(place)} on its lane`;
+  if (isNumbers(place)) return `(${place.slice(0, 2).map(c => fixed(c, 1)).join(", ")})`;
+  return place ? spoken(place) : "a new place";
+}
+
+const spoken = name => String(name).replaceAll("_", " ");
+const fixed = (value, digits) => value.toFixed(digits).replace(/^-(?=[0.]*$)/, "").replace("-", "−");
+const metres = value => `${fixed(value, 2)} m`;
+const seconds = value => `${fixed(value, 2)} s`;
+const comparison = (distance, required) => (
+  Number.isFinite(required) ? `${fixed(distance, 2)} of ${metres(required)}` : metres(distance));
+
+/** A shape as SVG, for lists and legends. */
+function glyph({ shape, hollow, color }) {
+  const paint = hollow ? `fill="none" stroke="var(--${color})" stroke-width="1.8"` : `fill="var(--${color})"`;
+  return `<svg viewBox="-6 -6 12 12" aria-hidden="true"><path d="${SHAPES[shape]}" ${paint}/></svg>`;
+}

@@ -1,0 +1,268 @@
+/* What stands still. */
+
+const TALLEST = 2.5;      // metres: from here on the darkest shade
+const LAYER_MARGIN = 160; // CSS pixels drawn beyond each edge, so that panning mostly moves a picture
+
+/** The floor as a picture, drawn again only when the camera leaves it. */
+class FloorLayer {
+  constructor(plan) {
+    this.plan = plan;
+    this.obstacles = plan.obstacles.map(obstacle => ({ ...obstacle, box: boxOf(obstacle.footprint) }))
+      .sort((a, b) => a.top - b.top);
+    this.canvas = document.createElement("canvas");
+    this.seen = null;
+  }
+
+  /** Forget the picture: the colours have changed. */
+  invalidate() {
+    this.seen = null;
+  }
+
+  draw(context, camera, palette) {
+    if (!this.#covers(camera)) this.#paint(camera, palette);
+    const dx = (this.seen.x - camera.x) * camera.scale;
+    const dy = -(this.seen.y - camera.y) * camera.scale;
+    const whole = value => Math.round(value * camera.ratio) / camera.ratio;
+    context.drawImage(this.canvas, whole(dx) - LAYER_MARGIN, whole(dy) - LAYER_MARGIN,
+      this.canvas.width / camera.ratio, this.canvas.height / camera.ratio);
+  }
+
+  /** The obstacle at a place of the floor, the tallest first. */
+  obstacleAt(x, y) {
+    return this.obstacles.findLast(obstacle => isInside(obstacle.footprint, x, y));
+  }
+
+  #covers(camera) {
+    const seen = this.seen;
+    return seen && seen.scale === camera.scale && seen.ratio === camera.ratio
+      && seen.width === camera.width && seen.height === camera.height
+      && Math.abs(seen.x - camera.x) * camera.scale <= LAYER_MARGIN
+      && Math.abs(seen.y - camera.y) * camera.scale <= LAYER_MARGIN;
+  }
+
+  #paint(camera, palette) {
+    const { x, y, scale, width, height, ratio } = camera;
+    this.seen = { x, y, scale, width, height, ratio };
+    this.canvas.width = Math.round((width + 2 * LAYER_MARGIN) * ratio);
+    this.canvas.height = Math.round((height + 2 * LAYER_MARGIN) * ratio);
+    const context = this.canvas.getContext("2d");
+    context.setTransform(ratio, 0, 0, ratio, LAYER_MARGIN * ratio, LAYER_MARGIN * ratio);
+
+    const pen = { context, camera, palette };
+    this.#paintGround(pen);
+    this.#paintLanes(pen);
+    this.#paintGantryRails(pen);
+    for (const obstacle of this.obstacles) this.#paintObstacle(pen, obstacle);
+    this.#paintPlaces(pen);
+    this.#paintNames(pen);
+  }
+
+  #paintGround({ context, camera, palette }) {
+    const { left, right, bottom, top } = boxOf(this.plan.boundary);
+    const rings = [this.plan.boundary, ...this.plan.holes ?? []];
+    outline(context, camera, ...rings);
+    context.fillStyle = palette.floor;
+    context.fill("evenodd");
+    context.save();
+    context.clip("evenodd");
+    const spacing = [1, 2, 5, 10, 20, 50].find(metres => metres * camera.scale >= 40) ?? 100;
+    context.strokeStyle = palette.grid;
+    context.lineWidth = 1;
+    context.beginPath();
+    for (let x = Math.ceil(left / spacing) * spacing; x <= right; x += spacing) {
+      context.moveTo(...camera.toScreen(x, bottom));
+      context.lineTo(...camera.toScreen(x, top));
+    }
+    for (let y = Math.ceil(bottom / spacing) * spacing; y <= top; y += spacing) {
+      context.moveTo(...camera.toScreen(left, y));
+      context.lineTo(...camera.toScreen(right, y));
+    }
+    context.stroke();
+    context.restore();
+    outline(context, camera, ...rings);
+    context.strokeStyle = palette.edge;
+    context.lineWidth = 1.2;
+    context.stroke();
+  }
+
+  #paintLanes({ context, camera, palette }) {
+    context.strokeStyle = palette.edge;
+    context.lineWidth = 1;
+    for (const lane of this.plan.lanes) {
+      context.setLineDash([1, 4]);
+      strokeLine(context, camera, lane.from, lane.to);
+      context.setLineDash([]);
+      for (const place of Object.values(lane.locations)) {
+        const [px, py] = camera.toScreen(...place);
+        context.strokeRect(px - 2.5, py - 2.5, 5, 5);
+      }
+    }
+  }
+
+  #paintGantryRails({ context, camera, palette }) {
+    const { gantry } = this.plan;
+    if (!gantry) return;
+    context.strokeStyle = palette.gantry;
+    context.lineWidth = 2;
+    alpha(context, 0.45, () => {
+      for (const y of gantry.y) {
+        strokeLine(context, camera, [gantry.x[0], y], [gantry.x[1], y]);
+        for (const x of gantry.x) {
+          const [px, py] = camera.toScreen(x, y);
+          context.strokeRect(px - 1.5, py - 4, 3, 8);
+        }
+      }
+    });
+  }
+
+  #paintObstacle({ context, camera, palette }, { footprint, bottom, top }) {
+    outline(context, camera, footprint);
+    context.lineWidth = 1;
+    context.strokeStyle = palette.edge;
+    if (bottom > 0) {                      // hangs above the floor: one can walk below it
+      context.setLineDash([3, 3]);
+      context.stroke();
+      context.setLineDash([]);
+      return;
+    }
+    context.fillStyle = palette.low;
+    context.fill();
+    alpha(context, Math.min(1, top / TALLEST) ** 1.5, () => {
+      context.fillStyle = palette.high;
+      context.fill();
+    });
+    context.stroke();
+  }
+
+  #paintPlaces({ context, camera, palette }) {
+    context.lineWidth = 1.5;
+    for (const { at } of this.plan.stations) {
+      const [px, py] = camera.toScreen(...at);
+      context.strokeStyle = palette.text;
+      context.beginPath();
+      context.arc(px, py, 5, 0, 2 * Math.PI);
+      context.moveTo(px - 8, py);
+      context.lineTo(px + 8, py);
+      context.moveTo(px, py - 8);
+      context.lineTo(px, py + 8);
+      context.stroke();
+    }
+    if (this.plan.safe_zone) {
+      const [px, py] = camera.toScreen(...this.plan.safe_zone.at);
+      const radius = Math.max(9, 0.6 * camera.scale);
+      context.strokeStyle = palette["person-2"];
+      context.setLineDash([4, 3]);
+      context.beginPath();
+      context.arc(px, py, radius, 0, 2 * Math.PI);
+      context.stroke();
+      context.setLineDash([]);
+    }
+  }
+
+  /** Names where they cover nothing: the places first, then the largest obstacles. */
+  #paintNames({ context, camera, palette }) {
+    const taken = [];
+    const boxes = new Map(this.obstacles.map(obstacle => [obstacle, this.#onScreen(obstacle.box, camera)]));
+    const write = (text, x, y, look, isFree = () => true) => {
+      context.font = `${look.weight ?? 400} ${look.size}px ${FONT}`;
+      const wide = context.measureText(text).width / 2 + 2;
+      const high = look.size / 2 + 1;
+      const box = { left: x - wide, right: x + wide, top: y - high, bottom: y + high };
+      if (taken.some(other => overlap(other, box)) || !isFree(box)) return false;
+      taken.push(box);
+      drawText(context, text, x, y, look);
+      return true;
+    };
+    const bold = { color: palette.text, halo: palette.halo, size: 12, weight: 600 };
+    const plain = { color: palette.muted, halo: palette.halo, size: 11 };
+
+    for (const { at } of this.plan.stations) {
+      const [px, py] = camera.toScreen(...at);
+      taken.push({ left: px - 9, right: px + 9, top: py - 9, bottom: py + 9 });
+    }
+    for (const { name, at } of this.plan.stations) {
+      const [px, py] = camera.toScreen(...at);
+      [[0, 18], [0, -18], [44, 0], [-44, 0]].some(([dx, dy]) => write(spoken(name), px + dx, py + dy, bold));
+    }
+    if (this.plan.safe_zone) {
+      const [px, py] = camera.toScreen(...this.plan.safe_zone.at);
+      write("safe zone", px, py + Math.max(9, 0.6 * camera.scale) + 9, bold);
+    }
+    const largestFirst = [...this.obstacles].sort((a, b) => area(b.box) - area(a.box));
+    for (const obstacle of largestFirst) {
+      const box = boxes.get(obstacle);
+      const [wide, high] = [box.right - box.left, box.bottom - box.top];
+      if (Math.max(wide, high) < 16 || (obstacle.bottom > 0 && camera.scale < 60)) continue;
+      const [px, py] = [(box.left + box.right) / 2, (box.top + box.bottom) / 2];
+      const words = spoken(obstacle.name);
+      context.font = `400 11px ${FONT}`;
+      const length = context.measureText(words).width;
+      if (length + 4 <= wide && high >= 13) {
+        write(words, px, py, { ...plain, color: palette.text, halo: null });
+      } else if (length + 4 <= high && wide >= 13) {
+        writeUpwards(context, words, px, py, { ...plain, color: palette.text, halo: null });
+      } else if (Math.min(wide, high) >= 12) {
+        const isFree = place => ![...boxes.values()].some(other => other !== box && overlap(other, place));
+        [[0, high / 2 + 8], [0, -high / 2 - 8], [(wide + length) / 2 + 5, 0], [-(wide + length) / 2 - 5, 0]]
+          .some(([dx, dy]) => write(words, px + dx, py + dy, plain, isFree));
+      }
+    }
+    if (camera.scale < 36) return;
+    for (const { locations } of this.plan.lanes) {
+      for (const [name, at] of Object.entries(locations)) {
+        const [px, py] = camera.toScreen(...at);
+        write(spoken(name), px, py + 12, { ...plain, size: 10 });
+      }
+    }
+  }
+
+  #onScreen(box, camera) {
+    const [left, bottom] = camera.toScreen(box.left, box.bottom);
+    const [right, top] = camera.toScreen(box.right, box.top);
+    return { left, right, top, bottom };
+  }
+}
+
+function writeUpwards(context, text, x, y, look) {
+  context.save();
+  context.translate(x, y);
+  context.rotate(-Math.PI / 2);
+  drawText(context, text, 0, 0, look);
+  context.restore();
+}
+
+function outline(context, camera, ...rings) {
+  context.beginPath();
+  for (const ring of rings) {
+    context.moveTo(...camera.toScreen(...ring[0]));
+    for (const [x, y] of ring) context.lineTo(...camera.toScreen(x, y));
+    context.closePath();
+  }
+}
+
+function strokeLine(context, camera, from, to) {
+  context.beginPath();
+  context.moveTo(...camera.toScreen(...from));
+  context.lineTo(...camera.toScreen(...to));
+  context.stroke();
+}
+
+function boxOf(points) {
+  const xs = points.map(point => point[0]);
+  const ys = points.map(point => point[1]);
+  return { left: Math.min(...xs), right: Math.max(...xs), bottom: Math.min(...ys), top: Math.max(...ys) };
+}
+
+const area = box => (box.right - box.left) * (box.top - box.bottom);
+/** Whether two boxes of the screen (y points down) share anything. */
+const overlap = (a, b) => a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
+
+function isInside(ring, x, y) {
+  let inside = false;
+  for (let i = 0, j = ring.length - 1; i < ring.length; j = i++) {
+    const [xi, yi] = ring[i];
+    const [xj, yj] = ring[j];
+    if (yi > y !== yj > y && x < ((xj - xi) * (y - yi)) / (yj - yi) + xi) inside = !inside;
+  }
+  return inside;
+}

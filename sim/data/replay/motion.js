@@ -1,0 +1,94 @@
+/* Where a body is at t, in closed form. */
+
+const JUMP = 1e-6;          // metres between two pieces that are more than rounding
+const STILL = 1e-6;         // m/s that are no more than rounding
+const TRACK_STEP = 0.1;     // seconds between the points of a drawn track
+
+/** The index of the last of the ascending `times` that is <= t, or -1. */
+function lastUpTo(times, t) {
+  return firstWhere(times, time => time > t) - 1;
+}
+
+/** The index of the last of the ascending `times` that is < t, or -1. */
+function lastBefore(times, t) {
+  return firstWhere(times, time => time >= t) - 1;
+}
+
+function firstWhere(times, isLate) {
+  let low = 0;
+  let high = times.length;
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (isLate(times[middle])) high = middle;
+    else low = middle + 1;
+  }
+  return low;
+}
+
+/** A function of time: cubic pieces, still between them, before the first and after the last. */
+class Motion {
+  constructor(pieces) {
+    this.begins = Float64Array.from(pieces, piece => piece[0]);
+    this.ends = Float64Array.from(pieces, piece => piece[1]);
+    this.coefficients = new Float64Array(12 * pieces.length);   // x0…x3, y0…y3, r0…r3 of each
+    pieces.forEach((piece, i) => {
+      for (let axis = 0; axis < 3; axis++) this.coefficients.set(piece[2 + axis], 12 * i + 4 * axis);
+    });
+    this.jumps = this.#findJumps();
+    this.jumpTimes = this.jumps.map(jump => jump.t);
+  }
+
+  /** Pose and velocity at t; at a change, what comes after it. */
+  at(t) {
+    const i = Math.max(0, lastUpTo(this.begins, t));
+    return this.#state(i, t, this.begins[i] <= t && t < this.ends[i]);
+  }
+
+  /** Pose and velocity just before t: at a change, what led up to it. */
+  before(t) {
+    const i = Math.max(0, lastBefore(this.begins, t));
+    return this.#state(i, t, this.begins[i] < t && t <= this.ends[i]);
+  }
+
+  #state(i, t, moving) {
+    const u = Math.min(Math.max(t, this.begins[i]), this.ends[i]) - this.begins[i];
+    const c = this.coefficients;
+    const k = 12 * i;
+    const vx = moving ? c[k + 1] + u * (2 * c[k + 2] + u * 3 * c[k + 3]) : 0;
+    const vy = moving ? c[k + 5] + u * (2 * c[k + 6] + u * 3 * c[k + 7]) : 0;
+    return {
+      x: c[k] + u * (c[k + 1] + u * (c[k + 2] + u * c[k + 3])),
+      y: c[k + 4] + u * (c[k + 5] + u * (c[k + 6] + u * c[k + 7])),
+      rotation: c[k + 8] + u * (c[k + 9] + u * (c[k + 10] + u * c[k + 11])),
+      vx, vy, speed: Math.hypot(vx, vy),
+    };
+  }
+
+  /** The heading at t, turned gently where it changes at once: the mean over `window` seconds. */
+  heading(t, window = 0.4) {
+    let c = 0;
+    let s = 0;
+    for (let k = -4; k <= 4; k++) {
+      const { rotation } = this.at(t + (k / 8) * window);
+      const weight = 5 - Math.abs(k);
+      c += weight * Math.cos(rotation);
+      s += weight * Math.sin(rotation);
+    }
+    return Math.hypot(c, s) > 1e-9 ? Math.atan2(s, c) : this.at(t).rotation;
+  }
+
+  /** The last time it was put elsewhere: {t, from, to}, or undefined. */
+  lastJump(t) {
+    return this.jumps[lastUpTo(this.jumpTimes, t)];
+  }
+
+  #findJumps() {
+    const jumps = [];
+    for (let i = 1; i < this.begins.length; i++) {
+      const from = this.#state(i - 1, this.ends[i - 1], false);
+      const to = this.#state(i, this.begins[i], false);
+      if (Math.hypot(to.x - from.x, to.y - from.y) > JUMP) jumps.push({ t: this.begins[i], from, to });
+    }
+    return jumps;
+  }
+}

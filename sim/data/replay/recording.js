@@ -1,0 +1,123 @@
+/* Reads it, or says what is wrong with it. */
+
+const FORMAT = "floorwalker-replay/1";
+const MEASURES = {
+  person: ["radius"],
+  gantry: ["length", "width", "reach", "mount"],
+  agv: ["length", "width"],
+};
+const MOST_PROBLEMS = 8;
+
+class RecordingError extends Error {
+  constructor(problems) {
+    super(problems.join("; "));
+    this.problems = problems;
+  }
+}
+
+/** The recording in this page. Throws RecordingError with every problem found in it. */
+function readRecording() {
+  const element = document.getElementById("recording");
+  if (!element) throw new RecordingError(["the page is cut off: it holds no recording"]);
+  let recording;
+  try {
+    recording = JSON.parse(element.textContent);
+  } catch (why) {
+    throw new RecordingError([`the recording is cut off or damaged (${why.message})`]);
+  }
+  const problems = problemsOf(recording);
+  if (problems.length) throw new RecordingError(problems);
+  return recording;
+}
+
+function problemsOf(recording) {
+  const problems = [];
+  const check = (holds, field, wanted) => {
+    if (!holds) problems.push(`${field}: ${wanted}`);
+    return holds;
+  };
+  const list = (value, field) => (check(Array.isArray(value), field, "a list is missing") ? value : []);
+  const isPoint = value => isNumbers(value) && value.length === 2;
+  const isRing = value => Array.isArray(value) && value.length >= 3 && value.every(isPoint);
+
+  if (!isObject(recording)) return ["the recording is not an object"];
+  if (recording.format !== FORMAT) {
+    return [`format: this page reads ${FORMAT}, not ${JSON.stringify(recording.format)}`];
+  }
+  check(recording.duration > 0, "duration", "a number of seconds above 0 is missing");
+
+  const plan = recording.floorplan;
+  if (check(isObject(plan), "floorplan", "missing")) {
+    check(isRing(plan.boundary), "floorplan.boundary", "a list of points [x, y] is missing");
+    if (plan.holes) {
+      const areRings = Array.isArray(plan.holes) && plan.holes.every(isRing);
+      check(areRings, "floorplan.holes", "needs lists of points [x, y]");
+    }
+    list(plan.obstacles, "floorplan.obstacles").forEach((obstacle, i) => check(
+      isRing(obstacle?.footprint) && isNumbers([obstacle.bottom, obstacle.top]),
+      `floorplan.obstacles[${i}]`, "needs a footprint of points [x, y], a bottom and a top"));
+    list(plan.stations, "floorplan.stations").forEach((station, i) => check(
+      isPoint(station?.at), `floorplan.stations[${i}].at`, "a point [x, y] is missing"));
+    list(plan.lanes, "floorplan.lanes").forEach((lane, i) => check(
+      isPoint(lane?.from) && isPoint(lane.to) && isObject(lane.locations)
+        && Object.values(lane.locations).every(isPoint),
+      `floorplan.lanes[${i}]`, "needs points from and to, and locations"));
+    if (plan.safe_zone) {
+      check(isPoint(plan.safe_zone.at), "floorplan.safe_zone.at", "a point [x, y] is missing");
+    }
+    if (plan.gantry) {
+      check(isPoint(plan.gantry.x) && isPoint(plan.gantry.y), "floorplan.gantry", "needs ranges x and y");
+    }
+  }
+
+  const motions = isObject(recording.motions) ? recording.motions : {};
+  const bodies = list(recording.bodies, "bodies");
+  bodies.forEach((body, i) => {
+    const measures = MEASURES[body?.kind];
+    if (!check(measures, `bodies[${i}].kind`, `must be one of ${Object.keys(MEASURES).join(", ")}`)) return;
+    const isMeasured = isNumbers(measures.map(name => body[name]));
+    check(isMeasured, `bodies[${i}]`, `needs numbers: ${measures.join(", ")}`);
+    const field = `motions.${body.name}`;
+    const pieces = motions[body.name];
+    if (!check(Array.isArray(pieces) && pieces.length > 0, field, "needs at least one piece")) return;
+    const wrong = pieces.findIndex((piece, k) => !isPiece(piece, pieces[k - 1]));
+    check(wrong < 0, `${field}[${wrong}]`,
+      "must be [begin, end, x, y, rotation] with numbers, each piece after the one before");
+  });
+
+  list(recording.events, "events").forEach((event, i, events) => check(
+    Number.isFinite(event?.t) && typeof event.kind === "string" && !(events[i - 1]?.t > event.t),
+    `events[${i}]`, "needs a kind, and a time t not before that of the event before it"));
+  list(recording.watches, "watches").forEach((watch, i) => {
+    for (const role of ["person", "other"]) {
+      const isThere = bodies.some(body => body?.name === watch?.[role]);
+      check(isThere, `watches[${i}].${role}`, `there is no body called ${JSON.stringify(watch?.[role])}`);
+    }
+    check(isLaw(watch?.law), `watches[${i}].law`, LAW_WANTED);
+    if (watch?.notice_law) check(isLaw(watch.notice_law), `watches[${i}].notice_law`, LAW_WANTED);
+    check(Array.isArray(watch?.violations) && watch.violations.every(isPoint),
+      `watches[${i}].violations`, "a list of [begin, end] is missing");
+  });
+  return problems;
+}
+
+function isPiece(piece, before) {
+  return Array.isArray(piece) && piece.length === 5 && isNumbers(piece.slice(0, 2))
+    && piece[0] <= piece[1] && (!before || before[1] <= piece[0])
+    && piece.slice(2).every(c => isNumbers(c) && c.length >= 1 && c.length <= 4);
+}
+
+const LAW_WANTED = "needs a distance, or t1, t2, stopping and intrusion";
+
+function isLaw(law) {
+  return isObject(law)
+    && isNumbers("distance" in law ? [law.distance] : [law.t1, law.t2, law.stopping, law.intrusion]);
+}
+
+function isObject(value) {
+  return typeof value === "object" && value !== null && !Array.isArray(value);
+}
+
+function isNumbers(values) {
+  return Array.isArray(values) && values.every(Number.isFinite);
+}

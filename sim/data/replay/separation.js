@@ -1,0 +1,75 @@
+/* How far apart two bodies are, and how far they should be. */
+
+/** The distance a law asks for at these speeds (m/s): ISO/TS 15066 in linear form, or fixed. */
+function requiredDistance(law, personSpeed, otherSpeed) {
+  if ("distance" in law) return law.distance;
+  return personSpeed * (law.t1 + law.t2) + otherSpeed * law.t1 + law.stopping + law.intrusion;
+}
+
+/** One person and one other body, and the law between them. */
+class Watch {
+  constructor(data, bodies) {
+    this.person = bodies.get(data.person);
+    this.other = bodies.get(data.other);
+    this.law = data.law;
+    this.noticeLaw = data.notice_law ?? data.law;
+    this.noticeFactor = data.notice ?? null;
+    this.noticeCap = data.notice_cap ?? Infinity;
+    this.violations = [...data.violations].sort((a, b) => a[0] - b[0]);
+    this.violationBegins = this.violations.map(violation => violation[0]);
+    this.name = `${spoken(data.person)} – ${spoken(data.other)}`;
+  }
+
+  /** Distances in metres between centres, speeds in m/s; `notice` is null where nobody notices. */
+  at(t) {
+    return this.#between(this.person.motion.at(t), this.other.motion.at(t), t);
+  }
+
+  /** The same, just before t. */
+  before(t) {
+    return this.#between(this.person.motion.before(t), this.other.motion.before(t), t);
+  }
+
+  #between(person, other, t) {
+    const distance = Math.hypot(person.x - other.x, person.y - other.y);
+    const required = requiredDistance(this.law, person.speed, other.speed);
+    const notice = this.noticeFactor === null
+      ? null : Math.min(
+        requiredDistance(this.noticeLaw, person.speed, other.speed) * this.noticeFactor, this.noticeCap);
+    return {
+      distance, required, margin: distance - required, notice,
+      personSpeed: person.speed, otherSpeed: other.speed, violated: this.#violatedAt(t),
+    };
+  }
+
+  #violatedAt(t) {
+    const i = lastUpTo(this.violationBegins, t);
+    return i >= 0 && t < this.violations[i][1];
+  }
+
+  /** Curves over the whole run, with both sides of every change: cut where a body jumps. */
+  get curves() {
+    this.cachedCurves ??= this.#sample();
+    return this.cachedCurves;
+  }
+
+  #sample() {
+    const motions = [this.person.motion, this.other.motion];
+    const end = this.person.duration;
+    const steps = 1200;
+    const times = new Set(Array.from({ length: steps + 1 }, (_, i) => (end * i) / steps));
+    for (const motion of motions) for (const t of motion.begins) if (t > 0 && t < end) times.add(t);
+    const jumps = new Set(motions.flatMap(motion => motion.jumpTimes));
+    const curves = [];
+    let curve = [];
+    for (const t of [...times].sort((a, b) => a - b)) {
+      curve.push({ t, ...this.before(t) });
+      if (jumps.has(t)) {
+        curves.push(curve);
+        curve = [];
+      }
+      curve.push({ t, ...this.at(t) });
+    }
+    return [...curves, curve];
+  }
+}
