@@ -13,11 +13,13 @@ if TYPE_CHECKING:
     from .clock import Clock
     from .controllers import CONTROLLERS, Controller, ControllerError, find_controller
     from .gantry import GantryRobot, Steps
-    from .outcome import Run
+    from .outcome import Recorded, Run
     from .person import MindError
     from .recorder import Event, Listener
     from .recording import OutputError, Recording
     from .rules import ARIAC2023, PAPER, RULE_SETS, Notice, RuleSet, rule_set
+    from .run_folder import RecordingError, load_run
+    from .scene import Figure, Scene
     from .simulation import Simulation, run
     from .trial import AgvMove, GantryEntry, Job, PersonEntry, Start, Trial, TrialError
     from .trial_file import builtin_trials
@@ -26,11 +28,13 @@ _HOMES = {
     "clock": ("Clock",),
     "controllers": ("CONTROLLERS", "Controller", "ControllerError", "find_controller"),
     "gantry": ("GantryRobot", "Steps"),
-    "outcome": ("Run",),
+    "outcome": ("Recorded", "Run"),
     "person": ("MindError",),
     "recorder": ("Event", "Listener"),
     "recording": ("OutputError", "Recording"),
     "rules": ("ARIAC2023", "PAPER", "RULE_SETS", "Notice", "RuleSet", "rule_set"),
+    "run_folder": ("RecordingError", "load_run"),
+    "scene": ("Figure", "Scene"),
     "simulation": ("Simulation", "run"),
     "trial": ("AgvMove", "GantryEntry", "Job", "PersonEntry", "Start", "Trial", "TrialError"),
     "trial_file": ("builtin_trials",),
@@ -46,6 +50,7 @@ __all__ = [
     "Controller",
     "ControllerError",
     "Event",
+    "Figure",
     "GantryEntry",
     "GantryRobot",
     "Job",
@@ -54,9 +59,12 @@ __all__ = [
     "Notice",
     "OutputError",
     "PersonEntry",
+    "Recorded",
     "Recording",
+    "RecordingError",
     "RuleSet",
     "Run",
+    "Scene",
     "Simulation",
     "Start",
     "Steps",
@@ -64,6 +72,7 @@ __all__ = [
     "TrialError",
     "builtin_trials",
     "find_controller",
+    "load_run",
     "rule_set",
     "run",
 ]

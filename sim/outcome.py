@@ -1,4 +1,4 @@
-"""What is left of a trial that was run."""
+"""What is left of a run."""
 
 from __future__ import annotations
 
@@ -8,22 +8,24 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from floorplan import Floorplan
 from navigation import Motion
 
 from .expectations import unmet
 from .recorder import Event
+from .scene import Scene
 from .trial import Trial
 
 
 @dataclass(frozen=True)
-class Run:
-    """A finished run: its summary, its events, and the motion of every body in closed form.
+class Recorded:
+    """A run that happened: its summary, its events, and the motion of every body in closed form.
 
-    `violations` holds, for each person and machine, the intervals (seconds) in which they were
-    closer than the rules require.
+    `scene` is where it took place. `violations` holds, for each person and machine, the intervals
+    (seconds) in which they were closer than the rules require.
     """
 
-    trial: Trial
+    scene: Scene
     duration: float
     summary: dict[str, Any]
     events: tuple[Event, ...]
@@ -31,9 +33,9 @@ class Run:
     violations: dict[tuple[str, str], tuple[tuple[float, float], ...]]
 
     @property
-    def unmet(self) -> list[str]:
-        """The trial's expectations that this run does not meet, in words."""
-        return unmet(self.trial.expect, self.summary)
+    def floorplan(self) -> Floorplan:
+        """The floor it took place on."""
+        return self.scene.floorplan
 
     def sample(self, rate: float = 20.0) -> dict[str, NDArray[np.float64]]:
         """Every body at `rate` instants a second (Hz), from 0 to the end.
@@ -49,3 +51,15 @@ class Run:
             position, rotation = motion.position(times), motion.rotation(times)
             samples[name] = np.column_stack([position, rotation, motion.velocity(times)])
         return samples
+
+
+@dataclass(frozen=True)
+class Run(Recorded):
+    """A run of a trial that is at hand."""
+
+    trial: Trial
+
+    @property
+    def unmet(self) -> list[str]:
+        """The trial's expectations that this run does not meet, in words."""
+        return unmet(self.trial.expect, self.summary)

@@ -11,6 +11,7 @@ from typing import Any, Protocol
 from navigation import Motion
 
 from .body import Body
+from .scene import Scene
 
 DECIMALS = 9
 """Figures of events and summaries are rounded to this many decimals."""
@@ -30,6 +31,9 @@ class Record(Protocol):
 class Listener:
     """Is told of every event and every finished motion; does nothing with them."""
 
+    def begin(self, scene: Scene) -> None:
+        """Everybody is in place: the run begins."""
+
     def event(self, event: Event) -> None:
         """Something happened."""
 
@@ -42,6 +46,11 @@ class Listeners(Listener):
 
     def __init__(self, *listeners: Listener) -> None:
         self._listeners = listeners
+
+    def begin(self, scene: Scene) -> None:
+        """Everybody is in place: the run begins."""
+        for listener in self._listeners:
+            listener.begin(scene)
 
     def event(self, event: Event) -> None:
         """Something happened."""

@@ -1,7 +1,8 @@
 """A run on disk: what happened as it happens, and at the end everything else.
 
-`events.jsonl` and `motions.jsonl` are written line by line, so that a run that is broken off
-leaves whole and readable files; `summary.json`, `trajectory.csv` and `replay.html` follow.
+`scene.json` comes first. `events.jsonl` and `motions.jsonl` are written line by line, so that a
+run that is broken off leaves whole and readable files; `violations.jsonl`, `summary.json`,
+`trajectory.csv` and `replay.html` follow. `load_run` reads them back.
 """
 
 from __future__ import annotations
@@ -18,8 +19,18 @@ from .outcome import Run
 from .recorder import Event, Listener
 from .replay import render
 from .replay_data import replay_data
+from .scene import Scene
+from .scene_file import write_scene
 
-FILES = ("summary.json", "events.jsonl", "motions.jsonl", "trajectory.csv", "replay.html")
+FILES = (
+    "summary.json",
+    "scene.json",
+    "events.jsonl",
+    "motions.jsonl",
+    "violations.jsonl",
+    "trajectory.csv",
+    "replay.html",
+)
 TRAJECTORY_RATE = 10.0
 """Hz. How often trajectory.csv has every body."""
 
@@ -51,6 +62,11 @@ class Recording(Listener):
         except OSError as why:
             raise OutputError(f"can't write to {self.folder}: {why.strerror}") from None
 
+    def begin(self, scene: Scene) -> None:
+        """Write down where the run takes place."""
+        with self._open("scene.json") as file:
+            file.write(write_scene(scene))
+
     def event(self, event: Event) -> None:
         """Write an event as one line."""
         self._events.write(json.dumps(event, ensure_ascii=False) + "\n")
@@ -76,6 +92,10 @@ class Recording(Listener):
     def finish(self, run: Run) -> None:
         """Write what belongs to a finished run."""
         self.close()
+        with self._open("violations.jsonl") as file:
+            for (person, machine), intervals in run.violations.items():
+                line = {"person": person, "with": machine, "intervals": intervals}
+                file.write(json.dumps(line, ensure_ascii=False) + "\n")
         with self._open("summary.json") as file:
             json.dump(run.summary, file, indent=2, ensure_ascii=False)
             file.write("\n")

@@ -8,15 +8,14 @@ from typing import Any
 from floorplan import Floorplan, Lane, Obstacle
 from navigation import FixedDistance, Law, Piece, Scaled, SeparationLaw
 
-from .outcome import Run
+from .outcome import Recorded
 from .recorder import rounded
 from .replay import FORMAT
 
 
-def replay_data(run: Run) -> dict[str, Any]:
+def replay_data(run: Recorded) -> dict[str, Any]:
     """The run in the format of the replay page: metres, seconds, radians."""
-    plan = run.trial.floorplan
-    trial = run.trial.name
+    plan, trial = run.floorplan, run.scene.trial
     timing = ("cpu_seconds", "realtime_factor")
     data: dict[str, Any] = rounded(
         {
@@ -76,16 +75,16 @@ def _lane(lane: Lane) -> dict[str, Any]:
     }
 
 
-def _bodies(run: Run) -> list[dict[str, Any]]:
-    trial, plan = run.trial, run.trial.floorplan
+def _bodies(run: Recorded) -> list[dict[str, Any]]:
+    plan = run.floorplan
     bodies: list[dict[str, Any]] = [
         {
             "name": person.name,
             "kind": "person",
-            "radius": person.radius or plan.human.radius,
+            "radius": person.radius,
             "personality": Path(person.personality).stem,
         }
-        for person in trial.people
+        for person in run.scene.people
     ]
     if plan.gantry is not None:
         length, width, _, _ = plan.gantry.torso
@@ -99,8 +98,8 @@ def _bodies(run: Run) -> list[dict[str, Any]]:
     return bodies
 
 
-def _watches(run: Run) -> list[dict[str, Any]]:
-    rules = run.trial.rules
+def _watches(run: Recorded) -> list[dict[str, Any]]:
+    rules = run.scene.rules
     watches = []
     for (person, machine), intervals in run.violations.items():
         watch: dict[str, Any] = {"person": person, "other": machine, "violations": intervals}

@@ -25,6 +25,7 @@ from .programs import find_program
 from .proximity import ProximityWatch
 from .recorder import Event, Listener, Listeners, recording_to
 from .referee import Referee
+from .scene import scene_of
 from .summary import summarise
 from .trial import PersonEntry, Trial
 from .walker import Place, Walker
@@ -73,6 +74,8 @@ class Simulation:
         )
         for entry in trial.people:
             self.people.append(self._make_person(entry))
+        self.scene = scene_of(trial, self.bodies)
+        self._listener.begin(self.scene)
         for body in self.bodies:
             body.on_record = self._listener.motion
         if self.gantry is not None:
@@ -111,6 +114,7 @@ class Simulation:
         summary["realtime_factor"] = round(self.clock.now / cpu, 1) if cpu > 0 else None
         return Run(
             trial=self.trial,
+            scene=self.scene,
             duration=self.clock.now,
             summary=summary,
             events=tuple(self.events),

@@ -49,8 +49,10 @@ def test_the_main_job_says_what_happened_and_where_it_is(recorded):
         "events.jsonl",
         "motions.jsonl",
         "replay.html",
+        "scene.json",
         "summary.json",
         "trajectory.csv",
+        "violations.jsonl",
     ]
 
 

@@ -1,0 +1,167 @@
+"""Reading a recording back: the folder of a run, as `Recording` writes it."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Annotated, Any, TypeVar
+
+from pydantic import BaseModel, Field, FiniteFloat, ValidationError
+
+from floorplan import InputError, Problem, read_text
+from navigation import Both, Condition, Motion, Moving, Piece, TooClose, join, standing, when
+
+from .outcome import Recorded
+from .recorder import Event
+from .scene import Pose, Scene
+from .scene_file import ForeignLaw, SceneError, read_scene
+
+Violations = dict[tuple[str, str], tuple[tuple[float, float], ...]]
+
+_Cubic = tuple[FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat]
+
+
+_Line = TypeVar("_Line", bound=BaseModel)
+
+
+class RecordingError(InputError):
+    """A folder that does not hold a run, or one that is damaged."""
+
+
+class _Event(BaseModel, extra="allow"):
+    t: FiniteFloat
+    kind: str
+
+
+class _Motion(BaseModel):
+    body: str
+    pieces: Annotated[
+        list[tuple[FiniteFloat, FiniteFloat, _Cubic, _Cubic, _Cubic]], Field(min_length=1)
+    ]
+
+
+class _Violation(BaseModel):
+    person: str
+    machine: str = Field(alias="with")
+    intervals: tuple[tuple[FiniteFloat, FiniteFloat], ...]
+
+
+def load_run(folder: str | Path) -> Recorded:
+    """The run that `floorwalker run` (or a `Recording`) has left in `folder`.
+
+    A run that was broken off goes as far as it was written: its summary is empty, everybody stands
+    from the last line about them on, and violations are worked out anew. `RecordingError` says
+    which line of which file is damaged.
+    """
+    folder = Path(folder)
+    scene = _scene(folder / "scene.json")
+    summary = _summary(folder / "summary.json")
+    broken_off = summary is None
+    events = _events(folder / "events.jsonl", broken_off)
+    motions = _motions(folder / "motions.jsonl", scene, broken_off)
+    # Events are rounded; the end of a finished run is the end of all motions.
+    ends = [motion.end for motion in motions.values()]
+    ends += [event["t"] for event in events] if broken_off else []
+    duration = max(ends, default=0.0)
+    return Recorded(
+        scene=scene,
+        duration=duration,
+        summary=summary or {},
+        events=events,
+        motions=motions,
+        violations=_worked_out(scene, motions, duration)
+        if broken_off
+        else _violations(folder / "violations.jsonl"),
+    )
+
+
+def _scene(path: Path) -> Scene:
+    folder = path.parent
+    if not path.is_file():
+        what = "there is no scene.json in it" if folder.is_dir() else "there is no such folder"
+        message = f"{what}; a recording is a folder that `floorwalker run` has written"
+        raise RecordingError(str(folder), [Problem(message)])
+    try:
+        return read_scene(read_text(path, RecordingError))
+    except SceneError as why:
+        raise RecordingError(str(path), [Problem(str(why))]) from None
+
+
+def _summary(path: Path) -> dict[str, Any] | None:
+    if not path.exists():
+        return None
+    try:
+        summary = json.loads(read_text(path, RecordingError))
+    except ValueError as why:
+        if isinstance(why, RecordingError):
+            raise
+        raise RecordingError(str(path), [Problem(f"is not JSON: {why}")]) from None
+    if not isinstance(summary, dict):
+        raise RecordingError(str(path), [Problem("is not a summary")])
+    return summary
+
+
+def _events(path: Path, broken_off: bool) -> tuple[Event, ...]:
+    return tuple(event.model_dump() for _, event in _lines(path, _Event, broken_off))
+
+
+def _motions(path: Path, scene: Scene, broken_off: bool) -> dict[str, Motion]:
+    done: dict[str, list[Motion]] = {body: [] for body in scene.starts}
+    for line, motion in _lines(path, _Motion, broken_off):
+        if motion.body not in done:
+            message = f"no body of the scene is called {motion.body!r}"
+            raise RecordingError(str(path), [Problem(message, "body", line)])
+        try:
+            done[motion.body].append(Motion(tuple(Piece(*piece) for piece in motion.pieces)))
+        except ValueError as why:
+            raise RecordingError(str(path), [Problem(str(why), line=line)]) from None
+    return {body: _joined(pieces, scene.starts[body]) for body, pieces in done.items()}
+
+
+def _joined(motions: list[Motion], start: Pose) -> Motion:
+    x, y, rotation = start
+    return join(motions) if motions else standing((x, y), heading=rotation)
+
+
+def _violations(path: Path) -> Violations:
+    return {
+        (line.person, line.machine): line.intervals for _, line in _lines(path, _Violation, False)
+    }
+
+
+def _worked_out(scene: Scene, motions: dict[str, Motion], end: float) -> Violations:
+    """What the referee would have found, as far as the laws are known."""
+    found: Violations = {}
+    for person in scene.people:
+        for machine in scene.starts:
+            kind = scene.kind(machine)
+            law = scene.rules.agv_law if kind == "agv" else scene.rules.gantry_law
+            if kind == "person" or isinstance(law, ForeignLaw):
+                continue
+            condition: Condition = TooClose(law)
+            if kind == "agv":
+                condition = Both(Moving(), condition)
+            pair = (motions[person.name], motions[machine])
+            found[person.name, machine] = tuple(when(condition, *pair, 0.0, end))
+    return found
+
+
+def _lines(path: Path, form: type[_Line], broken_off: bool) -> Iterator[tuple[int, _Line]]:
+    """The lines of a file, numbered from 1.
+
+    Where a run was broken off, the last line may be half a line; it is left out.
+    """
+    text = read_text(path, RecordingError)
+    lines = text.split("\n")
+    rest = lines.pop()
+    if rest and not broken_off:
+        lines.append(rest)
+    for number, line in enumerate(lines, 1):
+        try:
+            yield number, form.model_validate_json(line)
+        except ValidationError as misfits:
+            first = misfits.errors()[0]
+            field = ".".join(str(part) for part in first["loc"])
+            message = first["msg"][:1].lower() + first["msg"][1:]
+            raise RecordingError(str(path), [Problem(message, field, number)]) from None
