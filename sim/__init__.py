@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from .clock import Clock
     from .controllers import CONTROLLERS, Controller, ControllerError, find_controller
     from .gantry import GantryRobot, Steps
+    from .minds import Mind, Outside, Percepts
     from .outcome import Recorded, Run
     from .person import MindError
     from .recorder import Event, Listener
@@ -28,6 +29,7 @@ _HOMES = {
     "clock": ("Clock",),
     "controllers": ("CONTROLLERS", "Controller", "ControllerError", "find_controller"),
     "gantry": ("GantryRobot", "Steps"),
+    "minds": ("Mind", "Outside", "Percepts"),
     "outcome": ("Recorded", "Run"),
     "person": ("MindError",),
     "recorder": ("Event", "Listener"),
@@ -55,9 +57,12 @@ __all__ = [
     "GantryRobot",
     "Job",
     "Listener",
+    "Mind",
     "MindError",
     "Notice",
     "OutputError",
+    "Outside",
+    "Percepts",
     "PersonEntry",
     "Recorded",
     "Recording",

@@ -1,14 +1,122 @@
-"""What every person believes before a trial starts."""
+"""What decides for a person: an agent of `bdi`, or somebody outside the simulation."""
 
 from __future__ import annotations
 
 import re
+import zlib
+from collections.abc import Callable
+from typing import Protocol
 
 import bdi
 from floorplan import Floorplan
 
+from .programs import find_program
 from .rules import RuleSet
-from .trial import PersonEntry
+from .trial import PersonEntry, Trial
+
+MOST_CYCLES = 200_000
+"""How many reasoning cycles a person may take at one instant; a handful is usual."""
+
+
+class Mind(Protocol):
+    """What a person needs of a mind; `bdi.Agent` is one."""
+
+    @property
+    def next_wakeup(self) -> float | None:
+        """When it has something to do without anything new, in seconds; None for never."""
+        ...
+
+    def add_percept(self, percept: bdi.Literal) -> None:
+        """Something is perceived from the next `advance` on."""
+        ...
+
+    def remove_percept(self, percept: bdi.Literal) -> None:
+        """Something is no longer perceived from the next `advance` on."""
+        ...
+
+    def advance(self, time: float) -> None:
+        """Think until there is nothing left to think about at `time` (seconds)."""
+        ...
+
+
+class Outside:
+    """A mind outside the simulation.
+
+    What the person perceives waits here until somebody takes it; `called` is called when there
+    is something. Whoever decides calls the person's `act`.
+    """
+
+    def __init__(self, called: Callable[[], None] = lambda: None) -> None:
+        self.called = called
+        self._perceived: list[bdi.Literal] = []
+
+    @property
+    def next_wakeup(self) -> float | None:
+        """None: it has no clock of its own."""
+        return None
+
+    def add_percept(self, percept: bdi.Literal) -> None:
+        """Something is perceived."""
+        self._perceived.append(percept)
+
+    def remove_percept(self, percept: bdi.Literal) -> None:
+        """What is perceived no longer needs no telling: whoever is outside has been told of it."""
+
+    def advance(self, time: float) -> None:
+        """Tell that there is something to think about at `time` (seconds)."""
+        if self._perceived:
+            self.called()
+
+    def take(self) -> list[bdi.Literal]:
+        """What was perceived since the last time, in its order."""
+        perceived, self._perceived = self._perceived, []
+        return perceived
+
+
+class Percepts:
+    """What a mind is told, so that it doesn't grow for ever: of each functor only the latest."""
+
+    def __init__(self, mind: Mind) -> None:
+        self._mind = mind
+        self._counts: dict[str, int] = {}
+        self._latest: dict[str, bdi.Literal] = {}
+
+    def see(self, functor: str, *arguments: float) -> None:
+        """Perceive `functor(arguments)`, and no longer what was perceived of it before."""
+        percept, before = bdi.Literal(functor, arguments), self._latest.get(functor)
+        if before is not None:
+            self._mind.remove_percept(before)
+        self._latest[functor] = percept
+        self._mind.add_percept(percept)
+
+    def count(self, functor: str) -> None:
+        """Perceive `functor(N)`, with N the number of times that it was perceived before."""
+        n = self._counts.get(functor, 0)
+        self._counts[functor] = n + 1
+        self.see(functor, float(n))
+
+
+def make_agent(
+    entry: PersonEntry,
+    trial: Trial,
+    *,
+    act: Callable[[bdi.Literal], bool],
+    print: Callable[[str], None],
+    on_event: Callable[[bdi.Entry], None],
+    society: bdi.Society | None = None,
+) -> bdi.Agent:
+    """The agent that runs the program of a trial's person, with all that they know beforehand."""
+    return bdi.Agent(
+        entry.program or bdi.load(find_program(entry.personality, trial.folder)),
+        beliefs=first_beliefs(entry, trial.floorplan, trial.rules),
+        act=act,
+        name=entry.name,
+        seed=_seed_of(trial.seed, entry.name),
+        print=print,
+        on_event=on_event,
+        society=society,
+        max_cycles=MOST_CYCLES,
+    )
 
 
 def first_beliefs(entry: PersonEntry, plan: Floorplan, rules: RuleSet) -> list[bdi.Literal | str]:
@@ -30,3 +138,8 @@ def first_beliefs(entry: PersonEntry, plan: Floorplan, rules: RuleSet) -> list[b
 def _name(name: str) -> bdi.Term:
     """A name as an AgentSpeak term: an atom where it can be one, else a string."""
     return bdi.Literal(name) if re.fullmatch(r"[a-z][A-Za-z0-9_]*", name) else name
+
+
+def _seed_of(seed: int, name: str) -> int:
+    """The seed of one person's chances: their own, and the same whoever else is there."""
+    return zlib.crc32(f"{seed} {name}".encode())

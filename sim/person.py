@@ -1,4 +1,4 @@
-"""A person: an agent's mind in a body on the floor.
+"""A person: a mind in a body on the floor.
 
 This is where beliefs meet geometry. What happens around the person becomes percepts, and the
 actions that the agent decides on become motions.
@@ -16,6 +16,7 @@ from navigation import CollisionWorld, PlanningError
 
 from .body import Body
 from .clock import Alarm, Clock, Turn
+from .minds import Mind, Percepts
 from .recorder import Record
 from .walker import Place, Walker
 
@@ -37,7 +38,7 @@ class Person:
     """One person of a trial.
 
     `synchronise` puts the AGVs of the collision world where they are now; `thought` is called
-    when the agent has thought, so that others can hear what it said. Its plans are carried out
+    when the mind has thought, so that others can hear what it said. Its plans are carried out
     by a `Walker`.
     """
 
@@ -68,8 +69,6 @@ class Person:
         self._thought = thought
         self._home = (walker.body.at, walker.heading)
         self._put_home_at: float | None = None
-        self._counts: dict[str, int] = {}
-        self._percepts: dict[str, bdi.Literal] = {}
         self._thinking = Alarm(clock, self._think, Turn.THOUGHT)
         self._enforcing = Alarm(clock, self._enforce, Turn.INSISTENCE)
         self._reason = "gantry"
@@ -85,11 +84,13 @@ class Person:
             "move_away": self._move_away,
             "step_between": self._step_between,
         }
-        self._agent: bdi.Agent | None = None
+        self._mind: Mind | None = None
+        self._percepts: Percepts | None = None
 
-    def think_with(self, agent: bdi.Agent) -> None:
-        """Let `agent` decide from now on; its actions are to be `self.act`."""
-        self._agent = agent
+    def think_with(self, mind: Mind) -> None:
+        """Let `mind` decide from now on; its actions are to be `self.act`."""
+        self._mind = mind
+        self._percepts = Percepts(mind)
         self._thinking.set(self._clock.now)
 
     def start(self) -> None:
@@ -97,13 +98,13 @@ class Person:
         if self.started_at is None:
             self.started_at = self._clock.now
             self._record("human_started", person=self.name)
-            self._perceive(bdi.Literal("human_start"))
+            self._perceive("human_start")
 
     def warn(self, percept: str, machine: Body) -> None:
         """The referee's word: `percept` is about `machine`. The safe zone is not optional."""
         if machine.kind == "gantry":
             x, y = machine.at
-            self._perceive_latest("gantry_at", x, y)
+            self._perceive("gantry_at", x, y)
         self._count(percept)
         if percept != "gantry_detected":
             self._reason = machine.kind
@@ -122,7 +123,7 @@ class Person:
         if station is not None:
             self.visits.append(station)
         x, y = self.walker.body.at
-        self._perceive_latest("at", x, y)
+        self._perceive("at", x, y)
         self._count("work_completed")
 
     def act(self, action: bdi.Literal) -> bool:
@@ -219,35 +220,27 @@ class Person:
         return False
 
     def _count(self, percept: str) -> None:
-        n = self._counts.get(percept, 0)
-        self._counts[percept] = n + 1
-        self._perceive_latest(percept, float(n))
+        if self._percepts is not None:
+            self._percepts.count(percept)
+            self._thinking.set(self._clock.now)
 
-    def _perceive_latest(self, functor: str, *arguments: float) -> None:
-        """Only the latest percept of a functor is kept, so that minds don't grow for ever."""
-        percept, before = bdi.Literal(functor, arguments), self._percepts.get(functor)
-        if before is not None and self._agent is not None:
-            self._agent.remove_percept(before)
-        self._percepts[functor] = percept
-        self._perceive(percept)
-
-    def _perceive(self, percept: bdi.Literal) -> None:
-        if self._agent is not None:
-            self._agent.add_percept(percept)
+    def _perceive(self, functor: str, *arguments: float) -> None:
+        if self._percepts is not None:
+            self._percepts.see(functor, *arguments)
             self._thinking.set(self._clock.now)
 
     def _think(self) -> None:
-        assert self._agent is not None
+        assert self._mind is not None
         now = self._clock.now
         self._count_at_once()
-        self._agent.advance(now)
+        self._mind.advance(now)
         self._thought()
 
     def wake(self) -> None:
         """See whether there is something to think about earlier than expected: a message."""
-        if self._agent is None or self._agent.next_wakeup is None:
+        if self._mind is None or self._mind.next_wakeup is None:
             return
-        wakeup = max(self._agent.next_wakeup, self._clock.now)
+        wakeup = max(self._mind.next_wakeup, self._clock.now)
         if self._thinking.time is None or wakeup < self._thinking.time:
             self._thinking.set(wakeup)
 

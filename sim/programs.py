@@ -8,6 +8,9 @@ import bdi
 
 from .rules import suggestion
 
+EXTERNAL = "external"
+"""The personality of a person who runs no program, but is told from outside what to do."""
+
 
 def find_program(personality: str, folder: Path) -> str | Path:
     """The built-in personality of that name, or the path of an .asl file seen from `folder`.
@@ -19,7 +22,16 @@ def find_program(personality: str, folder: Path) -> str | Path:
     path = folder / personality
     if path.is_file():
         return path
+    known = (*bdi.programs(), EXTERNAL)
     raise FileNotFoundError(
         f"no personality and no .asl file is called {personality!r};"
-        f" {suggestion(personality, bdi.programs())}"
+        f" {suggestion(personality, known)}"
     )
+
+
+def load_program(personality: str, folder: Path) -> bdi.Program | None:
+    """The program of a personality; None for somebody who runs none (`EXTERNAL`).
+
+    Raises what `find_program` does, and `bdi.ProgramError`.
+    """
+    return None if personality == EXTERNAL else bdi.load(find_program(personality, folder))

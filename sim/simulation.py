@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-import zlib
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
@@ -18,10 +17,10 @@ from .body import Body
 from .clock import Clock
 from .controllers import find_controller, supervised
 from .gantry import GantryRobot, Sighting, Surroundings
-from .minds import first_beliefs
+from .minds import Mind, Outside, make_agent
 from .outcome import Run
 from .person import Person
-from .programs import find_program
+from .programs import EXTERNAL
 from .proximity import ProximityWatch
 from .recorder import Event, Listener, Listeners, recording_to
 from .referee import Referee
@@ -29,9 +28,6 @@ from .scene import scene_of
 from .summary import summarise
 from .trial import PersonEntry, Trial
 from .walker import Place, Walker
-
-MOST_CYCLES = 200_000
-"""How many reasoning cycles a person may take at one instant; a handful is usual."""
 
 
 class Simulation:
@@ -126,7 +122,7 @@ class Simulation:
         )
 
     def _make_person(self, entry: PersonEntry) -> Person:
-        trial, plan = self.trial, self.trial.floorplan
+        plan = self.trial.floorplan
         zone = plan.safe_zone
         at = entry.at or (zone.position if zone else (0.0, 0.0))
         given = {
@@ -156,18 +152,7 @@ class Simulation:
             synchronise=self._synchronise,
             thought=self._wake,
         )
-        agent = bdi.Agent(
-            entry.program or bdi.load(find_program(entry.personality, trial.folder)),
-            beliefs=first_beliefs(entry, plan, trial.rules),
-            act=person.act,
-            name=entry.name,
-            seed=_seed_of(trial.seed, entry.name),
-            print=lambda text: self._record("said", person=entry.name, text=text),
-            on_event=lambda entry: self._heed(person, entry),
-            society=self._society,
-            max_cycles=MOST_CYCLES,
-        )
-        person.think_with(agent)
+        person.think_with(self._make_mind(entry, person))
         if entry.start.time is not None:
             self.clock.call_at(entry.start.time, person.start)
         if self.gantry is not None:
@@ -175,6 +160,18 @@ class Simulation:
         for agv in self.agvs:
             self.referee.watch_agv(walker.body, agv.body)
         return person
+
+    def _make_mind(self, entry: PersonEntry, person: Person) -> Mind:
+        if entry.personality == EXTERNAL:
+            return Outside()
+        return make_agent(
+            entry,
+            self.trial,
+            act=person.act,
+            print=lambda text: self._record("said", person=entry.name, text=text),
+            on_event=lambda entry: self._heed(person, entry),
+            society=self._society,
+        )
 
     def _heed(self, person: Person, entry: bdi.Entry) -> None:
         """Write down what a program's author should know; the rest of a mind stays its own."""
@@ -285,11 +282,6 @@ def run(trial: Trial, *listeners: Listener) -> Run:
     simulation = Simulation(trial, *listeners)
     simulation.advance(trial.duration)
     return simulation.finish()
-
-
-def _seed_of(seed: int, name: str) -> int:
-    """The seed of one person's chances: their own, and the same whoever else is there."""
-    return zlib.crc32(f"{seed} {name}".encode())
 
 
 class _Keeper(Listener):

@@ -9,7 +9,7 @@ from typing import Any, Literal
 import bdi
 from floorplan import Floorplan, InputError
 
-from .programs import find_program
+from .programs import load_program
 from .rules import PAPER, RuleSet
 
 
@@ -34,8 +34,8 @@ class Start:
 class PersonEntry:
     """One person of a trial. Figures that are None are the floorplan's.
 
-    `personality` is a built-in name or an .asl file; `program` is what was read from it, or None
-    to read it when the trial is run.
+    `personality` is a built-in name, an .asl file, or "external"; `program` is what was read from
+    it, or None to read it when the trial is run.
     """
 
     name: str
@@ -122,7 +122,7 @@ class Trial:
 
         `FileNotFoundError` if there is none, `bdi.ProgramError` if there is something wrong in it.
         """
-        program = bdi.load(find_program(personality, self.folder))
+        program = load_program(personality, self.folder)
         people = tuple(
             replace(person, personality=personality, program=program) for person in self.people
         )

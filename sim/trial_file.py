@@ -15,7 +15,7 @@ from floorplan import Document, Floorplan, Number, Pair, Positive, Problem, Stri
 
 from .controllers import ControllerError, find_controller
 from .expectations import expectation_problems
-from .programs import find_program
+from .programs import EXTERNAL, find_program, load_program
 from .rules import PAPER, RULE_SETS, suggestion
 from .trial import AgvMove, GantryEntry, Job, PersonEntry, Start, Trial, TrialError
 
@@ -166,7 +166,7 @@ def _floorplan(name: str, folder: Path, document: Document) -> Floorplan:
 def _person(entry: _Person, folder: Path) -> PersonEntry:
     placed = entry.start.part_placed
     try:
-        program = bdi.load(find_program(entry.personality, folder))
+        program = load_program(entry.personality, folder)
     except FileNotFoundError:
         program = None  # told below, together with everything else
     return PersonEntry(
@@ -222,7 +222,8 @@ def _person_problems(
     person: PersonEntry, trial: Trial, document: Document, k: int
 ) -> Iterator[Problem]:
     try:
-        find_program(person.personality, trial.folder)
+        if person.personality != EXTERNAL:
+            find_program(person.personality, trial.folder)
     except FileNotFoundError as why:
         yield document.problem(str(why), "people", k, "personality")
     plan = trial.floorplan
