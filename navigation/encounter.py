@@ -84,14 +84,21 @@ class Encounter:
         """
         half = (end - begin) / 2
         middle = begin - self.begin + half
-        x, y = shift(self._x, middle), shift(self._y, middle)
-        rate = x[0] * x[1] + y[0] * y[1]
-        # Its derivative is |v|² + r·a; bound every factor by its Taylor series about the middle.
-        jerk = 6 * math.hypot(x[3], y[3])
-        acceleration = 2 * math.hypot(x[2], y[2]) + jerk * half
-        speed = math.hypot(x[1], y[1]) + acceleration * half
-        distance = math.hypot(x[0], y[0]) + speed * half
-        slack = (speed * speed + distance * acceleration) * half
+        (x, vx, ax, jx), (y, vy, ay, jy) = shift(self._x, middle), shift(self._y, middle)
+        # r·v as a polynomial about the middle: its terms one by one, by their greatest size.
+        rate = x * vx + y * vy
+        slack = half * (
+            abs(vx * vx + vy * vy + 2 * (x * ax + y * ay))
+            + half
+            * (
+                3 * abs(vx * ax + vy * ay + x * jx + y * jy)
+                + half
+                * (
+                    abs(2 * (ax * ax + ay * ay) + 4 * (vx * jx + vy * jy))
+                    + half * (5 * abs(ax * jx + ay * jy) + half * 3 * (jx * jx + jy * jy))
+                )
+            )
+        )
         return rate - slack, rate + slack
 
     def bounds(self, begin: float, end: float) -> Bounds:

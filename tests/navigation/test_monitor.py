@@ -178,6 +178,42 @@ def test_conditions_combine():
     assert end == pytest.approx(person.end - 0.01 / 2.5, abs=1e-5)
 
 
+@given(walks, gantry_motions(), st.floats(0, 1), st.floats(0, 1))
+def test_how_fast_two_come_closer_is_enclosed(person, machine, one, other):
+    for encounter in encounters(person, machine, 0.0, END):
+        span = encounter.end - encounter.begin
+        begin, end = sorted(encounter.begin + share * span for share in (one, other))
+        low, high = encounter.closing(begin, end)
+        for t in np.linspace(begin, end, 20):
+            (at, moved) = (machine.state(t).at, machine.state(t).velocity)
+            (by, walked) = (person.state(t).at, person.state(t).velocity)
+            if begin < t < end:
+                rate = sum((at[k] - by[k]) * (moved[k] - walked[k]) for k in (0, 1))
+                assert low - 1e-9 <= rate <= high + 1e-9
+
+
+@dataclass
+class Counted:
+    """A condition that counts how often it is judged."""
+
+    condition: navigation.Condition
+    judged: int = 0
+
+    def holds(self, encounter, begin, end):
+        self.judged += 1
+        return self.condition.holds(encounter, begin, end)
+
+
+def test_somebody_who_stops_abreast_of_a_machine_is_judged_in_a_few_steps():
+    # 0.03 mm past the machine's centre the person has stopped, 0.6 m beside it.
+    person = navigation.walk([(-3.0, 0.0), (0.0, 0.0)], 0.0, max_speed=0.4)
+    leaving = Counted(navigation.Not(navigation.Approaching()))
+    machine = navigation.standing((-2.2e-5, 0.634))
+    t = navigation.first_time(leaving, person, machine, 1.0, person.end)
+    assert person.position(t)[0] == pytest.approx(-2.2e-5, abs=1e-7)
+    assert leaving.judged < 200
+
+
 def integral_margin(person, machine, law, ts):
     """The same for the integral law, by the trapezium rule on steps of 0.5 ms."""
     steps = np.arange(0.0, END + 5.0, 5e-4)
