@@ -86,7 +86,11 @@ class AgvMove:
 
 @dataclass(frozen=True)
 class Trial:
-    """Everything that decides a run. The same trial gives the same run, byte for byte."""
+    """Everything that decides a run. The same trial gives the same run, byte for byte.
+
+    Files are looked up from `folder`; `floorplan_source` is the name or file that the floorplan
+    was read from, or empty if it came from no file.
+    """
 
     floorplan: Floorplan
     name: str = "trial"
@@ -98,6 +102,7 @@ class Trial:
     agvs: dict[str, tuple[AgvMove, ...]] = field(default_factory=dict)
     expect: dict[str, Any] = field(default_factory=dict)
     folder: Path = Path()
+    floorplan_source: str = field(default="", compare=False)
 
     @classmethod
     def load(cls, source: str | Path) -> Trial:
@@ -116,6 +121,20 @@ class Trial:
         from .trial_file import parse
 
         return parse(text, file, Path(folder))
+
+    def to_yaml(self, folder: str | Path = ".") -> str:
+        """The text of a trial file that stands in `folder`, to be read as the same trial.
+
+        `ValueError` if its floorplan came from no file.
+        """
+        from .trial_writing import to_yaml
+
+        return to_yaml(self, Path(folder))
+
+    def save(self, path: str | Path) -> None:
+        """Write the trial into the file at `path`, from where its files are found as well."""
+        path = Path(path)
+        path.write_text(self.to_yaml(path.parent), encoding="utf-8")
 
     def with_personality(self, personality: str) -> Trial:
         """The same trial in which every person has this personality (a name or an .asl file).

@@ -112,6 +112,7 @@ class _AgvMove(Strictly):
 class _Trial(Strictly):
     name: str | None = None
     floorplan: str
+    folder: str = "."
     duration: Positive = 275.0
     seed: Annotated[int, Strict(), Field(ge=0)] = 0
     rules: str = "paper"
@@ -123,6 +124,7 @@ class _Trial(Strictly):
 
 def _build(document: Document, folder: Path) -> Trial:
     schema = document.checked(_Trial, TrialError)
+    folder = folder / schema.folder
     plan = _floorplan(schema.floorplan, folder, document)
     trial = Trial(
         floorplan=plan,
@@ -143,6 +145,7 @@ def _build(document: Document, folder: Path) -> Trial:
         },
         expect=schema.expect,
         folder=folder,
+        floorplan_source=schema.floorplan,
     )
     problems = list(_problems(trial, schema, document))
     if problems:

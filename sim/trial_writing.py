@@ -1,0 +1,125 @@
+"""Trials as text again: the file from which the same trial can be read."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+import floorplan
+
+from .rules import RULE_SETS, RuleSet
+from .trial import GantryEntry, Job, PersonEntry, Start, Trial
+
+Data = dict[str, Any]
+"""Keys and values as they stand in a file. What is left out has its usual value."""
+
+
+def to_yaml(trial: Trial, folder: Path) -> str:
+    """See `Trial.to_yaml`."""
+    data = _trial(trial)
+    if trial.folder.resolve() != folder.resolve():
+        data["folder"] = Path(os.path.relpath(trial.folder, folder)).as_posix()
+    text: str = yaml.dump(
+        data, Dumper=_Dumper, sort_keys=False, allow_unicode=True, default_flow_style=None
+    )
+    return text
+
+
+def _trial(trial: Trial) -> Data:
+    data: Data = {
+        "name": trial.name,
+        "floorplan": _floorplan(trial),
+        "duration": trial.duration,
+        "seed": trial.seed,
+        "rules": _rules(trial.rules),
+        "people": [_person(entry) for entry in trial.people],
+        "gantry": _gantry(trial.gantry),
+        "agvs": {name: [asdict(move) for move in moves] for name, moves in trial.agvs.items()},
+        "expect": trial.expect,
+    }
+    return _without(data, None, [], {})
+
+
+def _floorplan(trial: Trial) -> str:
+    if trial.floorplan_source:
+        return trial.floorplan_source
+    name = trial.floorplan.name
+    if name in floorplan.builtin() and floorplan.load(name) == trial.floorplan:
+        return name
+    raise ValueError(
+        f"the trial {trial.name!r} can't be written: its floorplan {name!r} came from no file;"
+        " give floorplan_source"
+    )
+
+
+def _rules(rules: RuleSet) -> str:
+    if RULE_SETS.get(rules.name) == rules:
+        return rules.name
+    raise ValueError(f"the rule set {rules.name!r} is none of those that can be written by name")
+
+
+def _person(entry: PersonEntry) -> Data:
+    data = {
+        "name": entry.name,
+        "personality": entry.personality,
+        "start": None if entry.start == Start() else _start(entry.start),
+        "at": entry.at and list(entry.at),
+        "beliefs": list(entry.beliefs),
+        "radius": entry.radius,
+        "max_speed": entry.max_speed,
+        "max_acceleration": entry.max_acceleration,
+    }
+    return _without(data, None, [])
+
+
+def _start(start: Start) -> Data:
+    if start.part_placed is not None:
+        return {"part_placed": start.part_placed}
+    if start.order_submitted is not None:
+        return {"order_submitted": start.order_submitted}
+    return {"time": start.time}
+
+
+def _gantry(entry: GantryEntry) -> Data:
+    if entry == GantryEntry():
+        return {}
+    data = {
+        "controller": entry.controller,
+        "at": entry.at and list(entry.at),
+        "jobs": [_job(job) for job in entry.jobs],
+        "repeat": entry.repeat,
+    }
+    return _without(data, None, [], False)
+
+
+def _job(job: Job) -> Data:
+    if job.kind == "move":
+        return {"move": list(job.target)}
+    if job.kind == "wait":
+        return {"wait": job.seconds}
+    if job.kind == "submit":
+        return {"submit": job.order}
+    return {"pick": job.pick, "place": job.place, "part": job.part}
+
+
+def _without(data: Data, *usual: object) -> Data:
+    """`data` without the keys whose values are among the `usual` ones."""
+    return {key: value for key, value in data.items() if not any(value == one for one in usual)}
+
+
+class _Dumper(yaml.SafeDumper):
+    """Writes every value where it stands: files without anchors and aliases are easier to read."""
+
+    def ignore_aliases(self, data: Any) -> bool:
+        """Whether `data` is written out even if it has been before."""
+        return True
+
+    def represent(self, data: Any) -> None:
+        """Write `data`: the outermost keys on lines of their own, innermost values on one line."""
+        node = self.represent_data(data)
+        node.flow_style = False
+        self.serialize(node)

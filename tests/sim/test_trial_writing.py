@@ -1,0 +1,102 @@
+"""Trials written as files and read again are the same trials."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import floorplan
+import sim
+
+ROOT = Path(__file__).resolve().parents[2]
+FLOOR = floorplan.load("ariac2023")
+PLACES = [o.name for o in FLOOR.obstacles] + [s.name for s in FLOOR.stations] + ["agv1", "agv4"]
+
+texts = st.text(st.characters(codec="utf-8", exclude_categories=["Cc", "Cs"]), max_size=12)
+words = texts.map(str.strip).filter(bool)
+sizes = st.floats(1e-3, 1e3)
+poses = st.tuples(st.floats(-14.4, 0.4), st.floats(-7, 7), st.floats(-6, 6))
+jobs = st.one_of(
+    st.builds(lambda target: sim.Job("move", target=target), poses),
+    st.builds(lambda seconds: sim.Job("wait", seconds=seconds), sizes),
+    st.builds(lambda order: sim.Job("submit", order=order), words),
+    st.builds(
+        lambda pick, place, part: sim.Job("pick_place", pick=pick, place=place, part=part),
+        st.sampled_from(PLACES),
+        st.sampled_from(PLACES),
+        words,
+    ),
+)
+starts = st.one_of(
+    st.builds(sim.Start, time=st.floats(0, 1e6)),
+    st.builds(
+        lambda fields: sim.Start(None, part_placed=fields),
+        st.dictionaries(st.sampled_from(["part", "agv"]), words, min_size=1),
+    ),
+    st.builds(lambda order: sim.Start(None, order_submitted=order), words),
+)
+people = st.lists(
+    st.builds(
+        sim.PersonEntry,
+        name=st.from_regex(r"[A-Z][A-Za-z0-9_-]{0,5}", fullmatch=True),
+        personality=st.sampled_from(["helpful", "curious", "indifferent"]),
+        start=starts,
+        at=st.sampled_from([None, (-15.0, -10.0), (-14.25, -9.75)]),
+        beliefs=st.lists(st.sampled_from(["tired(3)", 'says("no: [yes]")']), max_size=2).map(tuple),
+        radius=st.none() | st.floats(0.1, 0.3),
+        max_speed=st.none() | sizes,
+        max_acceleration=st.none() | sizes,
+    ),
+    max_size=3,
+    unique_by=lambda person: person.name,
+).map(tuple)
+moves = st.lists(
+    st.builds(sim.AgvMove, st.floats(0, 1e4), st.sampled_from(["kitting", "as1", 2.5])), max_size=3
+).map(lambda moves: tuple(sorted(moves, key=lambda move: move.time)))
+expectations = st.dictionaries(
+    st.sampled_from(["penalties", "jobs_done"]), st.integers(0, 9) | st.just(">= 1.5")
+)
+trials = st.builds(
+    sim.Trial,
+    floorplan=st.just(FLOOR),
+    name=words,
+    duration=sizes,
+    seed=st.integers(0, 2**63),
+    rules=st.sampled_from([sim.PAPER, sim.ARIAC2023]),
+    people=people,
+    gantry=st.builds(
+        sim.GantryEntry,
+        controller=st.sampled_from(["parked", "oblivious"]),
+        at=st.none() | poses,
+        jobs=st.lists(jobs, max_size=4).map(tuple),
+        repeat=st.booleans(),
+    ),
+    agvs=st.dictionaries(st.sampled_from(["agv1", "agv2"]), moves),
+    expect=expectations,
+)
+
+
+@given(trials)
+def test_what_is_written_is_read_as_the_same_trial(trial):
+    assert sim.Trial.parse(trial.to_yaml()) == trial
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "examples").glob("*.trial.yaml")), ids=str)
+def test_a_trial_saved_elsewhere_finds_its_files(path, tmp_path):
+    trial = sim.Trial.load(path)
+    (tmp_path / "deep").mkdir()
+    trial.save(tmp_path / "deep" / "again.yaml")
+    again = sim.Trial.load(tmp_path / "deep" / "again.yaml")
+    assert again.folder.resolve() == trial.folder.resolve()
+    assert replace(again, folder=trial.folder) == trial
+    short = [replace(one, duration=5.0, folder=one.folder) for one in (trial, again)]
+    assert sim.run(short[0]).events == sim.run(short[1]).events
+
+
+def test_a_trial_on_a_floor_of_no_file_is_refused():
+    floor = replace(FLOOR, name="mine")
+    with pytest.raises(ValueError, match="floorplan 'mine' came from no file"):
+        sim.Trial(floor).to_yaml()
+    assert "floorplan: ariac2023\n" in sim.Trial(FLOOR).to_yaml()
