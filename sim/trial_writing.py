@@ -120,6 +120,6 @@ class _Dumper(yaml.SafeDumper):
 
     def represent(self, data: Any) -> None:
         """Write `data`: the outermost keys on lines of their own, innermost values on one line."""
-        node = self.represent_data(data)
+        node: Any = self.represent_data(data)
         node.flow_style = False
         self.serialize(node)
