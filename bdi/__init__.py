@@ -11,6 +11,7 @@ agent.advance(12.5)
 from .agent import PENDING, Agent, Pending
 from .errors import EndlessProgramError, Problem, ProgramError
 from .history import Entry, History
+from .intentions import Intention
 from .internal_actions import Call, InternalAction, InternalActions
 from .loading import load, parse, parse_file, programs
 from .parser import parse_literal, parse_term
@@ -25,6 +26,7 @@ __all__ = [
     "EndlessProgramError",
     "Entry",
     "History",
+    "Intention",
     "InternalAction",
     "InternalActions",
     "Literal",

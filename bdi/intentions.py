@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from .program import Place, Trigger
-from .terms import Literal, Term
-from .unify import Unifier, unify
+from .terms import Literal, Term, text
+from .unify import Unifier, substitute, unify
 
 if TYPE_CHECKING:
     from .plans import LoadedPlan
@@ -66,6 +66,11 @@ class Means:
     def place(self) -> Place:
         """Where it is in the program."""
         return self.plan.plan.place if self.step is None else self.step.formula.place
+
+    @property
+    def doing(self) -> str:
+        """The step it is at, with what its variables stand for; "" after the last one."""
+        return "" if self.step is None else text(substitute(self.step.term, self.u))
 
     def branch(self) -> Means:
         """A copy that goes its own way."""

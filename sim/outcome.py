@@ -12,6 +12,7 @@ from floorplan import Floorplan
 from navigation import Motion
 
 from .expectations import unmet
+from .mind_inspector import Thought
 from .recorder import Event
 from .scene import Scene
 from .trial import Trial
@@ -22,7 +23,8 @@ class Recorded:
     """A run that happened: its summary, its events, and the motion of every body in closed form.
 
     `scene` is where it took place. `violations` holds, for each person and machine, the intervals
-    (seconds) in which they were closer than the rules require.
+    (seconds) in which they were closer than the rules require. `thoughts` holds what went on in
+    people's minds, if a listener wanted to know (as a `Recording` does).
     """
 
     scene: Scene
@@ -31,6 +33,7 @@ class Recorded:
     events: tuple[Event, ...]
     motions: dict[str, Motion]
     violations: dict[tuple[str, str], tuple[tuple[float, float], ...]]
+    thoughts: tuple[Thought, ...] = ()
 
     @property
     def floorplan(self) -> Floorplan:
@@ -53,7 +56,7 @@ class Recorded:
         return samples
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Run(Recorded):
     """A run of a trial that is at hand."""
 

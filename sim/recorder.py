@@ -11,6 +11,7 @@ from typing import Any, Protocol
 from navigation import Motion
 
 from .body import Body
+from .mind_inspector import Thought
 from .scene import Scene
 
 DECIMALS = 9
@@ -29,7 +30,12 @@ class Record(Protocol):
 
 
 class Listener:
-    """Is told of every event and every finished motion; does nothing with them."""
+    """Is told of every event and every finished motion; does nothing with them.
+
+    If it `wants_thoughts`, also of what goes on in people's minds: to look there takes time.
+    """
+
+    wants_thoughts = False
 
     def begin(self, scene: Scene) -> None:
         """Everybody is in place: the run begins."""
@@ -40,12 +46,16 @@ class Listener:
     def motion(self, body: Body, motion: Motion) -> None:
         """A body has done this."""
 
+    def thought(self, thought: Thought) -> None:
+        """A person has thought."""
+
 
 class Listeners(Listener):
     """Hands on to several listeners, in their order."""
 
     def __init__(self, *listeners: Listener) -> None:
         self._listeners = listeners
+        self.wants_thoughts = any(listener.wants_thoughts for listener in listeners)
 
     def begin(self, scene: Scene) -> None:
         """Everybody is in place: the run begins."""
@@ -61,6 +71,12 @@ class Listeners(Listener):
         """A body has done this."""
         for listener in self._listeners:
             listener.motion(body, motion)
+
+    def thought(self, thought: Thought) -> None:
+        """A person has thought."""
+        for listener in self._listeners:
+            if listener.wants_thoughts:
+                listener.thought(thought)
 
 
 def recording_to(listener: Listener, now: Callable[[], float]) -> Record:

@@ -1,8 +1,8 @@
 """A run on disk: what happened as it happens, and at the end everything else.
 
-`scene.json` comes first. `events.jsonl` and `motions.jsonl` are written line by line, so that a
-run that is broken off leaves whole and readable files; `violations.jsonl`, `summary.json`,
-`trajectory.csv` and `replay.html` follow. `load_run` reads them back.
+`scene.json` comes first. `events.jsonl`, `motions.jsonl` and `thoughts.jsonl` are written line by
+line, so that a run that is broken off leaves whole and readable files; `violations.jsonl`,
+`summary.json`, `trajectory.csv` and `replay.html` follow. `load_run` reads them back.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from typing import Any, TextIO
 from navigation import Motion, Piece
 
 from .body import Body
+from .mind_inspector import Thought
 from .outcome import Run
 from .recorder import Event, Listener
 from .replay import render
@@ -27,6 +28,7 @@ FILES = (
     "scene.json",
     "events.jsonl",
     "motions.jsonl",
+    "thoughts.jsonl",
     "violations.jsonl",
     "trajectory.csv",
     "replay.html",
@@ -48,6 +50,8 @@ class Recording(Listener):
     `OutputError` if the folder holds another run already, or can't be written to.
     """
 
+    wants_thoughts = True
+
     def __init__(self, folder: str | Path) -> None:
         self.folder = Path(folder)
         taken = [name for name in FILES if (self.folder / name).exists()]
@@ -59,6 +63,7 @@ class Recording(Listener):
             self.folder.mkdir(parents=True, exist_ok=True)
             self._events: TextIO = self._open("events.jsonl")
             self._motions: TextIO = self._open("motions.jsonl")
+            self._thoughts: TextIO = self._open("thoughts.jsonl")
         except OSError as why:
             raise OutputError(f"can't write to {self.folder}: {why.strerror}") from None
 
@@ -84,10 +89,16 @@ class Recording(Listener):
         self._motions.write(json.dumps(line) + "\n")
         self._motions.flush()
 
+    def thought(self, thought: Thought) -> None:
+        """Write what a thought has changed in a mind as one line."""
+        self._thoughts.write(json.dumps(thought, ensure_ascii=False) + "\n")
+        self._thoughts.flush()
+
     def close(self) -> None:
         """Stop writing; what is written stays."""
         self._events.close()
         self._motions.close()
+        self._thoughts.close()
 
     def finish(self, run: Run) -> None:
         """Write what belongs to a finished run."""

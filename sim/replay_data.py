@@ -31,6 +31,7 @@ def replay_data(run: Recorded) -> dict[str, Any]:
             },
             "events": run.events,
             "watches": _watches(run),
+            "minds": _minds(run),
         }
     )
     return data
@@ -96,6 +97,14 @@ def _bodies(run: Recorded) -> list[dict[str, Any]]:
         for lane in plan.lanes
     ]
     return bodies
+
+
+def _minds(run: Recorded) -> dict[str, list[dict[str, Any]]]:
+    minds: dict[str, list[dict[str, Any]]] = {}
+    for thought in run.thoughts:
+        change = {key: value for key, value in thought.items() if key != "person"}
+        minds.setdefault(thought["person"], []).append(change)
+    return minds
 
 
 def _watches(run: Recorded) -> list[dict[str, Any]]:

@@ -12,6 +12,7 @@ from pydantic import BaseModel, Field, FiniteFloat, ValidationError
 from floorplan import InputError, Problem, read_text
 from navigation import Both, Condition, Motion, Moving, Piece, TooClose, join, standing, when
 
+from .mind_inspector import Thought
 from .outcome import Recorded
 from .recorder import Event
 from .scene import Pose, Scene
@@ -32,6 +33,11 @@ class RecordingError(InputError):
 class _Event(BaseModel, extra="allow"):
     t: FiniteFloat
     kind: str
+
+
+class _Thought(BaseModel, extra="allow"):
+    t: FiniteFloat
+    person: str
 
 
 class _Motion(BaseModel):
@@ -73,6 +79,7 @@ def load_run(folder: str | Path) -> Recorded:
         violations=_worked_out(scene, motions, duration)
         if broken_off
         else _violations(folder / "violations.jsonl"),
+        thoughts=_thoughts(folder / "thoughts.jsonl", broken_off),
     )
 
 
@@ -104,6 +111,12 @@ def _summary(path: Path) -> dict[str, Any] | None:
 
 def _events(path: Path, broken_off: bool) -> tuple[Event, ...]:
     return tuple(event.model_dump() for _, event in _lines(path, _Event, broken_off))
+
+
+def _thoughts(path: Path, broken_off: bool) -> tuple[Thought, ...]:
+    if not path.exists():
+        return ()
+    return tuple(thought.model_dump() for _, thought in _lines(path, _Thought, broken_off))
 
 
 def _motions(path: Path, scene: Scene, broken_off: bool) -> dict[str, Motion]:

@@ -17,12 +17,13 @@ from .body import Body
 from .clock import Clock
 from .controllers import find_controller, supervised
 from .gantry import GantryRobot, Sighting, Surroundings
+from .mind_inspector import MindInspector, Thought
 from .minds import Mind, Outside, make_agent
 from .outcome import Run
 from .person import Person
 from .programs import EXTERNAL
 from .proximity import ProximityWatch
-from .recorder import Event, Listener, Listeners, recording_to
+from .recorder import Event, Listener, Listeners, recording_to, rounded
 from .referee import Referee
 from .scene import scene_of
 from .summary import summarise
@@ -42,6 +43,7 @@ class Simulation:
         self.trial = trial
         self.clock = Clock(0.0)
         self.events: list[Event] = []
+        self.thoughts: list[Thought] = []
         self._listener = Listeners(_Keeper(self.events, self._react), *listeners)
         self._record = recording_to(self._listener, lambda: self.clock.now)
         self.world = CollisionWorld(trial.floorplan)
@@ -119,6 +121,7 @@ class Simulation:
                 (watch.pair.person.name, watch.pair.machine.name): tuple(watch.intervals)
                 for watch in self.referee.watches
             },
+            thoughts=tuple(self.thoughts),
         )
 
     def _make_person(self, entry: PersonEntry) -> Person:
@@ -150,9 +153,11 @@ class Simulation:
             gantry=self.gantry.body if self.gantry else None,
             record=self._record,
             synchronise=self._synchronise,
-            thought=self._wake,
+            thought=lambda: self._thought(mind, inspector),
         )
-        person.think_with(self._make_mind(entry, person))
+        inspector = self._inspector(entry.name)
+        mind = self._make_mind(entry, person, inspector)
+        person.think_with(mind)
         if entry.start.time is not None:
             self.clock.call_at(entry.start.time, person.start)
         if self.gantry is not None:
@@ -161,7 +166,9 @@ class Simulation:
             self.referee.watch_agv(walker.body, agv.body)
         return person
 
-    def _make_mind(self, entry: PersonEntry, person: Person) -> Mind:
+    def _make_mind(
+        self, entry: PersonEntry, person: Person, inspector: MindInspector | None
+    ) -> Mind:
         if entry.personality == EXTERNAL:
             return Outside()
         return make_agent(
@@ -169,12 +176,30 @@ class Simulation:
             self.trial,
             act=person.act,
             print=lambda text: self._record("said", person=entry.name, text=text),
-            on_event=lambda entry: self._heed(person, entry),
+            on_event=lambda happening: self._heed(person, happening, inspector),
             society=self._society,
         )
 
-    def _heed(self, person: Person, entry: bdi.Entry) -> None:
+    def _inspector(self, person: str) -> MindInspector | None:
+        """Somebody who looks into a person's mind, if anybody wants to know."""
+        if not self._listener.wants_thoughts:
+            return None
+        return MindInspector(person, self._keep_thought)
+
+    def _keep_thought(self, thought: Thought) -> None:
+        self.thoughts.append(thought)
+        self._listener.thought(thought)
+
+    def _thought(self, mind: Mind, inspector: MindInspector | None) -> None:
+        """A person has thought: look what that has changed, and see who was spoken to."""
+        if inspector is not None and isinstance(mind, bdi.Agent):
+            inspector.look(rounded(self.clock.now), mind)
+        self._wake()
+
+    def _heed(self, person: Person, entry: bdi.Entry, inspector: MindInspector | None) -> None:
         """Write down what a program's author should know; the rest of a mind stays its own."""
+        if inspector is not None:
+            inspector.heed(entry)
         if entry.kind == "warning":
             place = {"file": Path(entry.file).name, "line": entry.line} if entry.file else {}
             self._record("warning", person=person.name, text=entry.text, **place)

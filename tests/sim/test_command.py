@@ -51,6 +51,7 @@ def test_the_main_job_says_what_happened_and_where_it_is(recorded):
         "replay.html",
         "scene.json",
         "summary.json",
+        "thoughts.jsonl",
         "trajectory.csv",
         "violations.jsonl",
     ]
@@ -131,7 +132,13 @@ def test_the_same_trial_gives_the_same_bytes_in_any_process(trial, tmp_path):
     recording = sim.Recording(tmp_path / "c")
     chosen = sim.Trial.load(trial)
     recording.finish(sim.run(chosen, recording))
-    for file in ("events.jsonl", "motions.jsonl", "trajectory.csv", "replay.html"):
+    for file in (
+        "events.jsonl",
+        "motions.jsonl",
+        "thoughts.jsonl",
+        "trajectory.csv",
+        "replay.html",
+    ):
         contents = {(tmp_path / name / file).read_bytes() for name in "abc"}
         assert len(contents) == 1, file
     summaries = [json.loads((tmp_path / name / "summary.json").read_text()) for name in "abc"]
