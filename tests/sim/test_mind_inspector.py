@@ -77,6 +77,7 @@ def test_minds_are_looked_into_only_if_somebody_wants_to_know(tmp_path):
     recording.finish(run)
     lines = (tmp_path / "run" / "thoughts.jsonl").read_text(encoding="utf-8").splitlines()
     assert [json.loads(line) for line in lines] == list(run.thoughts)
+    assert sim.load_run(tmp_path / "run").thoughts == run.thoughts
     arrivals = [event["t"] for event in run.events if event["kind"] == "arrived"]
     told = [
         thought["t"]
