@@ -1,6 +1,7 @@
 """How bodies move: collision, paths, motions in continuous time, and separation."""
 
 from .bodies import Disc
+from .courses import Company, Courses
 from .encounter import Encounter
 from .gantry_planner import GantryPath, GantryPlanner
 from .machines import (
@@ -59,7 +60,9 @@ __all__ = [
     "Both",
     "Box",
     "CollisionWorld",
+    "Company",
     "Condition",
+    "Courses",
     "Cylinder",
     "Disc",
     "Enclosure",

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from .run_folder import RecordingError, load_run
     from .scene import Figure, Scene
     from .simulation import Simulation, run
+    from .social_metrics import metrics
     from .trial import AgvMove, GantryEntry, Job, PersonEntry, Start, Trial, TrialError
     from .trial_file import builtin_trials
 
@@ -38,6 +39,7 @@ _HOMES = {
     "run_folder": ("RecordingError", "load_run"),
     "scene": ("Figure", "Scene"),
     "simulation": ("Simulation", "run"),
+    "social_metrics": ("metrics",),
     "trial": ("AgvMove", "GantryEntry", "Job", "PersonEntry", "Start", "Trial", "TrialError"),
     "trial_file": ("builtin_trials",),
 }
@@ -78,6 +80,7 @@ __all__ = [
     "builtin_trials",
     "find_controller",
     "load_run",
+    "metrics",
     "rule_set",
     "run",
 ]

@@ -12,6 +12,7 @@ from .commands.agent import agent
 from .commands.benchmark import benchmark
 from .commands.check import check
 from .commands.list import list_all
+from .commands.metrics import metrics
 from .commands.plan import plan
 from .commands.run import run
 
@@ -47,6 +48,7 @@ app.command(context_settings={"ignore_unknown_options": True})(plan)
 app.command()(check)
 app.command()(agent)
 app.command()(benchmark)
+app.command()(metrics)
 app.command(name="list")(list_all)
 
 

@@ -1,0 +1,131 @@
+"""`floorwalker metrics`: the metrics of social navigation of a run."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from sim import Recorded
+
+
+def metrics(
+    source: Annotated[
+        str,
+        typer.Argument(
+            metavar="RUN", help="The folder of a run, or a trial to be run: a file or its name."
+        ),
+    ],
+    radius: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="BODY=M", help="Take this radius off the distances of a body; may be repeated."
+        ),
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> None:
+    """Compare how runs went: ways, speeds, distances, and time in people's spaces."""
+    import json
+
+    import sim
+
+    figures = sim.metrics(_run(source), radii=dict(map(_radius, radius or [])))
+    if as_json:
+        typer.echo(json.dumps(figures, indent=2, ensure_ascii=False))
+        return
+    from rich.console import Console
+
+    console = Console()
+    console.print(_movements(figures))
+    if figures["people"]:
+        console.print(_distances(figures))
+
+
+def _run(source: str) -> Recorded:
+    import sim
+
+    if Path(source).is_dir():
+        return sim.load_run(source)
+    return sim.run(sim.Trial.load(source))
+
+
+def _radius(text: str) -> tuple[str, float]:
+    name, _, value = text.partition("=")
+    try:
+        radius = float(value)
+    except ValueError:
+        radius = math.nan
+    if not (name and math.isfinite(radius)):
+        raise typer.BadParameter(f"expected BODY=METRES, found {text!r}", param_hint="--radius")
+    return name, radius
+
+
+def _movements(figures: dict[str, Any]) -> Table:
+    """How they moved: a column for each body."""
+    from rich.table import Table
+
+    bodies = figures["people"] | figures["machines"]
+    table = Table("", title="How they moved", title_justify="left")
+    for name in bodies:
+        table.add_column(name, justify="right")
+    for key, label in _MOVEMENTS.items():
+        table.add_row(label, *(_text(figures.get(key)) for figures in bodies.values()))
+    return table
+
+
+def _distances(figures: dict[str, Any]) -> Table:
+    """How far apart they were: a row for each pair, and with several people for the nearest."""
+    from rich.table import Table
+
+    rows = {
+        f"{name} – {other}": distances
+        for name, person in figures["people"].items()
+        for other, distances in person["distance_to"].items()
+    }
+    if len(figures["people"]) > 1:
+        rows |= {
+            f"{name} – nearest": machine["distance_to_people"]
+            for name, machine in figures["machines"].items()
+        }
+    title = "How far apart they were, and for how much of the time in whose space"
+    table = Table("", title=title, title_justify="left")
+    for label in _DISTANCES.values():
+        table.add_column(label, justify="right")
+    for name, distances in rows.items():
+        table.add_row(name, *(_text(distances[key]) for key in _DISTANCES))
+    return table
+
+
+_MOVEMENTS = {
+    "time": "time, s",
+    "path_length": "path length, m",
+    "cumulative_heading_changes": "heading changes, rad",
+    "time_not_moving": "not moving, s",
+    "maximum_speed": "maximum speed, m/s",
+    "average_speed": "average speed, m/s",
+    "average_acceleration": "average acceleration, m/s²",
+    "average_jerk": "average jerk, m/s³",
+    "goals": "goals",
+    "goals_reached": "goals reached",
+    "time_to_goal": "time to goal, s",
+    "final_distance_to_goal": "final distance to goal, m",
+}
+_DISTANCES = {
+    "average": "mean\nm",
+    "minimum": "least\nm",
+    "maximum": "most\nm",
+    "intimate_space_intrusions": "intimate\n%",
+    "personal_space_intrusions": "personal\n%",
+    "social_space_intrusions": "social\n%",
+}
+
+
+def _text(value: float | None) -> str:
+    if value is None:
+        return "–"
+    return str(value) if isinstance(value, int) else f"{value:.2f}"

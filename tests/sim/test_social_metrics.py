@@ -1,0 +1,128 @@
+"""Metrics of social navigation: what they say of runs, and of runs read back from disk."""
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import sim
+
+TRIAL = """
+floorplan: ariac2023
+duration: 120
+people:
+  - {name: ada, personality: antagonistic}
+  - {name: ben, personality: helpful, start: {time: 20.0}}
+gantry: {controller: oblivious, repeat: true, at: [-7, 0, 0],
+         jobs: [{pick: bin2, place: agv1}, {pick: bin6, place: agv4}]}
+agvs: {agv2: [{time: 30.0, to: as1}]}
+"""
+
+
+@pytest.fixture(scope="module")
+def run():
+    return sim.run(sim.Trial.parse(TRIAL))
+
+
+@pytest.fixture(scope="module")
+def figures(run):
+    return sim.metrics(run)
+
+
+def test_they_are_finite_numbers_that_can_be_written_down(figures):
+    assert json.loads(json.dumps(figures, allow_nan=False)) == figures
+
+
+def test_everybody_is_in_them(run, figures):
+    assert list(figures["people"]) == ["ada", "ben"]
+    assert list(figures["machines"]) == ["gantry", "agv1", "agv2", "agv3", "agv4"]
+    assert set(figures["people"]["ada"]["distance_to"]) == set(run.motions) - {"ada"}
+
+
+def test_they_agree_with_the_summary(run, figures):
+    for name, person in run.summary["people"].items():
+        found = figures["people"][name]
+        assert found["path_length"] == pytest.approx(person["distance_walked"], abs=1e-6)
+        assert found["time"] == pytest.approx(run.duration - person["started"], abs=1e-9)
+        nearest = person["minimum_separation"]["distance"]
+        assert found["distance_to"]["gantry"]["minimum"] == pytest.approx(nearest, abs=1e-6)
+
+
+def test_they_agree_with_the_trajectory(run, figures):
+    samples = run.sample(rate=500.0)
+    t = samples["t"]
+    apart = {
+        name: np.hypot(*(samples[name][:, :2] - samples["gantry"][:, :2]).T)
+        for name in ("ada", "ben")
+    }
+    apart["ben"][t < 20.0] = np.inf
+    nearest = np.minimum(apart["ada"], apart["ben"])
+    found = figures["machines"]["gantry"]["distance_to_people"]
+    assert found["average"] == pytest.approx(nearest.mean(), abs=1e-2)
+    assert found["minimum"] == pytest.approx(nearest.min(), abs=1e-2)
+    social = ((nearest >= 1.2) & (nearest < 3.6)).mean()
+    assert found["social_space_intrusions"] == pytest.approx(100 * social, abs=0.1)
+    speed = np.hypot(*samples["gantry"][:, 3:].T)
+    assert figures["machines"]["gantry"]["maximum_speed"] == pytest.approx(speed.max(), abs=1e-3)
+
+
+def test_a_goal_counts_as_reached_only_if_the_person_got_there(run, figures):
+    for name in ("ada", "ben"):
+        found = figures["people"][name]
+        kinds = [e["kind"] for e in run.events if e.get("person") == name]
+        assert found["goals"] == kinds.count("goal")
+        assert found["goals_reached"] == kinds.count("arrived") > 0
+        assert 1.0 < found["time_to_goal"] < 60.0
+
+
+def test_somebody_who_never_starts_has_figures_too():
+    trial = sim.Trial.parse(
+        "floorplan: ariac2023\nduration: 5\npeople: [{name: a, start: {order_submitted: never}}]\n"
+    )
+    figures = sim.metrics(sim.run(trial))
+    assert figures["people"]["a"]["time"] == 0.0
+    assert figures["people"]["a"]["time_to_goal"] is None
+    assert figures["people"]["a"]["distance_to"]["gantry"]["minimum"] is None
+    assert figures["machines"]["gantry"]["distance_to_people"]["time"] == 0.0
+    json.dumps(figures, allow_nan=False)
+
+
+def test_a_floor_without_people():
+    figures = sim.metrics(sim.run(sim.Trial.parse("floorplan: warehouse\nduration: 5\n")))
+    assert figures["people"] == {}
+    assert set(figures["machines"]) == {"tug1", "tug2"}
+
+
+def test_radii_are_taken_off(run, figures):
+    smaller = sim.metrics(run, radii={"gantry": 1.5, "ada": 1.0})
+    before = figures["people"]["ada"]["distance_to"]["gantry"]
+    after = smaller["people"]["ada"]["distance_to"]["gantry"]
+    for key in ("average", "minimum", "maximum"):
+        assert after[key] == pytest.approx(before[key] - 2.5, abs=1e-6)
+    assert after["social_space_intrusions"] > before["social_space_intrusions"]
+
+
+@pytest.mark.parametrize(
+    ("radii", "message"),
+    [({"gantri": 1.0}, "did you mean 'gantry'?"), ({"gantry": -1.0}, "at least 0 m")],
+)
+def test_radii_that_make_no_sense(run, radii, message):
+    with pytest.raises(ValueError, match=message.replace("?", r"\?")):
+        sim.metrics(run, radii=radii)
+
+
+def test_the_command_says_the_same_of_a_recording(run, figures, tmp_path):
+    trial = tmp_path / "two.trial.yaml"
+    trial.write_text(TRIAL)
+    recording = sim.Recording(tmp_path / "run")
+    recording.finish(sim.run(sim.Trial.load(trial), recording))
+    command = [sys.executable, "-m", "sim.cli", "metrics", str(tmp_path / "run")]
+    done = subprocess.run([*command, "--json"], capture_output=True, text=True, check=True)
+    assert done.stderr == ""
+    read = json.loads(done.stdout)
+    assert read == figures
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert "ada – gantry" in done.stdout
+    assert "gantry – nearest" in done.stdout
