@@ -14,6 +14,7 @@ from navigation import Motion
 from .expectations import unmet
 from .mind_inspector import Thought
 from .recorder import Event
+from .sampling import instants, sample_all
 from .scene import Scene
 from .trial import Trial
 
@@ -46,14 +47,8 @@ class Recorded:
         The result has "t" (N,) in seconds, and for each body (N, 5): x, y in metres, rotation
         in radians, and the velocity along x and y in m/s. `ValueError` if the rate isn't positive.
         """
-        if not (np.isfinite(rate) and rate > 0):
-            raise ValueError(f"rate must be more than 0 Hz, not {rate}")
-        times = np.arange(int(self.duration * rate + 1e-9) + 1) / rate
-        samples = {"t": times}
-        for name, motion in self.motions.items():
-            position, rotation = motion.position(times), motion.rotation(times)
-            samples[name] = np.column_stack([position, rotation, motion.velocity(times)])
-        return samples
+        times = instants(self.duration, rate)
+        return {"t": times, **sample_all(self.motions, times)}
 
 
 @dataclass(frozen=True, kw_only=True)

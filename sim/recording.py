@@ -7,7 +7,6 @@ line, so that a run that is broken off leaves whole and readable files; `violati
 
 from __future__ import annotations
 
-import csv
 import json
 from pathlib import Path
 from typing import Any, TextIO
@@ -22,6 +21,7 @@ from .replay import render
 from .replay_data import replay_data
 from .scene import Scene
 from .scene_file import write_scene
+from .trajectory import write_trajectory
 
 FILES = (
     "summary.json",
@@ -35,9 +35,6 @@ FILES = (
 )
 TRAJECTORY_RATE = 10.0
 """Hz. How often trajectory.csv has every body."""
-
-TRAJECTORY_DECIMALS = 6
-"""Decimals of the figures in trajectory.csv."""
 
 
 class OutputError(OSError):
@@ -111,26 +108,12 @@ class Recording(Listener):
             json.dump(run.summary, file, indent=2, ensure_ascii=False)
             file.write("\n")
         with self._open("trajectory.csv") as file:
-            write_trajectory(run, file)
+            write_trajectory(run, file, TRAJECTORY_RATE)
         with self._open("replay.html") as file:
             file.write(render(replay_data(run)))
 
     def _open(self, name: str) -> TextIO:
         return (self.folder / name).open("w", encoding="utf-8", newline="\n")
-
-
-def write_trajectory(run: Run, file: TextIO, rate: float = TRAJECTORY_RATE) -> None:
-    """Every body at `rate` instants a second as CSV: metres, radians, m/s."""
-    samples = run.sample(rate)
-    times = [f"{t:.3f}" for t in samples.pop("t").tolist()]
-    writer = csv.writer(file, lineterminator="\n")
-    writer.writerow(["t", "body", "x", "y", "rotation", "vx", "vy"])
-    columns = {name: (values + 0.0).tolist() for name, values in samples.items()}
-    for k, t in enumerate(times):
-        writer.writerows(
-            [t, name, *(round(v, TRAJECTORY_DECIMALS) for v in rows[k])]
-            for name, rows in columns.items()
-        )
 
 
 def _piece(piece: Piece) -> list[Any]:

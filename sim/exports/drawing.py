@@ -1,0 +1,193 @@
+"""What a viewer draws of a run: the floor, and the bodies on it.
+
+Every body has a frame of its own, at its centre on the floor, that turns with it; the gantry has
+a second one, `gantry/bridge`, which follows its x only and carries the bridge.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+
+import shapely
+from shapely.geometry import Polygon
+
+from floorplan import Floorplan, Gantry, Human, Lane, Obstacle
+
+from ..outcome import Recorded
+from ..recorder import Event
+from .shapes import Arrow, Block, Color, Label, Line, Point3, Shape, Surface, Thing, Tube
+from .track import Pose, just_before
+
+ROOT_FRAME = "map"
+"""The frame of the floor, as ROS calls it (REP 105)."""
+
+BRIDGE_FRAME = "gantry/bridge"
+
+GROUND = (0.93, 0.93, 0.91, 1.0)
+WALL = (0.62, 0.62, 0.6, 1.0)
+MARKING = (0.35, 0.35, 0.35, 1.0)
+PERSON = (0.0, 0.45, 0.70, 1.0)
+MACHINE = (0.90, 0.62, 0.0, 1.0)
+AGV = (0.0, 0.62, 0.45, 1.0)
+ALARM = (0.84, 0.37, 0.0, 1.0)
+# Hues of M. Okabe and K. Ito, "Color Universal Design", which colour-blind people can tell apart.
+
+ALARM_TIME = 2.0
+"""Seconds for which the place of a violation is marked."""
+
+_HAIR = 0.01
+"""Metres between what lies on the floor and the floor."""
+
+_CIRCLE = tuple((math.cos(k * math.pi / 24), math.sin(k * math.pi / 24)) for k in range(49))
+
+
+def frame(body: str) -> str:
+    """The frame that moves with a body."""
+    return f"{body}/base"
+
+
+def floor(plan: Floorplan) -> list[Thing]:
+    """Everything that stays where it is."""
+    ground = Surface(_triangles(plan.boundary, -_HAIR), GROUND)
+    outline = _ring(plan.boundary.exterior.coords, 0.0, 0.05, MARKING)
+    things = [Thing("floor", ROOT_FRAME, (ground, outline))]
+    things += [
+        Thing(f"obstacle {obstacle.name}", ROOT_FRAME, tuple(_solid(obstacle)))
+        for obstacle in plan.obstacles
+    ]
+    for station in plan.stations:
+        x, y = station.position
+        disc = Tube((x, y, _HAIR), plan.human.goal_tolerance, _HAIR, MARKING)
+        words = Label((x, y, 0.4), station.name, 0.3, MARKING)
+        things.append(Thing(f"station {station.name}", ROOT_FRAME, (disc, words)))
+    if plan.safe_zone is not None:
+        x, y = plan.safe_zone.position
+        circle = _ring([(x + cx, y + cy) for cx, cy in _CIRCLE], _HAIR, 0.05, AGV)
+        words = Label((x, y, 0.4), "safe zone", 0.3, AGV)
+        things.append(Thing("safe zone", ROOT_FRAME, (circle, words)))
+    for lane in plan.lanes:
+        ends = [(*lane.position(q), _HAIR) for q in lane.limits]
+        things.append(Thing(f"lane {lane.name}", ROOT_FRAME, (Line(tuple(ends), 0.03, AGV),)))
+    if plan.gantry is not None:
+        things.append(Thing("gantry rails", ROOT_FRAME, tuple(_rails(plan.gantry))))
+    return things
+
+
+def bodies(run: Recorded) -> list[Thing]:
+    """Everything that moves, each thing in the frame that moves it."""
+    plan = run.floorplan
+    things = [
+        Thing(person.name, frame(person.name), _person(person.name, person.radius, plan.human))
+        for person in run.scene.people
+    ]
+    if plan.gantry is not None:
+        things.append(Thing("gantry", frame("gantry"), tuple(_gantry(plan.gantry))))
+        things.append(Thing("gantry bridge", BRIDGE_FRAME, (_bridge(plan.gantry),)))
+    things += [Thing(lane.name, frame(lane.name), _agv(lane)) for lane in plan.lanes]
+    return things
+
+
+def frames(poses: Iterable[Pose]) -> Iterator[tuple[str, float, float, float]]:
+    """The frames that move with bodies which are there: name, x, y, rotation."""
+    for pose in poses:
+        yield frame(pose.body), pose.x, pose.y, pose.rotation
+        if pose.body == "gantry":
+            yield BRIDGE_FRAME, pose.x, 0.0, 0.0
+
+
+def violation(run: Recorded, event: Event) -> Thing:
+    """What marks a `violation` event: a ring round the person, a line to the machine, figures."""
+    person, machine = event["person"], event["with"]
+    (x, y), end = just_before(run, person, event), just_before(run, machine, event)
+    radius = next(one.radius for one in run.scene.people if one.name == person)
+    ring = 2 * (radius or run.floorplan.human.radius)
+    height = run.floorplan.human.height / 2
+    return Thing(
+        f"violation {person} {machine}",
+        ROOT_FRAME,
+        (
+            _ring([(x + ring * cx, y + ring * cy) for cx, cy in _CIRCLE], _HAIR, 0.06, ALARM),
+            Line(((x, y, height), (*end, height)), 0.04, ALARM),
+            Label(
+                ((x + end[0]) / 2, (y + end[1]) / 2, height + 0.4),
+                f"{event['distance']:.2f} m < {event['required']:.2f} m",
+                0.3,
+                ALARM,
+            ),
+        ),
+    )
+
+
+def _person(name: str, radius: float | None, human: Human) -> tuple[Shape, ...]:
+    size, height = radius or human.radius, human.height
+    return (
+        Tube((0.0, 0.0, height / 2), size, height, PERSON),
+        Arrow((size, 0.0, 0.75 * height), 2 * size, PERSON),
+        Label((0.0, 0.0, height + 0.3), name, 0.3, PERSON),
+    )
+
+
+def _gantry(gantry: Gantry) -> Iterator[Shape]:
+    length, width, bottom, top = gantry.torso
+    yield Block((0.0, 0.0, (bottom + top) / 2), (length, width, top - bottom), MACHINE)
+    mast = gantry.rail_height - top
+    if mast > 0:
+        yield Block((0.0, 0.0, top + mast / 2), (0.2, 0.2, mast), MACHINE)
+    low = gantry.arm_bottom
+    yield Tube((0.0, 0.0, (low + top) / 2), gantry.arm_reach, top - low, _faint(MACHINE))
+    mount, height = gantry.arm_mount
+    yield Arrow((mount, 0.0, height), max(gantry.arm_reach - mount, 0.1), MACHINE)
+
+
+def _bridge(gantry: Gantry) -> Block:
+    low, high = gantry.y.low, gantry.y.high
+    center = (0.0, (low + high) / 2, gantry.rail_height + 0.1)
+    return Block(center, (0.3, high - low, 0.2), MACHINE)
+
+
+def _rails(gantry: Gantry) -> Iterator[Shape]:
+    low, high = gantry.x.low, gantry.x.high
+    for y in (gantry.y.low, gantry.y.high):
+        center = ((low + high) / 2, y, gantry.rail_height + 0.1)
+        yield Block(center, (high - low, 0.15, 0.15), WALL)
+
+
+def _agv(lane: Lane) -> tuple[Shape, ...]:
+    size = (lane.length, lane.width, lane.height)
+    return (
+        Block((0.0, 0.0, lane.height / 2), size, AGV),
+        Label((0.0, 0.0, lane.height + 0.3), lane.name, 0.3, AGV),
+    )
+
+
+def _solid(obstacle: Obstacle) -> Iterator[Shape]:
+    """An obstacle as a box where it is one, else as the surface of a prism."""
+    footprint, bottom, top = obstacle.footprint, obstacle.bottom, obstacle.top
+    corners = list(footprint.exterior.coords)
+    around = footprint.minimum_rotated_rectangle
+    if len(corners) == 5 and math.isclose(around.area, footprint.area, rel_tol=1e-9):
+        (ax, ay), (bx, by), (cx, cy) = (corner[:2] for corner in corners[:3])
+        center = ((ax + cx) / 2, (ay + cy) / 2, (bottom + top) / 2)
+        size = (math.dist((ax, ay), (bx, by)), math.dist((bx, by), (cx, cy)), top - bottom)
+        yield Block(center, size, WALL, yaw=math.atan2(by - ay, bx - ax))
+        return
+    sides: list[Point3] = []
+    for ring in (footprint.exterior, *footprint.interiors):
+        for (ax, ay), (bx, by) in zip(ring.coords[:-1], ring.coords[1:], strict=True):
+            a, b, c, d = (ax, ay, bottom), (bx, by, bottom), (bx, by, top), (ax, ay, top)
+            sides += [a, b, c, a, c, d]
+    yield Surface((*sides, *_triangles(footprint, top), *_triangles(footprint, bottom)), WALL)
+
+
+def _triangles(polygon: Polygon, z: float) -> tuple[Point3, ...]:
+    parts = shapely.get_parts(shapely.constrained_delaunay_triangles(polygon))
+    return tuple((x, y, z) for part in parts for x, y in part.exterior.coords[:3])
+
+
+def _ring(points: Iterable[tuple[float, ...]], z: float, width: float, color: Color) -> Line:
+    return Line(tuple((x, y, z) for x, y in points), width, color)
+
+
+def _faint(color: Color) -> Color:
+    return (*color[:3], 0.25)

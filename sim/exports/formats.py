@@ -1,0 +1,117 @@
+"""Which formats there are, and how a run gets into one of them."""
+
+from __future__ import annotations
+
+import difflib
+import shutil
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+from typing import cast
+
+from ..outcome import Recorded
+from ..recording import OutputError
+from ..sampling import require_rate
+
+DEFAULT_RATE = 20.0
+"""Hz."""
+
+Writer = Callable[[Recorded, Path, float], None]
+"""Writes a run into a file or folder that isn't there yet, at a rate in Hz."""
+
+
+@dataclass(frozen=True)
+class Format:
+    """A format: what it is called, what its files end in, what has to be installed for it.
+
+    `parts` are the packages that its writer imports, `extra` the extra of Floorwalker that
+    brings them. A format without a suffix is a folder.
+    """
+
+    name: str
+    title: str
+    suffix: str
+    module: str
+    parts: tuple[str, ...] = ()
+    extra: str = ""
+
+    def writer(self) -> Writer:
+        """The function that writes it; `ValueError` that says what to install for it."""
+        try:
+            module = import_module(f".{self.module}", __package__)
+        except ImportError as why:
+            if (why.name or "").partition(".")[0] not in self.parts:
+                raise
+            raise ValueError(
+                f"{why.name} writes {self.title} and is missing;"
+                f" pip install 'floorwalker[{self.extra}]'"
+            ) from None
+        return cast(Writer, module.write)
+
+
+FORMATS = {
+    entry.name: entry
+    for entry in (
+        Format("csv", "CSV tables", ".csv", "csv_file"),
+        Format("parquet", "Parquet tables", ".parquet", "parquet_file", ("pyarrow",), "export"),
+        Format("mcap", "MCAP files for Foxglove", ".mcap", "mcap_file", ("foxglove",), "export"),
+        Format("rosbag", "ROS 2 bags", "", "ros_bag", ("rosbags",), "export"),
+        Format("jupedsim", "JuPedSim trajectories", ".sqlite", "jupedsim_file"),
+    )
+}
+
+
+def export(
+    run: Recorded, path: str | Path, *, rate: float = DEFAULT_RATE, format: str | None = None
+) -> None:
+    """Write `run` to `path`, `rate` times a second (Hz).
+
+    The format is the one that `path` ends in (.csv, .parquet, .mcap, .sqlite; nothing: a ROS 2
+    bag, which is a folder), or the one called `format`. A file that is there is replaced, and
+    only by a whole one; a folder is never. `ValueError` for a format or rate that can't be, or
+    for a part that isn't installed; `OutputError` if `path` can't be written.
+    """
+    require_rate(rate)
+    path = Path(path)
+    chosen = _by_name(format) if format is not None else _by_suffix(path)
+    write = chosen.writer()
+    with _whole(path, replace=bool(chosen.suffix)) as unfinished:
+        write(run, unfinished, rate)
+
+
+def _by_name(name: str) -> Format:
+    if name not in FORMATS:
+        near = difflib.get_close_matches(name, FORMATS, 1)
+        hint = f"did you mean {near[0]!r}?" if near else f"there are: {', '.join(FORMATS)}"
+        raise ValueError(f"no format is called {name!r}; {hint}")
+    return FORMATS[name]
+
+
+def _by_suffix(path: Path) -> Format:
+    for entry in FORMATS.values():
+        if path.suffix.lower() == entry.suffix:
+            return entry
+    known = ", ".join(f"{entry.suffix or 'nothing'} ({entry.name})" for entry in FORMATS.values())
+    raise ValueError(f"{path}: what it ends in says no format; known are {known}")
+
+
+@contextmanager
+def _whole(path: Path, *, replace: bool) -> Iterator[Path]:
+    """A place to write to that becomes `path` when all went well, and vanishes when not."""
+    if path.is_dir() or (path.exists() and not replace):
+        raise OutputError(f"{path} is there already; give another name, or remove it")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        folder = Path(tempfile.mkdtemp(prefix=".export-", dir=path.parent))
+    except OSError as why:
+        raise OutputError(f"can't write to {path}: {why.strerror}") from None
+    try:
+        yield folder / path.name
+        (folder / path.name).replace(path)
+    except OSError as why:
+        raise OutputError(f"can't write to {path}: {why.strerror or why}") from None
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)

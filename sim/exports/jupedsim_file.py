@@ -1,0 +1,121 @@
+"""A run as JuPedSim records one (SQLite, version 2), for PedPy and JuPedSim's own tools.
+
+Only people are in it, as agents; the walkable area is the floor minus what stands on it for
+good. An agent walks, it is never put elsewhere: a person who was is another agent from then on,
+so that no speed, flow or crossing is made up. Which agent is which person stands in `metadata`
+under `floorwalker_agents`.
+"""
+
+from __future__ import annotations
+
+import json
+import sqlite3
+import zlib
+from collections.abc import Iterator
+from contextlib import closing
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+import shapely
+from shapely.geometry import Polygon
+
+from floorplan import Floorplan
+
+from ..outcome import Recorded
+from ..recording import OutputError
+from ..sampling import blocks_of_instants, sample
+
+VERSION = 2
+"""Of the schema, by JuPedSim's count."""
+
+_TABLES = """
+    CREATE TABLE trajectory_data (frame INTEGER NOT NULL, id INTEGER NOT NULL,
+        pos_x REAL NOT NULL, pos_y REAL NOT NULL, ori_x REAL NOT NULL, ori_y REAL NOT NULL);
+    CREATE TABLE metadata (key TEXT NOT NULL UNIQUE PRIMARY KEY, value TEXT NOT NULL);
+    CREATE TABLE geometry (hash INTEGER NOT NULL, wkt TEXT NOT NULL);
+    CREATE UNIQUE INDEX geometry_hash ON geometry (hash);
+    CREATE TABLE frame_data (frame INTEGER NOT NULL, geometry_hash INTEGER NOT NULL);
+    CREATE INDEX frame_id_idx ON trajectory_data (frame, id);
+"""
+
+
+@dataclass(frozen=True)
+class Agent:
+    """A person between two instants (seconds) at which they were put elsewhere."""
+
+    id: int
+    person: str
+    begin: float
+    end: float
+
+
+def write(run: Recorded, path: Path, rate: float) -> None:
+    """Write the people of `run` to `path` at `rate` frames a second."""
+    try:
+        with closing(sqlite3.connect(path)) as database:
+            database.executescript(_TABLES)
+            _write(run, database, rate)
+            database.commit()
+    except sqlite3.OperationalError as why:
+        raise OutputError(str(why)) from None
+
+
+def _write(run: Recorded, database: sqlite3.Connection, rate: float) -> None:
+    agents = list(_agents(run))
+    area = _walkable(run.floorplan)
+    geometry = zlib.crc32(area.wkt.encode())
+    west, south, east, north = area.bounds
+    about = {
+        "version": VERSION,
+        "fps": float(rate),
+        **{"xmin": west, "xmax": east, "ymin": south, "ymax": north},
+        "floorwalker_agents": json.dumps([asdict(agent) for agent in agents]),
+    }
+    database.execute("INSERT INTO geometry VALUES (?, ?)", (geometry, area.wkt))
+    database.executemany(
+        "INSERT INTO metadata VALUES (?, ?)", [(key, str(value)) for key, value in about.items()]
+    )
+    first = 0
+    for times in blocks_of_instants(run.duration, rate):
+        frames = range(first, first + len(times))
+        first += len(times)
+        database.executemany(
+            "INSERT INTO frame_data VALUES (?, ?)", ((frame, geometry) for frame in frames)
+        )
+        database.executemany(
+            "INSERT INTO trajectory_data VALUES (?, ?, ?, ?, ?, ?)",
+            _rows(run, agents, times, frames),
+        )
+
+
+def _agents(run: Recorded) -> Iterator[Agent]:
+    number = 0
+    for person in run.scene.people:
+        jumps = sorted(run.motions[person.name].jumps)
+        for begin, end in zip([0.0, *jumps], [*jumps, run.duration], strict=True):
+            number += 1
+            yield Agent(number, person.name, begin, end)
+
+
+def _rows(
+    run: Recorded, agents: list[Agent], times: np.ndarray, frames: range
+) -> list[tuple[float, ...]]:
+    """frame, id, x, y and the direction of the look, by frame and agent."""
+    rows: list[tuple[float, ...]] = []
+    for agent in agents:
+        until = times < agent.end if agent.end < run.duration else times <= agent.end
+        there = np.flatnonzero((times >= agent.begin) & until)
+        table = sample(run.motions[agent.person], times[there])
+        x, y, rotation = table[:, 0], table[:, 1], table[:, 2]
+        figures = np.column_stack([x, y, np.cos(rotation), np.sin(rotation)]).tolist()
+        rows += [
+            (frames[k], agent.id, *line) for k, line in zip(there.tolist(), figures, strict=True)
+        ]
+    return sorted(rows)
+
+
+def _walkable(plan: Floorplan) -> Polygon:
+    """The floor that people of the floorplan's height can stand on; its largest part, if many."""
+    free = plan.free(0.0, plan.human.height)
+    return max(shapely.get_parts(free), key=lambda part: part.area)

@@ -1,0 +1,49 @@
+"""Events as the lines of a log."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from ..recorder import Event
+
+Level = Literal["info", "warning", "error"]
+
+LEVELS: dict[str, Level] = {
+    "violation": "error",
+    "gantry_disabled": "warning",
+    "path_blocked": "warning",
+    "teleport": "warning",
+    "warning": "warning",
+}
+"""How grave an event is, by its kind; all others are "info"."""
+
+
+@dataclass(frozen=True)
+class Line:
+    """One line of a log: when (seconds), how grave, who it is about, and what happened."""
+
+    t: float
+    level: Level
+    name: str
+    text: str
+
+
+def line(event: Event) -> Line:
+    """The line for an event: its kind, and its fields as name=value."""
+    kind = event["kind"]
+    who = event.get("person") or event.get("agv") or ("trial" if "trial" in kind else "gantry")
+    fields = [
+        f"{name}={_shown(value)}"
+        for name, value in event.items()
+        if name not in ("t", "kind", "person", "agv")
+    ]
+    return Line(event["t"], LEVELS.get(kind, "info"), who, " ".join([kind, *fields]))
+
+
+def _shown(value: object) -> str:
+    if isinstance(value, float):
+        return f"{value:.3f}".rstrip("0").rstrip(".")
+    if isinstance(value, list | tuple):
+        return "(" + ", ".join(_shown(inner) for inner in value) + ")"
+    return "none" if value is None else str(value)

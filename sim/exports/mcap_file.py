@@ -1,0 +1,227 @@
+"""A run as an MCAP file with Foxglove's schemas, which Foxglove opens as a scene.
+
+The shapes of bodies are written once, each in a frame of its own; `/tf` moves the frames.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import foxglove
+from foxglove.channels import (
+    FrameTransformsChannel,
+    LogChannel,
+    PoseInFrameChannel,
+    PosesInFrameChannel,
+    SceneUpdateChannel,
+)
+from foxglove.mcap import MCAPWriteOptions
+from foxglove.messages import (
+    ArrowPrimitive,
+    Color,
+    CubePrimitive,
+    CylinderPrimitive,
+    Duration,
+    FrameTransform,
+    FrameTransforms,
+    LinePrimitive,
+    Log,
+    LogLevel,
+    Point3,
+    Pose,
+    PoseInFrame,
+    PosesInFrame,
+    Quaternion,
+    SceneEntity,
+    SceneUpdate,
+    TextPrimitive,
+    Timestamp,
+    TriangleListPrimitive,
+    Vector3,
+)
+
+from ..outcome import Recorded
+from ..recorder import Event
+from . import drawing, log, shapes, track
+from .track import nanoseconds
+
+_LEVELS = {"info": LogLevel.Info, "warning": LogLevel.Warning, "error": LogLevel.Error}
+
+
+def write(run: Recorded, path: Path, rate: float) -> None:
+    """Write `run` to `path` with `rate` poses a second of every body."""
+    context = foxglove.Context()
+    # One thread compresses: several cut the data differently on machines with other core counts.
+    options = MCAPWriteOptions(compression_threads=0)
+    with foxglove.open_mcap(path, context=context, writer_options=options) as file:
+        file.write_metadata("floorwalker", _about(run, rate))
+        _Writer(run, context).write(rate)
+
+
+def _about(run: Recorded, rate: float) -> dict[str, str]:
+    timing = ("cpu_seconds", "realtime_factor")
+    summary = {name: value for name, value in run.summary.items() if name not in timing}
+    return {
+        "trial": run.scene.trial,
+        "floorplan": run.floorplan.name,
+        "rate": f"{rate:g}",
+        "summary": json.dumps(summary, ensure_ascii=False),
+    }
+
+
+class _Writer:
+    """The channels of one file."""
+
+    def __init__(self, run: Recorded, context: foxglove.Context) -> None:
+        people = [person.name for person in run.scene.people]
+        self._run = run
+        self._floor = SceneUpdateChannel("/floor", context=context)
+        self._bodies = SceneUpdateChannel("/bodies", context=context)
+        self._violations = SceneUpdateChannel("/violations", context=context)
+        self._events = LogChannel("/events", context=context)
+        self._frames = FrameTransformsChannel("/tf", context=context)
+        self._poses = {
+            name: PoseInFrameChannel(f"/{name}/pose", context=context) for name in run.motions
+        }
+        self._ways = {name: PosesInFrameChannel(f"/{name}/way", context=context) for name in people}
+
+    def write(self, rate: float) -> None:
+        """Everything, in order of time."""
+        self._draw(self._floor, drawing.floor(self._run.floorplan), 0.0)
+        self._draw(self._bodies, drawing.bodies(self._run), 0.0)
+        for moment in track.moments(self._run, rate):
+            if moment.event is not None:
+                self._write_event(moment.event)
+            if moment.way is not None:
+                self._write_way(moment.way)
+            if moment.poses:
+                self._write_poses(moment.t, moment.poses)
+
+    def _draw(
+        self,
+        channel: SceneUpdateChannel,
+        things: list[shapes.Thing],
+        t: float,
+        lifetime: float = 0.0,
+    ) -> None:
+        entities = [_entity(thing, t, lifetime) for thing in things]
+        channel.log(SceneUpdate(entities=entities), log_time=nanoseconds(t))
+
+    def _write_event(self, event: Event) -> None:
+        line = log.line(event)
+        message = Log(
+            timestamp=_stamp(line.t), level=_LEVELS[line.level], message=line.text, name=line.name
+        )
+        self._events.log(message, log_time=nanoseconds(line.t))
+        if event["kind"] == "violation":
+            mark = drawing.violation(self._run, event)
+            self._draw(self._violations, [mark], line.t, drawing.ALARM_TIME)
+
+    def _write_way(self, way: track.Way) -> None:
+        self._ways[way.person].log(
+            PosesInFrame(
+                timestamp=_stamp(way.t),
+                frame_id=drawing.ROOT_FRAME,
+                poses=[_pose(*point) for point in way.points],
+            ),
+            log_time=nanoseconds(way.t),
+        )
+
+    def _write_poses(self, t: float, poses: tuple[track.Pose, ...]) -> None:
+        stamp, log_time = _stamp(t), nanoseconds(t)
+        transforms = [_transform(stamp, *place) for place in drawing.frames(poses)]
+        self._frames.log(FrameTransforms(transforms=transforms), log_time=log_time)
+        for pose in poses:
+            self._poses[pose.body].log(
+                PoseInFrame(
+                    timestamp=stamp,
+                    frame_id=drawing.ROOT_FRAME,
+                    pose=_pose(pose.x, pose.y, pose.rotation),
+                ),
+                log_time=log_time,
+            )
+
+
+def _transform(stamp: Timestamp, frame: str, x: float, y: float, rotation: float) -> FrameTransform:
+    return FrameTransform(
+        timestamp=stamp,
+        parent_frame_id=drawing.ROOT_FRAME,
+        child_frame_id=frame,
+        translation=Vector3(x=x, y=y, z=0.0),
+        rotation=_turned(rotation),
+    )
+
+
+def _entity(thing: shapes.Thing, t: float, lifetime: float) -> SceneEntity:
+    entity: dict[str, list[Any]] = {}
+    for shape in thing.shapes:
+        kind, primitive = _primitive(shape)
+        entity.setdefault(kind, []).append(primitive)
+    return SceneEntity(
+        timestamp=_stamp(t),
+        frame_id=thing.frame,
+        id=thing.name,
+        lifetime=Duration(sec=int(lifetime), nsec=round(lifetime % 1 * 1e9)),
+        frame_locked=True,
+        **entity,
+    )
+
+
+def _primitive(shape: shapes.Shape) -> tuple[str, Any]:
+    """The field of a SceneEntity that a shape belongs into, and what to put there."""
+    color = Color(r=shape.color[0], g=shape.color[1], b=shape.color[2], a=shape.color[3])
+    if isinstance(shape, shapes.Block):
+        length, width, height = shape.size
+        size = Vector3(x=length, y=width, z=height)
+        pose = _pose(*shape.center[:2], shape.yaw, shape.center[2])
+        return "cubes", CubePrimitive(pose=pose, size=size, color=color)
+    if isinstance(shape, shapes.Tube):
+        size = Vector3(x=2 * shape.radius, y=2 * shape.radius, z=shape.height)
+        pose = _pose(*shape.center[:2], 0.0, shape.center[2])
+        return "cylinders", CylinderPrimitive(
+            pose=pose, size=size, bottom_scale=1.0, top_scale=1.0, color=color
+        )
+    if isinstance(shape, shapes.Arrow):
+        x, y, z = shape.start
+        return "arrows", ArrowPrimitive(
+            pose=_pose(x, y, 0.0, z),
+            shaft_length=0.6 * shape.length,
+            shaft_diameter=0.12,
+            head_length=0.4 * shape.length,
+            head_diameter=0.3,
+            color=color,
+        )
+    if isinstance(shape, shapes.Line):
+        return "lines", LinePrimitive(
+            pose=_pose(0.0, 0.0, 0.0),
+            thickness=shape.width,
+            points=_points(shape.points),
+            color=color,
+        )
+    if isinstance(shape, shapes.Surface):
+        pose, points = _pose(0.0, 0.0, 0.0), _points(shape.points)
+        return "triangles", TriangleListPrimitive(pose=pose, points=points, color=color)
+    pose = _pose(*shape.at[:2], 0.0, shape.at[2])
+    return "texts", TextPrimitive(
+        pose=pose, billboard=True, font_size=shape.size, color=color, text=shape.text
+    )
+
+
+def _points(points: tuple[shapes.Point3, ...]) -> list[Point3]:
+    return [Point3(x=x, y=y, z=z) for x, y, z in points]
+
+
+def _pose(x: float, y: float, rotation: float, z: float = 0.0) -> Pose:
+    return Pose(position=Vector3(x=x, y=y, z=z), orientation=_turned(rotation))
+
+
+def _turned(rotation: float) -> Quaternion:
+    return Quaternion(x=0.0, y=0.0, z=math.sin(rotation / 2), w=math.cos(rotation / 2))
+
+
+def _stamp(t: float) -> Timestamp:
+    seconds, rest = divmod(nanoseconds(t), 10**9)
+    return Timestamp(sec=seconds, nsec=rest)

@@ -1,0 +1,119 @@
+"""A run for viewers that draw from frames and poses: what happens, moment by moment."""
+
+from __future__ import annotations
+
+import heapq
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+from operator import attrgetter
+
+import numpy as np
+
+from navigation import Motion
+
+from ..outcome import Recorded
+from ..recorder import Event
+from ..sampling import blocks_of_instants, sample
+
+ROUNDING = 1e-8
+"""Seconds. Instants of events are rounded to less than this, instants of motions are exact."""
+
+
+@dataclass(frozen=True)
+class Pose:
+    """Where a body is: x, y (metres), rotation (radians), and its velocity (m/s)."""
+
+    body: str
+    x: float
+    y: float
+    rotation: float
+    vx: float
+    vy: float
+
+
+@dataclass(frozen=True)
+class Way:
+    """The way a person went from `t` (seconds) until a new goal: (x, y, rotation) of its points."""
+
+    t: float
+    person: str
+    points: tuple[tuple[float, float, float], ...]
+
+
+@dataclass(frozen=True)
+class Moment:
+    """What there is to say of `t` (seconds): poses of bodies, an event, or a way that begins."""
+
+    t: float
+    poses: tuple[Pose, ...] = ()
+    event: Event | None = None
+    way: Way | None = None
+
+
+def moments(run: Recorded, rate: float) -> Iterator[Moment]:
+    """Everything to tell of a run in order of time, with every body's pose at `rate` (Hz).
+
+    Viewers draw a straight line from one pose to the next: another pose a nanosecond before
+    every jump, and one at it, keep them from drawing somebody who slides over the floor.
+    """
+    return heapq.merge(
+        (Moment(event["t"], event=event) for event in run.events),
+        (Moment(way.t, way=way) for way in ways(run)),
+        _regular(run, rate),
+        _jumps(run),
+        key=attrgetter("t"),
+    )
+
+
+def ways(run: Recorded) -> list[Way]:
+    """Every person's ways from goal to goal, in order of time; as they went, not as they meant."""
+    found: list[Way] = []
+    for person in run.scene.people:
+        changes = [
+            event
+            for event in run.events
+            if event["kind"] in ("goal", "replanned", "teleport") and event["person"] == person.name
+        ]
+        ends = [*(event["t"] for event in changes[1:]), run.duration]
+        for event, end in zip(changes, ends, strict=False):
+            begin = event["t"] + ROUNDING
+            if event["kind"] != "teleport" and end - ROUNDING > begin:
+                motion = run.motions[person.name].cut(begin, end - ROUNDING)
+                found.append(Way(event["t"], person.name, _corners(motion)))
+    return sorted(found, key=attrgetter("t"))
+
+
+def just_before(run: Recorded, body: str, event: Event) -> tuple[float, float]:
+    """Where a body (x, y in metres) was when `event` came about, not where it put the body."""
+    return run.motions[body].state(event["t"] - ROUNDING).at
+
+
+def nanoseconds(t: float) -> int:
+    """An instant (seconds) as viewers count."""
+    return round(t * 1e9)
+
+
+def _regular(run: Recorded, rate: float) -> Iterator[Moment]:
+    for times in blocks_of_instants(run.duration, rate):
+        tables = {name: sample(m, times).tolist() for name, m in run.motions.items()}
+        for k, t in enumerate(times.tolist()):
+            yield Moment(t, tuple(Pose(name, *table[k]) for name, table in tables.items()))
+
+
+def _jumps(run: Recorded) -> list[Moment]:
+    found = [
+        Moment(t, (Pose(name, *sample(motion, np.array([t]))[0].tolist()),))
+        for name, motion in run.motions.items()
+        for jump in motion.jumps
+        for t in (jump - 1e-9, jump)
+    ]
+    return sorted(found, key=attrgetter("t"))
+
+
+def _corners(motion: Motion) -> tuple[tuple[float, float, float], ...]:
+    """Where the pieces of a motion begin, and where the last ends; none twice."""
+    corners = [motion.state(piece.begin).position for piece in motion.pieces]
+    corners.append(motion.state_before(motion.end).position)
+    new = [after for before, after in pairwise(corners) if after[:2] != before[:2]]
+    return (corners[0], *new)
