@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from .clock import Clock
     from .controllers import CONTROLLERS, Controller, ControllerError, find_controller
+    from .exports import export
     from .gantry import GantryRobot, Steps
     from .minds import Mind, Outside, Percepts
     from .outcome import Recorded, Run
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
 _HOMES = {
     "clock": ("Clock",),
     "controllers": ("CONTROLLERS", "Controller", "ControllerError", "find_controller"),
+    "exports": ("export",),
     "gantry": ("GantryRobot", "Steps"),
     "minds": ("Mind", "Outside", "Percepts"),
     "outcome": ("Recorded", "Run"),
@@ -78,6 +80,7 @@ __all__ = [
     "Trial",
     "TrialError",
     "builtin_trials",
+    "export",
     "find_controller",
     "load_run",
     "metrics",

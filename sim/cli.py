@@ -11,6 +11,7 @@ import typer
 from .commands.agent import agent
 from .commands.benchmark import benchmark
 from .commands.check import check
+from .commands.export import export
 from .commands.list import list_all
 from .commands.metrics import metrics
 from .commands.plan import plan
@@ -49,6 +50,7 @@ app.command()(check)
 app.command()(agent)
 app.command()(benchmark)
 app.command()(metrics)
+app.command()(export)
 app.command(name="list")(list_all)
 
 

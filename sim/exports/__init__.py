@@ -1,5 +1,5 @@
 """Runs in the formats of others: tables, robotics viewers, ROS, pedestrian dynamics."""
 
-from .formats import FORMATS, Format, export
+from .formats import FORMATS, Export, Format, export
 
-__all__ = ["FORMATS", "Format", "export"]
+__all__ = ["FORMATS", "Export", "Format", "export"]

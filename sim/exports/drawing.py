@@ -12,10 +12,11 @@ from collections.abc import Iterable, Iterator
 import shapely
 from shapely.geometry import Polygon
 
-from floorplan import Floorplan, Gantry, Human, Lane, Obstacle
+from floorplan import Floorplan, Gantry, Lane, Obstacle
 
 from ..outcome import Recorded
 from ..recorder import Event
+from ..scene import Figure
 from .shapes import Arrow, Block, Color, Label, Line, Point3, Shape, Surface, Thing, Tube
 from .track import Pose, just_before
 
@@ -78,8 +79,7 @@ def bodies(run: Recorded) -> list[Thing]:
     """Everything that moves, each thing in the frame that moves it."""
     plan = run.floorplan
     things = [
-        Thing(person.name, frame(person.name), _person(person.name, person.radius, plan.human))
-        for person in run.scene.people
+        Thing(person.name, frame(person.name), _person(person)) for person in run.scene.people
     ]
     if plan.gantry is not None:
         things.append(Thing("gantry", frame("gantry"), tuple(_gantry(plan.gantry))))
@@ -100,9 +100,8 @@ def violation(run: Recorded, event: Event) -> Thing:
     """What marks a `violation` event: a ring round the person, a line to the machine, figures."""
     person, machine = event["person"], event["with"]
     (x, y), end = just_before(run, person, event), just_before(run, machine, event)
-    radius = next(one.radius for one in run.scene.people if one.name == person)
-    ring = 2 * (radius or run.floorplan.human.radius)
-    height = run.floorplan.human.height / 2
+    figure = next(one for one in run.scene.people if one.name == person)
+    ring, height = 2 * figure.radius, figure.height / 2
     return Thing(
         f"violation {person} {machine}",
         ROOT_FRAME,
@@ -111,7 +110,7 @@ def violation(run: Recorded, event: Event) -> Thing:
             Line(((x, y, height), (*end, height)), 0.04, ALARM),
             Label(
                 ((x + end[0]) / 2, (y + end[1]) / 2, height + 0.4),
-                f"{event['distance']:.2f} m < {event['required']:.2f} m",
+                f"closer than {event['required']:.2f} m",
                 0.3,
                 ALARM,
             ),
@@ -119,12 +118,12 @@ def violation(run: Recorded, event: Event) -> Thing:
     )
 
 
-def _person(name: str, radius: float | None, human: Human) -> tuple[Shape, ...]:
-    size, height = radius or human.radius, human.height
+def _person(person: Figure) -> tuple[Shape, ...]:
+    radius, height = person.radius, person.height
     return (
-        Tube((0.0, 0.0, height / 2), size, height, PERSON),
-        Arrow((size, 0.0, 0.75 * height), 2 * size, PERSON),
-        Label((0.0, 0.0, height + 0.3), name, 0.3, PERSON),
+        Tube((0.0, 0.0, height / 2), radius, height, PERSON),
+        Arrow((radius, 0.0, 0.75 * height), 2 * radius, PERSON),
+        Label((0.0, 0.0, height + 0.3), person.name, 0.3, PERSON),
     )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import shutil
+import sqlite3
 import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -64,6 +65,33 @@ FORMATS = {
 }
 
 
+@dataclass(frozen=True)
+class Export:
+    """A file or folder to be written: `path`, in `format`, `rate` times a second (Hz)."""
+
+    path: Path
+    format: Format
+    rate: float
+
+    @classmethod
+    def to(
+        cls, path: str | Path, *, rate: float = DEFAULT_RATE, format: str | None = None
+    ) -> Export:
+        """See `export`; what can be known to be wrong before there is a run is said here."""
+        require_rate(rate)
+        path = Path(path)
+        chosen = _by_name(format) if format is not None else _by_suffix(path)
+        chosen.writer()
+        if path.is_dir() or (path.exists() and not chosen.suffix):
+            raise OutputError(f"{path} is there already; give another name, or remove it")
+        return cls(path, chosen, rate)
+
+    def write(self, run: Recorded) -> None:
+        """Write `run`; `OutputError` if that can't be done, and then nothing is left."""
+        with _whole(self.path) as unfinished:
+            self.format.writer()(run, unfinished, self.rate)
+
+
 def export(
     run: Recorded, path: str | Path, *, rate: float = DEFAULT_RATE, format: str | None = None
 ) -> None:
@@ -74,12 +102,7 @@ def export(
     only by a whole one; a folder is never. `ValueError` for a format or rate that can't be, or
     for a part that isn't installed; `OutputError` if `path` can't be written.
     """
-    require_rate(rate)
-    path = Path(path)
-    chosen = _by_name(format) if format is not None else _by_suffix(path)
-    write = chosen.writer()
-    with _whole(path, replace=bool(chosen.suffix)) as unfinished:
-        write(run, unfinished, rate)
+    Export.to(path, rate=rate, format=format).write(run)
 
 
 def _by_name(name: str) -> Format:
@@ -94,15 +117,16 @@ def _by_suffix(path: Path) -> Format:
     for entry in FORMATS.values():
         if path.suffix.lower() == entry.suffix:
             return entry
-    known = ", ".join(f"{entry.suffix or 'nothing'} ({entry.name})" for entry in FORMATS.values())
-    raise ValueError(f"{path}: what it ends in says no format; known are {known}")
+    ends = [f"{entry.suffix} ({entry.name})" for entry in FORMATS.values() if entry.suffix]
+    raise ValueError(
+        f"{path}: no format ends in {path.suffix}; there are {', '.join(ends)}, and names without"
+        " an ending (rosbag)"
+    )
 
 
 @contextmanager
-def _whole(path: Path, *, replace: bool) -> Iterator[Path]:
+def _whole(path: Path) -> Iterator[Path]:
     """A place to write to that becomes `path` when all went well, and vanishes when not."""
-    if path.is_dir() or (path.exists() and not replace):
-        raise OutputError(f"{path} is there already; give another name, or remove it")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         folder = Path(tempfile.mkdtemp(prefix=".export-", dir=path.parent))
@@ -113,5 +137,7 @@ def _whole(path: Path, *, replace: bool) -> Iterator[Path]:
         (folder / path.name).replace(path)
     except OSError as why:
         raise OutputError(f"can't write to {path}: {why.strerror or why}") from None
+    except sqlite3.Error as why:
+        raise OutputError(f"can't write to {path}: {why}") from None
     finally:
         shutil.rmtree(folder, ignore_errors=True)

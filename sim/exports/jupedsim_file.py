@@ -18,13 +18,10 @@ from pathlib import Path
 
 import numpy as np
 import shapely
-from shapely.geometry import Polygon
-
-from floorplan import Floorplan
+from shapely.geometry import Point, Polygon
 
 from ..outcome import Recorded
-from ..recording import OutputError
-from ..sampling import blocks_of_instants, sample
+from ..sampling import Array, blocks_of_instants, sample
 
 VERSION = 2
 """Of the schema, by JuPedSim's count."""
@@ -52,18 +49,15 @@ class Agent:
 
 def write(run: Recorded, path: Path, rate: float) -> None:
     """Write the people of `run` to `path` at `rate` frames a second."""
-    try:
-        with closing(sqlite3.connect(path)) as database:
-            database.executescript(_TABLES)
-            _write(run, database, rate)
-            database.commit()
-    except sqlite3.OperationalError as why:
-        raise OutputError(str(why)) from None
+    with closing(sqlite3.connect(path)) as database:
+        database.executescript(_TABLES)
+        _write(run, database, rate)
+        database.commit()
 
 
 def _write(run: Recorded, database: sqlite3.Connection, rate: float) -> None:
     agents = list(_agents(run))
-    area = _walkable(run.floorplan)
+    area = _walkable(run)
     geometry = zlib.crc32(area.wkt.encode())
     west, south, east, north = area.bounds
     about = {
@@ -99,7 +93,7 @@ def _agents(run: Recorded) -> Iterator[Agent]:
 
 
 def _rows(
-    run: Recorded, agents: list[Agent], times: np.ndarray, frames: range
+    run: Recorded, agents: list[Agent], times: Array, frames: range
 ) -> list[tuple[float, ...]]:
     """frame, id, x, y and the direction of the look, by frame and agent."""
     rows: list[tuple[float, ...]] = []
@@ -115,7 +109,12 @@ def _rows(
     return sorted(rows)
 
 
-def _walkable(plan: Floorplan) -> Polygon:
-    """The floor that people of the floorplan's height can stand on; its largest part, if many."""
-    free = plan.free(0.0, plan.human.height)
-    return max(shapely.get_parts(free), key=lambda part: part.area)
+def _walkable(run: Recorded) -> Polygon:
+    """Where people can stand; of several areas the one that most of them start in."""
+    human = run.floorplan.human
+    starts = [Point(*run.scene.starts[person.name][:2]) for person in run.scene.people]
+
+    def use(area: Polygon) -> tuple[int, float]:
+        return sum(area.covers(start) for start in starts), area.area
+
+    return max(shapely.get_parts(run.floorplan.free(0.0, human.height)), key=use)

@@ -7,8 +7,10 @@ from __future__ import annotations
 
 import json
 import math
+import os
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import foxglove
 from foxglove.channels import (
@@ -56,9 +58,13 @@ def write(run: Recorded, path: Path, rate: float) -> None:
     context = foxglove.Context()
     # One thread compresses: several cut the data differently on machines with other core counts.
     options = MCAPWriteOptions(compression_threads=0)
-    with foxglove.open_mcap(path, context=context, writer_options=options) as file:
-        file.write_metadata("floorwalker", _about(run, rate))
-        _Writer(run, context).write(rate)
+    with path.open("wb") as file:
+        sink = _Sink(file)
+        with foxglove.open_mcap(sink, context=context, writer_options=options) as mcap:
+            mcap.write_metadata("floorwalker", _about(run, rate))
+            _Writer(run, context).write(rate)
+        if sink.failure is not None:
+            raise sink.failure
 
 
 def _about(run: Recorded, rate: float) -> dict[str, str]:
@@ -70,6 +76,42 @@ def _about(run: Recorded, rate: float) -> dict[str, str]:
         "rate": f"{rate:g}",
         "summary": json.dumps(summary, ensure_ascii=False),
     }
+
+
+class _Sink:
+    """A file that swallows what no longer fits on its disk, and tells afterwards.
+
+    The SDK prints a line for every message that it can't write, and raises nothing. From the
+    first failure on only the position is kept, which the SDK relies on.
+    """
+
+    def __init__(self, file: BinaryIO) -> None:
+        self.failure: OSError | None = None
+        self._file = file
+        self._at = 0
+        self._end = 0
+
+    def write(self, data: bytes | bytearray) -> int:
+        self._try(lambda: self._file.write(data))
+        self._at += len(data)
+        self._end = max(self._end, self._at)
+        return len(data)
+
+    def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
+        base = {os.SEEK_SET: 0, os.SEEK_CUR: self._at, os.SEEK_END: self._end}[whence]
+        self._at = base + offset
+        self._try(lambda: self._file.seek(self._at))
+        return self._at
+
+    def flush(self) -> None:
+        self._try(self._file.flush)
+
+    def _try(self, act: Callable[[], object]) -> None:
+        if self.failure is None:
+            try:
+                act()
+            except OSError as why:
+                self.failure = why
 
 
 class _Writer:

@@ -33,7 +33,8 @@ def write(run: Recorded, path: Path, rate: float) -> None:
         for times in blocks_of_instants(run.duration, rate):
             bodies = np.tile(np.arange(len(names), dtype=np.int32), len(times))
             # Instants first, bodies within them: (N, B, 5) → (N · B, 5).
-            figures = np.stack(list(sample_all(run.motions, times).values()), axis=1)
+            tables = list(sample_all(run.motions, times).values())
+            figures = np.stack(tables, axis=1) if tables else np.empty((len(times), 0, 5))
             columns = [
                 pa.array(np.repeat(times, len(names))),
                 pa.DictionaryArray.from_arrays(pa.array(bodies), names),

@@ -271,5 +271,5 @@ def test_an_interrupted_run_keeps_what_happened(tmp_path):
 def test_help_and_version(tmp_path):
     done = floorwalker("--help", cwd=tmp_path)
     assert done.returncode == 0
-    for command in ("run", "plan", "check", "agent", "benchmark", "list"):
+    for command in ("run", "plan", "check", "agent", "benchmark", "export", "list"):
         assert command in done.stdout

@@ -1,0 +1,60 @@
+"""`floorwalker export`: a run in the format of another tool."""
+
+from __future__ import annotations
+
+from enum import Enum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from sim import Recorded
+
+
+class FormatName(str, Enum):
+    """What `--format` may be."""
+
+    csv = "csv"
+    parquet = "parquet"
+    mcap = "mcap"
+    rosbag = "rosbag"
+    jupedsim = "jupedsim"
+
+
+def export(
+    source: Annotated[
+        str,
+        typer.Argument(
+            metavar="DIR|TRIAL",
+            help="A recording's folder; or a trial (a file or a built-in name), which is run.",
+        ),
+    ],
+    out: Annotated[
+        Path,
+        typer.Option(
+            help="What to write: .csv, .parquet, .mcap (Foxglove), .sqlite (JuPedSim), or a new"
+            " folder for a ROS 2 bag."
+        ),
+    ],
+    format: Annotated[
+        FormatName | None, typer.Option(help="If the name of the file does not say it.")
+    ] = None,
+    rate: Annotated[float, typer.Option(help="Instants a second, in Hz.")] = 20.0,
+) -> None:
+    """Write a run in the format of another tool, sampled from the exact motions."""
+    from sim.exports import Export
+
+    name = format.value if format is not None else None
+    chosen = Export.to(out, rate=rate, format=name)
+    run = _run(source)
+    chosen.write(run)
+    typer.echo(f"{out} holds {run.duration:g} s of {run.scene.trial} at {rate:g} Hz")
+
+
+def _run(source: str) -> Recorded:
+    import sim
+
+    if Path(source).is_dir():
+        return sim.load_run(source)
+    return sim.run(sim.Trial.load(source))
