@@ -14,6 +14,9 @@ if TYPE_CHECKING:
     from .controllers import CONTROLLERS, Controller, ControllerError, find_controller
     from .exports import export
     from .gantry import GantryRobot, Steps
+    from .controllers import CONTROLLERS, Caution, Controller, ControllerError, find_controller
+    from .drive import Steps
+    from .gantry import GantryRobot, Sighting
     from .minds import Mind, Outside, Percepts
     from .outcome import Recorded, Run
     from .person import MindError
@@ -24,6 +27,7 @@ if TYPE_CHECKING:
     from .scene import Figure, Scene
     from .simulation import Simulation, run
     from .social_metrics import metrics
+    from .tasks import Handling, Step, Task, Tasks
     from .trial import AgvMove, GantryEntry, Job, PersonEntry, Start, Trial, TrialError
     from .trial_file import builtin_trials
 
@@ -32,6 +36,9 @@ _HOMES = {
     "controllers": ("CONTROLLERS", "Controller", "ControllerError", "find_controller"),
     "exports": ("export",),
     "gantry": ("GantryRobot", "Steps"),
+    "controllers": ("CONTROLLERS", "Caution", "Controller", "ControllerError", "find_controller"),
+    "drive": ("Steps",),
+    "gantry": ("GantryRobot", "Sighting"),
     "minds": ("Mind", "Outside", "Percepts"),
     "outcome": ("Recorded", "Run"),
     "person": ("MindError",),
@@ -42,6 +49,7 @@ _HOMES = {
     "scene": ("Figure", "Scene"),
     "simulation": ("Simulation", "run"),
     "social_metrics": ("metrics",),
+    "tasks": ("Handling", "Step", "Task", "Tasks"),
     "trial": ("AgvMove", "GantryEntry", "Job", "PersonEntry", "Start", "Trial", "TrialError"),
     "trial_file": ("builtin_trials",),
 }
@@ -52,6 +60,7 @@ __all__ = [
     "PAPER",
     "RULE_SETS",
     "AgvMove",
+    "Caution",
     "Clock",
     "Controller",
     "ControllerError",
@@ -59,6 +68,7 @@ __all__ = [
     "Figure",
     "GantryEntry",
     "GantryRobot",
+    "Handling",
     "Job",
     "Listener",
     "Mind",
@@ -74,9 +84,13 @@ __all__ = [
     "RuleSet",
     "Run",
     "Scene",
+    "Sighting",
     "Simulation",
     "Start",
+    "Step",
     "Steps",
+    "Task",
+    "Tasks",
     "Trial",
     "TrialError",
     "builtin_trials",

@@ -68,7 +68,7 @@ class Simulation:
             trial.duration,
             record=self._record,
             warn=self._warn,
-            disable_gantry=self.gantry.disable if self.gantry else lambda _: None,
+            disable_gantry=self.gantry.drive.disable if self.gantry else lambda _: None,
         )
         for entry in trial.people:
             self.people.append(self._make_person(entry))
@@ -95,7 +95,7 @@ class Simulation:
         for watch in self.referee.watches:
             watch.close()
         if self.gantry is not None:
-            self.gantry.close()
+            self.gantry.drive.close()
         self._record("trial_ended", interrupted=interrupted)
         motions = {body.name: body.track() for body in self.bodies}
         summary = summarise(
@@ -216,6 +216,7 @@ class Simulation:
             return None
         entry = self.trial.gantry
         surroundings = Surroundings(
+            floorplan=self.trial.floorplan,
             see=self._see,
             locate=partial(self._locate, gantry),
             rules=self.trial.rules,

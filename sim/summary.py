@@ -47,8 +47,7 @@ def summarise(
         "interrupted": interrupted,
         "penalties": referee.penalties,
         "agv_teleports": referee.agv_teleports,
-        "gantry_disabled_time": gantry.disabled_time if gantry else 0.0,
-        "jobs_done": gantry.jobs_done if gantry else 0,
+        **_gantry_figures(gantry, motions, now),
         "minimum_separation": min(
             nearest.values(), key=lambda found: float(found["distance"]), default=None
         ),
@@ -60,6 +59,27 @@ def summarise(
     }
     figures: dict[str, Any] = rounded(summary)
     return figures
+
+
+def _gantry_figures(
+    gantry: GantryRobot | None, motions: Mapping[str, Motion], now: float
+) -> dict[str, Any]:
+    """What the gantry did; it is idle while it neither moves, handles nor is disabled."""
+    if gantry is None:
+        return {"gantry_disabled_time": 0.0, "gantry_idle_time": 0.0, "jobs_done": 0}
+    drive = gantry.drive
+    moving = sum(
+        piece.end - piece.begin
+        for piece in motions["gantry"].pieces
+        if any(any(axis[1:]) for axis in (piece.x, piece.y, piece.rotation))
+    )
+    # While it brakes because it is disabled, both count.
+    busy = moving - drive.braking_time + drive.working_time + drive.disabled_time
+    return {
+        "gantry_disabled_time": drive.disabled_time,
+        "gantry_idle_time": max(0.0, now - busy),
+        "jobs_done": gantry.jobs_done,
+    }
 
 
 def _nearest(
