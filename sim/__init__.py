@@ -11,11 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .clock import Clock
-    from .controllers import CONTROLLERS, Controller, ControllerError, find_controller
-    from .exports import export
-    from .gantry import GantryRobot, Steps
     from .controllers import CONTROLLERS, Caution, Controller, ControllerError, find_controller
     from .drive import Steps
+    from .exports import export
     from .gantry import GantryRobot, Sighting
     from .minds import Mind, Outside, Percepts
     from .outcome import Recorded, Run
@@ -33,9 +31,7 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "clock": ("Clock",),
-    "controllers": ("CONTROLLERS", "Controller", "ControllerError", "find_controller"),
     "exports": ("export",),
-    "gantry": ("GantryRobot", "Steps"),
     "controllers": ("CONTROLLERS", "Caution", "Controller", "ControllerError", "find_controller"),
     "drive": ("Steps",),
     "gantry": ("GantryRobot", "Sighting"),
