@@ -17,10 +17,12 @@ if TYPE_CHECKING:
     from .gantry import GantryRobot, Sighting
     from .minds import Mind, Outside, Percepts
     from .outcome import Recorded, Run
+    from .own_law import LawError, OwnLaw
     from .person import MindError
     from .recorder import Event, Listener
     from .recording import OutputError, Recording
     from .rules import ARIAC2023, PAPER, RULE_SETS, Notice, RuleSet, rule_set
+    from .rules_file import RulesError, find_rules, load_rules
     from .run_folder import RecordingError, load_run
     from .scene import Figure, Scene
     from .simulation import Simulation, run
@@ -40,6 +42,8 @@ _HOMES = {
     "person": ("MindError",),
     "recorder": ("Event", "Listener"),
     "recording": ("OutputError", "Recording"),
+    "own_law": ("LawError", "OwnLaw"),
+    "rules_file": ("RulesError", "find_rules", "load_rules"),
     "rules": ("ARIAC2023", "PAPER", "RULE_SETS", "Notice", "RuleSet", "rule_set"),
     "run_folder": ("RecordingError", "load_run"),
     "scene": ("Figure", "Scene"),
@@ -66,18 +70,21 @@ __all__ = [
     "GantryRobot",
     "Handling",
     "Job",
+    "LawError",
     "Listener",
     "Mind",
     "MindError",
     "Notice",
     "OutputError",
     "Outside",
+    "OwnLaw",
     "Percepts",
     "PersonEntry",
     "Recorded",
     "Recording",
     "RecordingError",
     "RuleSet",
+    "RulesError",
     "Run",
     "Scene",
     "Sighting",
@@ -92,6 +99,8 @@ __all__ = [
     "builtin_trials",
     "export",
     "find_controller",
+    "find_rules",
+    "load_rules",
     "load_run",
     "metrics",
     "rule_set",

@@ -25,6 +25,7 @@ from .programs import EXTERNAL
 from .proximity import ProximityWatch
 from .recorder import Event, Listener, Listeners, recording_to, rounded
 from .referee import Referee
+from .requirement_curve import is_plain, requirement_curve
 from .scene import scene_of
 from .summary import summarise
 from .trial import PersonEntry, Trial
@@ -122,6 +123,14 @@ class Simulation:
                 for watch in self.referee.watches
             },
             thoughts=tuple(self.thoughts),
+            requirements={
+                (pair.person.name, pair.machine.name): requirement_curve(
+                    watch.law, pair.person.plans, pair.machine.plans, self.clock.now
+                )
+                for watch in self.referee.watches
+                for pair in [watch.pair]
+                if not is_plain(watch.law)
+            },
         )
 
     def _make_person(self, entry: PersonEntry) -> Person:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from simpy.events import Event
 
-from navigation import Motion, State
+from navigation import Motion, State, required_at_speeds
 
 from ..drive import Steps
 from ..gantry import GantryRobot, Sighting
@@ -81,7 +81,7 @@ class Caution:
 
     def required(self, robot_speed: float) -> float:
         """The distance in metres from somebody who may walk, at this speed of the gantry's."""
-        return self._law.distance(self._human_speed, robot_speed) + MARGIN
+        return required_at_speeds(self._law, self._human_speed, robot_speed) + MARGIN
 
     def _share_to(self, pose: Pose) -> float:
         """At what share of its speeds it is on the way to `pose`; 0 if it isn't."""

@@ -199,9 +199,9 @@ def test_what_is_required_at_an_instant_and_of_steady_speeds_is_the_same(law):
     person = navigation.walk([(-20, 0), (20, 0)], 0.0, max_speed=1.3)
     machine = navigation.gantry_move((-14, -7, 0), (0, 7, 0))
     steady = navigation.required_at_speeds(law, 1.3, machine.state(10.0).speed)
-    assert navigation.required_at(law, person, machine, 10.0) == pytest.approx(steady, abs=1e-12)
+    assert navigation.required_at(law, person, machine, 10.0) == pytest.approx(steady, abs=1e-9)
     assert navigation.required_at(Scaled(law, 2.0), person, machine, 10.0) == pytest.approx(
-        2 * steady, abs=1e-12
+        2 * steady, abs=1e-9
     )
     assert navigation.required_at_speeds(Scaled(law, 2.0, cap=0.3), 1.3, 1.0) == 0.3
 

@@ -12,7 +12,9 @@ import pytest
 import replay_sample
 from PIL import Image, ImageChops
 
+import sim
 from sim import replay
+from sim.replay_data import replay_data
 
 INSTANTS = [0.0, 2.4, 9.93, 27.0, 61.7, 69.1, 140.25, 181.0, 274.9, 275.0]
 CHROMIUM = ("chromium", "chromium-browser", "google-chrome")
@@ -622,3 +624,18 @@ def test_a_page_without_its_recording_says_so(open_page, recording):
     html = replay.render(recording)
     viewer = open_page(html[: html.index("<script type=")])
     assert "it holds no recording" in viewer.text("#trouble")
+
+
+def test_a_law_of_more_than_speeds_is_drawn_along_its_curve(open_page):
+    rules = "{gantry_law: {iso_ts_15066_integral: {t1: 1.0, t2: 1.5, intrusion: 1.0}}}"
+    trial = f"floorplan: ariac2023\nduration: 40\npeople: [{{name: a}}]\nrules: {rules}\n"
+    run = sim.run(sim.Trial.parse(trial))
+    viewer = open_page(replay.render(replay_data(run)))
+    watch = next(k for k, pair in enumerate(run.violations) if pair == ("a", "gantry"))
+    shown = "([watch, t]) => window.floorwalker.separation(watch, t)"
+    for t in (0.05, 1.3, 5.1, 12.0, 22.7, 31.9):
+        required = float(run.required("a", "gantry", t))
+        found = viewer.page.evaluate(shown, [watch, t])
+        assert found["required"] == pytest.approx(required, abs=1e-6)
+        assert found["notice"] == pytest.approx(2 * required, abs=1e-6)
+    assert viewer.complaints == []

@@ -107,11 +107,16 @@ function isPiece(piece, before) {
     && piece.slice(2).every(c => isNumbers(c) && c.length >= 1 && c.length <= 4);
 }
 
-const LAW_WANTED = "needs a distance, or t1, t2, stopping and intrusion";
+const LAW_WANTED = "needs a distance, a curve, or t1, t2, stopping and intrusion";
 
 function isLaw(law) {
-  return isObject(law)
-    && isNumbers("distance" in law ? [law.distance] : [law.t1, law.t2, law.stopping, law.intrusion]);
+  if (!isObject(law)) return false;
+  if ("curve" in law) {
+    const isCurve = Array.isArray(law.curve) && law.curve.length > 0;
+    return isCurve && law.curve.every((point, i) =>
+      isNumbers(point) && point.length === 2 && !(law.curve[i - 1]?.[0] > point[0]));
+  }
+  return isNumbers("distance" in law ? [law.distance] : [law.t1, law.t2, law.stopping, law.intrusion]);
 }
 
 function isObject(value) {
