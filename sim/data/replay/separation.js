@@ -25,7 +25,8 @@ function along(curve, t, before) {
 
 /** One person and one other body, and the law between them. */
 class Watch {
-  constructor(data, bodies) {
+  constructor(data, bodies, duration) {
+    this.duration = duration;
     this.person = bodies.get(data.person);
     this.other = bodies.get(data.other);
     this.law = data.law;
@@ -73,7 +74,7 @@ class Watch {
 
   #sample() {
     const motions = [this.person.motion, this.other.motion];
-    const end = this.person.duration;
+    const end = this.duration;
     const steps = 1200;
     const times = new Set(Array.from({ length: steps + 1 }, (_, i) => (end * i) / steps));
     for (const motion of motions) for (const t of motion.begins) if (t > 0 && t < end) times.add(t);
