@@ -54,7 +54,7 @@ def plan(
     way = seeker.plan((x0, y0), (x1, y1), **asked, parameters=parameters, seed=seed)
     cpu_seconds = time.process_time() - begin
     if plot is not None:
-        _draw(world, way, plot)
+        _draw(world, way, seeker.radius, plot)
     typer.echo(_as_json(way, cpu_seconds) if json else _in_words(way, cpu_seconds))
 
 
@@ -115,24 +115,7 @@ def _as_json(way: Way, cpu_seconds: float) -> str:
     )
 
 
-def _draw(world: CollisionWorld, way: Way, path: Path) -> None:
-    try:
-        from matplotlib.figure import Figure
-    except ImportError:
-        raise ValueError(
-            "matplotlib draws plots and is missing; pip install 'floorwalker[plot]'"
-        ) from None
-    figure = Figure(figsize=(9, 9), layout="constrained")
-    axes = figure.add_subplot(aspect="equal", xlabel="x (m)", ylabel="y (m)")
-    axes.plot(*world.plan.boundary.exterior.xy, color="black", linewidth=1)
-    moving = {body.name for body in world.bodies}
-    for name, shape in world.things():
-        axes.fill(*shape.exterior.xy, color="tab:orange" if name in moving else "0.7")
-    axes.plot(*way.points.T, color="tab:blue")
-    axes.plot(*way.points[0], "o", color="tab:blue")
-    axes.plot(*way.points[-1], "*", color="tab:blue", markersize=12)
-    axes.set_title(f"{world.plan.name}: {way.length:.2f} m by {way.planner}")
-    try:
-        figure.savefig(path)
-    except ValueError as why:
-        raise ValueError(f"{path}: {why}") from None
+def _draw(world: CollisionWorld, way: Way, radius: float, path: Path) -> None:
+    from sim import plots
+
+    plots.save(plots.path(world, way, radius=radius), path)

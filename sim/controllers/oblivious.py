@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from ..drive import Steps
-from ..gantry import GantryRobot
+from ..gantry import GantryRobot, Steps
 
 
 def oblivious(gantry: GantryRobot) -> Steps:

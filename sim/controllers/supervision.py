@@ -11,8 +11,7 @@ from typing import Any
 
 from simpy.events import Event
 
-from ..drive import Steps
-from ..gantry import GantryRobot
+from ..gantry import GantryRobot, Steps
 from .finding import Controller, ControllerError
 
 MOST_AT_ONCE = 1000

@@ -7,11 +7,12 @@ const UNITS = {
 const TRIAL_FIELDS = ["trial", "floorplan", "rules", "seed", "duration", "interrupted"];
 
 /** The summary of the run, as it stands in the recording: figures first, then people, then the trial. */
-function showSummary(section, summary, onChoose) {
+function showSummary(summary, onChoose) {
   const { minimum_separation: closest, people, ...rest } = summary ?? {};
   const figures = Object.entries(rest).filter(([name]) => !TRIAL_FIELDS.includes(name));
   const ofTrial = Object.entries(rest).filter(([name]) => TRIAL_FIELDS.includes(name));
-  section.replaceChildren(fieldList([...figures, ["minimum separation", closest]], onChoose));
+  const section = $("summary");
+  section.append(fieldList([...figures, ["minimum separation", closest]], onChoose));
   for (const [name, fields] of Object.entries(people ?? {})) {
     section.append(element("h3", { text: spoken(name) }), fieldList(Object.entries(fields), onChoose));
   }

@@ -1,0 +1,150 @@
+"""`floorwalker plot`: pictures of floors, ways and runs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import typer
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from sim import Recorded
+
+app = typer.Typer(
+    name="plot",
+    help="Draw floors, ways and runs as PNG, SVG or PDF, ready to be printed.",
+    no_args_is_help=True,
+    rich_markup_mode=None,
+)
+
+Source = Annotated[
+    str, typer.Argument(metavar="SOURCE", help="A run's folder, or a trial (which is run).")
+]
+Out = Annotated[Path, typer.Option(help="The picture: its ending says which kind.")]
+Columns = Annotated[
+    Literal["single", "double"], typer.Option(help="How many columns of a paper it takes.")
+]
+Begin = Annotated[float | None, typer.Option("--from", help="Draw from this time on, seconds.")]
+End = Annotated[float | None, typer.Option("--to", help="Draw up to this time, seconds.")]
+
+
+@app.command()
+def floorplan(
+    floor: Annotated[
+        str, typer.Argument(metavar="FLOOR", help="A floorplan, a trial, or a run's folder.")
+    ],
+    out: Out,
+    width: Columns = "double",
+) -> None:
+    """The floor from above, with everything that has a name."""
+    from sim import plots
+    from sim.sources import floorplan_from
+
+    plots.require_savable(out)
+    _save(plots.floorplan(floorplan_from(floor), width=width), out)
+
+
+@app.command(context_settings={"ignore_unknown_options": True})
+def path(
+    floor: Annotated[
+        str, typer.Argument(metavar="FLOOR", help="A floorplan, a trial, or a run's folder.")
+    ],
+    x0: Annotated[float, typer.Argument(help="The start, in metres.")],
+    y0: Annotated[float, typer.Argument()],
+    x1: Annotated[float, typer.Argument(help="The goal, in metres.")],
+    y1: Annotated[float, typer.Argument()],
+    out: Out,
+    radius: Annotated[
+        float | None, typer.Option(help="Of the person, in metres; the floor's own by default.")
+    ] = None,
+    width: Columns = "double",
+) -> None:
+    """A person's way across a floor, and how much room there is along it."""
+    from navigation import CollisionWorld, PathPlanner
+    from sim import plots
+    from sim.sources import floorplan_from
+
+    plots.require_savable(out)
+    world = CollisionWorld(floorplan_from(floor))
+    wide = world.plan.human.radius if radius is None else radius
+    way = PathPlanner(world, wide).plan((x0, y0), (x1, y1))
+    _save(plots.path(world, way, radius=wide, width=width), out)
+
+
+@app.command()
+def trails(
+    source: Source, out: Out, begin: Begin = None, end: End = None, width: Columns = "double"
+) -> None:
+    """The ways that people and machines took, and where somebody came too close."""
+    run = _run(source, out)
+    _save(run.plot.trails(within=_within(begin, end), width=width), out)
+
+
+@app.command()
+def spacetime(
+    source: Source, out: Out, begin: Begin = None, end: End = None, width: Columns = "double"
+) -> None:
+    """A space–time diagram: x and y of everybody who moves, over time."""
+    run = _run(source, out)
+    _save(run.plot.space_time(within=_within(begin, end), width=width), out)
+
+
+@app.command()
+def separation(
+    source: Source,
+    out: Out,
+    person: Annotated[str | None, typer.Option(help="Everybody if not given.")] = None,
+    machine: Annotated[
+        str | None, typer.Option(help="gantry, or an AGV by name; the gantry if not given.")
+    ] = None,
+    begin: Begin = None,
+    end: End = None,
+    width: Columns = "double",
+) -> None:
+    """Distance and required distance over time, violations shaded."""
+    run = _run(source, out)
+    figure = run.plot.separation(person, machine, within=_within(begin, end), width=width)
+    _save(figure, out)
+
+
+@app.command()
+def heatmap(
+    sources: Annotated[
+        list[str],
+        typer.Argument(
+            metavar="SOURCE...", help="Runs' folders, or trials (which are run); all in one map."
+        ),
+    ],
+    out: Out,
+    width: Columns = "double",
+) -> None:
+    """Where people were, and for how long."""
+    from sim import plots
+    from sim.sources import run_from
+
+    plots.require_savable(out)
+    _save(plots.heat_map([run_from(source) for source in sources], width=width), out)
+
+
+def _run(source: str, out: Path) -> Recorded:
+    """The run to be drawn into `out`, if that can be done at all."""
+    from sim import plots
+    from sim.sources import run_from
+
+    plots.require_savable(out)
+    return run_from(source)
+
+
+def _within(begin: float | None, end: float | None) -> tuple[float, float] | None:
+    if begin is None and end is None:
+        return None
+    return (begin or 0.0, float("inf") if end is None else end)
+
+
+def _save(figure: Figure, out: Path) -> None:
+    from sim import plots
+
+    plots.save(figure, out)
+    typer.echo(str(out))

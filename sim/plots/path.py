@@ -1,0 +1,112 @@
+"""A planned way across a floor, and how much room there is along it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from navigation import CollisionWorld, Path
+
+from .floor import draw_floor, draw_names, fill_area, floor_axes, floor_height
+from .style import BLUE, GREY, PALE, VERMILION, Width, new_figure, styled
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+STEP = 0.05
+"""Metres along the way between two places at which the clearance is taken."""
+
+FAR = 1.0
+"""Metres. More room than this is not shown on the floor."""
+
+_BELOW = 1.4
+"""Inches for the profile below the floor."""
+
+_NARROWEST: dict[str, Any] = {
+    "marker": "o",
+    "color": VERMILION,
+    "markersize": 4,
+    "fillstyle": "none",
+}
+
+
+def path(world: CollisionWorld, way: Path, *, radius: float, width: Width = "double") -> Figure:
+    """A way on its floor, with the free room on both sides, and the clearance along it below.
+
+    `radius` (metres) is that of the person who is to walk it.
+    """
+    along, points = _places(way.points)
+    clearances = np.array([world.distance((x, y)) for x, y in points.tolist()])
+    with styled():
+        height = floor_height(world.plan, width)
+        figure = new_figure(width, height + _BELOW)
+        rows = figure.add_gridspec(2, 1, height_ratios=(height, _BELOW))
+        axes = floor_axes(figure.add_subplot(rows[0]), world.plan)
+        axes.set_title(f"{way.length:.2f} m long, {way.clearance:.2f} m clear", loc="left")
+        draw_floor(axes, world.plan)
+        draw_names(axes, world.plan, width)
+        for body in world.bodies:
+            fill_area(
+                axes, body.footprint, facecolor=PALE, edgecolor=GREY, linewidth=0.5, zorder=1.5
+            )
+        _draw_way(axes, way, points, clearances)
+        _draw_profile(figure.add_subplot(rows[1]), along, clearances, radius)
+        return figure
+
+
+def _places(way: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Distances along a way (N,) and the places there (N, 2), metres; every corner is one."""
+    legs = np.hypot(*np.diff(way, axis=0).T)
+    corners = np.concatenate([[0.0], np.cumsum(legs)])
+    count = max(2, int(np.ceil(corners[-1] / STEP)) + 1)
+    along = np.unique(np.concatenate([np.linspace(0.0, corners[-1], count), corners]))
+    return along, np.column_stack([np.interp(along, corners, way[:, k]) for k in (0, 1)])
+
+
+def _draw_way(
+    axes: Axes, way: Path, points: NDArray[np.float64], clearances: NDArray[np.float64]
+) -> None:
+    room = shapely.union_all(shapely.buffer(shapely.points(points), np.minimum(clearances, FAR)))
+    for part in getattr(room, "geoms", [room]):
+        fill_area(axes, part, facecolor=BLUE, alpha=0.15, linewidth=0, zorder=1.2)
+    axes.plot(*way.points.T, color=BLUE, linewidth=1.2, zorder=3)
+    axes.plot(*way.points[0], "o", color=BLUE, markersize=4, zorder=3)
+    axes.plot(*way.points[-1], "*", color=BLUE, markersize=8, zorder=3)
+    axes.plot(*points[int(clearances.argmin())], zorder=4, **_NARROWEST)
+
+
+def _draw_profile(
+    axes: Axes, along: NDArray[np.float64], clearances: NDArray[np.float64], radius: float
+) -> None:
+    axes.plot(along, clearances, color=BLUE)
+    axes.fill_between(along, clearances, color=BLUE, alpha=0.15, linewidth=0)
+    axes.axhline(radius, color=GREY, linewidth=0.8, linestyle="--")
+    axes.annotate(
+        f"radius {radius:g} m",
+        (1.0, radius),
+        (-2, 2),
+        xycoords=axes.get_yaxis_transform(),
+        textcoords="offset points",
+        ha="right",
+        size=7,
+        color=GREY,
+    )
+    narrow = int(clearances.argmin())
+    axes.plot(along[narrow], clearances[narrow], **_NARROWEST)
+    axes.annotate(
+        f"{clearances[narrow]:.2f} m",
+        (along[narrow], clearances[narrow]),
+        (0, 5),
+        textcoords="offset points",
+        ha="center",
+        size=7,
+        color=VERMILION,
+    )
+    axes.set_xlim(0.0, max(along[-1], 1e-9))
+    axes.set_ylim(0.0, max(1.15 * float(clearances.max()), 2 * radius))
+    axes.set_xlabel("distance along the way (m)")
+    axes.set_ylabel("clearance (m)")

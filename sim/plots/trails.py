@@ -1,0 +1,77 @@
+"""Where everybody went: the ways on the floor, and where somebody came too close."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ..outcome import Recorded
+from .curves import Span, instants, span_of
+from .floor import draw_floor, draw_names, floor_figure, machine_outline
+from .style import MACHINES, VERMILION, Width, explain, person_colour, styled
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+
+def trails(run: Recorded, *, within: Span | None = None, width: Width = "double") -> Figure:
+    """The ways of people and machines on the floor, from one time to another (seconds).
+
+    The way of a person who is put elsewhere ends, and begins anew there.
+    """
+    begin, end = span_of(run, within)
+    with styled():
+        figure, axes = floor_figure(run.floorplan, width)
+        draw_floor(axes, run.floorplan)
+        draw_names(axes, run.floorplan, width)
+        for body in run.motions:
+            _draw_way(axes, run, body, (begin, end))
+        _mark_violations(axes, run, (begin, end))
+        explain(figure, [axes], width)
+        return figure
+
+
+def _draw_way(axes: Axes, run: Recorded, body: str, span: Span) -> None:
+    motion, kind = run.motions[body], run.scene.kind(body)
+    way = motion.position(instants([motion], *span))
+    if kind == "person":
+        colour = person_colour([person.name for person in run.scene.people].index(body))
+        axes.plot(*way.T, color=colour, linewidth=1.0, label=body, zorder=3.2)
+    else:
+        axes.plot(*way.T, color=MACHINES[kind], linewidth=0.7, label=_once(axes, kind), zorder=3)
+        rotation = float(motion.rotation(span[1]))
+        outline = machine_outline(run.floorplan, body, tuple(motion.position(span[1])), rotation)
+        axes.fill(
+            *zip(*outline, strict=True),
+            facecolor="none",
+            edgecolor=MACHINES[kind],
+            linewidth=0.7,
+            zorder=3,
+        )
+
+
+def _mark_violations(axes: Axes, run: Recorded, span: Span) -> None:
+    begin, end = span
+    places = [
+        run.motions[person].state_before(t).at
+        for (person, _), intervals in run.violations.items()
+        for t, _ in intervals
+        if begin <= t <= end
+    ]
+    if places:
+        axes.plot(
+            *zip(*places, strict=True),
+            "v",
+            color=VERMILION,
+            markersize=4.5,
+            markeredgecolor="white",
+            markeredgewidth=0.4,
+            label="too close",
+            zorder=5,
+        )
+
+
+def _once(axes: Axes, kind: str) -> str:
+    """The label of a kind of machine, or one that a legend leaves out where it stands already."""
+    name = "AGV" if kind == "agv" else kind
+    return f"_{name}" if name in axes.get_legend_handles_labels()[1] else name

@@ -1,0 +1,377 @@
+"""Pictures show what happened: their curves are the motions, their marks the referee's."""
+
+import io
+import math
+import os
+import re
+import shutil
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import floorplan
+import sim
+from navigation import CollisionWorld, PathPlanner, join, standing, walk
+from sim import plots
+from sim.cli import main
+from sim.plots.curves import instants
+from sim.plots.heat_map import CELL, time_covered
+
+matplotlib = pytest.importorskip("matplotlib")
+
+TRIAL = """
+name: busy
+floorplan: ariac2023
+duration: 60.0
+people:
+  - {name: ada, personality: antagonistic}
+  - {name: ben, personality: helpful, start: {time: 5.0}}
+gantry:
+  controller: oblivious
+  repeat: true
+  jobs: [{move: [-4.0, 1.0, 1.0]}, {move: [-10.0, -1.0, 0.0]}, {wait: 5}]
+agvs:
+  agv1: [{time: 20.0, to: assembly_front}]
+"""
+
+
+@pytest.fixture(scope="module")
+def run():
+    return sim.run(sim.Trial.parse(TRIAL))
+
+
+def curve(axes, label):
+    (line,) = [line for line in axes.lines if line.get_label() == label]
+    return np.asarray(line.get_xdata(), float), np.asarray(line.get_ydata(), float)
+
+
+def broken_at(t):
+    """Between which instants a curve has a gap."""
+    (gaps,) = np.nonzero(np.isnan(t))
+    return [(t[gap - 1], t[gap + 1]) for gap in gaps]
+
+
+def is_violation(event, person, machine):
+    pair = (event.get("person"), event.get("with"))
+    return event["kind"] == "violation" and pair == (person, machine)
+
+
+def teleports(run, person):
+    return [e["t"] for e in run.events if e["kind"] == "teleport" and e["person"] == person]
+
+
+points = st.tuples(st.floats(-9.0, 9.0), st.floats(-9.0, 9.0))
+legs = st.lists(st.lists(points, min_size=2, max_size=4, unique=True), min_size=1, max_size=4)
+
+
+@given(legs, legs, st.floats(0.0, 5.0), st.floats(0.1, 60.0))
+def test_a_curve_follows_its_motion_and_breaks_where_it_jumps(one, other, begin, length):
+    motions = []
+    for way in (one, other):
+        t, walks = 0.0, []
+        for corners in way:
+            walks.append(walk(corners, t, max_speed=1.0, max_acceleration=2.5))
+            t = walks[-1].end + 0.5
+        motions.append(join(walks))
+    end = begin + length
+    t = instants(motions, begin, end)
+    known = t[~np.isnan(t)]
+    assert known[0] == begin
+    assert known[-1] == pytest.approx(end) and (np.diff(known) >= 0).all()
+    jumps = sorted({j for motion in motions for j in motion.jumps if begin < j < end})
+    assert [after for _, after in broken_at(t)] == jumps
+    stretches = np.split(t, np.flatnonzero(np.isnan(t)))
+    for stretch in stretches:
+        nodes = stretch[~np.isnan(stretch)]
+        between = np.linspace(nodes[0], nodes[-1], 97)
+        for motion in motions:
+            drawn = [np.interp(between, nodes, motion.position(nodes)[:, k]) for k in (0, 1)]
+            # Nobody brakes harder than 2.5 m/s²: a chord of 0.1 s is off by 2.5 · 0.1² / 8.
+            assert np.abs(np.column_stack(drawn) - motion.position(between)).max() < 0.0033
+
+
+def test_separation_shows_distance_and_requirement_as_they_were(run):
+    figure = run.plot.separation("ada")
+    (axes,) = figure.axes
+    t, distance = curve(axes, "distance")
+    gaps = broken_at(t)
+    assert teleports(run, "ada")
+    assert [after for _, after in gaps] == pytest.approx(teleports(run, "ada"))
+    ada, gantry = run.motions["ada"], run.motions["gantry"]
+    for instant, shown in zip(t.tolist(), distance.tolist(), strict=True):
+        if not math.isnan(instant):
+            assert shown == pytest.approx(
+                math.dist(ada.state(instant).at, gantry.state(instant).at)
+            )
+    t, required = curve(axes, "required distance")
+    counted = [event for event in run.events if is_violation(event, "ada", "gantry")]
+    assert counted
+    for event in counted:
+        shown = required[np.abs(t - event["t"]) < 1e-8].tolist()
+        assert event["required"] in [pytest.approx(one) for one in shown]
+    assert np.nanmin(required) == 1.0
+    assert np.nanmax(required) == pytest.approx(2.5 + 1.0 + gantry_top_speed(run), abs=1e-3)
+
+
+def gantry_top_speed(run):
+    """While ada walks at 1 m/s: the requirement adds this times t1 = 1 s."""
+    t = instants([run.motions["gantry"], run.motions["ada"]], 0.0, run.duration)
+    t = t[~np.isnan(t)]
+    speeds = [np.hypot(*run.motions[body].velocity(t).T) for body in ("gantry", "ada")]
+    return speeds[0][speeds[1] > 0.999].max()
+
+
+def test_separation_marks_every_violation(run):
+    figure = run.plot.separation()
+    for axes, person in zip(figure.axes, ("ada", "ben"), strict=True):
+        shown = {
+            label: curve(axes, label)[0].tolist()
+            for label in axes.get_legend_handles_labels()[1]
+            if label in ("violation", "too close, not counted")
+        }
+        begins = [begin for begin, _ in run.violations[person, "gantry"]]
+        assert sorted(t for times in shown.values() for t in times) == begins
+        counted = [event for event in run.events if is_violation(event, person, "gantry")]
+        assert len(shown.get("violation", [])) == len(counted) > 0
+
+
+def test_nothing_is_required_of_an_agv_that_stands(run):
+    (axes,) = run.plot.separation("ben", "agv1").axes
+    t, required = curve(axes, "required distance")
+    assert np.isnan(required[t < 20.0]).all()
+    moving = required[(t > 20.1) & (t < 21.0)]
+    assert np.isfinite(moving).all()
+
+
+def test_space_time_has_bands_as_wide_as_bodies_and_breaks_at_teleports(run):
+    along_x, along_y = run.plot.space_time().axes
+    for axes, k in ((along_x, 0), (along_y, 1)):
+        for person in ("ada", "ben"):
+            _, at = curve(axes, person)
+            t = instants([run.motions[person]], 0.0, run.duration)
+            np.testing.assert_array_equal(at, run.motions[person].position(t)[:, k])
+            assert [after for _, after in broken_at(t)] == pytest.approx(teleports(run, person))
+    gantry = along_x.collections[0].get_paths()[0].vertices
+    begin = gantry[np.isclose(gantry[:, 0], 0.0), 1]
+    assert (begin.min(), begin.max()) == pytest.approx((-7 - 0.525, -7 + 0.525))
+
+
+def test_trails_break_at_teleports(run):
+    (axes,) = run.plot.trails().axes
+    for person in ("ada", "ben"):
+        x, _ = curve(axes, person)
+        assert np.isnan(x).sum() == len(teleports(run, person))
+    x, y = curve(axes, "too close")
+    first = run.violations["ada", "gantry"][0][0]
+    assert run.motions["ada"].state_before(first).at in [*zip(x.tolist(), y.tolist(), strict=True)]
+
+
+def test_a_part_of_a_run(run):
+    (axes,) = run.plot.separation("ada", within=(10.0, 20.0)).axes
+    assert axes.get_xlim() == (10.0, 20.0)
+    t, _ = curve(axes, "distance")
+    assert (np.nanmin(t), np.nanmax(t)) == pytest.approx((10.0, 20.0))
+    with pytest.raises(ValueError, match="nothing between 70 and 60 s: the run"):
+        run.plot.trails(within=(70.0, 80.0))
+
+
+def test_a_heat_map_adds_up(run):
+    """A person's disc covers π r² for all the time since the start."""
+    seconds = time_covered(run)
+    area = CELL**2 * seconds.sum()
+    everybody = math.pi * 0.3**2 * (60.0 + 55.0)
+    assert area == pytest.approx(everybody, rel=0.03)
+
+
+def test_a_heat_map_shows_how_long_somebody_walked_over_a_spot():
+    plan = floorplan.parse("{boundary: [[0, 0], [10, 0], [10, 4], [0, 4]]}")
+    motion = walk([(1.0, 2.0), (9.0, 2.0)], max_speed=0.5, max_acceleration=2.5)
+    scene = sim.Scene(
+        "walk", 0, plan, sim.PAPER, (sim.Figure("ada", "", 0.4, 1.7),), {"ada": (1.0, 2.0, 0.0)}
+    )
+    event = {"t": 0.0, "kind": "human_started", "person": "ada"}
+    run = sim.Recorded(scene, motion.end, {}, (event,), {"ada": motion}, {})
+    seconds = time_covered(run)
+    row, column = int(2.0 / CELL), int(5.0 / CELL)
+    assert seconds[row, column] == pytest.approx(2 * 0.4 / 0.5, abs=2 * CELL / 0.5)
+    assert seconds[int(1.5 / CELL), column] == 0.0
+    later = sim.Recorded(scene, motion.end, {}, (), {"ada": motion}, {})
+    assert time_covered(later).sum() == 0.0
+    two = plots.heat_map([run, run]).axes[0].images[0].get_array()
+    np.testing.assert_allclose(two.filled(0.0), 2 * seconds)
+
+
+def test_a_heat_map_of_different_floors_is_refused(run):
+    other = sim.run(sim.Trial(floorplan.load("warehouse"), duration=1.0))
+    with pytest.raises(ValueError, match="not on the same floor"):
+        plots.heat_map([run, other])
+
+
+def test_a_path_shows_the_clearance_along_it():
+    world = CollisionWorld(floorplan.load("ariac2023"))
+    way = PathPlanner(world, 0.3).plan((-15.0, -10.0), (-20.0, 1.2))
+    _, profile = plots.path(world, way, radius=0.3).axes
+    along, clearance = profile.lines[0].get_data()
+    assert along[-1] == pytest.approx(way.length)
+    assert clearance.min() == pytest.approx(way.clearance, abs=2e-3)
+    narrowest = profile.lines[2].get_xydata()[0]
+    assert narrowest[1] == clearance.min()
+
+
+@pytest.mark.parametrize("name", floorplan.builtin())
+@pytest.mark.parametrize("width", ["single", "double"])
+def test_a_floor_shows_what_stands_on_it(name, width):
+    plan = floorplan.load(name)
+    figure = plots.floorplan(plan, width=width)
+    assert figure.get_figwidth() == (3.5 if width == "single" else 7.16)
+    (axes,) = figure.axes
+    assert len(axes.patches) == len(plan.obstacles) + len(plan.lanes) + bool(plan.gantry)
+    written = {text.get_text() for text in axes.texts}
+    assert {station.name for station in plan.stations} <= written
+
+
+def test_runs_without_a_pair_say_so(run):
+    alone = sim.run(sim.Trial(floorplan.load("warehouse"), duration=1.0))
+    with pytest.raises(ValueError, match="a separation needs a person and a machine"):
+        alone.plot.separation()
+    with pytest.raises(ValueError, match=r"no person is called 'eve' .there are: ada, ben."):
+        run.plot.separation("eve")
+    with pytest.raises(ValueError, match="no machine is called 'ada'"):
+        run.plot.separation("ada", "ada")
+    with pytest.raises(ValueError, match="single or double column wide, not 'triple'"):
+        run.plot.trails(width="triple")
+    for figure in (alone.plot.trails(), alone.plot.space_time(), alone.plot.heat_map()):
+        figure.savefig(io.BytesIO(), format="svg")
+
+
+def test_ones_own_settings_of_matplotlib_stay_and_change_nothing(run, tmp_path):
+    plots.save(run.plot.separation(), tmp_path / "plain.svg")
+    with matplotlib.rc_context({"font.size": 20, "lines.linewidth": 9, "svg.fonttype": "path"}):
+        plots.save(run.plot.separation(), tmp_path / "own.svg")
+        assert matplotlib.rcParams["font.size"] == 20
+    assert (tmp_path / "own.svg").read_bytes() == (tmp_path / "plain.svg").read_bytes()
+
+
+def test_the_same_picture_has_the_same_bytes_in_every_process(tmp_path):
+    code = """
+import sys
+import sim
+from sim import plots
+
+run = sim.run(sim.Trial.load("scene_antagonistic"))
+for ending in plots.FORMATS:
+    plots.save(run.plot.separation(width="single"), sys.argv[1] + ending)
+"""
+    for seed, clock in (("1", "0"), ("2", "1000000000")):
+        environment = {**os.environ, "PYTHONHASHSEED": seed, "SOURCE_DATE_EPOCH": clock}
+        subprocess.run(
+            [sys.executable, "-c", code, str(tmp_path / seed)], env=environment, check=True
+        )
+    for ending in plots.FORMATS:
+        assert (tmp_path / f"1{ending}").read_bytes() == (tmp_path / f"2{ending}").read_bytes()
+
+
+def test_vector_pictures_have_real_text_and_no_date(run, tmp_path):
+    plots.save(run.plot.separation(), tmp_path / "s.svg")
+    svg = (tmp_path / "s.svg").read_text()
+    written = [re.sub(r"<[^>]*>", "", text) for text in re.findall(r"<text.*?</text>", svg, re.S)]
+    assert {"time (s)", "distance (m)", "required distance"} <= {text.strip() for text in written}
+    assert "dc:date" not in svg
+    plots.save(run.plot.separation(), tmp_path / "s.pdf")
+    assert b"/CreationDate" not in (tmp_path / "s.pdf").read_bytes()
+
+
+@pytest.fixture
+def floorwalker(monkeypatch, capsys):
+    """The command in this process: (exit code, stdout, stderr)."""
+
+    def called(*words):
+        monkeypatch.setattr(sys, "argv", ["floorwalker", *map(str, words)])
+        with pytest.raises(SystemExit) as ended:
+            main()
+        return (ended.value.code, *capsys.readouterr())
+
+    return called
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("plots") / "run"
+    recording = sim.Recording(folder)
+    recording.finish(sim.run(sim.Trial.parse(TRIAL), recording))
+    return folder
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("floorplan", "warehouse"),
+        ("floorplan", "FOLDER"),
+        ("path", "ariac2023", -15, -10, -5, 3.75, "--radius", 0.25),
+        ("trails", "FOLDER", "--from", 5, "--to", 30),
+        ("spacetime", "FOLDER", "--width", "single"),
+        ("separation", "FOLDER", "--person", "ben", "--machine", "agv1"),
+        ("heatmap", "FOLDER", "FOLDER"),
+    ],
+    ids=str,
+)
+def test_the_command_draws(words, folder, tmp_path, floorwalker):
+    out = tmp_path / "picture.svg"
+    done = floorwalker("plot", *(folder if w == "FOLDER" else w for w in words), "--out", out)
+    assert done == (0, f"{out}\n", "")
+    assert out.read_text().startswith("<?xml")
+
+
+@pytest.mark.parametrize(
+    ("words", "why"),
+    [
+        (("trails", "nowhere", "--out", "a.svg"), "no such file, nor a built-in trial"),
+        (("trails", "ariac2023", "--out", "a.jpeg"), "ends in one of .png, .svg, .pdf"),
+        (("trails", "ariac2023", "--out", "no/such/a.svg"), "there is no folder no/such"),
+        (
+            ("separation", "ariac2023", "--machine", "robot", "--out", "a.svg"),
+            "no machine is called",
+        ),
+        (("path", "ariac2023", -9, 0, 99, 99, "--out", "a.svg"), "the goal (99, 99) is"),
+    ],
+)
+def test_bad_input_is_one_sentence(words, why, tmp_path, monkeypatch, floorwalker):
+    monkeypatch.chdir(tmp_path)
+    code, stdout, stderr = floorwalker("plot", *words)
+    assert (code, stdout) == (1, "")
+    assert why in stderr
+    assert stderr.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_run_that_was_broken_off_is_drawn(folder, tmp_path, floorwalker):
+    broken = shutil.copytree(folder, tmp_path / "broken")
+    for name in ("summary.json", "violations.jsonl"):
+        (broken / name).unlink()
+    motions = broken / "motions.jsonl"
+    motions.write_bytes(motions.read_bytes()[:-4000])
+    for kind in ("trails", "spacetime", "separation", "heatmap"):
+        out = tmp_path / f"{kind}.svg"
+        assert floorwalker("plot", kind, broken, "--out", out) == (0, f"{out}\n", "")
+
+
+def test_without_matplotlib_the_message_says_what_to_do(tmp_path, monkeypatch, floorwalker):
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    code, _, stderr = floorwalker("plot", "trails", "ariac2023", "--out", tmp_path / "a.svg")
+    assert code == 1
+    assert "pip install 'floorwalker[plot]'" in stderr
+    assert stderr.count("\n") == 1
+
+
+def test_standing_people_are_drawn():
+    plan = floorplan.parse("{boundary: [[0, 0], [10, 0], [10, 4], [0, 4]]}")
+    scene = sim.Scene(
+        "standing", 0, plan, sim.PAPER, (sim.Figure("ada", "", 0.4, 1.7),), {"ada": (1, 2, 0)}
+    )
+    run = sim.Recorded(scene, 5.0, {}, (), {"ada": standing((1.0, 2.0))}, {})
+    for figure in (run.plot.trails(), run.plot.space_time(), run.plot.heat_map()):
+        figure.savefig(io.BytesIO(), format="svg")
