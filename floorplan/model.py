@@ -133,6 +133,10 @@ class Axis:
     max_jerk: float
 
 
+ROUNDING = 1e-9
+"""Metres or radians. What stands this little beyond a limit stands at it."""
+
+
 @dataclass(frozen=True)
 class Gantry:
     """An overhead robot: a bridge (x), a trolley (y) and a rotation about z that carry a torso.
@@ -157,7 +161,7 @@ class Gantry:
         return [
             f"{name} = {value:g} is outside the gantry's range {axis.low:g} … {axis.high:g}"
             for name, axis, value in zip(("x", "y", "rotation"), self.axes, target, strict=True)
-            if not axis.low <= value <= axis.high
+            if not axis.low - ROUNDING <= value <= axis.high + ROUNDING
         ]
 
     @property

@@ -35,7 +35,9 @@ from .odometer import Enclosure, Odometer
 from .path import Path, PlannerInfo, PlanningError
 from .planner import PathPlanner, planners
 from .profiles import AxisLimits, AxisState
+from .requirement import required_at, required_at_speeds
 from .separation import (
+    AnyLaw,
     ApproachLaw,
     FixedDistance,
     IntegralLaw,
@@ -43,6 +45,8 @@ from .separation import (
     MotionLaw,
     Scaled,
     SeparationLaw,
+    is_of_speeds,
+    requirement,
 )
 from .surfaces import Box, Cylinder, Shapes, agv_box, folded_arm, torso_box
 from .walk import can_go_on, corner_speed, remaining_path, stop_walking, walk
@@ -52,6 +56,7 @@ __all__ = [
     "ARIAC_GANTRY",
     "RESOLUTION",
     "STANDING_SPEED",
+    "AnyLaw",
     "Apart",
     "ApproachLaw",
     "Approaching",
@@ -98,12 +103,16 @@ __all__ = [
     "gantry_limits",
     "gantry_move",
     "gantry_stop",
+    "is_of_speeds",
     "join",
     "lane_state",
     "minimum_margin",
     "minimum_separation",
     "planners",
     "remaining_path",
+    "required_at",
+    "required_at_speeds",
+    "requirement",
     "standing",
     "stop_walking",
     "torso_box",

@@ -18,7 +18,7 @@ from typing import Protocol
 from .encounter import Encounter, encounters
 from .motion import Motion
 from .odometer import Enclosure
-from .separation import Law, MotionLaw, require_sense
+from .separation import AnyLaw, MotionLaw, Scaled, is_of_speeds, require_sense, requirement
 from .surfaces import Shapes
 
 RESOLUTION = 1e-7
@@ -31,7 +31,10 @@ ROUNDING = 1e-11
 """Metres. What looks at ways gone is not sure of less: being short by this is no violation."""
 
 EXACT = 1e-9
-"""Metres. Least distances and margins are this exact, margins of a plain `Law` to 1e-6."""
+"""Metres. Least distances and margins are this exact."""
+
+PLAIN = 1e-6
+"""Metres. Least margins are this exact with a law that only knows speeds."""
 
 
 class Condition(Protocol):
@@ -49,7 +52,7 @@ class Condition(Protocol):
 class TooClose:
     """The two are closer than `law` requires. `ValueError` if the law makes no sense."""
 
-    law: Law | MotionLaw
+    law: AnyLaw
 
     def __post_init__(self) -> None:
         require_sense(self.law)
@@ -57,8 +60,8 @@ class TooClose:
     def holds(self, encounter: Encounter, begin: float, end: float) -> bool | None:
         """See `Condition`."""
         law = self.law
-        if not hasattr(law, "distance"):
-            return _short_of(law.required(encounter, begin, end), encounter, begin, end)
+        if not is_of_speeds(law):
+            return _short_of(requirement(law, encounter, begin, end), encounter, begin, end)
         b = encounter.bounds(begin, end)
         most = law.distance(b.human_high, b.robot_high)
         # The second limit is below the first, so that rounding can't leave a tie undecided.
@@ -240,7 +243,7 @@ def _changes(condition: Condition, meetings: Iterator[Encounter]) -> Iterator[tu
 def first_violation(
     person: Motion,
     machine: Motion,
-    law: Law | MotionLaw,
+    law: AnyLaw,
     begin: float,
     end: float,
     *,
@@ -257,7 +260,7 @@ def first_violation(
 def violations(
     person: Motion,
     machine: Motion,
-    law: Law | MotionLaw,
+    law: AnyLaw,
     begin: float,
     end: float,
     *,
@@ -286,7 +289,7 @@ def minimum_separation(
 def minimum_margin(
     person: Motion,
     machine: Motion,
-    law: Law | MotionLaw,
+    law: AnyLaw,
     begin: float,
     end: float,
     *,
@@ -296,13 +299,18 @@ def minimum_margin(
 
     Negative where the two are closer than `law` asks. Where the requirement jumps with a speed,
     both sides of the jump count. The first of several such instants. Exact to 1e-9 m for every
-    law that is a `MotionLaw` (all here but `Scaled`), to 1e-6 m for others.
+    law that is a `MotionLaw`, to 1e-6 m for those that only know speeds.
     """
     require_sense(law)
     meetings = _meetings(person, machine, begin, end, shapes)
-    if isinstance(law, MotionLaw):
-        return _least(_margin_by_motion(law), meetings, EXACT)
-    return _least(_margin_by_speeds(law), meetings, 1e-6)
+
+    def bounds(encounter: Encounter, begin: float, end: float) -> tuple[float, float, float]:
+        return _margin(requirement(law, encounter, begin, end), encounter, begin, end)
+
+    judged = law
+    while isinstance(judged, Scaled):
+        judged = judged.law
+    return _least(bounds, meetings, EXACT if isinstance(judged, MotionLaw) else PLAIN)
 
 
 _Bounds = Callable[[Encounter, float, float], tuple[float, float, float]]
@@ -329,19 +337,3 @@ def _least(bounds: _Bounds, meetings: Iterator[Encounter], tolerance: float) -> 
             if low < best[1] - tolerance and lower < middle < upper:
                 undecided += [(middle, upper), (lower, middle)]
     return best
-
-
-def _margin_by_motion(law: MotionLaw) -> _Bounds:
-    return lambda encounter, begin, end: _margin(
-        law.required(encounter, begin, end), encounter, begin, end
-    )
-
-
-def _margin_by_speeds(law: Law) -> _Bounds:
-    def bounds(encounter: Encounter, begin: float, end: float) -> tuple[float, float, float]:
-        b = encounter.bounds(begin, end)
-        least = law.distance(b.human_low, b.robot_low)
-        most = law.distance(b.human_high, b.robot_high)
-        return _margin(Enclosure.between(least, most), encounter, begin, end)
-
-    return bounds

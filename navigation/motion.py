@@ -208,13 +208,20 @@ def _stand_until(pieces: list[Piece], t: float) -> None:
 
 def _state(piece: Piece, t: float, *, moving: bool) -> State:
     u = min(max(t, piece.begin), piece.end) - piece.begin
-    axes = piece[2:]
-    x, y, r = (value(c, u) for c in axes)
+    (x, vx, ax, jx), (y, vy, ay, jy), (r, vr, ar, jr) = piece.x, piece.y, piece.rotation
+    at = (
+        x + u * (vx + u * (ax + u * jx)),
+        y + u * (vy + u * (ay + u * jy)),
+        r + u * (vr + u * (ar + u * jr)),
+    )
     if not moving:
-        return State((x, y, r), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
-    vx, vy, vr = (c[1] + u * (2 * c[2] + u * 3 * c[3]) for c in axes)
-    ax, ay, ar = (2 * c[2] + 6 * u * c[3] for c in axes)
-    return State((x, y, r), (vx, vy, vr), (ax, ay, ar))
+        return State(at, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+    velocity = (
+        vx + u * (2 * ax + u * 3 * jx),
+        vy + u * (2 * ay + u * 3 * jy),
+        vr + u * (2 * ar + u * 3 * jr),
+    )
+    return State(at, velocity, (2 * ax + 6 * u * jx, 2 * ay + 6 * u * jy, 2 * ar + 6 * u * jr))
 
 
 def _gap(before: Piece, after: Piece) -> float:

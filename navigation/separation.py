@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, fields
-from typing import Protocol, runtime_checkable
+from typing import Protocol, TypeAlias, TypeGuard, runtime_checkable
 
 from .encounter import Encounter
 from .odometer import Enclosure
@@ -43,6 +43,10 @@ class MotionLaw(Protocol):
         jumps at `end`, what is required from then on may be left out.
         """
         ...
+
+
+AnyLaw: TypeAlias = "Law | MotionLaw"
+"""What two bodies are judged by."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -175,7 +179,7 @@ class FixedDistance:
 class Scaled:
     """`factor` times another law, at most `cap` metres: when people notice a machine."""
 
-    law: Law
+    law: AnyLaw
     factor: float
     cap: float = math.inf
 
@@ -185,8 +189,37 @@ class Scaled:
             raise ValueError(f"cap must be at least 0, not {self.cap}")
 
     def distance(self, human_speed: float, robot_speed: float) -> float:
-        """The scaled distance in metres for these speeds in m/s."""
+        """The scaled distance in metres for these speeds in m/s.
+
+        `TypeError` if the other law asks for more than speeds (see `is_of_speeds`).
+        """
+        if not is_of_speeds(self.law):
+            raise TypeError(f"{self.law!r} asks for more than two speeds")
         return min(self.factor * self.law.distance(human_speed, robot_speed), self.cap)
+
+    def required(self, encounter: Encounter, begin: float, end: float) -> Enclosure:
+        """See `MotionLaw`."""
+        scaled = requirement(self.law, encounter, begin, end) * self.factor
+        low, high = scaled.range((end - begin) / 2)
+        if high <= self.cap:
+            return scaled
+        return Enclosure.between(min(low, self.cap), self.cap)
+
+
+def is_of_speeds(law: AnyLaw) -> TypeGuard[Law]:
+    """Whether two speeds are all that `law` asks for; if not, it is only a `MotionLaw`."""
+    if isinstance(law, Scaled):
+        return is_of_speeds(law.law)
+    return hasattr(law, "distance")
+
+
+def requirement(law: AnyLaw, encounter: Encounter, begin: float, end: float) -> Enclosure:
+    """The distance in metres that any law requires from `begin` to `end` (see `MotionLaw`)."""
+    if isinstance(law, MotionLaw):
+        return law.required(encounter, begin, end)
+    b = encounter.bounds(begin, end)
+    least = law.distance(b.human_low, b.robot_low)
+    return Enclosure.between(least, law.distance(b.human_high, b.robot_high))
 
 
 def _require_length(name: str, length: float) -> None:
@@ -194,17 +227,16 @@ def _require_length(name: str, length: float) -> None:
         raise ValueError(f"{name} must be a number of at least 0, not {length}")
 
 
-def require_sense(law: object) -> None:
+def require_sense(law: AnyLaw) -> None:
     """`ValueError` if an object is no law, or if trying it shows that it breaks its promise.
 
     A few speeds are tried. A law that asks for less at others is not found out.
     """
-    distance = getattr(law, "distance", None)
-    if distance is None:
-        if not isinstance(law, MotionLaw):
-            raise ValueError(f"a law has a method distance or required, {law!r} has neither")
+    if not (hasattr(law, "distance") or isinstance(law, MotionLaw)):
+        raise ValueError(f"a law has a method distance or required, {law!r} has neither")
+    if not is_of_speeds(law):
         return
-    tried = [distance(human, robot) for human, robot in _TRIED]
+    tried = [law.distance(human, robot) for human, robot in _TRIED]
     for speeds, metres, least in zip(_TRIED, tried, [tried[0], *tried], strict=False):
         if not metres >= least:
             raise ValueError(

@@ -11,37 +11,45 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .clock import Clock
-    from .controllers import CONTROLLERS, Controller, ControllerError, find_controller
+    from .controllers import CONTROLLERS, Caution, Controller, ControllerError, find_controller
+    from .drive import Steps
     from .exports import export
-    from .gantry import GantryRobot, Steps
+    from .gantry import GantryRobot, Sighting
     from .minds import Mind, Outside, Percepts
     from .outcome import Recorded, Run
+    from .own_law import LawError, OwnLaw
     from .person import MindError
     from .recorder import Event, Listener
     from .recording import OutputError, Recording
     from .rules import ARIAC2023, PAPER, RULE_SETS, Notice, RuleSet, rule_set
+    from .rules_file import RulesError, find_rules, load_rules
     from .run_folder import RecordingError, load_run
     from .scene import Figure, Scene
     from .simulation import Simulation, run
     from .social_metrics import metrics
+    from .tasks import Handling, Step, Task, Tasks
     from .trial import AgvMove, GantryEntry, Job, PersonEntry, Start, Trial, TrialError
     from .trial_file import builtin_trials
 
 _HOMES = {
     "clock": ("Clock",),
-    "controllers": ("CONTROLLERS", "Controller", "ControllerError", "find_controller"),
     "exports": ("export",),
-    "gantry": ("GantryRobot", "Steps"),
+    "controllers": ("CONTROLLERS", "Caution", "Controller", "ControllerError", "find_controller"),
+    "drive": ("Steps",),
+    "gantry": ("GantryRobot", "Sighting"),
     "minds": ("Mind", "Outside", "Percepts"),
     "outcome": ("Recorded", "Run"),
     "person": ("MindError",),
     "recorder": ("Event", "Listener"),
     "recording": ("OutputError", "Recording"),
+    "own_law": ("LawError", "OwnLaw"),
+    "rules_file": ("RulesError", "find_rules", "load_rules"),
     "rules": ("ARIAC2023", "PAPER", "RULE_SETS", "Notice", "RuleSet", "rule_set"),
     "run_folder": ("RecordingError", "load_run"),
     "scene": ("Figure", "Scene"),
     "simulation": ("Simulation", "run"),
     "social_metrics": ("metrics",),
+    "tasks": ("Handling", "Step", "Task", "Tasks"),
     "trial": ("AgvMove", "GantryEntry", "Job", "PersonEntry", "Start", "Trial", "TrialError"),
     "trial_file": ("builtin_trials",),
 }
@@ -52,6 +60,7 @@ __all__ = [
     "PAPER",
     "RULE_SETS",
     "AgvMove",
+    "Caution",
     "Clock",
     "Controller",
     "ControllerError",
@@ -59,29 +68,39 @@ __all__ = [
     "Figure",
     "GantryEntry",
     "GantryRobot",
+    "Handling",
     "Job",
+    "LawError",
     "Listener",
     "Mind",
     "MindError",
     "Notice",
     "OutputError",
     "Outside",
+    "OwnLaw",
     "Percepts",
     "PersonEntry",
     "Recorded",
     "Recording",
     "RecordingError",
     "RuleSet",
+    "RulesError",
     "Run",
     "Scene",
+    "Sighting",
     "Simulation",
     "Start",
+    "Step",
     "Steps",
+    "Task",
+    "Tasks",
     "Trial",
     "TrialError",
     "builtin_trials",
     "export",
     "find_controller",
+    "find_rules",
+    "load_rules",
     "load_run",
     "metrics",
     "rule_set",

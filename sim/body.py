@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from bisect import bisect_left
 from collections.abc import Callable
 from typing import Literal
 
@@ -24,6 +25,8 @@ class Body:
         self.kind: Kind = kind
         self.motion = motion
         self.history: list[Motion] = []
+        self.plans: list[tuple[float, Motion]] = [(clock.now, motion)]
+        """From when on (seconds) it was about to do what."""
         self.on_change: list[Callable[[], None]] = []
         self.on_jump: list[Callable[[], None]] = []
         self.on_record: Callable[[Body, Motion], None] | None = None
@@ -43,6 +46,11 @@ class Body:
         """Where it is now: x, y in metres."""
         return self.state.at
 
+    def plan_before(self, t: float) -> Motion:
+        """What it was about to do just before `t` (seconds)."""
+        k = bisect_left(self.plans, t, key=lambda plan: plan[0])
+        return self.plans[max(0, k - 1)][1]
+
     def follow(self, motion: Motion) -> None:
         """Do this from now on, instead of what it was doing.
 
@@ -51,6 +59,7 @@ class Body:
         self.settle()
         before, after = self.at, motion.state(self._clock.now).at
         self.motion = motion
+        self.plans.append((self._clock.now, motion))
         if math.dist(before, after) > JUMP:
             for jumped in self.on_jump:
                 jumped()

@@ -3,24 +3,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Generator
-from dataclasses import dataclass, replace
-from typing import Any, Literal
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
 
 from simpy.events import Event, Process
 
-from floorplan import Gantry
-from navigation import Motion, State, gantry_limits, gantry_move, gantry_stop, standing
+from floorplan import Floorplan, Gantry
+from navigation import Motion, State
 
 from .body import Body
-from .clock import Alarm, Clock, Turn
+from .clock import Clock, Turn
+from .drive import Drive, Steps
 from .recorder import Record
 from .rules import PAPER, RuleSet
 from .tasks import Handling, Pose, Step, Task, Tasks, tasks_of
 from .trial import GantryEntry
-
-Steps = Generator[Event, Any, Any]
-"""What a controller is: a generator of events to wait for, in SimPy's manner."""
 
 Interruption = Literal["person_close", "disabled", "enabled"]
 """What can interrupt a controller that asked for it."""
@@ -54,6 +52,7 @@ class Surroundings:
     `human_speed` is how fast people may come (m/s).
     """
 
+    floorplan: Floorplan
     see: Callable[[], tuple[Sighting, ...]] = tuple
     locate: Callable[[str], tuple[float, float] | None]
     rules: RuleSet = PAPER
@@ -77,29 +76,28 @@ class GantryRobot:
         *,
         record: Record,
     ) -> None:
-        x, y, rotation = entry.at or gantry.start
-        self.body = Body(clock, "gantry", "gantry", standing((x, y), heading=rotation))
         self.gantry = gantry
+        self.floorplan = surroundings.floorplan
         self.rules = surroundings.rules
         self.human_speed = surroundings.human_speed
         self.handling = Handling()
         self.tasks = Tasks(clock)
         self.jobs_done = 0
-        self.disabled_time = 0.0
         self.on_interest: Callable[[], None] = lambda: None
+        self.drive = Drive(
+            clock,
+            gantry,
+            entry.at or gantry.start,
+            record=record,
+            disabled_or_enabled=self.interrupt,
+        )
         self._clock = clock
         self._entry = entry
         self._surroundings = surroundings
-        self._limits = gantry_limits(gantry)
         self._record = record
-        self._enabled: Event | None = None
-        self._disabled_at = 0.0
-        self._commands = 0
-        self._braking = clock.event()
         self._floor_changed = clock.event()
-        self._ready = Alarm(clock, self._enable, Turn.MOTION_ENDS)
         self._controller: Process | None = None
-        self._interruptions: dict[Interruption, float] = {}
+        self._interests: dict[str, float] = {}
         self._begin_round()
 
     # What it sees.
@@ -108,6 +106,11 @@ class GantryRobot:
     def now(self) -> float:
         """The time, seconds."""
         return self._clock.now
+
+    @property
+    def body(self) -> Body:
+        """The gantry as a body on the floor."""
+        return self.drive.body
 
     @property
     def state(self) -> State:
@@ -122,14 +125,15 @@ class GantryRobot:
     @property
     def disabled(self) -> bool:
         """Whether it stands because the referee disabled it."""
-        return self._enabled is not None
+        return self.drive.disabled
 
     def look(self, after: float = 0.0) -> Process:
         """The people around, as seen at the first observation `after` seconds from now or later.
 
         The value is a tuple of `Sighting`s: `people = yield gantry.look()`.
         """
-        _require_time(after)
+        if not 0 <= after < math.inf:
+            raise ValueError(f"can't wait {after} s")
         return self._clock.process(self._look(after))
 
     def interrupt_on(self, reason: Interruption, distance: float = math.inf) -> None:
@@ -143,42 +147,45 @@ class GantryRobot:
             raise ValueError(f"nothing called {reason!r} interrupts a controller")
         if reason == "person_close" and not 0 < distance < math.inf:
             raise ValueError(f"give the distance for person_close in metres, not {distance}")
-        self._interruptions[reason] = distance
+        self._interests[reason] = distance
         self.on_interest()
 
     # What it can be told.
 
     def move_to(
-        self, x: float, y: float, rotation: float | None = None, *, speed_share: float = 1.0
+        self,
+        x: float,
+        y: float,
+        rotation: float | None = None,
+        *,
+        speed_share: float = 1.0,
+        resume: bool = True,
     ) -> Process:
         """Go to x, y (metres) and `rotation` (radians; None keeps it), to be waited for.
 
-        `speed_share` of its top speeds is what it makes use of. A new move or a stop takes the
-        place of this one. `ValueError` if that is outside the gantry's range.
+        It makes use of `speed_share` of its top speeds. A new move or a stop takes the place of
+        this one; being disabled does so unless it is to `resume` by itself afterwards.
+        `ValueError` if that is outside the gantry's range.
         """
-        target = self._target(x, y, rotation)
-        limits = self._limits_at(speed_share)
-        return self._clock.process(self._move(target, limits))
+        return self.drive.move(self._target(x, y, rotation), speed_share, resume)
 
     def preview(
         self, x: float, y: float, rotation: float | None = None, *, speed_share: float = 1.0
     ) -> Motion:
         """The motion that `move_to` would make from here and now; nothing moves by it."""
-        target = self._target(x, y, rotation)
-        return gantry_move(self.state, target, self.now, limits=self._limits_at(speed_share))
+        return self.drive.preview(self._target(x, y, rotation), speed_share)
 
     def stop(self) -> Process:
         """Stop as fast as it can, to be waited for; the move under way is forgotten."""
-        return self._clock.process(self._stop())
+        return self.drive.stop()
 
     def stopping(self, state: State, t: float) -> Motion:
         """The fastest stop from `state` at `t` (seconds); nothing moves by it."""
-        return gantry_stop(state, t, limits=self._limits)
+        return self.drive.stopping(state, t)
 
     def wait(self, seconds: float) -> Process:
         """Let `seconds` go by in which the gantry is not disabled."""
-        _require_time(seconds)
-        return self._clock.process(self._work(seconds))
+        return self.drive.work(seconds)
 
     def pick(self, place: str) -> Process:
         """Go to `place` (an obstacle, a station or an AGV by name) and take something there."""
@@ -210,6 +217,11 @@ class GantryRobot:
         """
         return self._pose(_next_step(task))
 
+    def way(self, task: Task) -> tuple[Pose, ...]:
+        """Where the task's steps that are left would be now; nothing if one can't be reached."""
+        poses = [self._pose(step) for step in task.steps_left]
+        return () if None in poses else tuple(pose for pose in poses if pose is not None)
+
     def locate(self, task: Task) -> Process:
         """Begin the task, or go on with it: `where` its next step is, once it can be reached."""
         return self._clock.process(self._find(task))
@@ -224,27 +236,16 @@ class GantryRobot:
         """Let `controller` tell it what to do from now on."""
         self._controller = self._clock.process(controller)
 
-    def disable(self, seconds: float) -> None:
-        """Stop as fast as it can, and stand for `seconds` from now on."""
-        self._record("gantry_disabled", seconds=seconds)
-        self._ready.set(self._clock.now + seconds)
-        if self._enabled is not None:
-            return
-        self._enabled = self._clock.event()
-        self._disabled_at = self._clock.now
-        self._brake()
-        self.interrupt("disabled")
-
-    def interrupt(self, reason: Interruption) -> None:
+    def interrupt(self, reason: str) -> None:
         """Interrupt the controller, if it asked for it and is waiting for something."""
         controller = self._controller
-        if reason in self._interruptions and controller is not None and controller.is_alive:
+        if reason in self._interests and controller is not None and controller.is_alive:
             controller.interrupt(reason)
 
     @property
     def close_distance(self) -> float | None:
         """Metres within which a person's coming interrupts the controller, if it asked for it."""
-        return self._interruptions.get("person_close")
+        return self._interests.get("person_close")
 
     def floor_changed(self) -> None:
         """An AGV has come to rest."""
@@ -252,74 +253,13 @@ class GantryRobot:
         changed.succeed()
         self.tasks.reconsider()
 
-    def close(self) -> None:
-        """The trial is over: count the time it was disabled until now."""
-        if self.disabled:
-            self.disabled_time += self._clock.now - self._disabled_at
-
-    def _enable(self) -> None:
-        self.disabled_time += self._clock.now - self._disabled_at
-        self._record("gantry_enabled")
-        enabled, self._enabled = self._enabled, None
-        assert enabled is not None
-        enabled.succeed()
-        self.interrupt("enabled")
-
-    def _brake(self) -> None:
-        self.body.follow(self.stopping(self.state, self.now))
-        braking, self._braking = self._braking, self._clock.event()
-        braking.succeed()
-
     def _target(self, x: float, y: float, rotation: float | None) -> Pose:
-        target = (x, y, self.position[2] if rotation is None else rotation)
-        faults = self.gantry.faults(target)
-        if faults:
-            raise ValueError("; ".join(faults))
-        return target
-
-    def _limits_at(self, share: float) -> Any:
-        if not 0 < share <= 1:
-            raise ValueError(f"speed_share must be more than 0 and at most 1, not {share}")
-        if share == 1:
-            return self._limits
-        return tuple(replace(axis, max_speed=axis.max_speed * share) for axis in self._limits)
+        return (x, y, self.position[2] if rotation is None else rotation)
 
     def _look(self, after: float) -> Steps:
         earliest = (self.now + after) * OBSERVATION_RATE
         yield self._clock.at(math.ceil(earliest - 1e-9) / OBSERVATION_RATE, Turn.NOTICE)
         return self._surroundings.see()
-
-    def _move(self, target: Pose, limits: Any) -> Steps:
-        self._commands += 1
-        command = self._commands
-        while True:
-            if self._enabled is not None:
-                yield self._enabled
-                if self._commands != command:
-                    return
-            motion = gantry_move(self.state, target, self.now, limits=limits)
-            self.body.follow(motion)
-            arrival = self._clock.at(motion.end)
-            yield arrival | self._braking
-            if arrival.processed or self._commands != command:
-                return
-
-    def _stop(self) -> Steps:
-        self._commands += 1
-        if self._enabled is None:
-            self._brake()
-        yield self._clock.at(self.body.motion.end)
-
-    def _work(self, seconds: float) -> Steps:
-        while seconds > 0:
-            if self._enabled is not None:
-                yield self._enabled
-            begun = self._clock.now
-            done = self._clock.at(begun + seconds)
-            yield done | self._braking
-            if done.processed:
-                return
-            seconds -= self._clock.now - begun
 
     def _pose(self, step: Step) -> Pose | None:
         """Where a step is now, if it can be reached now."""
@@ -367,8 +307,8 @@ class GantryRobot:
             yield self.handle(task)
 
     def _begin(self, task: Task) -> None:
-        if not task.begun:
-            task.begun = True
+        if not task.announced:
+            task.announced = True
             self._record("job_started", job=task.kind, **task.fields)
 
     def _finish(self, task: Task) -> None:
@@ -395,8 +335,3 @@ def _next_step(task: Task) -> Step:
     if step is None:
         raise ValueError(f"{task} is done already")
     return step
-
-
-def _require_time(seconds: float) -> None:
-    if not 0 <= seconds < math.inf:
-        raise ValueError(f"can't wait {seconds} s")

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from floorplan import Floorplan
-from navigation import Motion
+from navigation import Motion, is_of_speeds
 
 from .expectations import unmet
 from .mind_inspector import Thought
 from .recorder import Event
+from .requirement_curve import Curve
 from .sampling import instants, sample_all
 from .scene import Scene
 from .trial import Trial
@@ -27,8 +28,10 @@ class Recorded:
     """A run that happened: its summary, its events, and the motion of every body in closed form.
 
     `scene` is where it took place. `violations` holds, for each person and machine, the intervals
-    (seconds) in which they were closer than the rules require. `thoughts` holds what went on in
-    people's minds, if a listener wanted to know (as a `Recording` does).
+    (seconds) in which they were closer than the rules require; `requirements` what the rules
+    required of them, where that can't be worked out from speeds and the terms of a known law.
+    `thoughts` holds what went on in people's minds, if a listener wanted to know (as a
+    `Recording` does).
     """
 
     scene: Scene
@@ -38,11 +41,29 @@ class Recorded:
     motions: dict[str, Motion]
     violations: dict[tuple[str, str], tuple[tuple[float, float], ...]]
     thoughts: tuple[Thought, ...] = ()
+    requirements: dict[tuple[str, str], Curve] = field(default_factory=dict, kw_only=True)
 
     @property
     def floorplan(self) -> Floorplan:
         """The floor it took place on."""
         return self.scene.floorplan
+
+    def required(self, person: str, machine: str, t: ArrayLike) -> NDArray[np.float64]:
+        """The distance in metres that the rules required between two bodies at `t` (seconds).
+
+        One figure for each time; right to 0.01 m with a law that looks at more than speeds.
+        `KeyError` if the two were not watched.
+        """
+        times = np.asarray(t, dtype=np.float64)
+        curve = self.requirements.get((person, machine))
+        if curve is not None:
+            return np.asarray(np.interp(times, *np.array(curve).T))
+        rules, is_agv = self.scene.rules, self.scene.kind(machine) == "agv"
+        law = rules.agv_law if is_agv else rules.gantry_law
+        if not is_of_speeds(law):
+            raise KeyError((person, machine))
+        speeds = [np.hypot(*self.motions[name].velocity(times).T) for name in (person, machine)]
+        return np.asarray(np.vectorize(law.distance, otypes=[np.float64])(*speeds))
 
     @property
     def plot(self) -> RunPlots:

@@ -16,7 +16,7 @@ from navigation import Motion, Piece
 from .body import Body
 from .mind_inspector import Thought
 from .outcome import Run
-from .recorder import Event, Listener
+from .recorder import Event, Listener, rounded
 from .replay import render
 from .replay_data import replay_data
 from .scene import Scene
@@ -103,6 +103,8 @@ class Recording(Listener):
         with self._open("violations.jsonl") as file:
             for (person, machine), intervals in run.violations.items():
                 line = {"person": person, "with": machine, "intervals": intervals}
+                if (person, machine) in run.requirements:
+                    line["required"] = rounded(run.requirements[person, machine])
                 file.write(json.dumps(line, ensure_ascii=False) + "\n")
         with self._open("summary.json") as file:
             json.dump(run.summary, file, indent=2, ensure_ascii=False)

@@ -3,22 +3,24 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Callable
 from typing import Literal
 
 from navigation import (
     RESOLUTION,
+    AnyLaw,
     Apart,
     Approaching,
     Both,
     Condition,
     FixedDistance,
-    Law,
     Motion,
     Moving,
     Not,
     TooClose,
     first_time,
+    required_at,
     when,
 )
 
@@ -26,6 +28,12 @@ from .body import Body
 from .clock import Alarm, Clock, Turn
 from .recorder import Record
 from .rules import Notice, RuleSet
+
+Cause = Literal["person", "gantry", "agv"]
+"""Whose doing a violation is: the machine's if it moves at that instant, else the person's."""
+
+MOVES = 1e-6
+"""m/s. A machine that is faster than this at the instant of a violation is its cause."""
 
 
 class Pair:
@@ -56,6 +64,14 @@ class Pair:
         """The distance between the centres now, metres."""
         return math.dist(self.person.at, self.machine.at)
 
+    def required(self, law: AnyLaw) -> float:
+        """The distance that `law` requires now, metres."""
+        return required_at(law, self.person.motion, self.machine.motion, self.clock.now)
+
+    def cause(self) -> Cause:
+        """Whose doing it is if they are too close now."""
+        return self.machine.kind if self.machine.state.speed > MOVES else "person"
+
     def horizon(self) -> float:
         """The instant from which on both stand, or the trial's end."""
         last = max(self.clock.now, self.person.motion.end, self.machine.motion.end)
@@ -69,7 +85,7 @@ class SeparationWatch:
     `intervals`.
     """
 
-    def __init__(self, pair: Pair, law: Law, violated: Callable[[Pair, Law], None]) -> None:
+    def __init__(self, pair: Pair, law: AnyLaw, violated: Callable[[Pair, AnyLaw], None]) -> None:
         self.pair = pair
         self.law = law
         self.intervals: list[tuple[float, float]] = []
@@ -120,7 +136,7 @@ class NoticeWatch:
     parted by `rule.parting` metres from there (or `rule.every` seconds have gone by).
     """
 
-    def __init__(self, pair: Pair, rule: Notice, noticed: Callable[[Pair, Law], None]) -> None:
+    def __init__(self, pair: Pair, rule: Notice, noticed: Callable[[Pair, AnyLaw], None]) -> None:
         self.pair = pair
         self.rule = rule
         self._noticed = noticed
@@ -182,7 +198,8 @@ class Referee:
         disable_gantry: Callable[[float], None],
     ) -> None:
         self.rules = rules
-        self.penalties = 0
+        self.penalties: Counter[tuple[str, Cause]] = Counter()
+        """How many there were, by the person's name and the cause."""
         self.agv_teleports = 0
         self.watches: list[SeparationWatch] = []
         self._clock = clock
@@ -207,26 +224,25 @@ class Referee:
         pair = Pair(self._clock, person, agv, self._end)
         self._watch(pair, self.rules.agv_law, self._agv_violation)
 
-    def _watch(self, pair: Pair, law: Law, violated: Callable[[Pair, Law], None]) -> None:
+    def _watch(self, pair: Pair, law: AnyLaw, violated: Callable[[Pair, AnyLaw], None]) -> None:
         watch = SeparationWatch(pair, law, violated)
         self.watches.append(watch)
         pair.person.on_change.append(watch.reconsider)
         pair.machine.on_change.append(watch.reconsider)
 
-    def _notice(self, pair: Pair, law: Law) -> None:
-        human, robot = pair.person.state.speed, pair.machine.state.speed
+    def _notice(self, pair: Pair, law: AnyLaw) -> None:
         self._record(
             "gantry_detected",
             person=pair.person.name,
-            noticing_distance=law.distance(human, robot),
+            noticing_distance=pair.required(law),
             **_figures(pair, self.rules.gantry_law),
         )
         self._warn(pair.person, "gantry_detected", pair.machine)
 
-    def _gantry_violation(self, pair: Pair, law: Law) -> None:
+    def _gantry_violation(self, pair: Pair, law: AnyLaw) -> None:
         if self._clock.now < self._harmless_until:
             return
-        self.penalties += 1
+        self.penalties[pair.person.name, pair.cause()] += 1
         self._record_violation(pair, law, penalty=True)
         seconds = self.rules.gantry_disabled
         self._disable_gantry(seconds)
@@ -240,27 +256,27 @@ class Referee:
             if watch.pair.machine.kind == "gantry":
                 watch.recheck()
 
-    def _agv_violation(self, pair: Pair, law: Law) -> None:
+    def _agv_violation(self, pair: Pair, law: AnyLaw) -> None:
         self.agv_teleports += 1
         self._record_violation(pair, law, penalty=False)
         self._warn(pair.person, "agv_danger", pair.machine)
 
-    def _record_violation(self, pair: Pair, law: Law, *, penalty: bool) -> None:
+    def _record_violation(self, pair: Pair, law: AnyLaw, *, penalty: bool) -> None:
         self._record(
             "violation",
             person=pair.person.name,
             **{"with": pair.machine.name},
             penalty=penalty,
+            cause=pair.cause(),
             **_figures(pair, law),
         )
 
 
-def _figures(pair: Pair, law: Law) -> dict[str, float]:
+def _figures(pair: Pair, law: AnyLaw) -> dict[str, float]:
     """What a decision rests on: distance, required distance (m) and speeds (m/s)."""
-    human, robot = pair.person.state.speed, pair.machine.state.speed
     return {
         "distance": pair.distance(),
-        "required": law.distance(human, robot),
-        "human_speed": human,
-        "robot_speed": robot,
+        "required": pair.required(law),
+        "human_speed": pair.person.state.speed,
+        "robot_speed": pair.machine.state.speed,
     }

@@ -22,17 +22,25 @@ SCRIPTS = (
     "motion",
     "track",
     "separation",
+    "mind",
+    "run",
     "events",
     "canvas",
     "camera",
     "floor",
+    "bodies",
     "scene",
+    "view",
     "chart",
     "panel",
+    "mind_panel",
     "event_list",
     "summary",
+    "panels",
     "clock",
     "replay",
+    "live",
+    "start",
 )
 """The page's scripts in reading order."""
 
@@ -53,6 +61,8 @@ def render(recording: Mapping[str, Any]) -> str:
         "style": _part("page.css"),
         "script": "\n".join(_part(f"{name}.js") for name in SCRIPTS),
         "recording": _embeddable(recording),
+        "attributes": "",
+        "sources": "",
     }
     return re.sub(r"\{\{(\w+)\}\}", lambda place: contents[place[1]], _part("page.html"))
 

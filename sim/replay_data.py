@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any
 
 from floorplan import Floorplan, Lane, Obstacle
-from navigation import FixedDistance, Law, Piece, Scaled, SeparationLaw
+from navigation import AnyLaw, Piece, SeparationLaw, required_at_speeds
 
 from .outcome import Recorded
 from .recorder import rounded
 from .replay import FORMAT
+from .requirement_curve import is_plain
+from .rules import RuleSet
 
 
 def replay_data(run: Recorded) -> dict[str, Any]:
@@ -111,30 +114,31 @@ def _watches(run: Recorded) -> list[dict[str, Any]]:
     rules = run.scene.rules
     watches = []
     for (person, machine), intervals in run.violations.items():
+        law = rules.gantry_law if machine == "gantry" else rules.agv_law
+        curve = run.requirements.get((person, machine))
         watch: dict[str, Any] = {"person": person, "other": machine, "violations": intervals}
+        watch["law"] = _law(law) if curve is None else {"curve": curve}
         if machine == "gantry":
-            watch |= {"law": _law(rules.gantry_law), **_notice(rules.notice.law)}
-        else:
-            watch |= {"law": _law(rules.agv_law)}
+            watch |= _notice(rules)
         watches.append(watch)
     return watches
 
 
-def _law(law: Law) -> dict[str, float]:
+def _law(law: AnyLaw) -> dict[str, float]:
+    """A plain law (see `is_plain`) by its terms."""
     if isinstance(law, SeparationLaw):
         terms = {"t1": law.t1, "t2": law.t2}
         return {**terms, "stopping": law.stopping, "intrusion": law.intrusion}
-    if isinstance(law, FixedDistance):
-        return {"distance": law.metres}
-    # A law of the user's own: what it asks for between two who stand.
-    return {"distance": law.distance(0.0, 0.0)}
+    return {"distance": required_at_speeds(law, 0.0, 0.0)}
 
 
-def _notice(law: Law) -> dict[str, Any]:
-    if not isinstance(law, Scaled):
-        return {}
-    cap = law.cap if law.cap < float("inf") else None
-    return {"notice": law.factor, "notice_cap": cap, "notice_law": _law(law.law)}
+def _notice(rules: RuleSet) -> dict[str, Any]:
+    scaled = rules.notice.law
+    notice = {"notice": scaled.factor, "notice_cap": scaled.cap if scaled.cap < math.inf else None}
+    if scaled.law == rules.gantry_law:
+        return notice
+    # The page can't draw the distance of another law that is not plain.
+    return {**notice, "notice_law": _law(scaled.law)} if is_plain(scaled.law) else {}
 
 
 def _piece(piece: Piece) -> list[Any]:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import difflib
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
-from navigation import FixedDistance, Law, Scaled, SeparationLaw
+from navigation import AnyLaw, FixedDistance, Scaled, SeparationLaw
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -17,7 +17,7 @@ class Notice:
     `parting` metres again, or, if `every` is given, that many seconds after the telling.
     """
 
-    law: Law
+    law: Scaled
     parting: float = 1.0
     every: float | None = None
 
@@ -33,9 +33,9 @@ class RuleSet:
     """
 
     name: str
-    summary: str
-    gantry_law: Law
-    agv_law: Law
+    summary: str = field(default="", compare=False)
+    gantry_law: AnyLaw
+    agv_law: AnyLaw
     notice: Notice
     gantry_disabled: float
     grace: float = 0.0
@@ -80,7 +80,9 @@ def rule_set(name: str) -> RuleSet:
     try:
         return RULE_SETS[name]
     except KeyError:
-        raise ValueError(f"no rule set is called {name!r}; {suggestion(name, RULE_SETS)}") from None
+        raise ValueError(
+            f"no rule set and no file is called {name!r}; {suggestion(name, RULE_SETS)}"
+        ) from None
 
 
 def suggestion(name: str, known: object) -> str:

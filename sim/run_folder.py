@@ -15,10 +15,13 @@ from navigation import Both, Condition, Motion, Moving, Piece, TooClose, join, s
 from .mind_inspector import Thought
 from .outcome import Recorded
 from .recorder import Event
+from .requirement_curve import Curve, is_plain, requirement_curve
 from .scene import Pose, Scene
 from .scene_file import ForeignLaw, SceneError, read_scene
 
 Violations = dict[tuple[str, str], tuple[tuple[float, float], ...]]
+
+Requirements = dict[tuple[str, str], Curve]
 
 _Cubic = tuple[FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat]
 
@@ -51,6 +54,7 @@ class _Violation(BaseModel):
     person: str
     machine: str = Field(alias="with")
     intervals: tuple[tuple[FiniteFloat, FiniteFloat], ...]
+    required: Curve | None = None
 
 
 def load_run(folder: str | Path) -> Recorded:
@@ -70,15 +74,18 @@ def load_run(folder: str | Path) -> Recorded:
     ends = [motion.end for motion in motions.values()]
     ends += [event["t"] for event in events] if broken_off else []
     duration = max(ends, default=0.0)
+    if broken_off:
+        violations, requirements = _worked_out(scene, motions, duration)
+    else:
+        violations, requirements = _violations(folder / "violations.jsonl")
     return Recorded(
         scene=scene,
         duration=duration,
         summary=summary or {},
         events=events,
         motions=motions,
-        violations=_worked_out(scene, motions, duration)
-        if broken_off
-        else _violations(folder / "violations.jsonl"),
+        violations=violations,
+        requirements=requirements,
         thoughts=_thoughts(folder / "thoughts.jsonl", broken_off),
     )
 
@@ -137,15 +144,23 @@ def _joined(motions: list[Motion], start: Pose) -> Motion:
     return join(motions) if motions else standing((x, y), heading=rotation)
 
 
-def _violations(path: Path) -> Violations:
-    return {
-        (line.person, line.machine): line.intervals for _, line in _lines(path, _Violation, False)
-    }
+def _violations(path: Path) -> tuple[Violations, Requirements]:
+    lines = [line for _, line in _lines(path, _Violation, False)]
+    return (
+        {(line.person, line.machine): line.intervals for line in lines},
+        {(line.person, line.machine): line.required for line in lines if line.required},
+    )
 
 
-def _worked_out(scene: Scene, motions: dict[str, Motion], end: float) -> Violations:
-    """What the referee would have found, as far as the laws are known."""
+def _worked_out(
+    scene: Scene, motions: dict[str, Motion], end: float
+) -> tuple[Violations, Requirements]:
+    """What the referee would have found, as far as the laws are known.
+
+    It is worked out from what everybody did, not from what they were about to do.
+    """
     found: Violations = {}
+    requirements: Requirements = {}
     for person in scene.people:
         for machine in scene.starts:
             kind = scene.kind(machine)
@@ -155,9 +170,12 @@ def _worked_out(scene: Scene, motions: dict[str, Motion], end: float) -> Violati
             condition: Condition = TooClose(law)
             if kind == "agv":
                 condition = Both(Moving(), condition)
-            pair = (motions[person.name], motions[machine])
-            found[person.name, machine] = tuple(when(condition, *pair, 0.0, end))
-    return found
+            pair, tracks = (person.name, machine), (motions[person.name], motions[machine])
+            found[pair] = tuple(when(condition, *tracks, 0.0, end))
+            if not is_plain(law):
+                one, other = ([(0.0, track)] for track in tracks)
+                requirements[pair] = requirement_curve(law, one, other, end)
+    return found, requirements
 
 
 def _lines(path: Path, form: type[_Line], broken_off: bool) -> Iterator[tuple[int, _Line]]:

@@ -18,6 +18,7 @@ from shapely.geometry import Polygon, mapping, shape
 from floorplan import Floorplan
 from navigation import ApproachLaw, FixedDistance, IntegralLaw, Scaled, SeparationLaw
 
+from .own_law import OwnLaw
 from .rules import Notice, RuleSet
 from .scene import Figure, Pose, Scene
 
@@ -97,9 +98,10 @@ def _plain(value: Any) -> Any:
         return mapping(value)
     if hasattr(value, "distance") or hasattr(value, "required"):
         kind = type(value)
-        known = kind.__name__ if _LAWS.get(kind.__name__) is kind else None
-        name = known or f"{kind.__module__}:{kind.__qualname__}"
-        return {"form": name, **(_fields(value) if known else {})}
+        if _LAWS.get(kind.__name__) is kind:
+            return {"form": kind.__name__, **_fields(value)}
+        own = isinstance(value, OwnLaw)
+        return {"form": value.name if own else f"{kind.__module__}:{kind.__qualname__}"}
     if is_dataclass(value):
         return _fields(value)
     if isinstance(value, dict):

@@ -25,6 +25,7 @@ from .programs import EXTERNAL
 from .proximity import ProximityWatch
 from .recorder import Event, Listener, Listeners, recording_to, rounded
 from .referee import Referee
+from .requirement_curve import is_plain, requirement_curve
 from .scene import scene_of
 from .summary import summarise
 from .trial import PersonEntry, Trial
@@ -68,7 +69,7 @@ class Simulation:
             trial.duration,
             record=self._record,
             warn=self._warn,
-            disable_gantry=self.gantry.disable if self.gantry else lambda _: None,
+            disable_gantry=self.gantry.drive.disable if self.gantry else lambda _: None,
         )
         for entry in trial.people:
             self.people.append(self._make_person(entry))
@@ -95,7 +96,7 @@ class Simulation:
         for watch in self.referee.watches:
             watch.close()
         if self.gantry is not None:
-            self.gantry.close()
+            self.gantry.drive.close()
         self._record("trial_ended", interrupted=interrupted)
         motions = {body.name: body.track() for body in self.bodies}
         summary = summarise(
@@ -122,6 +123,14 @@ class Simulation:
                 for watch in self.referee.watches
             },
             thoughts=tuple(self.thoughts),
+            requirements={
+                (pair.person.name, pair.machine.name): requirement_curve(
+                    watch.law, pair.person.plans, pair.machine.plans, self.clock.now
+                )
+                for watch in self.referee.watches
+                for pair in [watch.pair]
+                if not is_plain(watch.law)
+            },
         )
 
     def _make_person(self, entry: PersonEntry) -> Person:
@@ -216,6 +225,7 @@ class Simulation:
             return None
         entry = self.trial.gantry
         surroundings = Surroundings(
+            floorplan=self.trial.floorplan,
             see=self._see,
             locate=partial(self._locate, gantry),
             rules=self.trial.rules,

@@ -6,12 +6,13 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from navigation import Law, Motion, minimum_separation
+from navigation import AnyLaw, Motion, minimum_separation, required_at
 
+from .body import Body
 from .gantry import GantryRobot
 from .person import Person
 from .recorder import rounded
-from .referee import Referee
+from .referee import Cause, Referee
 from .trial import Trial
 
 
@@ -28,12 +29,12 @@ def summarise(
     """The figures of a run that depend on nothing but the trial.
 
     `minimum_separation` is the nearest that anybody came to the gantry's centre: distance and
-    required distance at that instant in metres, time in seconds. Times and distances of people
-    count from their start.
+    required distance at that instant in metres, time in seconds. `violations` are the penalties by
+    whose doing they were. Times and distances of people count from their start.
     """
     nearest = {
         person.name: _nearest(
-            motions[person.name], motions["gantry"], trial.rules.gantry_law, person.started_at, now
+            person.walker.body, gantry.body, motions, trial.rules.gantry_law, person.started_at, now
         )
         for person in people
         if gantry is not None and person.started_at is not None
@@ -45,15 +46,16 @@ def summarise(
         "seed": trial.seed,
         "duration": now,
         "interrupted": interrupted,
-        "penalties": referee.penalties,
+        "penalties": referee.penalties.total(),
+        "violations": _violations(referee.penalties, None),
         "agv_teleports": referee.agv_teleports,
-        "gantry_disabled_time": gantry.disabled_time if gantry else 0.0,
-        "jobs_done": gantry.jobs_done if gantry else 0,
+        **_gantry_figures(gantry, motions, now),
         "minimum_separation": min(
             nearest.values(), key=lambda found: float(found["distance"]), default=None
         ),
         "people": {
             person.name: _person_figures(person, motions[person.name], now)
+            | {"violations": _violations(referee.penalties, person.name)}
             | {"minimum_separation": nearest.get(person.name)}
             for person in people
         },
@@ -62,13 +64,49 @@ def summarise(
     return figures
 
 
+def _gantry_figures(
+    gantry: GantryRobot | None, motions: Mapping[str, Motion], now: float
+) -> dict[str, Any]:
+    """What the gantry did; it is idle while it neither moves, handles nor is disabled."""
+    if gantry is None:
+        return {"gantry_disabled_time": 0.0, "gantry_idle_time": 0.0, "jobs_done": 0}
+    drive = gantry.drive
+    moving = sum(
+        piece.end - piece.begin
+        for piece in motions["gantry"].pieces
+        if any(any(axis[1:]) for axis in (piece.x, piece.y, piece.rotation))
+    )
+    # While it brakes because it is disabled, both count.
+    busy = moving - drive.braking_time + drive.working_time + drive.disabled_time
+    return {
+        "gantry_disabled_time": drive.disabled_time,
+        "gantry_idle_time": max(0.0, now - busy),
+        "jobs_done": gantry.jobs_done,
+    }
+
+
 def _nearest(
-    person: Motion, gantry: Motion, law: Law, begin: float | None, end: float
+    person: Body,
+    gantry: Body,
+    motions: Mapping[str, Motion],
+    law: AnyLaw,
+    begin: float,
+    end: float,
 ) -> dict[str, float]:
-    time, distance = minimum_separation(person, gantry, begin or 0.0, end)
-    # A violation ends in a jump: what counts is how they moved until then.
-    required = law.distance(person.state_before(time).speed, gantry.state_before(time).speed)
+    tracks = (motions[person.name], motions[gantry.name])
+    time, distance = minimum_separation(*tracks, begin, end)
+    # A violation ends in a jump: what counts is what they were about to do until then.
+    required = required_at(law, person.plan_before(time), gantry.plan_before(time), time)
     return {"distance": distance, "time": time, "required": required}
+
+
+def _violations(penalties: Mapping[tuple[str, Cause], int], person: str | None) -> dict[str, int]:
+    """How many penalties were whose doing: all of them, or those of one person."""
+    found = {"gantry": 0, "person": 0}
+    for (who, cause), count in penalties.items():
+        if person in (who, None):
+            found[cause] += count
+    return found
 
 
 def _person_figures(person: Person, motion: Motion, now: float) -> dict[str, Any]:

@@ -62,7 +62,7 @@ class Task:
         self.fields = dict(fields or {})
         self.ready = ready
         self.done = done
-        self.begun = False
+        self.announced = False
         self._steps_done = 0
         if not self.steps:
             raise ValueError("a task needs at least one step")
@@ -71,9 +71,19 @@ class Task:
         return f"<task {self.kind} {self.fields}>"
 
     @property
+    def begun(self) -> bool:
+        """Whether a step of it has been done."""
+        return self._steps_done > 0
+
+    @property
     def finished(self) -> bool:
         """Whether all of it has been done."""
         return self._steps_done == len(self.steps)
+
+    @property
+    def steps_left(self) -> tuple[Step, ...]:
+        """What has to be done yet."""
+        return self.steps[self._steps_done :]
 
     @property
     def next_step(self) -> Step | None:

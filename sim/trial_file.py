@@ -16,7 +16,8 @@ from floorplan import Document, Floorplan, Number, Pair, Positive, Problem, Stri
 from .controllers import ControllerError, find_controller
 from .expectations import expectation_problems
 from .programs import EXTERNAL, find_program, load_program
-from .rules import PAPER, RULE_SETS, suggestion
+from .rules import PAPER, suggestion
+from .rules_file import RuleKeys, build_rules
 from .trial import AgvMove, GantryEntry, Job, PersonEntry, Start, Trial, TrialError
 
 
@@ -115,7 +116,7 @@ class _Trial(Strictly):
     folder: str = "."
     duration: Positive = 275.0
     seed: Annotated[int, Strict(), Field(ge=0)] = 0
-    rules: str = "paper"
+    rules: RuleKeys = RuleKeys.model_validate(PAPER.name)
     people: list[_Person] = []
     gantry: _Gantry = _Gantry()
     agvs: dict[str, list[_AgvMove]] = {}
@@ -126,12 +127,13 @@ def _build(document: Document, folder: Path) -> Trial:
     schema = document.checked(_Trial, TrialError)
     folder = folder / schema.folder
     plan = _floorplan(schema.floorplan, folder, document)
+    rules, rule_problems = build_rules(schema.rules, document, folder, "rules")
     trial = Trial(
         floorplan=plan,
         name=schema.name or Path(document.file).name.split(".")[0],
         duration=schema.duration,
         seed=schema.seed,
-        rules=RULE_SETS.get(schema.rules, PAPER),
+        rules=rules,
         people=tuple(_person(entry, folder) for entry in schema.people),
         gantry=GantryEntry(
             schema.gantry.controller,
@@ -147,7 +149,7 @@ def _build(document: Document, folder: Path) -> Trial:
         folder=folder,
         floorplan_source=schema.floorplan,
     )
-    problems = list(_problems(trial, schema, document))
+    problems = [*rule_problems, *_problems(trial, schema, document)]
     if problems:
         raise TrialError(document.file, problems)
     return trial
@@ -192,9 +194,6 @@ def _person(entry: _Person, folder: Path) -> PersonEntry:
 def _problems(trial: Trial, schema: _Trial, document: Document) -> Iterator[Problem]:
     """What keys and types can't tell: whether the things a trial names are there."""
     plan = trial.floorplan
-    if schema.rules not in RULE_SETS:
-        message = f"no rule set is called {schema.rules!r}; {suggestion(schema.rules, RULE_SETS)}"
-        yield document.problem(message, "rules")
     taken: set[str] = {"gantry", *(lane.name for lane in plan.lanes)}
     for k, person in enumerate(trial.people):
         yield from _person_problems(person, trial, document, k)

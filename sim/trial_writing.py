@@ -11,7 +11,7 @@ import yaml
 
 import floorplan
 
-from .rules import RULE_SETS, RuleSet
+from .rules_file import written_rules
 from .trial import GantryEntry, Job, PersonEntry, Start, Trial
 
 Data = dict[str, Any]
@@ -35,7 +35,7 @@ def _trial(trial: Trial) -> Data:
         "floorplan": _floorplan(trial),
         "duration": trial.duration,
         "seed": trial.seed,
-        "rules": _rules(trial.rules),
+        "rules": written_rules(trial.rules),
         "people": [_person(entry) for entry in trial.people],
         "gantry": _gantry(trial.gantry),
         "agvs": {name: [asdict(move) for move in moves] for name, moves in trial.agvs.items()},
@@ -54,12 +54,6 @@ def _floorplan(trial: Trial) -> str:
         f"the trial {trial.name!r} can't be written: its floorplan {name!r} came from no file;"
         " give floorplan_source"
     )
-
-
-def _rules(rules: RuleSet) -> str:
-    if RULE_SETS.get(rules.name) == rules:
-        return rules.name
-    raise ValueError(f"the rule set {rules.name!r} is none of those that can be written by name")
 
 
 def _person(entry: PersonEntry) -> Data:

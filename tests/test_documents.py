@@ -48,6 +48,8 @@ def test_files_that_are_shown_load(document, tmp_path):
             sim.Trial.load(path)
         elif path.suffix == ".yaml" and "boundary" in path.read_text(encoding="utf-8"):
             floorplan.load(path)
+        elif path.suffix == ".yaml" and "based_on" in path.read_text(encoding="utf-8"):
+            sim.load_rules(path)
         elif path.suffix == ".asl":
             bdi.parse_file(path)
 

@@ -12,11 +12,11 @@ def check(
     files: Annotated[
         list[str],
         typer.Argument(
-            metavar="FILE...", help="Floorplans, trials and .asl programs; names work too."
+            metavar="FILE...", help="Floorplans, trials, rule sets, .asl programs; names work too."
         ),
     ],
 ) -> None:
-    """Check floorplans, trials and programs: every problem with its place; exit 1 if any."""
+    """Check floorplans, trials, rules and programs: every problem with its place; exit 1 if any."""
     faults = [fault for file in files for fault in [_fault(file)] if fault]
     for fault in faults:
         typer.echo(fault, err=True)
@@ -37,7 +37,7 @@ def _read(file: str) -> str:
     """What stands in a file or built-in of that name, in words."""
     import bdi
     import floorplan
-    from sim import Trial, builtin_trials
+    from sim import Trial, builtin_trials, load_rules
 
     path = Path(file)
     if path.suffix == ".asl" or file in bdi.programs():
@@ -46,8 +46,11 @@ def _read(file: str) -> str:
         # A trial may be called after its floorplan: both are looked at.
         floors = f"; {_floor(floorplan.load(file))}" if file in floorplan.builtin() else ""
         return _trial(Trial.load(file)) + floors
-    if path.suffix in (".yaml", ".yml") and path.exists() and _is_trial(path):
-        return _trial(Trial.load(path))
+    if path.suffix in (".yaml", ".yml") and path.exists():
+        if _is_rule_set(path):
+            return f"the rule set {load_rules(path).name}"
+        if _is_trial(path):
+            return _trial(Trial.load(path))
     return _floor(floorplan.load(file))
 
 
@@ -57,6 +60,15 @@ def _is_trial(path: Path) -> bool:
 
     data = floorplan.read_yaml(path, floorplan.FloorplanError).data
     return isinstance(data, dict) and not {"boundary", "image"} & set(data)
+
+
+def _is_rule_set(path: Path) -> bool:
+    """Whether a YAML file is a rule set: it has laws or what follows, and no floorplan."""
+    import floorplan
+
+    data = floorplan.read_yaml(path, floorplan.FloorplanError).data
+    telling = {"based_on", "gantry_law", "agv_law", "notice", "gantry_disabled"}
+    return isinstance(data, dict) and bool(telling & set(data)) and "floorplan" not in data
 
 
 def _program(file: str) -> str:

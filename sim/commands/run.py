@@ -30,7 +30,7 @@ def run(
     ] = None,
     duration: Annotated[float | None, typer.Option(help="Seconds to simulate.")] = None,
     seed: Annotated[int | None, typer.Option(min=0, help="Seed of everything random.")] = None,
-    rules: Annotated[str | None, typer.Option(help="Rule set: paper or ariac2023.")] = None,
+    rules: Annotated[str | None, typer.Option(help="Rule set: a name, or a YAML file.")] = None,
     out: Annotated[
         Path | None, typer.Option(help="Folder for the recording (runs/TRIAL if not given).")
     ] = None,
@@ -67,7 +67,7 @@ def _changed(
     seed: int | None,
     rules: str | None,
 ) -> Trial:
-    from sim import rule_set
+    from sim import find_rules
 
     if personality is not None:
         path = Path(personality)
@@ -81,7 +81,7 @@ def _changed(
     if seed is not None:
         trial = replace(trial, seed=seed)
     if rules is not None:
-        trial = replace(trial, rules=rule_set(rules))
+        trial = replace(trial, rules=find_rules(rules))
     return trial
 
 
@@ -138,7 +138,7 @@ def _report(run: Run, folder: Path) -> None:
 
 def _figures(summary: dict[str, Any]) -> list[tuple[str, str]]:
     figures = [
-        ("penalties", str(summary["penalties"])),
+        ("penalties", _penalties(summary)),
         ("teleports by AGVs", str(summary["agv_teleports"])),
         ("gantry disabled", f"{summary['gantry_disabled_time']:.1f} s"),
         ("gantry jobs done", str(summary["jobs_done"])),
@@ -161,6 +161,12 @@ def _figures(summary: dict[str, Any]) -> list[tuple[str, str]]:
             (f"{name}: replans", str(person["replans"])),
         ]
     return figures
+
+
+def _penalties(summary: dict[str, Any]) -> str:
+    """How many, and whose doing they were."""
+    causes = [f"{cause} {count}×" for cause, count in summary["violations"].items() if count]
+    return f"{summary['penalties']}" + (f" ({', '.join(causes)})" if causes else "")
 
 
 def _counted(visits: list[str]) -> str:

@@ -5,17 +5,23 @@ things to wait for. Copy one of these files to write your own, and name it in a 
 `package.module:name`.
 """
 
+from .avoiding import avoiding
+from .caution import Caution
 from .finding import CONTROLLERS, Controller, ControllerError, find_controller
 from .oblivious import oblivious
 from .parked import parked
+from .pausing import pausing
 from .supervision import supervised
 
 __all__ = [
     "CONTROLLERS",
+    "Caution",
     "Controller",
     "ControllerError",
+    "avoiding",
     "find_controller",
     "oblivious",
     "parked",
+    "pausing",
     "supervised",
 ]

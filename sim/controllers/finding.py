@@ -7,14 +7,22 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
-from ..gantry import GantryRobot, Steps
+from ..drive import Steps
+from ..gantry import GantryRobot
 from ..rules import suggestion
+from .avoiding import avoiding
 from .oblivious import oblivious
 from .parked import parked
+from .pausing import pausing
 
 Controller = Callable[[GantryRobot], Steps]
 
-CONTROLLERS: dict[str, Controller] = {"parked": parked, "oblivious": oblivious}
+CONTROLLERS: dict[str, Controller] = {
+    "parked": parked,
+    "oblivious": oblivious,
+    "pausing": pausing,
+    "avoiding": avoiding,
+}
 """The controllers that come with Floorwalker."""
 
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from ..gantry import GantryRobot, Steps
+from ..drive import Steps
+from ..gantry import GantryRobot
 
 
 def parked(gantry: GantryRobot) -> Steps:

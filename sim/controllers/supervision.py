@@ -11,7 +11,8 @@ from typing import Any
 
 from simpy.events import Event
 
-from ..gantry import GantryRobot, Steps
+from ..drive import Steps
+from ..gantry import GantryRobot
 from .finding import Controller, ControllerError
 
 MOST_AT_ONCE = 1000

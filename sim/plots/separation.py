@@ -102,20 +102,13 @@ def _draw_pair(axes: Axes, run: Recorded, pair: Pair, span: Span) -> None:
 
 
 def _required(run: Recorded, pair: Pair, t: Array) -> Array:
-    """What the rules require at these instants (N,), metres; NaN where they require nothing."""
-    human, robot = (run.motions[name] for name in pair)
-    rules = run.scene.rules
-    is_agv = run.scene.kind(pair[1]) == "agv"
-    law = rules.agv_law if is_agv else rules.gantry_law
-    required = [
-        np.nan
-        if np.isnan(instant)
-        else law.distance(human.state(instant).speed, robot.state(instant).speed)
-        for instant in t.tolist()
-    ]
-    if not is_agv:
-        return np.array(required)
-    return np.where(speeds(robot, t) > STANDING_SPEED, required, np.nan)
+    """What the rules required at these instants (N,), metres; NaN where they required nothing."""
+    required = np.full(len(t), np.nan)
+    known = ~np.isnan(t)
+    required[known] = run.required(*pair, t[known])
+    if run.scene.kind(pair[1]) == "agv":
+        required[known & ~(speeds(run.motions[pair[1]], t) > STANDING_SPEED)] = np.nan
+    return required
 
 
 def _mark_violations(axes: Axes, run: Recorded, pair: Pair, span: Span) -> None:

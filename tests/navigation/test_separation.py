@@ -184,3 +184,48 @@ def test_terms_are_finite_and_not_negative(term, value):
         SeparationLaw(**{"t1": 1.0, "t2": 1.0, term: value})
     with pytest.raises(ValueError, match="metres must be"):
         FixedDistance(value)
+
+
+LAWS = [
+    SeparationLaw(t1=0.7, t2=1.1, stopping=0.25, intrusion=0.5),
+    IntegralLaw(t1=0.7, t2=1.1, stopping=0.25, intrusion=0.5),
+    ApproachLaw(time=1.5, intrusion=0.2),
+    FixedDistance(2.1),
+]
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_what_is_required_at_an_instant_and_of_steady_speeds_is_the_same(law):
+    person = navigation.walk([(-20, 0), (20, 0)], 0.0, max_speed=1.3)
+    machine = navigation.gantry_move((-14, -7, 0), (0, 7, 0))
+    steady = navigation.required_at_speeds(law, 1.3, machine.state(10.0).speed)
+    assert navigation.required_at(law, person, machine, 10.0) == pytest.approx(steady, abs=1e-9)
+    assert navigation.required_at(Scaled(law, 2.0), person, machine, 10.0) == pytest.approx(
+        2 * steady, abs=1e-9
+    )
+    assert navigation.required_at_speeds(Scaled(law, 2.0, cap=0.3), 1.3, 1.0) == 0.3
+
+
+@pytest.mark.parametrize("cap", [math.inf, 1.6])
+def test_a_scaled_law_that_looks_ahead_is_judged_as_its_figures_say(cap):
+    """Somebody who walks to a stop beside a standing machine, against sampling the figures."""
+    person = navigation.walk([(-6, 0.8), (-0.5, 0.8)], 0.0)
+    machine = navigation.standing((0, 0))
+    law = Scaled(IntegralLaw(t1=0.5, t2=0.7, intrusion=0.9), 1.2, cap)
+    ts = np.arange(0.0, 8.0, 1e-3)
+    required = np.array([navigation.required_at(law, person, machine, t) for t in ts.tolist()])
+    gap = np.hypot(*person.position(ts).T)
+    changes = ts[1:][np.diff(gap < required)]
+    spans = navigation.violations(person, machine, law, 0.0, 8.0)
+    found = [t for span in spans for t in span if 0.0 < t < 8.0]
+    assert found == pytest.approx(changes.tolist(), abs=1.1e-3)
+    assert found
+    _, margin = navigation.minimum_margin(person, machine, law, 0.0, 8.0)
+    assert margin == pytest.approx((gap - required).min(), abs=1e-5)
+
+
+def test_a_scaled_law_of_more_than_speeds_has_no_distance_at_speeds_alone():
+    law = Scaled(IntegralLaw(t1=0.5, t2=0.7), 2.0)
+    assert not navigation.is_of_speeds(law)
+    with pytest.raises(TypeError, match="more than two speeds"):
+        law.distance(1.0, 0.0)

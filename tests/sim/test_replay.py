@@ -12,7 +12,9 @@ import pytest
 import replay_sample
 from PIL import Image, ImageChops
 
+import sim
 from sim import replay
+from sim.replay_data import replay_data
 
 INSTANTS = [0.0, 2.4, 9.93, 27.0, 61.7, 69.1, 140.25, 181.0, 274.9, 275.0]
 CHROMIUM = ("chromium", "chromium-browser", "google-chrome")
@@ -247,11 +249,14 @@ def test_the_numbers_shown_are_those_of_the_instant(viewer, recording, t):
     distance, required = replay_sample.separation(
         motions["operator"], motions["gantry"], replay_sample.LAW, t
     )
-    assert viewer.number("#now-time") == pytest.approx(t, abs=0.00501)
-    assert viewer.number("#now-distance") == pytest.approx(distance, abs=0.00501)
-    assert viewer.number("#now-required") == pytest.approx(required, abs=0.00501)
-    assert viewer.number("#now-margin") == pytest.approx(distance - required, abs=0.00501)
-    for name, field in (("operator", "#now-person-speed"), ("gantry", "#now-other-speed")):
+    assert viewer.number("[data-shows=time]") == pytest.approx(t, abs=0.00501)
+    assert viewer.number("[data-shows=distance]") == pytest.approx(distance, abs=0.00501)
+    assert viewer.number("[data-shows=required]") == pytest.approx(required, abs=0.00501)
+    assert viewer.number("[data-shows=margin]") == pytest.approx(distance - required, abs=0.00501)
+    for name, field in (
+        ("operator", "[data-shows=person-speed]"),
+        ("gantry", "[data-shows=other-speed]"),
+    ):
         *_, vx, vy = replay_sample.pose(motions[name], t)
         assert viewer.number(field) == pytest.approx(math.hypot(vx, vy), abs=0.00501)
 
@@ -266,8 +271,8 @@ def test_another_watch_can_be_chosen(viewer, recording):
     distance, _ = replay_sample.separation(
         motions["visitor"], motions["agv2"], {"distance": 2.1}, 101.0
     )
-    assert viewer.number("#now-distance") == pytest.approx(distance, abs=0.00501)
-    assert viewer.text("#now-required") == "2.10 m"
+    assert viewer.number("[data-shows=distance]") == pytest.approx(distance, abs=0.00501)
+    assert viewer.text("[data-shows=required]") == "2.10 m"
 
 
 def test_the_noticing_distance_has_a_law_and_a_cap_of_its_own(open_page, recording):
@@ -337,7 +342,7 @@ def test_the_keys_work(viewer):
 
 
 def test_space_plays_after_a_click_on_a_button(viewer):
-    viewer.page.locator("#events li button").nth(3).click()
+    viewer.page.locator(".events li button").nth(3).click()
     begun = viewer.time
     viewer.page.keyboard.press("Space")
     viewer.wait_until(lambda: viewer.time > begun)
@@ -381,15 +386,15 @@ def test_a_mark_on_the_timeline_jumps_to_its_very_instant(viewer, recording):
 
 
 def test_the_list_shows_every_event_and_jumps(viewer, recording):
-    items = viewer.page.locator("#events li")
+    items = viewer.page.locator(".events li")
     assert items.count() == len(recording["events"])
-    times = [float(text) for text in viewer.page.locator("#events time").all_inner_texts()]
+    times = [float(text) for text in viewer.page.locator(".events time").all_inner_texts()]
     assert times == [pytest.approx(event["t"], abs=0.00501) for event in recording["events"]]
     index = next(i for i, e in enumerate(recording["events"]) if e["kind"] == "job_done")
     items.nth(index).locator("button").click()
     viewer.settle()
     assert viewer.time == recording["events"][index]["t"]
-    current = viewer.page.locator("#events li[aria-current]")
+    current = viewer.page.locator(".events li[aria-current]")
     assert current.count() == 1
     assert "blue battery" in current.inner_text()
 
@@ -399,8 +404,8 @@ def test_the_current_event_is_kept_in_view(viewer):
     viewer.seek(200.0)
     assert viewer.page.evaluate(
         """() => {
-            const list = document.querySelector("#events ol").getBoundingClientRect();
-            const item = document.querySelector("#events [aria-current]").getBoundingClientRect();
+            const list = document.querySelector(".events ol").getBoundingClientRect();
+            const item = document.querySelector(".events [aria-current]").getBoundingClientRect();
             return list.top <= item.top && item.bottom <= list.bottom && window.scrollY === 0;
         }"""
     )
@@ -410,15 +415,15 @@ def test_a_violation_is_said_in_words(viewer, recording):
     violation = next(e for e in recording["events"] if e["kind"] == "violation")
     viewer.seek(violation["t"])
     figures = f"{violation['distance']:.2f} of {violation['required']:.2f} m"
-    assert viewer.text("#state") == f"violation at {violation['t']:.2f} s: {figures}"
+    assert viewer.text("[data-shows=state]") == f"violation at {violation['t']:.2f} s: {figures}"
     viewer.seek(69.1)
-    assert viewer.text("#state") == "too close: violation"
+    assert viewer.text("[data-shows=state]") == "too close: violation"
     viewer.seek(0.0)
-    assert viewer.text("#state") == "enough distance"
+    assert viewer.text("[data-shows=state]") == "enough distance"
 
 
 def test_the_floor_is_drawn_from_the_time_shown(viewer):
-    floor = viewer.page.locator("#floor")
+    floor = viewer.page.locator(".view canvas")
     early = floor.screenshot()
     viewer.seek(66.0)
     late = floor.screenshot()
@@ -428,7 +433,7 @@ def test_the_floor_is_drawn_from_the_time_shown(viewer):
 
 
 def test_the_floor_zooms_pans_and_fits(viewer):
-    floor = viewer.page.locator("#floor")
+    floor = viewer.page.locator(".view canvas")
     whole = floor.screenshot()
     floor.hover()
     viewer.page.mouse.wheel(0, -400)
@@ -449,15 +454,15 @@ def test_the_floor_zooms_pans_and_fits(viewer):
 def test_a_body_can_be_followed(viewer):
     viewer.page.locator("#follow").select_option("agv1")
     viewer.seek(70.0)
-    before = viewer.page.locator("#floor").screenshot()
+    before = viewer.page.locator(".view canvas").screenshot()
     viewer.seek(77.0)
-    assert differ(before, viewer.page.locator("#floor").screenshot())
+    assert differ(before, viewer.page.locator(".view canvas").screenshot())
     viewer.page.locator("#fit").click()
     assert viewer.page.locator("#follow").input_value() == ""
 
 
 def test_what_is_under_the_pointer_is_named(viewer):
-    box = viewer.page.locator("#floor").bounding_box()
+    box = viewer.page.locator(".view canvas").bounding_box()
     viewer.page.locator("#follow").select_option("agv3")
     viewer.settle()
     viewer.page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
@@ -495,7 +500,7 @@ def test_two_fingers_zoom_the_floor(open_page, recording):
         replay.render(recording), viewport={"width": 390, "height": 844}, has_touch=True
     )
     viewer.settle()
-    floor = viewer.page.locator("#floor")
+    floor = viewer.page.locator(".view canvas")
     whole = floor.screenshot()
     box = floor.bounding_box()
     x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
@@ -511,14 +516,16 @@ def test_two_fingers_zoom_the_floor(open_page, recording):
 
 def test_every_control_has_a_name(viewer):
     unnamed = viewer.page.evaluate(
-        """() => [...document.querySelectorAll("button, select, canvas#floor, [role=slider]")]
+        """() => [...document.querySelectorAll("button, select, .view canvas, [role=slider]")]
             .filter(e => !(e.getAttribute("aria-label") || e.innerText.trim() || e.labels?.length))
             .map(e => e.outerHTML)"""
     )
     assert unnamed == []
     viewer.seek(5.0)
     assert viewer.page.locator("#chart").get_attribute("aria-valuetext") == "5.0 seconds"
-    assert "operator moving at 1.0 m/s" in viewer.page.locator("#floor").get_attribute("aria-label")
+    assert "operator moving at 1.0 m/s" in viewer.page.locator(".view canvas").get_attribute(
+        "aria-label"
+    )
 
 
 def test_an_address_can_point_at_an_instant(open_page, recording, tmp_path):
@@ -553,8 +560,8 @@ def test_a_floor_with_next_to_nothing_on_it(open_page):
     viewer.seek(3)
     assert viewer.page.evaluate("window.floorwalker.pose('walker', 3).x") == 1.5
     assert viewer.page.evaluate("window.floorwalker.pose('walker', 9).speed") == 0
-    assert viewer.text("#events li").endswith("never heard of")
-    assert viewer.page.locator("#now-distance").is_hidden()
+    assert viewer.text(".events li").endswith("never heard of")
+    assert viewer.page.locator("[data-shows=distance]").is_hidden()
     assert viewer.complaints == []
 
 
@@ -566,7 +573,7 @@ def test_names_are_shown_as_they_are(open_page, recording):
     hostile["summary"][name] = name
     viewer = open_page(replay.render(hostile))
     assert viewer.text("#title") == name
-    assert name in viewer.text("#events li:nth-child(4)")
+    assert name in viewer.text(".events li:nth-child(4)")
     assert viewer.page.locator("img").count() == 0
     assert viewer.complaints == []
 
@@ -622,3 +629,18 @@ def test_a_page_without_its_recording_says_so(open_page, recording):
     html = replay.render(recording)
     viewer = open_page(html[: html.index("<script type=")])
     assert "it holds no recording" in viewer.text("#trouble")
+
+
+def test_a_law_of_more_than_speeds_is_drawn_along_its_curve(open_page):
+    rules = "{gantry_law: {iso_ts_15066_integral: {t1: 1.0, t2: 1.5, intrusion: 1.0}}}"
+    trial = f"floorplan: ariac2023\nduration: 40\npeople: [{{name: a}}]\nrules: {rules}\n"
+    run = sim.run(sim.Trial.parse(trial))
+    viewer = open_page(replay.render(replay_data(run)))
+    watch = next(k for k, pair in enumerate(run.violations) if pair == ("a", "gantry"))
+    shown = "([watch, t]) => window.floorwalker.separation(watch, t)"
+    for t in (0.05, 1.3, 5.1, 12.0, 22.7, 31.9):
+        required = float(run.required("a", "gantry", t))
+        found = viewer.page.evaluate(shown, [watch, t])
+        assert found["required"] == pytest.approx(required, abs=1e-6)
+        assert found["notice"] == pytest.approx(2 * required, abs=1e-6)
+    assert viewer.complaints == []

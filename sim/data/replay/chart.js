@@ -1,20 +1,21 @@
-/* The plot and the timeline below it. */
+/* The plot and the timeline below it: a band for each run, and one time axis for all. */
 
 const ROW_HEIGHT = 17;
 const AXIS_HEIGHT = 16;
 const GUTTER = { left: 52, right: 12, top: 6 };
+const SAME = 1e-3;           // metres: a separation is that of the summary
 
-/** Distance and required distance over the whole run, and below them the events: one time axis. */
+/** Distance, required distance and events over time; `runs` can be replaced. */
 class Chart {
-  constructor(element, recording, bodies, disabled, onResize) {
-    this.duration = recording.duration;
-    this.summary = recording.summary ?? {};
-    this.disabled = disabled;
-    this.marks = recording.events.map(event => ({ event, look: lookOf(event, bodies) }))
-      .filter(mark => mark.look.row)
-      .sort((a, b) => (a.event.kind === "violation") - (b.event.kind === "violation"));   // on top
+  constructor(element, onResize) {
     this.cursor = element.querySelector("#cursor");
     this.surface = new Surface(element.querySelector("canvas"), onResize);
+    this.bands = [];
+  }
+
+  show(runs) {
+    this.duration = Math.max(...runs.map(run => run.duration));
+    this.bands = runs.map((run, i) => new Band(run, runs.length > 1 ? LETTERS[i] : ""));
   }
 
   toX(t) {
@@ -28,28 +29,26 @@ class Chart {
 
   /** The mark within a few pixels of (x, y), the nearest first. */
   markAt(x, y) {
-    const off = mark => Math.hypot(this.toX(mark.event.t) - x, this.#rowY(mark.look.row) - y);
-    const near = this.marks.filter(mark => off(mark) <= 9);
-    return near.sort((a, b) => off(a) - off(b))[0];
+    const marks = this.bands.flatMap(band => band.marks.map(mark => ({
+      ...mark, off: Math.hypot(this.toX(mark.event.t) - x, band.rowY(mark.look.row) - y),
+    })));
+    return marks.filter(mark => mark.off <= 9).sort((a, b) => a.off - b.off)[0];
   }
 
   moveCursor(t) {
     this.cursor.style.transform = `translateX(${this.toX(t)}px)`;
   }
 
-  get #plotBottom() {
-    return this.surface.height - AXIS_HEIGHT - ROWS.length * ROW_HEIGHT - 4;
-  }
-
-  #rowY(row) {
-    return this.#plotBottom + 4 + (ROWS.indexOf(row) + 0.5) * ROW_HEIGHT;
-  }
-
-  draw(watch, palette) {
+  /** Draws all of it anew; `watches` has the chosen one of each run. */
+  draw(watches, palette) {
     const context = this.surface.clear();
+    const height = (this.surface.height - AXIS_HEIGHT) / this.bands.length;
+    const highest = Math.max(1, ...watches.filter(Boolean).map(highestOf));
     this.#drawAxis(context, palette);
-    if (watch) this.#drawPlot(context, watch, palette);
-    this.#drawRows(context, watch, palette);
+    this.bands.forEach((band, i) => {
+      band.place(i * height, height);
+      band.draw({ context, palette, toX: t => this.toX(t), surface: this.surface }, watches[i], highest);
+    });
   }
 
   #drawAxis(context, palette) {
@@ -65,78 +64,111 @@ class Chart {
       context.fillRect(Math.round(this.toX(t)), GUTTER.top, 1, height - AXIS_HEIGHT - GUTTER.top);
     }
   }
+}
 
-  #drawPlot(context, watch, palette) {
-    const { width } = this.surface;
-    const bottom = this.#plotBottom;
-    const curves = watch.curves;
-    const highest = this.#highest(curves);
-    const toY = value => bottom - (value / highest) * (bottom - GUTTER.top);
+/** One run's part of the chart: its plot, and below it a row for each kind of mark. */
+class Band {
+  constructor(run, letter) {
+    this.run = run;
+    this.letter = letter;
+    this.marks = run.events.map(event => ({ event, look: lookOf(event, run.bodies) }))
+      .filter(mark => mark.look.row)
+      .sort((a, b) => (a.event.kind === "violation") - (b.event.kind === "violation"));   // on top
+    this.place(0, 1);
+  }
 
+  /** Where it is in the chart, pixels. */
+  place(top, height) {
+    this.top = top + GUTTER.top;
+    this.bottom = top + height - ROWS.length * ROW_HEIGHT - 4;
+  }
+
+  rowY(row) {
+    return this.bottom + 4 + (ROWS.indexOf(row) + 0.5) * ROW_HEIGHT;
+  }
+
+  draw(pen, watch, highest) {
+    if (watch) this.#drawPlot(pen, watch, highest);
+    this.#drawRows(pen, watch);
+    const { context, palette } = pen;
+    if (this.letter) drawPlate(context, this.letter, GUTTER.left + 14, this.top + 11, palette, "text");
+  }
+
+  #drawPlot(pen, watch, highest) {
+    const { context, palette, toX, surface } = pen;
+    const toY = value => this.bottom - (value / highest) * (this.bottom - this.top);
+    this.#drawScale(pen, toY, highest);
+    const line = (curve, field) => {
+      const path = new Path2D();
+      for (const point of curve) if (point[field] !== null) path.lineTo(toX(point.t), toY(point[field]));
+      return path;
+    };
+    context.save();
+    context.beginPath();
+    context.rect(GUTTER.left, this.top, surface.width - GUTTER.left - GUTTER.right, this.bottom - this.top + 1);
+    context.clip();
+    for (const curve of watch.curves) {
+      const region = (field, edge) => {
+        const path = line(curve, field);
+        path.lineTo(toX(curve.at(-1).t), edge);
+        path.lineTo(toX(curve[0].t), edge);
+        path.closePath();
+        return path;
+      };
+      const between = (under, above, color, opacity) => {
+        context.save();
+        context.clip(region(under, this.bottom));
+        context.fillStyle = color;
+        context.globalAlpha = opacity;
+        context.fill(region(above, this.top - surface.height));
+        context.restore();
+      };
+      between("distance", "required", palette[watch.person.color], 0.1);    // the margin
+      between("required", "distance", palette.danger, 0.35);                // what is missing
+    }
+    drawViolationBands(pen, watch, this.top, this.bottom - this.top);
+    context.lineJoin = "round";
+    const stroke = (curve, field, color, width, dash) => {
+      context.strokeStyle = color;
+      context.lineWidth = width;
+      context.setLineDash(dash);
+      context.stroke(line(curve, field));
+    };
+    for (const curve of watch.curves) {
+      stroke(curve, "notice", palette.muted, 1, [1, 3]);
+      stroke(curve, "required", palette.danger, 1.25, [5, 3]);
+      stroke(curve, "distance", palette[watch.person.color], 1.75, []);
+    }
+    context.restore();
+    this.#drawClosest(pen, watch, toY);
+  }
+
+  #drawScale({ context, palette, surface }, toY, highest) {
     context.strokeStyle = palette.line;
     context.lineWidth = 1;
-    const step = [0.5, 1, 2, 5, 10, 20, 50].find(s => (s / highest) * (bottom - GUTTER.top) >= 22) ?? 100;
+    const step = [0.5, 1, 2, 5, 10, 20, 50].find(s => (s / highest) * (this.bottom - this.top) >= 22) ?? 100;
     for (let value = 0; value <= highest; value += step) {
       const y = Math.round(toY(value)) + 0.5;
+      context.globalAlpha = value ? 0.5 : 1;
       context.beginPath();
       context.moveTo(GUTTER.left, y);
-      context.lineTo(width - GUTTER.right, y);
-      context.globalAlpha = value ? 0.5 : 1;
+      context.lineTo(surface.width - GUTTER.right, y);
       context.stroke();
       context.globalAlpha = 1;
       drawText(context, value + step > highest ? `${value} m` : `${value}`, GUTTER.left - 7, y,
         { color: palette.muted, size: 11, align: "right" });
     }
+  }
 
-    context.save();
+  /** The minimum separation of the summary, where it is that of this watch. */
+  #drawClosest({ context, palette, toX }, watch, toY) {
+    const { minimum_separation: ofAll, people } = this.run.recording.summary ?? {};
+    const found = people?.[watch.person.name]?.minimum_separation ?? ofAll;
+    if (!found || watch.other.kind !== "gantry") return;
+    const fits = state => Math.abs(state.distance - found.distance) < SAME;
+    if (!fits(watch.at(found.time)) && !fits(watch.before(found.time))) return;
     context.beginPath();
-    context.rect(GUTTER.left, GUTTER.top, width - GUTTER.left - GUTTER.right, bottom - GUTTER.top + 1);
-    context.clip();
-    const line = (curve, field) => {
-      const path = new Path2D();
-      for (const point of curve) if (point[field] !== null) path.lineTo(this.toX(point.t), toY(point[field]));
-      return path;
-    };
-    const region = (curve, field, edge) => {
-      const path = line(curve, field);
-      path.lineTo(this.toX(curve.at(-1).t), edge);
-      path.lineTo(this.toX(curve[0].t), edge);
-      path.closePath();
-      return path;
-    };
-    const between = (curve, under, above, color, opacity) => {
-      context.save();
-      context.clip(region(curve, under, bottom));
-      context.fillStyle = color;
-      context.globalAlpha = opacity;
-      context.fill(region(curve, above, -bottom));
-      context.restore();
-    };
-    for (const curve of curves) {
-      between(curve, "distance", "required", palette[watch.person.color], 0.1);    // the margin
-      between(curve, "required", "distance", palette.danger, 0.35);                // what is missing
-    }
-    this.#drawViolationBands(context, watch, palette, GUTTER.top, bottom - GUTTER.top);
-    context.lineJoin = "round";
-    for (const curve of curves) {
-      context.strokeStyle = palette.muted;
-      context.lineWidth = 1;
-      context.setLineDash([1, 3]);
-      context.stroke(line(curve, "notice"));
-      context.strokeStyle = palette.danger;
-      context.lineWidth = 1.25;
-      context.setLineDash([5, 3]);
-      context.stroke(line(curve, "required"));
-      context.strokeStyle = palette[watch.person.color];
-      context.lineWidth = 1.75;
-      context.setLineDash([]);
-      context.stroke(line(curve, "distance"));
-    }
-    context.restore();
-    const closest = this.#closest(watch);
-    if (!closest) return;
-    context.beginPath();
-    context.arc(this.toX(closest.time), toY(closest.distance), 3.5, 0, 2 * Math.PI);
+    context.arc(toX(found.time), toY(found.distance), 3.5, 0, 2 * Math.PI);
     context.fillStyle = palette.card;
     context.strokeStyle = palette[watch.person.color];
     context.lineWidth = 1.75;
@@ -144,57 +176,48 @@ class Chart {
     context.stroke();
   }
 
-  /** The minimum separation of the summary, where it is that of this watch. */
-  #closest(watch) {
-    const { minimum_separation: ofAll, people } = this.summary;
-    const found = people?.[watch.person.name]?.minimum_separation ?? ofAll;
-    if (!found || watch.other.kind !== "gantry") return null;
-    const fits = state => Math.abs(state.distance - found.distance) < 1e-3;
-    return fits(watch.at(found.time)) || fits(watch.before(found.time)) ? found : null;
-  }
-
-  /** The top of the plot: all that matters beside the required distance; what is farther may leave it. */
-  #highest(curves) {
-    let distance = 0;
-    let required = 0;
-    for (const curve of curves) {
-      for (const point of curve) {
-        distance = Math.max(distance, point.distance);
-        required = Math.max(required, point.required);
-      }
-    }
-    return Math.max(1, Math.min(distance * 1.05, required * 3));
-  }
-
-  #drawViolationBands(context, watch, palette, top, height) {
-    const hatch = hatching(context, palette.danger, this.surface.ratio);
-    for (const [begin, end] of watch.violations) {
-      const x = this.toX(begin);
-      const width = Math.max(2, this.toX(end) - x);
-      context.fillStyle = palette.danger;
-      alpha(context, 0.16, () => context.fillRect(x, top, width, height));
-      context.fillStyle = hatch;
-      alpha(context, 0.5, () => context.fillRect(x, top, width, height));
-    }
-  }
-
-  #drawRows(context, watch, palette) {
-    const { width } = this.surface;
+  #drawRows(pen, watch) {
+    const { context, palette, toX, surface } = pen;
     for (const row of ROWS) {
-      const y = this.#rowY(row);
+      const y = this.rowY(row);
       drawText(context, row, GUTTER.left - 7, y, { color: palette.muted, size: 11, align: "right" });
       context.fillStyle = palette.line;
-      context.fillRect(GUTTER.left, Math.round(y), width - GUTTER.left - GUTTER.right, 1);
+      context.fillRect(GUTTER.left, Math.round(y), surface.width - GUTTER.left - GUTTER.right, 1);
     }
-    const y = this.#rowY("safety") - 4;
+    const y = this.rowY("safety") - 4;
     context.fillStyle = palette.gantry;
-    for (const [begin, end] of this.disabled) {
-      const wide = Math.max(2, this.toX(end) - this.toX(begin));
-      alpha(context, 0.4, () => context.fillRect(this.toX(begin), y, wide, 8));
+    for (const [begin, end] of this.run.disabled) {
+      const wide = Math.max(2, toX(end) - toX(begin));
+      alpha(context, 0.4, () => context.fillRect(toX(begin), y, wide, 8));
     }
-    if (watch) this.#drawViolationBands(context, watch, palette, y, 8);
+    if (watch) drawViolationBands(pen, watch, y, 8);
     for (const { event, look } of this.marks) {
-      drawGlyph(context, look, this.toX(event.t), this.#rowY(look.row), palette, 0.8);
+      drawGlyph(context, look, toX(event.t), this.rowY(look.row), palette, 0.8);
     }
+  }
+}
+
+/** The top of a plot: all that matters beside the required distance; what is farther may leave it. */
+function highestOf(watch) {
+  let distance = 0;
+  let required = 0;
+  for (const curve of watch.curves) {
+    for (const point of curve) {
+      distance = Math.max(distance, point.distance);
+      required = Math.max(required, point.required);
+    }
+  }
+  return Math.min(distance * 1.05, required * 3);
+}
+
+function drawViolationBands({ context, palette, toX, surface }, watch, top, height) {
+  const hatch = hatching(context, palette.danger, surface.ratio);
+  for (const [begin, end] of watch.violations) {
+    const x = toX(begin);
+    const width = Math.max(2, toX(end) - x);
+    context.fillStyle = palette.danger;
+    alpha(context, 0.16, () => context.fillRect(x, top, width, height));
+    context.fillStyle = hatch;
+    alpha(context, 0.5, () => context.fillRect(x, top, width, height));
   }
 }

@@ -2,11 +2,17 @@
 
 const SPEEDS = [0.25, 0.5, 1, 2, 4, 8, 16, 32, 64];
 const LONGEST_FRAME = 0.1;     // seconds: a page that was asleep goes on where it was
+const LIVE_LAG = 0.4;          // seconds of the viewer's time: so far a live replay stays behind
+const LIVE_LOST = 2;           // the same: from here on it leaps
 
-/** Goes on at `speed` while it plays; `onChange` is called whenever something changes. */
+/**
+ * Goes on at `speed` while it plays, until the `frontier`: as far as is known of the `duration`.
+ * While it `isLive`, it keeps close to the frontier. `onChange` is called whenever something changes.
+ */
 class Clock {
   constructor(duration, onChange) {
-    Object.assign(this, { duration, onChange, time: 0, speed: 1, isPlaying: false });
+    Object.assign(this, { duration, frontier: duration, onChange, time: 0, speed: 1 });
+    this.isPlaying = this.isLive = false;
   }
 
   play() {
@@ -16,25 +22,42 @@ class Clock {
   }
 
   pause() {
-    this.isPlaying = false;
+    this.isPlaying = this.isLive = false;
     this.onChange();
   }
 
   seek(t) {
-    this.time = Math.min(Math.max(t, 0), this.duration);
+    this.isLive = false;
+    this.time = Math.min(Math.max(t, 0), this.frontier);
+    this.onChange();
+  }
+
+  /** Keep up with what is going on, which goes at `speed`. */
+  goLive(speed = this.speed) {
+    this.isLive = this.isPlaying = true;
+    this.speed = speed;
     this.onChange();
   }
 
   /** `elapsed` seconds of the viewer's time have gone by. */
   advance(elapsed) {
     if (!this.isPlaying) return;
-    this.time = Math.min(this.time + Math.min(elapsed, LONGEST_FRAME) * this.speed, this.duration);
+    const next = this.time + Math.min(elapsed, LONGEST_FRAME) * this.speed * this.#pace;
+    const earliest = this.isLive ? this.frontier - LIVE_LOST * this.speed : 0;
+    this.time = Math.min(Math.max(next, earliest), this.frontier);
     if (this.time === this.duration) this.pause();
   }
 
+  /** A little slower or faster than asked for, to stay as far behind what goes on as wanted. */
+  get #pace() {
+    if (!this.isLive) return 1;
+    const lag = (this.frontier - this.time) / this.speed;
+    return 1 + Math.min(Math.max(lag - LIVE_LAG, -0.3), 0.5);
+  }
+
   changeSpeed(steps) {
-    const i = SPEEDS.indexOf(this.speed) + steps;
-    this.speed = SPEEDS[Math.min(Math.max(i, 0), SPEEDS.length - 1)];
+    const near = SPEEDS.findLastIndex(speed => speed <= this.speed);
+    this.speed = SPEEDS[Math.min(Math.max(near + steps, 0), SPEEDS.length - 1)];
     this.onChange();
   }
 }

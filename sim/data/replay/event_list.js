@@ -2,24 +2,34 @@
 
 /** The list of events: a button each; the last one that has happened is marked and kept in view. */
 class EventList {
-  constructor(events, bodies, onChoose) {
-    this.times = Float64Array.from(events, event => event.t);
-    this.list = $("events").querySelector("ol");
-    this.items = events.map(event => {
-      const look = lookOf(event, bodies);
-      const words = element("span", { text: look.words });
-      const detail = detailOf(event);
-      if (detail) words.append(element("small", { text: detail }));
-      const button = element("button", { type: "button" },
-        element("time", { text: fixed(event.t, 2) }), element("span", { html: glyph(look) }), words);
-      button.addEventListener("click", () => onChoose(event.t));
-      return element("li", {}, button);
-    });
-    this.list.append(...this.items);
+  constructor(list, onChoose) {
+    this.list = list;
+    this.onChoose = onChoose;
+    this.times = [];
+    this.items = [];
     this.current = -1;
     this.isHeld = false;       // while the pointer is over the list, it does not scroll by itself
-    this.list.addEventListener("pointerenter", event => { this.isHeld = event.pointerType === "mouse"; });
-    this.list.addEventListener("pointerleave", () => { this.isHeld = false; });
+    list.addEventListener("pointerenter", event => { this.isHeld = event.pointerType === "mouse"; });
+    list.addEventListener("pointerleave", () => { this.isHeld = false; });
+  }
+
+  /** Shows these events, of which those that are listed already come first. */
+  extend(events, bodies) {
+    const more = events.slice(this.items.length).map(event => this.#item(event, bodies));
+    this.items.push(...more);
+    this.times = events.map(event => event.t);
+    this.list.append(...more);
+  }
+
+  #item(event, bodies) {
+    const look = lookOf(event, bodies);
+    const words = element("span", { text: look.words });
+    const detail = detailOf(event);
+    if (detail) words.append(element("small", { text: detail }));
+    const button = element("button", { type: "button" },
+      element("time", { text: fixed(event.t, 2) }), element("span", { html: glyph(look) }), words);
+    button.addEventListener("click", () => this.onChoose(event.t));
+    return element("li", {}, button);
   }
 
   show(t) {

@@ -25,6 +25,7 @@ const LOOKS = {
   path_blocked: { row: "people", shape: "cross", hollow: true, color: "notice" },
   replanned: { row: "people", shape: "turn", hollow: true, color: "person" },
   agv_moved: { row: "robots", shape: "arrow", color: "agv" },
+  job_started: { row: "robots", shape: "bar", hollow: true, color: "gantry-ink" },
   job_done: { row: "robots", shape: "square", color: "gantry-ink" },
   order_submitted: { row: "robots", shape: "square", hollow: true, color: "gantry-ink" },
   violation: { row: "safety", shape: "triangle", color: "danger" },
@@ -45,7 +46,8 @@ const WORDS = {
   path_blocked: e => `${who(e)} finds the way blocked`,
   replanned: e => `${who(e)} takes another way`,
   agv_moved: e => `${spoken(e.agv ?? "AGV")} goes to ${where(e)}`,
-  job_done: e => `gantry has done: ${job(e)}`,
+  job_started: e => `gantry begins: ${jobWords(e)}`,
+  job_done: e => `gantry has done: ${jobWords(e)}`,
   order_submitted: e => ["order submitted", e.order].filter(Boolean).join(": "),
   violation: e => `${who(e)} too close to ${spoken(e.with ?? "a robot")}`,
   teleport: e => `${who(e)} is teleported`,
@@ -75,8 +77,11 @@ function detailOf(event) {
 }
 
 const who = event => spoken(event.person ?? "person");
-const job = event => [spoken(event.job ?? "a job"), event.part,
-  event.from && `from ${spoken(event.from)}`, event.to && `to ${spoken(event.to)}`].filter(Boolean).join(" ");
+/** A job in words; a part may be a name, or an object of type, colour and so on. */
+const jobWords = event => [spoken(event.job ?? "a job"), event.name, partWords(event.part),
+  event.from && `from ${spoken(event.from)}`, event.to && `to ${spoken(event.to)}`,
+  event.order].filter(Boolean).join(" ");
+const partWords = part => (isObject(part) ? Object.values(part).join(" ") : part);
 
 function where(event) {
   const place = event.station ?? event.to ?? event.at;

@@ -90,7 +90,7 @@ class FloorLayer {
     context.lineWidth = 1;
     for (const lane of this.plan.lanes) {
       context.setLineDash([1, 4]);
-      strokeLine(context, camera, lane.from, lane.to);
+      strokePath(context, camera, [lane.from, lane.to]);
       context.setLineDash([]);
       for (const place of Object.values(lane.locations)) {
         const [px, py] = camera.toScreen(...place);
@@ -106,7 +106,7 @@ class FloorLayer {
     context.lineWidth = 2;
     alpha(context, 0.45, () => {
       for (const y of gantry.y) {
-        strokeLine(context, camera, [gantry.x[0], y], [gantry.x[1], y]);
+        strokePath(context, camera, [[gantry.x[0], y], [gantry.x[1], y]]);
         for (const x of gantry.x) {
           const [px, py] = camera.toScreen(x, y);
           context.strokeRect(px - 1.5, py - 4, 3, 8);
@@ -240,10 +240,9 @@ function outline(context, camera, ...rings) {
   }
 }
 
-function strokeLine(context, camera, from, to) {
+function strokePath(context, camera, points) {
   context.beginPath();
-  context.moveTo(...camera.toScreen(...from));
-  context.lineTo(...camera.toScreen(...to));
+  for (const [x, y] of points) context.lineTo(...camera.toScreen(x, y));
   context.stroke();
 }
 

@@ -1,4 +1,6 @@
-/* Numbers, list of events, summary. */
+/* Elements, and the figures of the instant. */
+
+const LETTERS = ["A", "B"];
 
 const $ = id => document.getElementById(id);
 
@@ -12,9 +14,13 @@ function element(tag, { text, html, className, ...attributes } = {}, ...children
   return made;
 }
 
-/** Writes into elements, and only what has changed. */
-function write(id, text) {
-  const target = $(id);
+/** The element that a <template> holds, once more. */
+function stamp(id) {
+  return $(id).content.firstElementChild.cloneNode(true);
+}
+
+/** Writes into an element, and only what has changed. */
+function write(target, text) {
   if (target.textContent !== text) target.textContent = text;
 }
 
@@ -31,24 +37,53 @@ function stateOf({ margin, distance, notice, violated }) {
   return notice !== null && distance < notice ? "noticed" : "clear";
 }
 
-/** The numbers of one watch at `t`; `lately` is a violation of it that was just counted. */
-function showNumbers(watch, t, lately) {
-  write("clock-time", seconds(t));
-  write("now-time", seconds(t));
-  if (!watch) return;
-  const now = watch.at(t);
-  write("now-distance", metres(now.distance));
-  write("now-required", metres(now.required));
-  write("now-margin", metres(now.margin));
-  write("now-person-speed", `${fixed(now.personSpeed, 2)} m/s`);
-  write("now-other-speed", `${fixed(now.otherSpeed, 2)} m/s`);
-  write("person-name", spoken(watch.person.name));
-  write("other-name", spoken(watch.other.name));
-  const state = lately ? "violation" : stateOf(now);
-  write("state-words", lately
-    ? `violation at ${seconds(lately.t)}: ${comparison(lately.distance ?? now.distance, lately.required)}`
-    : STATES[state].text);
-  if ($("state").dataset.state === state) return;
-  $("state").dataset.state = state;
-  $("state-glyph").innerHTML = glyph(STATES[state]);
+/** Distance, required distance, margin, speeds and the gantry's job of one run at an instant. */
+class Readout {
+  constructor(letter) {
+    this.root = stamp("readout");
+    this.root.dataset.letter = letter;
+    this.places = Object.fromEntries(
+      [...this.root.querySelectorAll("[data-shows]")].map(place => [place.dataset.shows, place]));
+  }
+
+  show(run, watch, t, afterglow) {
+    const put = (name, text) => write(this.places[name], text);
+    put("time", seconds(t));
+    const job = run.jobs.at(t);
+    this.places.job.parentElement.hidden = run.jobs.changes.length === 0;
+    put("job", job ? `${jobWords(job)}, since ${seconds(job.t)}` : "none");
+    if (!watch) return;
+    const now = watch.at(t);
+    put("distance", metres(now.distance));
+    put("required", metres(now.required));
+    put("margin", metres(now.margin));
+    put("person", spoken(watch.person.name));
+    put("person-speed", `${fixed(now.personSpeed, 2)} m/s`);
+    put("other", spoken(watch.other.name));
+    put("other-speed", `${fixed(now.otherSpeed, 2)} m/s`);
+    const lately = run.violationLately(watch, t, afterglow);
+    const state = lately ? "violation" : stateOf(now);
+    put("state", lately
+      ? `violation at ${seconds(lately.t)}: ${comparison(lately.distance ?? now.distance, lately.required)}`
+      : STATES[state].text);
+    if (this.root.dataset.state === state) return;
+    this.root.dataset.state = state;
+    this.places.glyph.innerHTML = glyph(STATES[state]);
+  }
+}
+
+/** Lines of text beside the pointer. */
+function showHint(event, ...lines) {
+  const hint = $("hint");
+  if (event.pointerType === "touch") return;
+  hint.hidden = false;
+  hint.textContent = lines.filter(Boolean).join("\n");
+  const { width, height } = hint.getBoundingClientRect();
+  const x = Math.min(event.clientX + 14, innerWidth - width - 6);
+  const y = event.clientY + 16 + height > innerHeight ? event.clientY - height - 12 : event.clientY + 16;
+  hint.style.transform = `translate(${x}px, ${y}px)`;
+}
+
+function hideHint() {
+  $("hint").hidden = true;
 }

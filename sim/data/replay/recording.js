@@ -19,9 +19,22 @@ class RecordingError extends Error {
 function readRecording() {
   const element = document.getElementById("recording");
   if (!element) throw new RecordingError(["the page is cut off: it holds no recording"]);
+  return parseRecording(element.textContent);
+}
+
+/** The recording in a file: JSON, or a replay page like this one. */
+function readFile(text) {
+  if (!/^\s*</.test(text)) return parseRecording(text);
+  const page = new DOMParser().parseFromString(text, "text/html");
+  const found = page.getElementById("recording");
+  if (!found) throw new RecordingError(["this is no replay page: it holds no recording"]);
+  return parseRecording(found.textContent);
+}
+
+function parseRecording(text) {
   let recording;
   try {
-    recording = JSON.parse(element.textContent);
+    recording = JSON.parse(text);
   } catch (why) {
     throw new RecordingError([`the recording is cut off or damaged (${why.message})`]);
   }
@@ -98,7 +111,24 @@ function problemsOf(recording) {
     check(Array.isArray(watch?.violations) && watch.violations.every(isPoint),
       `watches[${i}].violations`, "a list of [begin, end] is missing");
   });
+  if (recording.minds !== undefined) check(isObject(recording.minds), "minds", "needs lists by person");
+  for (const [name, thoughts] of Object.entries(recording.minds ?? {})) {
+    list(thoughts, `minds.${name}`).forEach((thought, i, thoughts) => check(
+      isThought(thought) && !(thoughts[i - 1]?.t > thought.t),
+      `minds.${name}[${i}]`, "needs a time t not before that of the thought before it, and lists"));
+  }
   return problems;
+}
+
+function isThought(thought) {
+  const areLists = ["steps", "believes", "forgets", "intends"]
+    .every(name => thought?.[name] === undefined || Array.isArray(thought[name]));
+  const steps = thought?.steps ?? [];
+  const intends = thought?.intends ?? [];
+  const areTexts = values => Array.isArray(values) && values.every(value => typeof value === "string");
+  return Number.isFinite(thought?.t) && areLists && steps.every(areTexts)
+    && areTexts(thought.believes ?? []) && areTexts(thought.forgets ?? [])
+    && intends.every(intention => areTexts(intention?.stack));
 }
 
 function isPiece(piece, before) {
@@ -107,11 +137,16 @@ function isPiece(piece, before) {
     && piece.slice(2).every(c => isNumbers(c) && c.length >= 1 && c.length <= 4);
 }
 
-const LAW_WANTED = "needs a distance, or t1, t2, stopping and intrusion";
+const LAW_WANTED = "needs a distance, a curve, or t1, t2, stopping and intrusion";
 
 function isLaw(law) {
-  return isObject(law)
-    && isNumbers("distance" in law ? [law.distance] : [law.t1, law.t2, law.stopping, law.intrusion]);
+  if (!isObject(law)) return false;
+  if ("curve" in law) {
+    const isCurve = Array.isArray(law.curve) && law.curve.length > 0;
+    return isCurve && law.curve.every((point, i) =>
+      isNumbers(point) && point.length === 2 && !(law.curve[i - 1]?.[0] > point[0]));
+  }
+  return isNumbers("distance" in law ? [law.distance] : [law.t1, law.t2, law.stopping, law.intrusion]);
 }
 
 function isObject(value) {

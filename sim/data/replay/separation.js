@@ -1,14 +1,32 @@
 /* How far apart two bodies are, and how far they should be. */
 
-/** The distance a law asks for at these speeds (m/s): ISO/TS 15066 in linear form, or fixed. */
-function requiredDistance(law, personSpeed, otherSpeed) {
+/** The distance a law asks for: ISO/TS 15066 in linear form, fixed, or along a curve of time.
+ *  Speeds in m/s; `before` asks for what it was just before t, where the curve jumps. */
+function requiredDistance(law, personSpeed, otherSpeed, t, before) {
+  if ("curve" in law) return along(law.curve, t, before);
   if ("distance" in law) return law.distance;
   return personSpeed * (law.t1 + law.t2) + otherSpeed * law.t1 + law.stopping + law.intrusion;
 }
 
+/** The height of a curve of points [t, y] at t, straight between them. */
+function along(curve, t, before) {
+  let low = 0, high = curve.length;                 // how many points are at t or earlier
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (before ? curve[middle][0] < t : curve[middle][0] <= t) low = middle + 1;
+    else high = middle;
+  }
+  if (low === 0) return curve[0][1];
+  const [t0, y0] = curve[low - 1];
+  if (low === curve.length) return y0;
+  const [t1, y1] = curve[low];
+  return y0 + ((y1 - y0) * (t - t0)) / (t1 - t0);
+}
+
 /** One person and one other body, and the law between them. */
 class Watch {
-  constructor(data, bodies) {
+  constructor(data, bodies, duration) {
+    this.duration = duration;
     this.person = bodies.get(data.person);
     this.other = bodies.get(data.other);
     this.law = data.law;
@@ -27,15 +45,16 @@ class Watch {
 
   /** The same, just before t. */
   before(t) {
-    return this.#between(this.person.motion.before(t), this.other.motion.before(t), t);
+    return this.#between(this.person.motion.before(t), this.other.motion.before(t), t, true);
   }
 
-  #between(person, other, t) {
+  #between(person, other, t, before = false) {
     const distance = Math.hypot(person.x - other.x, person.y - other.y);
-    const required = requiredDistance(this.law, person.speed, other.speed);
+    const required = requiredDistance(this.law, person.speed, other.speed, t, before);
     const notice = this.noticeFactor === null
       ? null : Math.min(
-        requiredDistance(this.noticeLaw, person.speed, other.speed) * this.noticeFactor, this.noticeCap);
+        requiredDistance(this.noticeLaw, person.speed, other.speed, t, before) * this.noticeFactor,
+        this.noticeCap);
     return {
       distance, required, margin: distance - required, notice,
       personSpeed: person.speed, otherSpeed: other.speed, violated: this.#violatedAt(t),
@@ -55,7 +74,7 @@ class Watch {
 
   #sample() {
     const motions = [this.person.motion, this.other.motion];
-    const end = this.person.duration;
+    const end = this.duration;
     const steps = 1200;
     const times = new Set(Array.from({ length: steps + 1 }, (_, i) => (end * i) / steps));
     for (const motion of motions) for (const t of motion.begins) if (t > 0 && t < end) times.add(t);

@@ -7,12 +7,11 @@ const UNITS = {
 const TRIAL_FIELDS = ["trial", "floorplan", "rules", "seed", "duration", "interrupted"];
 
 /** The summary of the run, as it stands in the recording: figures first, then people, then the trial. */
-function showSummary(summary, onChoose) {
+function showSummary(section, summary, onChoose) {
   const { minimum_separation: closest, people, ...rest } = summary ?? {};
   const figures = Object.entries(rest).filter(([name]) => !TRIAL_FIELDS.includes(name));
   const ofTrial = Object.entries(rest).filter(([name]) => TRIAL_FIELDS.includes(name));
-  const section = $("summary");
-  section.append(fieldList([...figures, ["minimum separation", closest]], onChoose));
+  section.replaceChildren(fieldList([...figures, ["minimum separation", closest]], onChoose));
   for (const [name, fields] of Object.entries(people ?? {})) {
     section.append(element("h3", { text: spoken(name) }), fieldList(Object.entries(fields), onChoose));
   }

@@ -32,18 +32,27 @@ class Track {
     this.ys = Float64Array.from(places, place => place.y);
   }
 
-  /** What was walked from t - seconds to t: calls line(x0, y0, x1, y1, age) for each bit, oldest first. */
-  behind(t, seconds, line) {
-    const from = t - seconds;
-    const first = Math.max(1, lastUpTo(this.times, from) + 1);
+  /**
+   * What was walked in the `seconds` before t: calls `draw(points, age)` for each stretch without a
+   * stop or a jump, cut so that no stretch is longer than `grain` seconds; oldest first.
+   */
+  behind(t, seconds, grain, draw) {
+    const first = lastUpTo(this.times, t - seconds) + 1;
     const last = lastUpTo(this.times, t);
+    let points = [];
+    let since = first;
     for (let i = first; i <= last; i++) {
-      if (this.legs[i] !== this.legs[i - 1]) continue;
-      line(this.xs[i - 1], this.ys[i - 1], this.xs[i], this.ys[i], t - this.times[i]);
-    }
-    if (last >= 0 && last + 1 < this.times.length && this.legs[last + 1] === this.legs[last]) {
-      const here = this.motion.at(t);
-      line(this.xs[last], this.ys[last], here.x, here.y, 0);
+      points.push([this.xs[i], this.ys[i]]);
+      const isCut = this.legs[i + 1] !== this.legs[i];
+      if (i === last && !isCut) {
+        const here = this.motion.at(t);
+        points.push([here.x, here.y]);
+      }
+      if (isCut || i === last || this.times[i] - this.times[since] >= grain) {
+        if (points.length > 1) draw(points, t - this.times[i]);
+        points = isCut ? [] : [[this.xs[i], this.ys[i]]];
+        since = isCut ? i + 1 : i;
+      }
     }
   }
 

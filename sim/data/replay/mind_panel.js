@@ -1,0 +1,56 @@
+/* The mind of a person at an instant: intentions, the last steps, beliefs. */
+
+const STEP_WORDS = { percept: "perceives", plan: "plan", action: "does", warning: "warning" };
+
+/** Shows the mind of one person; nothing is written while nothing changes. */
+class MindPanel {
+  constructor(root) {
+    this.root = root;
+    this.person = root.querySelector(".whose");
+    this.intentions = root.querySelector(".intentions");
+    this.steps = root.querySelector(".steps");
+    this.beliefs = root.querySelector(".beliefs");
+    this.shown = null;
+  }
+
+  show(run, person, t) {
+    const mind = run.minds.get(person?.name);
+    this.root.hidden = !mind;
+    if (!mind) return;
+    const state = mind.at(t);
+    if (this.shown === state) return;
+    this.shown = state;
+    write(this.person, `${spoken(person.name)}, ${person.personality ?? "unknown"}`);
+    this.intentions.replaceChildren(...state.intentions.map(intentionItem));
+    if (!state.intentions.length) {
+      this.intentions.append(element("li", { className: "none", text: "none under way: waits for something to happen" }));
+    }
+    this.steps.replaceChildren(...state.steps.map(step => stepItem(step, step.t === state.t)));
+    const beliefs = [...state.beliefs].sort(([, a], [, b]) => b - a);
+    const came = beliefs.filter(([text]) => mind.isChanging(text));
+    const stayed = beliefs.filter(([text]) => !mind.isChanging(text));
+    this.beliefs.replaceChildren(
+      ...came.map(([text, since]) => beliefItem(text, since === state.t ? "new" : "")),
+      ...stayed.map(([text]) => beliefItem(text, "lasting")));
+  }
+}
+
+function intentionItem({ stack, at }) {
+  const trail = stack.map(trigger => element("code", { text: short(trigger), title: trigger }));
+  const item = element("li", {}, ...trail);
+  if (at) item.append(element("small", { text: `at ${short(at)}` }));
+  return item;
+}
+
+function stepItem({ t, kind, text, place }, isLatest) {
+  return element("li", { className: `${kind}${isLatest ? " new" : ""}` },
+    element("time", { text: fixed(t, 2) }), element("span", { text: STEP_WORDS[kind] ?? kind }),
+    element("code", { text: short(text), title: [text, place].filter(Boolean).join("  ") }));
+}
+
+function beliefItem(text, className) {
+  return element("li", { className }, element("code", { text: short(text), title: text }));
+}
+
+/** A literal with its long decimals shortened. */
+const short = text => text.replace(/-?\d+\.\d{3,}(?:E-?\d+)?/g, number => String(+Number(number).toFixed(2)));

@@ -1,0 +1,102 @@
+/* One recording, ready to be asked: who is where, what holds, what has happened. */
+
+const PERSON_COLORS = ["person-1", "person-2", "person-3", "person-4"];
+
+/** A body of the recording with its motion. */
+class Body {
+  constructor(data, pieces, color) {
+    Object.assign(this, data);
+    this.color = color;
+    this.motion = new Motion(pieces);
+    this.track = new Track(this.motion);
+  }
+}
+
+/** Everything about one recording but how it looks. */
+class Run {
+  constructor(recording) {
+    const { bodies, motions, events, watches, minds, duration } = recording;
+    this.recording = recording;
+    this.duration = duration;
+    this.plan = recording.floorplan;
+    this.events = events;
+    this.bodies = new Map();
+    let people = 0;
+    for (const data of bodies) {
+      const color = data.kind === "person" ? PERSON_COLORS[people++ % PERSON_COLORS.length] : data.kind;
+      this.bodies.set(data.name, new Body(data, motions[data.name], color));
+    }
+    this.people = [...this.bodies.values()].filter(body => body.kind === "person");
+    this.watches = watches.map(watch => new Watch(watch, this.bodies, duration));
+    this.minds = new Map(Object.entries(minds ?? {}).map(([name, thoughts]) => [name, new Mind(thoughts)]));
+    this.jobs = new Jobs(events);
+    this.disabled = disabledIntervals(events, duration);
+    this.disabledBegins = this.disabled.map(interval => interval[0]);
+    this.violations = this.#violations();
+    this.violationTimes = this.violations.map(violation => violation.t);
+  }
+
+  get title() {
+    return this.recording.title ?? "";
+  }
+
+  /** The watch here that is most like one of another run: the same names, or else the same kinds. */
+  watchLike(watch) {
+    if (!watch) return undefined;
+    return this.watches.find(own => own.name === watch.name)
+      ?? this.watches.find(own => own.other.kind === watch.other.kind);
+  }
+
+  /** The watch to show of each person: the chosen one (last, on top), or the first there is. */
+  shown(chosen) {
+    const others = this.people.filter(person => person !== chosen?.person)
+      .map(person => this.watches.find(watch => watch.person === person));
+    return [...others, chosen].filter(Boolean);
+  }
+
+  /** The violation of a watch that was counted last, if that was within `afterglow` seconds. */
+  violationLately(watch, t, afterglow) {
+    for (let i = lastUpTo(this.violationTimes, t); i >= 0 && t - this.violationTimes[i] <= afterglow; i--) {
+      if (this.violations[i].watch === watch) return this.violations[i].event;
+    }
+    return undefined;
+  }
+
+  /** When the gantry will be enabled again, if it is disabled at t; else undefined. */
+  disabledUntil(t) {
+    const [, end] = this.disabled[lastUpTo(this.disabledBegins, t)] ?? [];
+    return t < end ? end : undefined;
+  }
+
+  /** The body whose centre is nearest to a place of the floor, within `reach` metres. */
+  bodyAt(t, x, y, reach) {
+    const away = body => {
+      const at = body.motion.at(t);
+      return Math.hypot(at.x - x, at.y - y);
+    };
+    return [...this.bodies.values()].map(body => [away(body), body])
+      .filter(([distance]) => distance <= reach).sort((a, b) => a[0] - b[0])[0]?.[1];
+  }
+
+  #violations() {
+    return this.events.filter(event => event.kind === "violation" && this.bodies.has(event.person))
+      .map(event => ({
+        t: event.t,
+        event,
+        watch: this.watches.find(({ person, other }) => person.name === event.person && other.name === event.with),
+        person: this.bodies.get(event.person).motion.before(event.t),
+        other: this.bodies.get(event.with)?.motion.before(event.t),
+      }));
+  }
+}
+
+/** When the gantry was switched off: [[begin, end], …]. */
+function disabledIntervals(events, duration) {
+  const intervals = [];
+  for (const { kind, t } of events) {
+    const open = intervals.at(-1)?.[1] === duration && intervals.at(-1);
+    if (kind === "gantry_disabled" && !open) intervals.push([t, duration]);
+    if (kind === "gantry_enabled" && open) open[1] = t;
+  }
+  return intervals;
+}

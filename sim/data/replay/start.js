@@ -1,0 +1,106 @@
+/* Reads what stands in the page, shows it, and takes what is dropped on it. */
+
+/** Says what is wrong with a recording, in the place of the page. */
+function showTrouble(why) {
+  $("trouble").querySelector("ul").replaceChildren(...troubles(why));
+  $("trouble").hidden = false;
+  $("replay").hidden = true;
+}
+
+/** The same in a dialog, where the page is still good for what it shows. */
+function showDropTrouble(name, why) {
+  const dialog = $("drop-trouble");
+  dialog.querySelector("p").textContent = `${name} can't be shown:`;
+  dialog.querySelector("ul").replaceChildren(...troubles(why));
+  if (!dialog.open) dialog.showModal();
+}
+
+function troubles(why) {
+  const problems = why instanceof RecordingError ? why.problems : [`unexpected: ${why.message}`];
+  const shown = problems.slice(0, MOST_PROBLEMS);
+  if (problems.length > shown.length) shown.push(`… and ${problems.length - shown.length} more`);
+  return shown.map(problem => element("li", { text: problem }));
+}
+
+/** A file that is dropped or chosen is compared with what is shown. */
+function takeFiles(replay) {
+  const take = async file => {
+    if (!file) return;
+    try {
+      replay.compare(new Run(readFile(await file.text())));
+    } catch (why) {
+      showDropTrouble(file.name, why);
+    }
+  };
+  const isFile = event => event.dataTransfer?.types.includes("Files");
+  document.addEventListener("dragover", event => {
+    if (!isFile(event)) return;
+    event.preventDefault();
+    document.body.classList.add("dropping");
+  });
+  document.addEventListener("dragleave", event => {
+    if (!event.relatedTarget) document.body.classList.remove("dropping");
+  });
+  document.addEventListener("drop", event => {
+    if (!isFile(event)) return;
+    event.preventDefault();
+    document.body.classList.remove("dropping");
+    take(event.dataTransfer.files[0]);
+  });
+  $("other-file").addEventListener("change", event => {
+    take(event.target.files[0]);
+    event.target.value = "";
+  });
+  $("compare").addEventListener("click", () => $("other-file").click());
+}
+
+/** A page that was made for a run under way follows it until it is over. */
+function followStream(replay, recording) {
+  const { stream, speed } = document.documentElement.dataset;
+  if (!stream) return;
+  $("live").hidden = false;
+  replay.grow(new Run(recording), 0);
+  replay.clock.goLive(Number(speed));
+  const end = words => {
+    $("live").hidden = true;
+    replay.clock.isLive = false;
+    write($("subtitle"), words);
+  };
+  new Live(stream, recording,
+    (grown, now) => replay.grow(new Run(grown), now),
+    whole => {
+      replay.grow(new Run(whole), whole.duration);
+      end("the run is over");
+    },
+    () => end("the run is gone: the connection was lost"));
+}
+
+document.addEventListener("DOMContentLoaded", () => {
+  try {
+    const recording = readRecording();
+    $("replay").hidden = false;
+    const replay = new Replay(new Run(recording));
+    takeFiles(replay);
+    followStream(replay, recording);
+    const linked = Number.parseFloat(new URLSearchParams(location.hash.slice(1)).get("t"));
+    if (Number.isFinite(linked)) replay.clock.seek(linked);
+    /**
+     * For scripts and tests. `watch` is a place in recording.watches; times are seconds.
+     *   pose(body, t)        -> {x, y, rotation, vx, vy, speed}
+     *   separation(watch, t) -> {distance, required, margin, notice, personSpeed, otherSpeed, violated}
+     *   compare(recording)   shows another one beside this one
+     */
+    window.floorwalker = {
+      get recording() { return replay.runs[0].recording; },
+      get time() { return replay.clock.time; },
+      seek: t => replay.clock.seek(t),
+      play: () => replay.clock.play(),
+      pause: () => replay.clock.pause(),
+      pose: (body, t) => replay.runs[0].bodies.get(body).motion.at(t),
+      separation: (watch, t) => replay.runs[0].watches[watch].at(t),
+      compare: other => replay.compare(new Run(parseRecording(JSON.stringify(other)))),
+    };
+  } catch (why) {
+    showTrouble(why);
+  }
+});

@@ -1,0 +1,143 @@
+/* One run on a canvas: the floor, what moves on it, and what mouse and fingers do there. */
+
+const CLICK_TREMOR = 3;        // pixels that a pointer may move while it clicks
+const FOLLOW_SCALE = 45;       // pixels a metre, at least, when a body is followed
+
+/**
+ * Shows a run. `on` has what to do when the user moves the floor by (dx, dy) pixels (`pan`), zooms by
+ * a factor at a pixel (`zoom`), points somewhere (`point`) or clicks on a body (`pick`).
+ */
+class View {
+  constructor(run, canvas, on, onResize) {
+    this.canvas = canvas;
+    this.on = on;
+    this.followed = null;
+    this.camera = new Camera(boxOf(run.plan.boundary));
+    this.surface = new Surface(canvas, onResize);
+    this.show(run);
+    this.#wire();
+  }
+
+  /** Another run on the same floor. */
+  show(run) {
+    this.run = run;
+    this.layer = new FloorLayer(run.plan);
+  }
+
+  /** Keep the body of that name in the middle; none if there is none. */
+  follow(name) {
+    this.followed = this.run.bodies.get(name) ?? null;
+    if (this.followed) this.camera.scale = Math.max(this.camera.scale, FOLLOW_SCALE);
+  }
+
+  /** The colours or the size have changed. */
+  restyle(palette) {
+    this.palette = palette;
+    this.hatch = hatching(this.surface.context, palette.danger, this.surface.ratio);
+    this.layer.invalidate();
+    this.camera.resize(this.surface);
+  }
+
+  draw(t, chosen, afterglow) {
+    const { camera, palette, hatch } = this;
+    if (this.followed) {
+      const { x, y } = this.run.bodies.get(this.followed.name).motion.at(t);
+      camera.lookAt(x, y);
+    }
+    const context = this.surface.clear();
+    this.layer.draw(context, camera, palette);
+    drawScene({ context, camera, palette, hatch }, this.run, t, chosen, afterglow);
+    this.#drawScale(context);
+  }
+
+  /** What is at a pixel, in lines of text; [] if there is nothing. */
+  describe(px, py, t) {
+    const [x, y] = this.camera.toFloor(px, py);
+    const body = this.#bodyAt(px, py, t);
+    if (body) {
+      const state = body.motion.at(t);
+      const place = `(${fixed(state.x, 2)}, ${fixed(state.y, 2)})`;
+      return [spoken(body.name), `${place}, ${fixed(state.speed, 2)} m/s`];
+    }
+    const obstacle = this.layer.obstacleAt(x, y);
+    if (!obstacle) return [];
+    const place = `at (${fixed(x, 2)}, ${fixed(y, 2)})`;
+    return [spoken(obstacle.name), `${obstacle.bottom} to ${obstacle.top} m high`, place];
+  }
+
+  /** What is to be seen, for those who don't see it. */
+  inWords(t) {
+    const bodies = [...this.run.bodies.values()].map(({ name, motion }) => {
+      const { x, y, speed } = motion.at(t);
+      const doing = speed > STILL ? `moving at ${speed.toFixed(1)} m/s` : "standing";
+      return `${spoken(name)} ${doing} at ${x.toFixed(1)}, ${y.toFixed(1)}`;
+    });
+    return `The floor after ${t.toFixed(1)} seconds: ${bodies.join("; ")}.`;
+  }
+
+  #bodyAt(px, py, t) {
+    const [x, y] = this.camera.toFloor(px, py);
+    return this.run.bodyAt(t, x, y, Math.max(0.5, 12 / this.camera.scale));
+  }
+
+  #drawScale(context) {
+    const length = [0.5, 1, 2, 5, 10, 20, 50].find(m => m * this.camera.scale >= 48) ?? 100;
+    const y = this.surface.height - 12;
+    const right = 12 + length * this.camera.scale;
+    context.strokeStyle = this.palette.muted;
+    context.lineWidth = 1.25;
+    context.beginPath();
+    for (const point of [[12, y - 4], [12, y], [right, y], [right, y - 4]]) context.lineTo(...point);
+    context.stroke();
+    const { muted: color, halo } = this.palette;
+    drawText(context, `${length} m`, right + 6, y - 2, { color, halo, align: "left" });
+  }
+
+  #wire() {
+    const { canvas, on } = this;
+    const pointers = new Map();
+    const place = event => [event.offsetX, event.offsetY];
+    const spread = ([[ax, ay], [bx, by]]) => ({
+      x: (ax + bx) / 2, y: (ay + by) / 2, width: Math.hypot(ax - bx, ay - by),
+    });
+    let way = 0;               // pixels that the pointers have gone since the first one came down
+
+    canvas.addEventListener("pointerdown", event => {
+      canvas.setPointerCapture(event.pointerId);
+      if (pointers.size === 0) way = 0;
+      pointers.set(event.pointerId, place(event));
+    });
+    canvas.addEventListener("pointermove", event => {
+      if (!pointers.has(event.pointerId)) {
+        on.point(this, event);
+        return;
+      }
+      hideHint();
+      const before = [...pointers.values()];
+      pointers.set(event.pointerId, place(event));
+      const after = [...pointers.values()];
+      if (after.length === 1) {
+        const [dx, dy] = [after[0][0] - before[0][0], after[0][1] - before[0][1]];
+        way += Math.hypot(dx, dy);
+        if (way > CLICK_TREMOR) on.pan(dx, dy);
+      } else if (after.length === 2) {
+        const [from, to] = [spread(before), spread(after)];
+        way = Infinity;
+        on.pan(to.x - from.x, to.y - from.y);
+        if (from.width > 0) on.zoom(to.width / from.width, to.x, to.y);
+      }
+    });
+    canvas.addEventListener("pointerup", event => {
+      if (!pointers.delete(event.pointerId) || way > CLICK_TREMOR) return;
+      on.pick(this, t => this.#bodyAt(...place(event), t));
+    });
+    canvas.addEventListener("pointercancel", event => pointers.delete(event.pointerId));
+    canvas.addEventListener("pointerleave", hideHint);
+    canvas.addEventListener("wheel", event => {
+      event.preventDefault();
+      const pixels = event.deltaY * (event.deltaMode === WheelEvent.DOM_DELTA_LINE ? 16 : 1);
+      const rate = event.ctrlKey ? 0.01 : 0.0015;      // a pinch on a touchpad comes as ctrl and wheel
+      on.zoom(Math.exp(-pixels * rate), ...place(event));
+    }, { passive: false });
+  }
+}

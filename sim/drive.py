@@ -1,0 +1,162 @@
+"""The gantry's drives: moves that can be replaced, stopped and disabled at any instant."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Generator
+from dataclasses import replace
+from typing import Any
+
+from simpy.events import Event, Process
+
+from floorplan import Gantry
+from navigation import AxisLimits, Motion, State, gantry_limits, gantry_move, gantry_stop, standing
+
+from .body import Body
+from .clock import Alarm, Clock, Turn
+from .recorder import Record
+from .tasks import Pose
+
+Steps = Generator[Event, Any, Any]
+"""What a controller is: a generator of events to wait for, in SimPy's manner."""
+
+
+class Drive:
+    """What moves the gantry. `disabled_or_enabled(reason)` is told when it is made to stand.
+
+    It counts how long it was disabled, how much of that it braked, and how long it worked.
+    """
+
+    def __init__(
+        self,
+        clock: Clock,
+        gantry: Gantry,
+        at: Pose,
+        *,
+        record: Record,
+        disabled_or_enabled: Callable[[str], None],
+    ) -> None:
+        self.body = Body(clock, "gantry", "gantry", standing(at[:2], heading=at[2]))
+        self.disabled_time = 0.0
+        self.braking_time = 0.0
+        self.working_time = 0.0
+        self._clock = clock
+        self._gantry = gantry
+        self._limits = gantry_limits(gantry)
+        self._record = record
+        self._tell = disabled_or_enabled
+        self._enabled: Event | None = None
+        self._disabled_at = 0.0
+        self._commands = 0
+        self._braking = clock.event()
+        self._ready = Alarm(clock, self._enable, Turn.MOTION_ENDS)
+
+    @property
+    def disabled(self) -> bool:
+        """Whether it is made to stand."""
+        return self._enabled is not None
+
+    def preview(self, target: Pose, speed_share: float) -> Motion:
+        """The motion from here and now to `target`, at that share of the top speeds.
+
+        `ValueError` if the target is out of range, or the share not in 0 … 1.
+        """
+        if faults := self._gantry.faults(target):
+            raise ValueError("; ".join(faults))
+        limits = tuple(_slower(axis, speed_share) for axis in self._limits)
+        return gantry_move(
+            self.body.state, target, self._clock.now, limits=(limits[0], limits[1], limits[2])
+        )
+
+    def stopping(self, state: State, t: float) -> Motion:
+        """The fastest stop from `state` at `t` (seconds)."""
+        return gantry_stop(state, t, limits=self._limits)
+
+    def move(self, target: Pose, speed_share: float, resume: bool) -> Process:
+        """Set out for `target`; see `GantryRobot.move_to`."""
+        motion = self.preview(target, speed_share)
+        self._commands += 1
+        if not self.disabled:
+            self.body.follow(motion)
+
+        def set_out() -> None:
+            self.body.follow(self.preview(target, speed_share))
+
+        return self._clock.process(self._move(self._commands, set_out, resume))
+
+    def stop(self) -> Process:
+        """Brake; the move under way is forgotten."""
+        self._commands += 1
+        if not self.disabled:
+            self._brake()
+        return self._clock.process(self._rest())
+
+    def work(self, seconds: float) -> Process:
+        """Let `seconds` go by in which it is not disabled."""
+        if not 0 <= seconds < math.inf:
+            raise ValueError(f"can't wait {seconds} s")
+        return self._clock.process(self._work(seconds))
+
+    def disable(self, seconds: float) -> None:
+        """Brake, and stand for `seconds` from now on."""
+        self._record("gantry_disabled", seconds=seconds)
+        self._ready.set(self._clock.now + seconds)
+        if self._enabled is not None:
+            return
+        self._enabled = self._clock.event()
+        self._disabled_at = self._clock.now
+        self._brake()
+        self.braking_time += self.body.motion.end - self._clock.now
+        self._tell("disabled")
+
+    def close(self) -> None:
+        """The trial is over: count the time it was disabled until now."""
+        if self.disabled:
+            self.disabled_time += self._clock.now - self._disabled_at
+
+    def _enable(self) -> None:
+        self.disabled_time += self._clock.now - self._disabled_at
+        self._record("gantry_enabled")
+        enabled, self._enabled = self._enabled, None
+        assert enabled is not None
+        enabled.succeed()
+        self._tell("enabled")
+
+    def _brake(self) -> None:
+        self.body.follow(self.stopping(self.body.state, self._clock.now))
+        braking, self._braking = self._braking, self._clock.event()
+        braking.succeed()
+
+    def _move(self, command: int, set_out: Callable[[], None], resume: bool) -> Steps:
+        """Wait for the end of a move, or of what became of it."""
+        while command == self._commands:
+            if self._enabled is not None:
+                yield self._enabled
+                if command != self._commands or not resume:
+                    return
+                set_out()
+            arrival = self._clock.at(self.body.motion.end)
+            yield arrival | self._braking
+            if arrival.processed or not resume:
+                return
+
+    def _rest(self) -> Steps:
+        yield self._clock.at(self.body.motion.end)
+
+    def _work(self, seconds: float) -> Steps:
+        while seconds > 0:
+            if self._enabled is not None:
+                yield self._enabled
+            begun = self._clock.now
+            done = self._clock.at(begun + seconds)
+            yield done | self._braking
+            self.working_time += self._clock.now - begun
+            if done.processed:
+                return
+            seconds -= self._clock.now - begun
+
+
+def _slower(axis: AxisLimits, share: float) -> AxisLimits:
+    if not 0 < share <= 1:
+        raise ValueError(f"speed_share must be more than 0 and at most 1, not {share}")
+    return axis if share == 1 else replace(axis, max_speed=axis.max_speed * share)

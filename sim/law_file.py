@@ -1,0 +1,100 @@
+"""Laws as files have them: a name with its terms.
+
+`{iso_ts_15066: {t1: 1.0, t2: 1.5}}`, `{fixed: 2.1}`, or one of the user's own,
+`{package.module:Class: {deceleration: 2.0}}`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import MISSING, Field, fields
+from pathlib import Path
+from typing import Any
+
+from navigation import AnyLaw, ApproachLaw, FixedDistance, IntegralLaw, SeparationLaw
+
+from .own_law import LawError, OwnLaw
+from .rules import suggestion
+
+LAWS: dict[str, Any] = {
+    "iso_ts_15066": SeparationLaw,
+    "iso_ts_15066_integral": IntegralLaw,
+    "iso_13855": ApproachLaw,
+    "fixed": FixedDistance,
+}
+"""The laws that files name."""
+
+Terms = dict[str, Any]
+"""A law as it is written: its name, and with it its terms."""
+
+
+class WrittenLawError(ValueError):
+    """What is wrong with a law, and at which of its keys."""
+
+    def __init__(self, message: str, *place: str) -> None:
+        super().__init__(message)
+        self.place = place
+
+
+def read_law(terms: Mapping[str, Any], folder: Path) -> AnyLaw:
+    """The law that is written as `terms`; `WrittenLawError` if there is something wrong with it.
+
+    Laws of one's own are looked up in `folder` and as `import` does.
+    """
+    if len(terms) != 1:
+        raise WrittenLawError(
+            f"give one law with its terms: {', '.join(LAWS)}, or package.module:Class"
+        )
+    ((name, given),) = terms.items()
+    if name == "fixed" and not isinstance(given, Mapping):
+        given = {"metres": given}
+    given = {} if given is None else given
+    if not isinstance(given, Mapping) or not all(isinstance(key, str) for key in given):
+        raise WrittenLawError(
+            f"expected the terms of the law with their values, found {given!r}", name
+        )
+    if ":" in name:
+        try:
+            return OwnLaw(name, given, folder)  # type: ignore[return-value]
+        except LawError as why:
+            raise WrittenLawError(str(why), name) from why
+    if name not in LAWS:
+        raise WrittenLawError(
+            f"no law is called {name!r}; {suggestion(name, LAWS)}; your own is package.module:Class"
+        )
+    form = LAWS[name]
+    known = {term.name: term for term in fields(form)}
+    for term, value in given.items():
+        _check_term(name, term, value, known)
+    missing = [
+        term for term, field in known.items() if field.default is MISSING and term not in given
+    ]
+    if missing:
+        raise WrittenLawError(f"{' and '.join(missing)} missing", name)
+    try:
+        law: AnyLaw = form(**{term: value for term, value in given.items() if value is not None})
+        return law
+    except ValueError as why:
+        place = next((term for term in given if str(why).startswith(f"{term} ")), None)
+        raise WrittenLawError(str(why), name, *([place] if place else [])) from why
+
+
+def _check_term(law: str, term: str, value: object, known: Mapping[str, Field[Any]]) -> None:
+    if term not in known:
+        raise WrittenLawError(
+            f"{law} has no term {term!r}; its terms: {', '.join(known)}", law, term
+        )
+    if value is None and known[term].default is None:
+        return
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise WrittenLawError(f"expected a number, found {value!r}", law, term)
+
+
+def written_law(law: AnyLaw) -> Terms:
+    """The law as a file has it; `ValueError` if it can't be written."""
+    if isinstance(law, OwnLaw):
+        return {law.name: law.terms}
+    for name, form in LAWS.items():
+        if type(law) is form:
+            return {name: {term.name: getattr(law, term.name) for term in fields(LAWS[name])}}
+    raise ValueError(f"the law {law!r} can't be written: it came from no file")

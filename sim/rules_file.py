@@ -1,0 +1,170 @@
+"""Rule sets in files: in the `rules` of a trial, or in a YAML file of their own."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import Field as Limits
+from pydantic import Strict, model_validator
+
+import floorplan
+from floorplan import Document, InputError, Positive, Problem, Strictly
+from navigation import AnyLaw, Scaled
+
+from .law_file import Terms, WrittenLawError, read_law, written_law
+from .rules import PAPER, RULE_SETS, Notice, RuleSet, rule_set, suggestion
+
+Seconds = Annotated[float, Strict(), Limits(ge=0, allow_inf_nan=False)]
+
+
+class RulesError(InputError):
+    """A file that holds no rule set."""
+
+
+class NoticeKeys(Strictly):
+    """When people notice the gantry; what is left out is as in the rule set it is based on."""
+
+    law: Terms | None = None
+    factor: Annotated[float, Strict(), Limits(gt=0, allow_inf_nan=False)] | None = None
+    cap: Positive | None = None
+    every: Positive | None = None
+    parting: Positive | None = None
+
+
+class RuleKeys(Strictly):
+    """A rule set; what is left out is as in the one it is based on.
+
+    Or only text: the name of a built-in one, or a file (`source`).
+    """
+
+    source: str | None = None
+    based_on: str = PAPER.name
+    name: str | None = None
+    gantry_law: Terms | None = None
+    agv_law: Terms | None = None
+    notice: NoticeKeys = NoticeKeys()
+    gantry_disabled: Seconds | None = None
+    grace: Seconds | None = None
+    pause_after_violation: Seconds | None = None
+    pause_after_agv: Seconds | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _named(cls, value: object) -> object:
+        if isinstance(value, str):
+            return {"source": value}
+        if isinstance(value, Mapping) and "source" in value:
+            raise ValueError("unknown key 'source'; for a rule set of a file write rules: FILE")
+        return value
+
+
+def load_rules(path: str | Path) -> RuleSet:
+    """The rule set in the YAML file at `path`; laws of one's own are looked up beside it.
+
+    `RulesError` has everything that is wrong with it, each with its line.
+    """
+    path = Path(path)
+    document = floorplan.read_yaml(path, RulesError)
+    keys = document.checked(RuleKeys, RulesError)
+    rules, problems = build_rules(keys, document, path.parent)
+    if problems:
+        raise RulesError(document.file, problems)
+    return rules if keys.name else replace(rules, name=path.name.split(".")[0])
+
+
+def find_rules(source: str, folder: Path = Path()) -> RuleSet:
+    """The built-in rule set of that name, or the one in a file seen from `folder`.
+
+    `RulesError` for a file that holds none, `ValueError` if there is neither.
+    """
+    path = folder / source
+    if source not in RULE_SETS and path.is_file():
+        return load_rules(path)
+    return rule_set(source)
+
+
+def build_rules(
+    keys: RuleKeys, document: Document, folder: Path, *place: str
+) -> tuple[RuleSet, list[Problem]]:
+    """The rule set that `keys` describe, which stand at `place` in `document`.
+
+    And what is wrong with it: then the rule set is only a stand-in.
+    """
+    if keys.source is not None:
+        try:
+            return find_rules(keys.source, folder), []
+        except RulesError:
+            raise
+        except ValueError as why:
+            return PAPER, [document.problem(str(why), *place)]
+    problems: list[Problem] = []
+    base = RULE_SETS.get(keys.based_on)
+    if base is None:
+        message = f"no rule set is called {keys.based_on!r}; {suggestion(keys.based_on, RULE_SETS)}"
+        problems.append(document.problem(message, *place, "based_on"))
+        base = PAPER
+
+    def law(terms: Terms | None, *key: str) -> AnyLaw | None:
+        if terms is None:
+            return None
+        try:
+            return read_law(terms, folder)
+        except WrittenLawError as why:
+            problems.append(document.problem(str(why), *place, *key, *why.place))
+            return None
+
+    gantry_law = law(keys.gantry_law, "gantry_law")
+    noticed_by = law(keys.notice.law, "notice", "law") or gantry_law or base.notice.law.law
+    times = ("gantry_disabled", "grace", "pause_after_violation", "pause_after_agv")
+    rules = replace(
+        base,
+        name=keys.name or f"{base.name}, changed",
+        summary=f"based on {base.name}",
+        gantry_law=gantry_law or base.gantry_law,
+        agv_law=law(keys.agv_law, "agv_law") or base.agv_law,
+        notice=_notice(keys.notice, base.notice, noticed_by),
+        **{time: value for time in times if (value := getattr(keys, time)) is not None},
+    )
+    return rules, problems
+
+
+def _notice(keys: NoticeKeys, base: Notice, law: AnyLaw) -> Notice:
+    given = keys.model_fields_set
+    factor = base.law.factor if keys.factor is None else keys.factor
+    cap = (keys.cap or math.inf) if "cap" in given else base.law.cap
+    every = keys.every if "every" in given else base.every
+    parting = keys.parting or base.parting
+    if every is None and parting == math.inf:
+        parting = Notice(law=base.law).parting
+    return Notice(law=Scaled(law, factor, cap), parting=parting, every=every)
+
+
+def written_rules(rules: RuleSet) -> str | dict[str, Any]:
+    """The rule set as a file has it: from what is written the same one is read again.
+
+    `ValueError` if one of its laws can't be written.
+    """
+    if RULE_SETS.get(rules.name) == rules:
+        return rules.name
+    notice = rules.notice
+    return {
+        "based_on": PAPER.name,
+        "name": rules.name,
+        "gantry_law": written_law(rules.gantry_law),
+        "agv_law": written_law(rules.agv_law),
+        "notice": {
+            "law": written_law(notice.law.law),
+            "factor": notice.law.factor,
+            "cap": notice.law.cap if notice.law.cap < math.inf else None,
+            "every": notice.every,
+            **({"parting": notice.parting} if notice.parting < math.inf else {}),
+        },
+        "gantry_disabled": rules.gantry_disabled,
+        "grace": rules.grace,
+        "pause_after_violation": rules.pause_after_violation,
+        "pause_after_agv": rules.pause_after_agv,
+    }
