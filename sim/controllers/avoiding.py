@@ -7,16 +7,20 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
+from shapely import LineString, Point
 
 from navigation import GantryPlanner, Motion, PlanningError
 
 from ..drive import Steps
-from ..gantry import GantryRobot, Sighting
+from ..gantry import REACH, GantryRobot, Sighting
 from ..tasks import Pose, Task
 from .caution import Caution
 
 ROOM = 0.2
 """Metres. How much more than the protective distance it keeps from people where it can."""
+
+PACES = (1.0, 0.3, 0.1)
+"""m/s. A way round somebody keeps away so far that it can be gone at one of these, if possible."""
 
 FORESIGHT = 5.0
 """Seconds. How far ahead it takes people to go on as they do."""
@@ -34,7 +38,7 @@ REFUGES = 5
 def avoiding(gantry: GantryRobot) -> Steps:
     """The nearest task that is clear of people, one after the other; else out of their way."""
     caution = Caution(gantry)
-    outlook = Outlook(gantry, caution.required(0.0) + ROOM)
+    outlook = Outlook(gantry, caution)
     while (yield gantry.next_task()) is not None:
         people = yield gantry.look()
         task, pose = outlook.choose(people)
@@ -50,9 +54,11 @@ def avoiding(gantry: GantryRobot) -> Steps:
 class Outlook:
     """Where the gantry can go without coming near people who go on as they do."""
 
-    def __init__(self, gantry: GantryRobot, zone: float) -> None:
+    def __init__(self, gantry: GantryRobot, caution: Caution) -> None:
         self._gantry = gantry
-        self._zone = zone
+        self._zone = caution.required(0.0) + ROOM
+        self._rooms = [caution.room_to_move(pace) + ROOM for pace in PACES]
+        self._way: tuple[Pose, tuple[Pose, ...], float] = (gantry.position, (), 0.0)
         self._planner = GantryPlanner(gantry.floorplan)
         x, y = (
             np.linspace(axis.low, axis.high, REFUGES).tolist()
@@ -75,7 +81,7 @@ class Outlook:
         ):
             step = task.next_step
             assert step is not None  # it is open
-            if self._clearance(gantry.preview(*pose), people, step.seconds) >= self._zone:
+            if self._clearance(gantry.preview(*pose), people, step.seconds) >= self._rooms[-1]:
                 return task, pose
             detour = self._detour(pose, people)
             if detour is not None:
@@ -119,15 +125,37 @@ class Outlook:
 
     def _detour(self, pose: Pose, people: Sequence[Sighting]) -> Pose | None:
         """Where to go first to get to `pose` round everybody; None if there is no way."""
-        discs = [(*_expected(p, after), self._zone) for p in people for after in (0.0, FORESIGHT)]
-        if any(math.dist(pose[:2], disc[:2]) < disc[2] for disc in discs):
-            return None
-        try:
-            path = self._planner.plan(self._gantry.position, pose, keep_out=discs)
-        except PlanningError:
-            return None
-        x, y, rotation = path.points[1].tolist()
-        return (x, y, rotation)
+        places = [_expected(person, after) for person in people for after in (0.0, FORESIGHT)]
+        goal, way, radius = self._way
+        if goal == pose and way:
+            # A way once chosen is kept while it is clear, so that it does not waver between two.
+            here = self._gantry.position
+            way = way[1:] if math.dist(here[:2], way[0][:2]) < REACH else way
+            line = LineString([here[:2], *(point[:2] for point in way)])
+            if way and all(line.distance(Point(place)) > radius - 2 * ROOM for place in places):
+                self._way = (pose, way, radius)
+                return way[0]
+        self._way = (pose, *self._plan(pose, places))
+        way = self._way[1]
+        return way[0] if way else None
+
+    def _plan(
+        self, pose: Pose, places: Sequence[tuple[float, float]]
+    ) -> tuple[tuple[Pose, ...], float]:
+        """A way to `pose` that keeps away from `places`, and how far (metres)."""
+        nearest = min(math.dist(pose[:2], place) for place in places)
+        for room in self._rooms:
+            # The goal may be nearer than one would like to pass, but not so near as to stop there.
+            radius = min(room, nearest - ROOM)
+            if radius < self._zone:
+                break
+            keep_out = [(*place, radius) for place in places]
+            try:
+                path = self._planner.plan(self._gantry.position, pose, keep_out=keep_out)
+            except PlanningError:
+                continue
+            return tuple((x, y, rotation) for x, y, rotation in path.points[1:].tolist()), radius
+        return (), 0.0
 
 
 def _expected(person: Sighting, after: float) -> tuple[float, float]:

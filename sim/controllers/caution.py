@@ -79,6 +79,12 @@ class Caution:
             safe = horizon
         return safe
 
+    def room_to_move(self, speed: float) -> float:
+        """The distance in metres from people at which it may move on at this speed (m/s)."""
+        state = State((0.0, 0.0, 0.0), (speed, 0.0, 0.0), (0.0, 0.0, 0.0))
+        seconds, metres = self._longest_stop(state)
+        return self.required(speed) + metres + self._human_speed * (seconds + HORIZONS[0])
+
     def required(self, robot_speed: float) -> float:
         """The distance in metres from somebody who may walk, at this speed of the gantry's."""
         return required_at_speeds(self._law, self._human_speed, robot_speed) + MARGIN
