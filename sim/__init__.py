@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from .tasks import Handling, Step, Task, Tasks
     from .trial import AgvMove, GantryEntry, Job, PersonEntry, Start, Trial, TrialError
     from .trial_file import builtin_trials
+    from .verdict import Verdict
 
 _HOMES = {
     "clock": ("Clock",),
@@ -52,6 +53,7 @@ _HOMES = {
     "tasks": ("Handling", "Step", "Task", "Tasks"),
     "trial": ("AgvMove", "GantryEntry", "Job", "PersonEntry", "Start", "Trial", "TrialError"),
     "trial_file": ("builtin_trials",),
+    "verdict": ("Verdict",),
 }
 
 __all__ = [
@@ -96,6 +98,7 @@ __all__ = [
     "Tasks",
     "Trial",
     "TrialError",
+    "Verdict",
     "builtin_trials",
     "export",
     "find_controller",

@@ -1,82 +1,174 @@
-"""What a trial expects of its run, checked against the summary.
+"""What a trial expects of its run: figures of the summary, visits, and what happens when.
 
-An expectation is a field of the summary and what it should be: a number, a comparison such as
-">= 1.0", or for `visits` the stations in the order of the first visits. A field of one person
-is found by its bare name where the trial has one person, or as `people.NAME.field`.
+`docs/testing.md` tells how expectations are written.
 """
 
 from __future__ import annotations
 
-import operator
-import re
+import itertools
 from collections.abc import Callable, Iterator, Mapping
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
 
+from .comparison import Comparison
 from .rules import suggestion
+from .summary_fields import SummaryField, summary_fields
+from .timeline import read_statement
+from .verdict import Verdict
 
-FIELDS = ("penalties", "agv_teleports", "gantry_disabled_time", "jobs_done", "minimum_separation")
-PERSON_FIELDS = ("visits", "distance_walked", "time_standing", "replans", "minimum_separation")
+if TYPE_CHECKING:
+    from floorplan import Place
 
-_COMPARISON = re.compile(r"\s*(<=|>=|==|!=|<|>)\s*([-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?)\s*")
-_OPERATORS: dict[str, Callable[[float, float], bool]] = {
-    "<": operator.lt,
-    "<=": operator.le,
-    ">": operator.gt,
-    ">=": operator.ge,
-    "==": operator.eq,
-    "!=": operator.ne,
+    from .outcome import Run
+    from .trial import Trial
+
+TIMELINE = "timeline"
+"""The key under which expectations over time stand."""
+
+_VISITS = {
+    "begin_with": "to begin with",
+    "in_order": "to have in this order",
+    "exactly": "to be exactly",
+    "never": "never to have",
 }
 
-
-def expectation_problems(expect: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
-    """What can't be checked in `expect`: a message and the key it stands at."""
-    for key, wanted in expect.items():
-        field = key.rsplit(".", 1)[-1]
-        if field not in FIELDS + PERSON_FIELDS:
-            yield f"the summary has no such field; {suggestion(key, FIELDS + PERSON_FIELDS)}", key
-        elif field == "visits":
-            if not (isinstance(wanted, list) and all(isinstance(one, str) for one in wanted)):
-                yield f"expected a list of stations, found {wanted!r}", key
-        elif isinstance(wanted, str):
-            if not _COMPARISON.fullmatch(wanted):
-                yield f"expected a number or a comparison such as '>= 1.0', found {wanted!r}", key
-        elif isinstance(wanted, bool) or not isinstance(wanted, int | float):
-            yield f"expected a number or a comparison such as '>= 1.0', found {wanted!r}", key
+Check = Callable[["Run"], Verdict]
 
 
-def unmet(expect: Mapping[str, Any], summary: Mapping[str, Any]) -> list[str]:
-    """The expectations that `summary` does not meet, each in words."""
-    return [
-        f"expected {key} {_shown(wanted)}, but it is {found}"
-        for key, wanted in expect.items()
-        for found in [_found(key, summary)]
-        if not _met(wanted, found)
-    ]
+def expectation_problems(trial: Trial) -> Iterator[tuple[str, Place]]:
+    """What can't be checked in what `trial` expects: a message, and the keys it stands at."""
+    for place, check in _checks(trial):
+        if isinstance(check, ValueError):
+            yield str(check), place
 
 
-def _found(key: str, summary: Mapping[str, Any]) -> Any:
-    people = summary["people"]
-    if key.startswith("people."):
-        name, _, field = key.removeprefix("people.").rpartition(".")
-        value = people.get(name, {}).get(field)
-    elif key in summary:
-        value = summary[key]
-    else:
-        value = next(iter(people.values()))[key] if len(people) == 1 else None
-    return value["distance"] if isinstance(value, Mapping) else value
+def verdicts(run: Run) -> list[Verdict]:
+    """What became of each thing that the trial of `run` expects.
+
+    `ValueError` if it expects something that can't be checked.
+    """
+    found = []
+    for place, check in _checks(run.trial):
+        if isinstance(check, ValueError):
+            raise check
+        found.append(replace(check(run), place=place))
+    return found
 
 
-def _met(wanted: Any, found: Any) -> bool:
-    if found is None:
-        return False
+def _checks(trial: Trial) -> Iterator[tuple[Place, Check | ValueError]]:
+    """Each expectation as a check, or what is wrong with it."""
+    fields = summary_fields(trial) if trial.expect else {}
+    for key, wanted in trial.expect.items():
+        if key != TIMELINE:
+            yield (key,), _attempt(_field_check, key, wanted, fields, trial)
+        elif not isinstance(wanted, list):
+            yield (key,), ValueError(f"expected a list, found {wanted!r}")
+        else:
+            for k, written in enumerate(wanted):
+                yield (key, k), _attempt(_statement_check, written, trial)
+
+
+def _attempt(read: Callable[..., Check], *arguments: Any) -> Check | ValueError:
+    try:
+        return read(*arguments)
+    except ValueError as why:
+        return why
+
+
+def _statement_check(written: Any, trial: Trial) -> Check:
+    return read_statement(written, trial).check
+
+
+def _field_check(key: str, wanted: Any, fields: Mapping[str, SummaryField], trial: Trial) -> Check:
+    field = fields.get(key)
+    if field is None:
+        known = [name for name in fields if name.count(".") == key.count(".")] or [*fields]
+        raise ValueError(f"a run has no such figure; {suggestion(key, [*known, TIMELINE])}")
+    if field.form == "visits":
+        return _visits(key, wanted, field, trial)
+    if field.form == "flag":
+        if not isinstance(wanted, bool):
+            raise ValueError(f"expected true or false, found {wanted!r}")
+        return _FigureCheck(key, field, str(wanted).lower(), lambda found: found is wanted)
+    comparison = Comparison.parse(wanted)
+    return _FigureCheck(key, field, comparison.text, comparison.passes)
+
+
+@dataclass(frozen=True)
+class _FigureCheck:
+    """That a figure of the summary or the metrics is as it should be."""
+
+    key: str
+    field: SummaryField
+    wanted: str
+    passes: Callable[[Any], bool]
+
+    def __call__(self, run: Run) -> Verdict:
+        found = self.field.value(run)
+        if found is None:
+            return Verdict(f"{self.key} {self.wanted}", "there is no such figure", False)
+        instants = self.field.instants(run)
+        when = f" (t = {_listed(instants)})" if instants else ""
+        shown = f"{found:.9g}" if isinstance(found, float) else str(found)
+        return Verdict(
+            f"{self.key} {self.wanted}",
+            f"it is {shown}{when}",
+            self.passes(found),
+            instants[-1] if instants else None,
+        )
+
+
+def _visits(key: str, wanted: Any, field: SummaryField, trial: Trial) -> Check:
+    """That the stations a person came to are as they should be."""
     if isinstance(wanted, list):
-        return bool(found[: len(wanted)] == wanted)
-    if isinstance(wanted, str) and (comparison := _COMPARISON.fullmatch(wanted)):
-        return _OPERATORS[comparison[1]](found, float(comparison[2]))
-    return bool(found == wanted)
+        wanted = {"begin_with": wanted}
+    if not (isinstance(wanted, Mapping) and len(wanted) == 1 and set(wanted) <= set(_VISITS)):
+        raise ValueError(
+            f"expected a list of stations, or one of {', '.join(_VISITS)} with one: {wanted!r}"
+        )
+    ((how, stations),) = wanted.items()
+    if not (isinstance(stations, list) and all(isinstance(one, str) for one in stations)):
+        raise ValueError(f"expected a list of stations, found {stations!r}")
+    known = [station.name for station in trial.floorplan.stations]
+    for name in stations:
+        if name not in known:
+            raise ValueError(f"no station is called {name!r}; {suggestion(name, known)}")
+    return _VisitsCheck(key, field, how, tuple(stations))
 
 
-def _shown(wanted: Any) -> str:
-    if isinstance(wanted, list):
-        return f"to begin with {wanted}"
-    return wanted if isinstance(wanted, str) else f"= {wanted}"
+@dataclass(frozen=True)
+class _VisitsCheck:
+    """That somebody came to stations in some order, or never to some."""
+
+    key: str
+    field: SummaryField
+    how: str
+    stations: tuple[str, ...]
+
+    def __call__(self, run: Run) -> Verdict:
+        found = self.field.value(run)
+        wrong = self._first_wrong(found)
+        instants = self.field.instants(run)
+        time = instants[wrong] if wrong is not None and wrong < len(instants) else None
+        when = f" ({found[wrong]} at t = {time:.3f} s)" if wrong is not None and time else ""
+        expected = f"{self.key} {_VISITS[self.how]} {', '.join(self.stations)}"
+        shown = ", ".join(found) or "none"
+        return Verdict(expected, f"they were {shown}{when}", wrong is None, time)
+
+    def _first_wrong(self, found: list[str]) -> int | None:
+        """The number of the first visit that is wrong, or of the first that is missing."""
+        if self.how == "never":
+            return next((k for k, name in enumerate(found) if name in self.stations), None)
+        if self.how == "in_order":
+            visits = iter(found)
+            complete = all(any(name == visit for visit in visits) for name in self.stations)
+            return None if complete else len(found)
+        if self.how == "begin_with":
+            found = found[: len(self.stations)]
+        pairs = itertools.zip_longest(self.stations, found)
+        return next((k for k, (wanted, visit) in enumerate(pairs) if wanted != visit), None)
+
+
+def _listed(instants: list[float]) -> str:
+    shown = ", ".join(f"{t:.3f} s" for t in instants[:5])
+    return shown + (f" and {len(instants) - 5} more" if len(instants) > 5 else "")

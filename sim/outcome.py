@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,13 +12,14 @@ from numpy.typing import ArrayLike, NDArray
 from floorplan import Floorplan
 from navigation import Motion, is_of_speeds
 
-from .expectations import unmet
+from .expectations import verdicts
 from .mind_inspector import Thought
 from .recorder import Event
 from .requirement_curve import Curve
 from .sampling import instants, sample_all
 from .scene import Scene
 from .trial import Trial
+from .verdict import Verdict
 
 if TYPE_CHECKING:
     from .plots import RunPlots
@@ -72,6 +74,13 @@ class Recorded:
 
         return RunPlots(self)
 
+    @cached_property
+    def metrics(self) -> dict[str, Any]:
+        """The metrics of social navigation, as `sim.metrics` works them out."""
+        from .social_metrics import metrics
+
+        return metrics(self)
+
     def sample(self, rate: float = 20.0) -> dict[str, NDArray[np.float64]]:
         """Every body at `rate` instants a second (Hz), from 0 to the end.
 
@@ -88,7 +97,12 @@ class Run(Recorded):
 
     trial: Trial
 
+    @cached_property
+    def verdicts(self) -> list[Verdict]:
+        """What became of each of the trial's expectations."""
+        return verdicts(self)
+
     @property
     def unmet(self) -> list[str]:
         """The trial's expectations that this run does not meet, in words."""
-        return unmet(self.trial.expect, self.summary)
+        return [str(verdict) for verdict in self.verdicts if not verdict.met]

@@ -10,13 +10,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from navigation import Company, Courses
 
-from .outcome import Recorded
 from .recorder import Event, rounded
 from .rules import suggestion
+
+if TYPE_CHECKING:
+    from .outcome import Recorded
 
 INTIMATE, PERSONAL, SOCIAL = 0.45, 1.2, 3.6
 """Metres. Where the intimate, personal and social spaces around a person end (E. T. Hall, "The
@@ -24,6 +26,28 @@ Hidden Dimension", 1966)."""
 
 STANDING_SPEED, STANDING_TURN = 0.001, 0.01
 """m/s and rad/s. What is slower does not move (as HuNavSim has it)."""
+
+
+MOVEMENT = (
+    "time",
+    "path_length",
+    "cumulative_heading_changes",
+    "time_not_moving",
+    "maximum_speed",
+    "average_speed",
+    "average_acceleration",
+    "average_jerk",
+)
+PROGRESS = ("goals", "goals_reached", "time_to_goal", "final_distance_to_goal")
+DISTANCES = (
+    "time",
+    "average",
+    "minimum",
+    "maximum",
+    "intimate_space_intrusions",
+    "personal_space_intrusions",
+    "social_space_intrusions",
+)
 
 
 def metrics(run: Recorded, *, radii: Mapping[str, float] | None = None) -> dict[str, Any]:
@@ -65,39 +89,25 @@ def metrics(run: Recorded, *, radii: Mapping[str, float] | None = None) -> dict[
 
 
 def _movements(courses: Courses) -> Iterable[dict[str, float]]:
-    """How each body moved."""
-    columns = {
-        "time": courses.time,
-        "path_length": courses.way,
-        "cumulative_heading_changes": courses.turning,
-        "time_not_moving": courses.time_not_moving(STANDING_SPEED, STANDING_TURN),
-        "maximum_speed": courses.top_speed,
-    }
-    rates = {
-        "average_speed": courses.way,
-        "average_acceleration": courses.acceleration,
-        "average_jerk": courses.jerk,
-    }
+    """How each body moved: `MOVEMENT`."""
+    standing = courses.time_not_moving(STANDING_SPEED, STANDING_TURN)
+    columns = (courses.time, courses.way, courses.turning, standing, courses.top_speed)
+    totals = (courses.way, courses.acceleration, courses.jerk)
     for k, time in enumerate(courses.time):
-        yield {
-            **{name: float(column[k]) for name, column in columns.items()},
-            **{name: float(total[k] / time) if time else 0.0 for name, total in rates.items()},
-        }
+        means = (total[k] / time if time else 0.0 for total in totals)
+        figures = (*(column[k] for column in columns), *means)
+        yield dict(zip(MOVEMENT, map(float, figures), strict=True))
 
 
 def _progress(person: str, run: Recorded) -> dict[str, Any]:
-    """How a person got on with the goals they had."""
+    """How a person got on with the goals they had: `PROGRESS`."""
     mine = [event for event in run.events if event.get("person") == person]
     goals = [event for event in mine if event["kind"] == "goal"]
     times = [leg for leg in _legs(mine) if leg is not None]
     last = goals[-1]["at"] if goals else None
     left = math.dist(run.motions[person].position(run.duration), last) if last else None
-    return {
-        "goals": len(goals),
-        "goals_reached": len(times),
-        "time_to_goal": math.fsum(times) / len(times) if times else None,
-        "final_distance_to_goal": left,
-    }
+    mean = math.fsum(times) / len(times) if times else None
+    return dict(zip(PROGRESS, (len(goals), len(times), mean, left), strict=True))
 
 
 def _legs(events: Iterable[Event]) -> Iterable[float | None]:
@@ -134,19 +144,11 @@ def _companies(
 
 
 def _distances(company: Company) -> dict[str, Any]:
-    """Distances (metres), and the share of time in each of Hall's spaces (percent)."""
-    if not company.time:
-        return {"time": 0.0, "average": None, "minimum": None, "maximum": None} | dict.fromkeys(
-            ("intimate_space_intrusions", "personal_space_intrusions", "social_space_intrusions"),
-            0.0,
-        )
-    intimate, personal, social = (100.0 * t / company.time for t in company.within)
-    return {
-        "time": company.time,
-        "average": company.mean,
-        "minimum": company.minimum,
-        "maximum": company.maximum,
-        "intimate_space_intrusions": intimate,
-        "personal_space_intrusions": max(personal - intimate, 0.0),
-        "social_space_intrusions": max(social - personal, 0.0),
-    }
+    """`DISTANCES`: metres, and the share of time in each of Hall's spaces in percent."""
+    time = company.time
+    if not time:
+        return dict(zip(DISTANCES, (0.0, None, None, None, 0.0, 0.0, 0.0), strict=True))
+    intimate, personal, social = (100.0 * seconds / time for seconds in company.within)
+    shares = (intimate, max(personal - intimate, 0.0), max(social - personal, 0.0))
+    apart = (company.mean, company.minimum, company.maximum)
+    return dict(zip(DISTANCES, (time, *apart, *shares), strict=True))

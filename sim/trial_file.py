@@ -216,8 +216,8 @@ def _problems(trial: Trial, schema: _Trial, document: Document) -> Iterator[Prob
             if k and move.time < moves[k - 1].time:
                 message = f"{move.time:g} s is before the move above it; put moves in order"
                 yield document.problem(message, "agvs", name, k, "time")
-    for message, key in expectation_problems(trial.expect):
-        yield document.problem(message, "expect", key)
+    for message, place in expectation_problems(trial):
+        yield document.problem(message, "expect", *place)
 
 
 def _person_problems(

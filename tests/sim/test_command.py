@@ -157,7 +157,7 @@ def test_an_expectation_that_is_not_met_is_said_and_exits_1(tmp_path):
     done = floorwalker("run", path, cwd=tmp_path)
     assert done.returncode == 1
     assert "expected penalties = 0, but it is 1" in done.stderr
-    assert "expected visits to begin with ['station1']" in done.stderr
+    assert "expected visits to begin with station1, but they were station4, station2" in done.stderr
     assert (tmp_path / "runs" / "t" / "replay.html").exists()
 
 

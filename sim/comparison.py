@@ -1,0 +1,59 @@
+"""What a figure should be: a number, `">= 1.0"`, `"> 1, < 2"`, or `"8.0 ± 0.1"`."""
+
+from __future__ import annotations
+
+import math
+import operator
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+_NUMBER = r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?"
+_BOUND = re.compile(rf"\s*(<=|>=|==|!=|<|>)\s*({_NUMBER})\s*")
+_TOLERANCE = re.compile(rf"\s*({_NUMBER})\s*(?:±|\+/-)\s*({_NUMBER})\s*")
+_OPERATORS: dict[str, Callable[[float, float], bool]] = {
+    "<": operator.lt,
+    "<=": operator.le,
+    ">": operator.gt,
+    ">=": operator.ge,
+    "==": operator.eq,
+    "!=": operator.ne,
+}
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A number passes if it passes every one of `bounds`; `text` is how it was written."""
+
+    text: str
+    bounds: tuple[tuple[str, float], ...]
+
+    @staticmethod
+    def parse(wanted: Any) -> Comparison:
+        """The comparison that `wanted`, a number or a text, stands for; `ValueError` if none."""
+        if isinstance(wanted, int | float) and not isinstance(wanted, bool):
+            if math.isfinite(wanted):
+                return Comparison(f"= {wanted}", (("==", wanted),))
+        elif isinstance(wanted, str):
+            if tolerance := _TOLERANCE.fullmatch(wanted):
+                middle, more = float(tolerance[1]), float(tolerance[2])
+                if more >= 0:
+                    return Comparison(
+                        f"{middle:g} ± {more:g}", ((">=", middle - more), ("<=", middle + more))
+                    )
+            found = [_BOUND.fullmatch(part) for part in wanted.split(",")]
+            bounds = tuple((bound[1], float(bound[2])) for bound in found if bound)
+            if len(bounds) == len(found):
+                return Comparison(wanted.strip(), bounds)
+        raise ValueError(
+            "expected a number or a comparison such as '>= 1.0', '> 1, < 2' or '8.0 ± 0.1',"
+            f" found {wanted!r}"
+        )
+
+    def __str__(self) -> str:
+        return self.text
+
+    def passes(self, figure: float) -> bool:
+        """Whether `figure` is as it should be."""
+        return all(_OPERATORS[sign](figure, bound) for sign, bound in self.bounds)

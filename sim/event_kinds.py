@@ -1,0 +1,37 @@
+"""The kinds of events that happen in a run, and the fields that each kind has."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+Form = Literal["person", "machine", "agv", "station", "number", "text", "flag", "point"]
+"""What stands in a field: the name of something in the trial, or a plain value."""
+
+_FIGURES: dict[str, Form] = {
+    "distance": "number",
+    "required": "number",
+    "human_speed": "number",
+    "robot_speed": "number",
+}
+_JOB: dict[str, Form] = {"job": "text", "part": "text", "from": "text", "to": "text"}
+
+EVENT_KINDS: dict[str, dict[str, Form]] = {
+    "trial_started": {"trial": "text", "floorplan": "text"},
+    "trial_ended": {"interrupted": "flag"},
+    "human_started": {"person": "person"},
+    "goal": {"person": "person", "station": "station", "at": "point"},
+    "arrived": {"person": "person", "station": "station", "at": "point"},
+    "gantry_detected": {"person": "person", "noticing_distance": "number", **_FIGURES},
+    "violation": {"person": "person", "with": "machine", "penalty": "flag", **_FIGURES},
+    "teleport": {"person": "person", "reason": "text", "to": "point"},
+    "gantry_disabled": {"seconds": "number"},
+    "gantry_enabled": {},
+    "agv_moved": {"agv": "agv", "to": "text", "arrives": "number"},
+    "job_started": _JOB,
+    "job_done": _JOB,
+    "order_submitted": {"order": "text"},
+    "path_blocked": {"person": "person", "goal": "point", "message": "text"},
+    "replanned": {"person": "person", "goal": "point"},
+    "said": {"person": "person", "text": "text"},
+    "warning": {"person": "person", "text": "text", "file": "text", "line": "number"},
+}

@@ -1,0 +1,195 @@
+"""What can happen in a run, as a trial's expectations write it: events, and states that last."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Protocol
+
+from navigation import FixedDistance, Motion, Moving, TooClose, standing, when
+
+from .comparison import Comparison
+from .event_kinds import EVENT_KINDS, Form
+from .recorder import Event
+from .rules import suggestion
+
+if TYPE_CHECKING:
+    from .outcome import Run
+    from .trial import Trial
+
+Interval = tuple[float, float]
+"""From when to when, seconds."""
+
+
+class State(Protocol):
+    """Something that is so for a while."""
+
+    def intervals(self, run: Run) -> list[Interval]:
+        """When it is so, in order of time."""
+        ...
+
+
+@dataclass(frozen=True)
+class EventPattern:
+    """Events of a kind whose fields are as they should be."""
+
+    kind: str
+    fields: tuple[tuple[str, Any], ...] = ()
+
+    def matches(self, event: Event) -> bool:
+        """Whether `event` is such a one."""
+        return event["kind"] == self.kind and all(
+            _is(event.get(key), wanted) for key, wanted in self.fields
+        )
+
+    def found(self, run: Run) -> Iterator[tuple[int, Event]]:
+        """Such events, with their number among all events of the run."""
+        return ((k, event) for k, event in enumerate(run.events) if self.matches(event))
+
+    def __str__(self) -> str:
+        fields = ", ".join(f"{key} {wanted}" for key, wanted in self.fields)
+        return f"{self.kind} ({fields})" if fields else self.kind
+
+
+@dataclass(frozen=True)
+class Near:
+    """The centres of two bodies are nearer than `metres` to each other; or not, if `apart`."""
+
+    bodies: tuple[str, str]
+    metres: float
+    apart: bool = False
+
+    def intervals(self, run: Run) -> list[Interval]:
+        """See `State`."""
+        first, second = (run.motions[name] for name in self.bodies)
+        near = list(when(TooClose(FixedDistance(self.metres)), first, second, 0.0, run.duration))
+        return complement(near, run.duration) if self.apart else near
+
+    def __str__(self) -> str:
+        first, second = self.bodies
+        return f"{first} and {second} {'at least' if self.apart else 'within'} {self.metres:g} m"
+
+
+@dataclass(frozen=True)
+class Moves:
+    """A body moves, faster than 0.01 m/s; or stands, if `not moving`."""
+
+    body: str
+    moving: bool = True
+
+    def intervals(self, run: Run) -> list[Interval]:
+        """See `State`."""
+        here: Motion = standing((0.0, 0.0))
+        moves = list(when(Moving(), here, run.motions[self.body], 0.0, run.duration))
+        return moves if self.moving else complement(moves, run.duration)
+
+    def __str__(self) -> str:
+        return f"{self.body} {'moving' if self.moving else 'standing'}"
+
+
+Occurrence = EventPattern | Near | Moves
+
+
+def complement(intervals: list[Interval], end: float) -> list[Interval]:
+    """The time between 0 and `end` that is in none of the intervals."""
+    edges = [0.0, *(t for interval in intervals for t in interval), end]
+    gaps = zip(edges[::2], edges[1::2], strict=True)
+    return [(begin, end) for begin, end in gaps if end > begin]
+
+
+def read_event(written: Any, trial: Trial) -> EventPattern:
+    """The events that `written` stands for; `ValueError` says what is wrong with it."""
+    if isinstance(written, str):
+        written = {"kind": written}
+    if not isinstance(written, Mapping) or "kind" not in written:
+        raise ValueError(f"expected a kind of event, or keys with kind among them: {written!r}")
+    kind = str(written["kind"])
+    if kind not in EVENT_KINDS:
+        raise ValueError(f"no kind of event is called {kind!r}; {suggestion(kind, EVENT_KINDS)}")
+    forms = EVENT_KINDS[kind]
+    fields = []
+    for key, wanted in written.items():
+        if key == "kind":
+            continue
+        if key not in forms:
+            hint = suggestion(str(key), forms) if forms else "it has no fields"
+            raise ValueError(f"an event {kind!r} has no field {key!r}; {hint}")
+        fields.append((key, _value(kind, key, forms[key], wanted, trial)))
+    return EventPattern(kind, tuple(fields))
+
+
+def read_occurrence(written: Any, trial: Trial) -> Occurrence:
+    """The event or state that `written` stands for; `ValueError` says what is wrong with it."""
+    if isinstance(written, Mapping) and "kind" not in written:
+        return read_state(written, trial)
+    return read_event(written, trial)
+
+
+def read_state(written: Any, trial: Trial) -> Near | Moves:
+    """The state that `written` stands for; `ValueError` says what is wrong with it."""
+    keys = set(written) if isinstance(written, Mapping) else set()
+    for key, apart in (("near", False), ("apart", True)):
+        if keys == {key, "metres"}:
+            pair, metres = written[key], written["metres"]
+            if not (isinstance(pair, list) and len(pair) == 2):
+                raise ValueError(f"{key}: expected the names of two bodies, found {pair!r}")
+            first, second = (_name(body, "body", _bodies(trial)) for body in pair)
+            if not _is_number(metres) or not 0 < metres < float("inf"):
+                raise ValueError(f"metres: expected a number of more than 0, found {metres!r}")
+            return Near((first, second), float(metres), apart)
+    for key in ("moving", "standing"):
+        if keys == {key}:
+            return Moves(_name(written[key], "body", _bodies(trial)), key == "moving")
+    raise ValueError(
+        "expected a state: {near: [BODY, BODY], metres: M}, {apart: [BODY, BODY], metres: M},"
+        f" {{moving: BODY}} or {{standing: BODY}}, found {written!r}"
+    )
+
+
+def _value(kind: str, key: str, form: Form, wanted: Any, trial: Trial) -> Any:
+    plan = trial.floorplan
+    if form == "number":
+        return Comparison.parse(wanted)
+    if form == "flag":
+        if not isinstance(wanted, bool):
+            raise ValueError(f"{key}: expected true or false, found {wanted!r}")
+        return wanted
+    if form == "point":
+        raise ValueError(f"{key} of an event {kind!r} is a place; only names can be expected")
+    names = {
+        "person": [person.name for person in trial.people],
+        "machine": [name for name in _bodies(trial) if name not in _people(trial)],
+        "agv": [lane.name for lane in plan.lanes],
+        "station": [station.name for station in plan.stations],
+    }
+    if form in names:
+        return _name(wanted, form, names[form])
+    if not isinstance(wanted, str) and not _is_number(wanted):
+        raise ValueError(f"{key}: expected text, found {wanted!r}")
+    return wanted
+
+
+def _name(wanted: Any, form: str, known: list[str]) -> str:
+    if wanted not in known:
+        raise ValueError(f"no {form} is called {wanted!r}; {suggestion(str(wanted), known)}")
+    return str(wanted)
+
+
+def _people(trial: Trial) -> list[str]:
+    return [person.name for person in trial.people]
+
+
+def _bodies(trial: Trial) -> list[str]:
+    plan = trial.floorplan
+    machines = [*(["gantry"] if plan.gantry else []), *(lane.name for lane in plan.lanes)]
+    return [*_people(trial), *machines]
+
+
+def _is(found: Any, wanted: Any) -> bool:
+    if isinstance(wanted, Comparison):
+        return _is_number(found) and wanted.passes(found)
+    return bool(found == wanted)
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)

@@ -1,0 +1,114 @@
+"""The figures of a run that a trial can expect something of: their names, and what they are."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal
+
+from .social_metrics import DISTANCES, MOVEMENT, PROGRESS
+
+if TYPE_CHECKING:
+    from .outcome import Run
+    from .trial import Trial
+
+Form = Literal["number", "visits", "flag"]
+
+_FIGURES = ("duration", "penalties", "agv_teleports", "gantry_disabled_time", "jobs_done")
+_PERSON_FIGURES = ("started", "distance_walked", "time_standing", "replans")
+_SEPARATION = ("distance", "time", "required")
+
+
+@dataclass(frozen=True)
+class SummaryField:
+    """A figure of a run: where it stands in the summary or the metrics, and what it is.
+
+    `events` tells which events made it what it is: a kind, and fields that they have.
+    """
+
+    path: tuple[str, ...]
+    form: Form = "number"
+    events: tuple[str, tuple[tuple[str, Any], ...]] | None = None
+
+    def value(self, run: Run) -> Any:
+        """What it is in `run`; None where there is no such figure."""
+        value: Any = run.summary
+        if self.path[0] == "metrics":
+            value = {"metrics": run.metrics}
+        for key in self.path:
+            if not isinstance(value, dict):
+                return None
+            value = value.get(key)
+        return value
+
+    def instants(self, run: Run) -> list[float]:
+        """When the things happened that it counts, seconds."""
+        if self.events is None:
+            if self.path[-2:-1] == ("minimum_separation",):
+                time = SummaryField((*self.path[:-1], "time")).value(run)
+                return [] if time is None else [time]
+            return []
+        kind, fields = self.events
+        return [e["t"] for e in run.events if e["kind"] == kind and fields_match(e, dict(fields))]
+
+
+def fields_match(event: dict[str, Any], fields: dict[str, Any]) -> bool:
+    """Whether an event has these fields with these values."""
+    return all(event.get(key) == value for key, value in fields.items())
+
+
+def summary_fields(trial: Trial) -> dict[str, SummaryField]:
+    """All figures of the runs of `trial`, by the names that expectations call them.
+
+    A person's are also found without `people.NAME.` where the trial has one person.
+    """
+    names = [person.name for person in trial.people]
+    plan = trial.floorplan
+    machines = [*(["gantry"] if plan.gantry else []), *(lane.name for lane in plan.lanes)]
+    fields = {key: SummaryField((key,), events=_EVENTS.get(key)) for key in _FIGURES}
+    fields["interrupted"] = SummaryField(("interrupted",), "flag")
+    for prefix in [(), *(("people", name) for name in names)]:
+        fields |= _separation(prefix)
+    for name in names:
+        person = dict(_person(name))
+        fields |= {f"people.{name}.{key}": field for key, field in person.items()}
+        if len(names) == 1:
+            fields = person | fields
+    return fields | {".".join(path): SummaryField(path) for path in _metrics(names, machines)}
+
+
+_EVENTS: dict[str, tuple[str, tuple[tuple[str, Any], ...]]] = {
+    "penalties": ("violation", (("penalty", True),)),
+    "agv_teleports": ("violation", (("penalty", False),)),
+    "gantry_disabled_time": ("gantry_disabled", ()),
+    "jobs_done": ("job_done", ()),
+}
+
+
+def _separation(prefix: tuple[str, ...]) -> dict[str, SummaryField]:
+    """The least separation, which is a distance by its bare name."""
+    key = ".".join((*prefix, "minimum_separation"))
+    path = (*prefix, "minimum_separation")
+    parts = {f"{key}.{part}": SummaryField((*path, part)) for part in _SEPARATION}
+    return {key: SummaryField((*path, "distance")), **parts}
+
+
+def _person(name: str) -> Iterator[tuple[str, SummaryField]]:
+    path = ("people", name)
+    for key in _PERSON_FIGURES:
+        events = ("replanned", (("person", name),)) if key == "replans" else None
+        yield key, SummaryField((*path, key), events=events)
+    arrivals = ("arrived", (("person", name),))
+    yield "visits", SummaryField((*path, "visits"), "visits", arrivals)
+
+
+def _metrics(people: list[str], machines: list[str]) -> Iterator[tuple[str, ...]]:
+    for name in people:
+        person = ("metrics", "people", name)
+        yield from ((*person, key) for key in (*MOVEMENT, *PROGRESS))
+        others = [other for other in (*people, *machines) if other != name]
+        yield from ((*person, "distance_to", other, key) for other in others for key in DISTANCES)
+    for name in machines:
+        machine = ("metrics", "machines", name)
+        yield from ((*machine, key) for key in MOVEMENT)
+        yield from ((*machine, "distance_to_people", key) for key in DISTANCES)

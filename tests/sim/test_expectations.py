@@ -1,0 +1,273 @@
+"""Expectations: what is met, what is not and since when, and what makes no sense."""
+
+import ast
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import sim
+from sim.comparison import Comparison
+from sim.event_kinds import EVENT_KINDS
+from sim.occurrences import complement
+from sim.summary_fields import summary_fields
+
+SIM = Path(sim.__file__).parent
+TRIAL = """\
+floorplan: ariac2023
+duration: 60
+people: [{name: operator, personality: antagonistic}]
+gantry: {controller: oblivious, at: [-2.5, 0.5, 0.0], jobs: [{wait: 5.0}, {move: [-2.6, 0.5, 0]}]}
+agvs: {agv1: [{time: 30.0, to: assembly_front}]}
+"""
+
+
+@pytest.fixture(scope="module")
+def run():
+    return sim.run(sim.Trial.parse(TRIAL))
+
+
+def verdict(run, text):
+    """The verdict on one expectation of a run that was made without any."""
+    trial = sim.Trial.parse(TRIAL + "expect:\n" + text)
+    (found,) = sim.Run(**{**vars_of(run), "trial": trial}).verdicts
+    return found
+
+
+def vars_of(run):
+    names = ("scene", "duration", "summary", "events", "motions", "violations")
+    return {name: getattr(run, name) for name in names}
+
+
+def first(run, kind):
+    return next(event["t"] for event in run.events if event["kind"] == kind)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "  penalties: '>= 1'",
+        "  penalties: '> 0, < 10'",
+        "  gantry_disabled_time: '>= 8'",
+        "  duration: 60",
+        "  duration: '59 ± 1'",
+        "  duration: '60.1 +/- 0.2'",
+        "  interrupted: false",
+        "  jobs_done: 2",
+        "  minimum_separation: '3.5 ± 0.001'",
+        "  minimum_separation.time: '> 10'",
+        "  people.operator.minimum_separation.required: '3.5 ± 0.001'",
+        "  people.operator.distance_walked: '> 20'",
+        "  distance_walked: '> 20'",
+        "  metrics.people.operator.path_length: '> 20'",
+        "  metrics.people.operator.distance_to.gantry.minimum: '>= 3.4'",
+        "  metrics.machines.gantry.distance_to_people.intimate_space_intrusions: 0",
+        "  visits: [station4, station2]",
+        "  visits: {begin_with: [station4]}",
+        "  visits: {in_order: [station4, station4]}",
+        "  visits: {never: [station3, station1]}",
+        "  timeline: [{eventually: violation}]",
+        "  timeline: [{eventually: {kind: arrived, station: station2}, within: 20}]",
+        "  timeline: [{eventually: {kind: violation, with: gantry, distance: '< 4'}, times: 2}]",
+        "  timeline: [{never: {kind: arrived, station: station1}}]",
+        "  timeline: [{never: violation, before: 10}]",
+        "  timeline: [{never: violation, before: gantry_detected}]",
+        "  timeline: [{eventually: gantry_detected, before: violation}]",
+        "  timeline: [{eventually: gantry_enabled, after: gantry_disabled, within: 8.001}]",
+        "  timeline: [{never: gantry_enabled, after: gantry_disabled, within: 7.999}]",
+        "  timeline: [{whenever: violation, then: teleport, within: 0.001}]",
+        "  timeline: [{whenever: {kind: goal, person: operator}, then: arrived, within: 60}]",
+        "  timeline: [{never: {near: [operator, gantry], metres: 3.4}}]",
+        "  timeline: [{always: {apart: [operator, gantry], metres: 3.4}}]",
+        "  timeline: [{always: {standing: gantry}, after: gantry_disabled, within: 7.9}]",
+        "  timeline: [{always: {standing: agv1}, before: agv_moved}]",
+        "  timeline: [{eventually: {moving: agv1}, after: 30, within: 0.1}]",
+        "  timeline: [{never: {moving: agv1}, before: 30}]",
+        "  timeline: [{whenever: agv_moved, then: {moving: agv1}, within: 0.1}]",
+    ],
+)
+def test_what_is_met(run, text):
+    found = verdict(run, text)
+    assert found.met, str(found)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("  penalties: 0", "expected penalties = 0, but it is 2 (t = {violation:.3f} s, "),
+        ("  jobs_done: '> 2'", "expected jobs_done > 2, but it is 2"),
+        ("  interrupted: true", "expected interrupted true, but it is False"),
+        (
+            "  minimum_separation: '>= 4'",
+            "expected minimum_separation >= 4, but it is 3.49999",
+        ),
+        (
+            "  visits: [station4, station1]",
+            "expected visits to begin with station4, station1, but they were station4, station2",
+        ),
+        ("  visits: {exactly: [station4]}", "to be exactly station4, but they were station4, st"),
+        ("  visits: {never: [station2]}", "(station2 at t = 15.830 s)"),
+        ("  visits: {in_order: [station2, station1]}", "to have in this order station2, station1"),
+        ("  timeline: [{never: violation}]", "but it happened at t = {violation:.3f} s"),
+        (
+            "  timeline: [{eventually: {kind: violation, with: agv1}}]",
+            "expected eventually violation (with agv1), but it never happened",
+        ),
+        (
+            "  timeline: [{eventually: violation, before: gantry_detected}]",
+            "expected eventually violation before gantry_detected, but it never happened",
+        ),
+        (
+            "  timeline: [{eventually: violation, times: '>= 5'}]",
+            "expected eventually violation >= 5 times, but it happened at t = {violation:.3f} s",
+        ),
+        (
+            "  timeline: [{never: arrived, after: order_submitted}]",
+            "order_submitted never happened",
+        ),
+        (
+            "  timeline: [{whenever: violation, then: arrived, within: 2}]",
+            "but none followed violation at t = {violation:.3f} s",
+        ),
+        (
+            "  timeline: [{always: {apart: [operator, gantry], metres: 3.6}}]",
+            "expected always operator and gantry at least 3.6 m, but not so at t = ",
+        ),
+        (
+            "  timeline: [{always: {moving: agv1}, after: 30, within: 1}]",
+            "expected always agv1 moving after 30 s within 1 s, but not so at t = 30.000 s",
+        ),
+        (
+            "  timeline: [{never: {near: [operator, gantry], metres: 3.6}}]",
+            "expected never operator and gantry within 3.6 m, but it happened at t = ",
+        ),
+    ],
+)
+def test_what_is_not_met_is_told_with_its_time(run, text, said):
+    found = verdict(run, text)
+    assert not found.met
+    assert said.format(violation=first(run, "violation")) in str(found)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("  penaltys: 0", "line 7, expect.penaltys: a run has no such figure; did you mean 'pen"),
+        ("  timelin: []", "did you mean 'timeline'?"),
+        ("  people.nobody.visits: []", "did you mean 'people.operator.visits'?"),
+        ("  metrics.people.operator.path_lenght: 1", "did you mean 'metrics.people.operator.path_"),
+        ("  penalties: many", "expected a number or a comparison such as"),
+        ("  penalties: '>> 1'", "expected a number or a comparison such as"),
+        ("  penalties: '> 1, 2'", "expected a number or a comparison such as"),
+        ("  penalties: '1 ± -2'", "expected a number or a comparison such as"),
+        ("  penalties: true", "expected a number or a comparison such as"),
+        ("  penalties: .nan", "expected a number or a comparison such as"),
+        ("  interrupted: 0", "expected true or false, found 0"),
+        ("  visits: station4", "expected a list of stations"),
+        ("  visits: [statoin4]", "did you mean 'station4'?"),
+        ("  visits: {in_oder: [station4]}", "one of begin_with, in_order, exactly, never"),
+        ("  timeline: {never: violation}", "expected a list"),
+        (
+            "  timeline:\n    - never: violation\n    - never: vilation",
+            "line 9, expect.timeline[1]",
+        ),
+        ("  timeline: [{nevr: violation}]", "expected exactly one of never, always"),
+        ("  timeline: [{never: violation, always: violation}]", "expected exactly one of never"),
+        ("  timeline: [violation]", "expected keys with one of never"),
+        ("  timeline: [{never: vilation}]", "did you mean 'violation'?"),
+        ("  timeline: [{never: [violation]}]", "expected a kind of event, or keys"),
+        ("  timeline: [{never: {kind: [violation]}}]", "no kind of event is called"),
+        ("  timeline: [{never: violation, befor: 3}]", "did you mean 'before'?"),
+        ("  timeline: [{never: violation, times: 3}]", "'never' takes no 'times'"),
+        ("  timeline: [{never: violation, before: vilation}]", "did you mean 'violation'?"),
+        ("  timeline: [{never: violation, before: -1}]", "before: expected seconds, found -1"),
+        ("  timeline: [{never: {kind: violation, wit: gantry}}]", "has no field 'wit'; did you"),
+        ("  timeline: [{never: {kind: violation, with: gantri}}]", "did you mean 'gantry'?"),
+        ("  timeline: [{never: {kind: violation, with: operator}}]", "no machine is called"),
+        ("  timeline: [{never: {kind: violation, penalty: 1}}]", "expected true or false"),
+        ("  timeline: [{never: {kind: violation, distance: near}}]", "expected a number or a"),
+        ("  timeline: [{never: {kind: arrived, at: [0, 0]}}]", "is a place; only names"),
+        ("  timeline: [{never: {kind: gantry_enabled, by: x}}]", "it has no fields"),
+        ("  timeline: [{always: violation}]", "expected a state"),
+        ("  timeline: [{always: {near: [operator], metres: 1}}]", "the names of two bodies"),
+        ("  timeline: [{always: {near: [operator, x], metres: 1}}]", "no body is called 'x'"),
+        ("  timeline: [{always: {near: [operator, gantry], metres: 0}}]", "more than 0, found 0"),
+        ("  timeline: [{always: {moving: gantri}}]", "did you mean 'gantry'?"),
+        ("  timeline: [{whenever: violation, then: teleport}]", "needs then: what is to follow"),
+        ("  timeline: [{whenever: violation, within: 3}]", "needs then: what is to follow"),
+    ],
+)
+def test_a_typo_is_an_error_with_its_place(text, message):
+    with pytest.raises(sim.TrialError) as caught:
+        sim.Trial.parse(TRIAL + "expect:\n" + text + "\n")
+    assert message in str(caught.value)
+    assert "expect" in str(caught.value)
+
+
+def test_what_would_have_followed_after_the_end_is_not_held_against_a_run(run):
+    late = max(event["t"] for event in run.events if event["kind"] == "goal")
+    delay = 60.0 - late + 0.5
+    text = f"  timeline: [{{whenever: goal, then: said, within: {delay}, after: {late - 0.001}}}]"
+    assert verdict(run, text).met
+
+
+def test_a_person_of_several_is_called_by_name(run):
+    text = TRIAL.replace("people: [", "people: [{name: ada}, ")
+    trial = sim.Trial.parse(text + "expect: {people.ada.visits: [station4]}\n")
+    assert len(trial.expect) == 1
+    with pytest.raises(sim.TrialError, match="no such figure"):
+        sim.Trial.parse(text + "expect: {visits: [station4]}\n")
+
+
+def leaves(value, path=()):
+    if isinstance(value, dict):
+        for key, inner in value.items():
+            yield from leaves(inner, (*path, key))
+    else:
+        yield path
+
+
+def test_every_figure_of_the_summary_can_be_expected(run):
+    known = summary_fields(run.trial)
+    names = {"trial", "floorplan", "rules", "seed", "personality", "cpu_seconds", "realtime_factor"}
+    for path in leaves({**run.summary, "metrics": run.metrics}):
+        if path[-1] not in names:
+            assert ".".join(path).removesuffix(".distance") in known or ".".join(path) in known
+
+
+def recorded_kinds():
+    """The file, kind and fields of every event that the sources record."""
+    for file in SIM.rglob("*.py"):
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            if not (isinstance(node, ast.Call) and ast.unparse(node.func).endswith("record")):
+                continue
+            if node.args and isinstance(node.args[0], ast.Constant):
+                fields = {keyword.arg for keyword in node.keywords} - {None}
+                yield file.name, node.args[0].value, fields
+
+
+def test_every_kind_of_event_is_known():
+    """What the sources record is in the table that expectations are checked against."""
+    found = list(recorded_kinds())
+    assert len(found) > 10
+    for file, kind, fields in found:
+        assert kind in EVENT_KINDS, f"{file} records {kind}"
+        assert fields <= set(EVENT_KINDS[kind]), f"{file} records {kind} with {fields}"
+
+
+@given(st.floats(-100, 100), st.floats(0, 10), st.floats(-120, 120))
+def test_a_tolerance_is_what_it_says(middle, more, figure):
+    wanted = Comparison.parse(f"{middle!r} ± {more!r}")
+    assert wanted.passes(figure) == (middle - more <= figure <= middle + more)
+
+
+@given(st.lists(st.floats(0, 10), max_size=8, unique=True))
+def test_a_complement_and_the_intervals_fill_the_time(edges):
+    edges = sorted(edges)
+    intervals = list(zip(edges[::2], edges[1::2], strict=False))
+    gaps = complement(intervals, 10.0)
+    assert sum(e - b for b, e in intervals + gaps) == pytest.approx(10.0)
+    for t in (0.5, 3.3, 9.99):
+        inside = any(b < t < e for b, e in intervals)
+        assert inside != any(b < t < e for b, e in gaps) or t in edges
