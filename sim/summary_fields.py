@@ -14,9 +14,17 @@ if TYPE_CHECKING:
 
 Form = Literal["number", "visits", "flag"]
 
-_FIGURES = ("duration", "penalties", "agv_teleports", "gantry_disabled_time", "jobs_done")
+_FIGURES = (
+    "duration",
+    "penalties",
+    "agv_teleports",
+    "gantry_disabled_time",
+    "gantry_idle_time",
+    "jobs_done",
+)
 _PERSON_FIGURES = ("started", "distance_walked", "time_standing", "replans")
 _SEPARATION = ("distance", "time", "required")
+_CAUSES = ("gantry", "person")
 
 
 @dataclass(frozen=True)
@@ -66,6 +74,7 @@ def summary_fields(trial: Trial) -> dict[str, SummaryField]:
     plan = trial.floorplan
     machines = [*(["gantry"] if plan.gantry else []), *(lane.name for lane in plan.lanes)]
     fields = {key: SummaryField((key,), events=_EVENTS.get(key)) for key in _FIGURES}
+    fields |= _violations((), ())
     fields["interrupted"] = SummaryField(("interrupted",), "flag")
     for prefix in [(), *(("people", name) for name in names)]:
         fields |= _separation(prefix)
@@ -76,6 +85,8 @@ def summary_fields(trial: Trial) -> dict[str, SummaryField]:
             fields = person | fields
     return fields | {".".join(path): SummaryField(path) for path in _metrics(names, machines)}
 
+
+_Fields = dict[str, SummaryField]
 
 _EVENTS: dict[str, tuple[str, tuple[tuple[str, Any], ...]]] = {
     "penalties": ("violation", (("penalty", True),)),
@@ -93,8 +104,21 @@ def _separation(prefix: tuple[str, ...]) -> dict[str, SummaryField]:
     return {key: SummaryField((*path, "distance")), **parts}
 
 
+def _violations(path: tuple[str, ...], fields: tuple[tuple[str, Any], ...]) -> _Fields:
+    """The penalties by whose doing they were, by their names inside `path`."""
+    penalty = ("penalty", True)
+    return {
+        f"violations.{cause}": SummaryField(
+            (*path, "violations", cause),
+            events=("violation", (*fields, penalty, ("cause", cause))),
+        )
+        for cause in _CAUSES
+    }
+
+
 def _person(name: str) -> Iterator[tuple[str, SummaryField]]:
     path = ("people", name)
+    yield from _violations(path, (("person", name),)).items()
     for key in _PERSON_FIGURES:
         events = ("replanned", (("person", name),)) if key == "replans" else None
         yield key, SummaryField((*path, key), events=events)

@@ -36,7 +36,7 @@ def verdict(run, text):
 
 
 def vars_of(run):
-    names = ("scene", "duration", "summary", "events", "motions", "violations")
+    names = ("scene", "duration", "summary", "events", "motions", "violations", "requirements")
     return {name: getattr(run, name) for name in names}
 
 
@@ -55,6 +55,8 @@ def first(run, kind):
         "  duration: '60.1 +/- 0.2'",
         "  interrupted: false",
         "  jobs_done: 2",
+        "  violations.person: '>= 1'",
+        "  people.operator.violations.gantry: 0",
         "  minimum_separation: '3.5 ± 0.001'",
         "  minimum_separation.time: '> 10'",
         "  people.operator.minimum_separation.required: '3.5 ± 0.001'",
