@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from .drive import Steps
     from .exports import export
     from .gantry import GantryRobot, Sighting
+    from .live import LiveRun
     from .minds import Mind, Outside, Percepts
     from .outcome import Recorded, Run
     from .own_law import LawError, OwnLaw
@@ -38,6 +39,7 @@ _HOMES = {
     "controllers": ("CONTROLLERS", "Caution", "Controller", "ControllerError", "find_controller"),
     "drive": ("Steps",),
     "gantry": ("GantryRobot", "Sighting"),
+    "live": ("LiveRun",),
     "minds": ("Mind", "Outside", "Percepts"),
     "outcome": ("Recorded", "Run"),
     "person": ("MindError",),
@@ -74,6 +76,7 @@ __all__ = [
     "Job",
     "LawError",
     "Listener",
+    "LiveRun",
     "Mind",
     "MindError",
     "Notice",

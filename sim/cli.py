@@ -16,6 +16,7 @@ from .commands.list import list_all
 from .commands.metrics import metrics
 from .commands.plan import plan
 from .commands.plot import app as plot
+from .commands.replay import replay
 from .commands.run import run
 
 app = typer.Typer(
@@ -46,6 +47,7 @@ def _floorwalker(
 
 
 app.command()(run)
+app.command()(replay)
 app.command(context_settings={"ignore_unknown_options": True})(plan)
 app.add_typer(plot)
 app.command()(check)

@@ -109,6 +109,12 @@ class SeparationWatch:
         else:
             self._alarm.set(coming[1] if coming[1] < self.pair.horizon() else None)
 
+    @property
+    def known(self) -> list[tuple[float, float]]:
+        """The intervals so far; one that still goes on lasts to the end, for all that is known."""
+        lasting = [] if self._since is None else [(self._since, self.pair.end)]
+        return [*self.intervals, *lasting]
+
     def recheck(self) -> None:
         """Call `violated` again if they are too close now."""
         if self._since is not None:

@@ -45,30 +45,59 @@ SCRIPTS = (
 """The page's scripts in reading order."""
 
 
-def render(recording: Mapping[str, Any]) -> str:
+def render(
+    recording: Mapping[str, Any],
+    other: Mapping[str, Any] | None = None,
+    *,
+    stream: str = "",
+    speed: float = 1.0,
+) -> str:
     """The page that replays `recording`, as HTML (to be written as UTF-8).
 
     `recording` has the form described in `docs/replay.md`: plain dicts, lists, strings and finite
-    numbers. `ValueError` if its `format` is another, or if it holds what JSON can't say.
+    numbers; an `other` is shown beside it. With a `stream`, the page is for a run under way: what
+    it adds to the recording comes from that address beside the page, `speed` times as fast as it
+    happens. `ValueError` if a recording's `format` is another, or if it holds what JSON can't say.
     """
-    if recording.get("format") != FORMAT:
-        raise ValueError(
-            f"the replay page reads recordings of format {FORMAT!r}, "
-            f"not {recording.get('format')!r}"
-        )
+    live = {"data-stream": stream, "data-speed": f"{speed:g}"} if stream else {}
     contents = {
         "title": html.escape(str(recording.get("title", "replay"))),
         "style": _part("page.css"),
         "script": "\n".join(_part(f"{name}.js") for name in SCRIPTS),
-        "recording": _embeddable(recording),
-        "attributes": "",
-        "sources": "",
+        "recording": _element("recording", recording),
+        "other": "" if other is None else _element("other", other),
+        "attributes": "".join(f' {name}="{html.escape(live[name])}"' for name in live),
+        "sources": "; connect-src 'self'" if stream else "",
     }
     return re.sub(r"\{\{(\w+)\}\}", lambda place: contents[place[1]], _part("page.html"))
 
 
+def recording_in(page: str) -> dict[str, Any]:
+    """The recording that stands in a page made by `render`; `ValueError` if there is none."""
+    found = re.search(r'<script type="application/json" id="recording">(.*?)</script>', page, re.S)
+    if found is None:
+        raise ValueError("is no replay page: it holds no recording")
+    try:
+        recording = json.loads(found[1])
+    except json.JSONDecodeError as why:
+        raise ValueError(f"the recording in it is damaged: {why}") from None
+    _check_format(recording)
+    return dict(recording)
+
+
 def _part(name: str) -> str:
     return (files("sim") / "data" / "replay" / name).read_text(encoding="utf-8")
+
+
+def _element(name: str, recording: Mapping[str, Any]) -> str:
+    _check_format(recording)
+    return f'<script type="application/json" id="{name}">{_embeddable(recording)}</script>'
+
+
+def _check_format(recording: Any) -> None:
+    found = recording.get("format") if isinstance(recording, Mapping) else None
+    if found != FORMAT:
+        raise ValueError(f"the replay page reads recordings of format {FORMAT!r}, not {found!r}")
 
 
 def _embeddable(recording: Mapping[str, Any]) -> str:

@@ -29,7 +29,7 @@ def replay_data(run: Recorded) -> dict[str, Any]:
             "floorplan": _floorplan(plan),
             "bodies": _bodies(run),
             "motions": {
-                name: [_piece(piece) for piece in motion.pieces]
+                name: [piece_data(piece) for piece in motion.pieces]
                 for name, motion in run.motions.items()
             },
             "events": run.events,
@@ -141,7 +141,8 @@ def _notice(rules: RuleSet) -> dict[str, Any]:
     return {**notice, "notice_law": _law(scaled.law)} if is_plain(scaled.law) else {}
 
 
-def _piece(piece: Piece) -> list[Any]:
+def piece_data(piece: Piece) -> list[Any]:
+    """A piece of a motion: when it begins and ends, and its cubics without zeros at their ends."""
     return [
         piece.begin,
         piece.end,

@@ -11,8 +11,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from ..browser import open_in_browser
+
 if TYPE_CHECKING:
-    from sim import Run, Simulation, Trial
+    from sim import Recording, Run, Simulation, Trial
 
 INTERRUPTED = 130
 """The exit code of a command stopped by Ctrl-C, as shells have it."""
@@ -34,20 +36,26 @@ def run(
     out: Annotated[
         Path | None, typer.Option(help="Folder for the recording (runs/TRIAL if not given).")
     ] = None,
+    watch: Annotated[
+        bool, typer.Option("--watch", help="Show it in the browser while it goes on.")
+    ] = False,
+    speed: Annotated[
+        float, typer.Option(metavar="X", help="With --watch: times as fast as real time.")
+    ] = 1.0,
+    no_open: Annotated[
+        bool, typer.Option("--no-open", help="With --watch: only say where the page is.")
+    ] = False,
 ) -> None:
     """Simulate a trial and record it: summary, events, motions, trajectory, replay page."""
-    from sim import Recording, Simulation, Trial
+    from sim import Recording, Trial
 
     chosen = _changed(Trial.load(trial), personality, duration, seed, rules)
     recording = Recording(out if out is not None else _free_folder(chosen.name))
     try:
-        simulation = Simulation(chosen, recording)
-        try:
-            interrupted = _advance(simulation)
-        finally:
-            # Also when the user's controller or program fails: what happened until then is kept.
-            finished = simulation.finish()
-            recording.finish(finished)
+        if watch:
+            finished, interrupted = _watched(chosen, recording, speed, opened=not no_open)
+        else:
+            finished, interrupted = _carried_out(chosen, recording)
     finally:
         recording.close()
     _report(finished, recording.folder)
@@ -92,6 +100,42 @@ def _free_folder(name: str) -> Path:
         number += 1
         folder = Path("runs") / f"{name}-{number}"
     return folder
+
+
+def _carried_out(trial: Trial, recording: Recording) -> tuple[Run, bool]:
+    """The run, as far as it went, and whether Ctrl-C came before the end."""
+    from sim import Simulation
+
+    simulation = Simulation(trial, recording)
+    try:
+        interrupted = _advance(simulation)
+    finally:
+        # Also when the user's controller or program fails: what happened until then is kept.
+        finished = simulation.finish()
+        recording.finish(finished)
+    return finished, interrupted
+
+
+def _watched(trial: Trial, recording: Recording, speed: float, *, opened: bool) -> tuple[Run, bool]:
+    """The same, shown in the browser meanwhile."""
+    from sim import LiveRun, Simulation
+
+    live = LiveRun(trial.duration, speed=speed)
+    simulation = Simulation(trial, recording, live)
+    interrupted = False
+    with live.server as server:
+        typer.echo(f"{server.url} shows it while it goes on", err=True)
+        if opened and open_in_browser(server.url):
+            live.wait_for_viewer()
+        try:
+            live.advance(simulation)
+        except KeyboardInterrupt:
+            interrupted = True
+        finally:
+            finished = simulation.finish()
+            recording.finish(finished)
+            live.finish(finished)
+    return finished, interrupted
 
 
 def _advance(simulation: Simulation) -> bool:

@@ -81,6 +81,8 @@ document.addEventListener("DOMContentLoaded", () => {
     $("replay").hidden = false;
     const replay = new Replay(new Run(recording));
     takeFiles(replay);
+    const other = $("other");
+    if (other) replay.compare(new Run(parseRecording(other.textContent)));
     followStream(replay, recording);
     const linked = Number.parseFloat(new URLSearchParams(location.hash.slice(1)).get("t"));
     if (Number.isFinite(linked)) replay.clock.seek(linked);
