@@ -1,32 +1,19 @@
 """The replay page, in a real browser where there is one."""
 
 import copy
-import io
 import itertools
 import json
 import math
 import re
-import shutil
 
 import pytest
 import replay_sample
-from PIL import Image, ImageChops
 
 import sim
 from sim import replay
 from sim.replay_data import replay_data
 
 INSTANTS = [0.0, 2.4, 9.93, 27.0, 61.7, 69.1, 140.25, 181.0, 274.9, 275.0]
-CHROMIUM = ("chromium", "chromium-browser", "google-chrome")
-ARGUMENTS = [
-    "--no-sandbox",
-    "--disable-gpu",
-    "--disable-quic",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-]
 
 
 @pytest.fixture(scope="module")
@@ -35,79 +22,8 @@ def recording():
 
 
 @pytest.fixture(scope="module")
-def browser():
-    api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-    path = next(filter(None, map(shutil.which, CHROMIUM)), None)
-    if path is None:
-        pytest.skip("no Chromium on this machine")
-    with api.sync_playwright() as driver:
-        browser = driver.chromium.launch(executable_path=path, args=ARGUMENTS)
-        yield browser
-        browser.close()
-
-
-class Viewer:
-    """A page in the browser, with what it complained about and asked the network for."""
-
-    def __init__(self, browser, file, html, **options):
-        file.write_text(html, encoding="utf-8")
-        self.context = browser.new_context(**options)
-        self.page = self.context.new_page()
-        self.complaints = []
-        self.requests = []
-        self.page.on("console", lambda message: self.complaints.append(message.text))
-        self.page.on("pageerror", lambda error: self.complaints.append(str(error)))
-        self.page.on("request", lambda request: self.requests.append(request.url))
-        self.page.goto(file.as_uri())
-
-    def seek(self, t):
-        self.page.evaluate("t => window.floorwalker.seek(t)", t)
-        self.settle()
-
-    def settle(self):
-        """Wait until what was asked for is drawn."""
-        self.page.evaluate(
-            "() => new Promise(done => requestAnimationFrame(() => setTimeout(done)))"
-        )
-
-    def wait_until(self, holds):
-        """Wait for what comes by itself. (The page forbids the driver's own way, which is eval.)"""
-        for _ in range(500):
-            if holds():
-                return
-            self.page.wait_for_timeout(20)
-        pytest.fail("waited for what did not come")
-
-    @property
-    def time(self):
-        return self.page.evaluate("window.floorwalker.time")
-
-    def text(self, selector):
-        return self.page.locator(selector).inner_text()
-
-    def number(self, selector):
-        return float(self.text(selector).split()[0].replace("−", "-"))
-
-
-@pytest.fixture
-def open_page(browser, tmp_path):
-    viewers = []
-
-    def open_page(html, **options):
-        viewers.append(Viewer(browser, tmp_path / f"{len(viewers)}.html", html, **options))
-        return viewers[-1]
-
-    yield open_page
-    for viewer in viewers:
-        viewer.context.close()
-
-
-@pytest.fixture(scope="module")
-def shared(browser, recording, tmp_path_factory):
-    file = tmp_path_factory.mktemp("replay") / "replay.html"
-    viewer = Viewer(browser, file, replay.render(recording))
-    yield viewer
-    viewer.context.close()
+def shared(open_shared_page, recording):
+    return open_shared_page(replay.render(recording))
 
 
 @pytest.fixture
@@ -119,12 +35,6 @@ def viewer(shared):
     shared.page.evaluate("document.activeElement.blur()")
     shared.seek(0.0)
     return shared
-
-
-def differ(one, other):
-    """Whether two screenshots show different things, beyond the smoothing of edges."""
-    images = [Image.open(io.BytesIO(png)).convert("L") for png in (one, other)]
-    return ImageChops.difference(*images).getextrema()[1] > 60
 
 
 def embedded(html):
@@ -428,8 +338,8 @@ def test_the_floor_is_drawn_from_the_time_shown(viewer):
     viewer.seek(66.0)
     late = floor.screenshot()
     viewer.seek(0.0)
-    assert differ(early, late)
-    assert not differ(early, floor.screenshot())
+    assert viewer.differ(early, late)
+    assert not viewer.differ(early, floor.screenshot())
 
 
 def test_the_floor_zooms_pans_and_fits(viewer):
@@ -439,16 +349,16 @@ def test_the_floor_zooms_pans_and_fits(viewer):
     viewer.page.mouse.wheel(0, -400)
     viewer.settle()
     zoomed = floor.screenshot()
-    assert differ(whole, zoomed)
+    assert viewer.differ(whole, zoomed)
     viewer.page.mouse.down()
     viewer.page.mouse.move(300, 300, steps=3)
     viewer.page.mouse.up()
     viewer.settle()
-    assert differ(zoomed, floor.screenshot())
+    assert viewer.differ(zoomed, floor.screenshot())
     viewer.page.keyboard.press("0")
     viewer.page.mouse.move(5, 5)
     viewer.settle()
-    assert not differ(whole, floor.screenshot())
+    assert not viewer.differ(whole, floor.screenshot())
 
 
 def test_a_body_can_be_followed(viewer):
@@ -456,7 +366,7 @@ def test_a_body_can_be_followed(viewer):
     viewer.seek(70.0)
     before = viewer.page.locator(".view canvas").screenshot()
     viewer.seek(77.0)
-    assert differ(before, viewer.page.locator(".view canvas").screenshot())
+    assert viewer.differ(before, viewer.page.locator(".view canvas").screenshot())
     viewer.page.locator("#fit").click()
     assert viewer.page.locator("#follow").input_value() == ""
 
@@ -509,9 +419,9 @@ def test_two_fingers_zoom_the_floor(open_page, recording):
         points = [{"x": x - spread, "y": y, "id": 0}, {"x": x + spread, "y": y, "id": 1}]
         fingers.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
     fingers.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
-    viewer.wait_until(lambda: differ(whole, floor.screenshot()))
+    viewer.wait_until(lambda: viewer.differ(whole, floor.screenshot()))
     viewer.page.locator("#fit").tap()
-    viewer.wait_until(lambda: not differ(whole, floor.screenshot()))
+    viewer.wait_until(lambda: not viewer.differ(whole, floor.screenshot()))
 
 
 def test_every_control_has_a_name(viewer):

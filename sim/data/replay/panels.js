@@ -1,6 +1,6 @@
 /* What there is to read about one run: the mind in focus, the events, the summary. */
 
-const ROOM_FOR_ALL = 940;      // pixels of height from which on the summary is unfolded, too
+const ROOM_FOR_ALL = 1100;     // pixels of height from which on the summary is unfolded, too
 
 /** The panels of one run, side by side with those of another or alone. */
 class Panels {
@@ -13,10 +13,11 @@ class Panels {
     if (innerHeight < ROOM_FOR_ALL && innerWidth > 860) this.#fold(this.root.querySelector(".summary"), true);
   }
 
-  /** The events and the summary of a run, which may have grown. */
-  fill(run) {
+  /** The events of a run, which may have grown, and the summaries of all. */
+  fill(run, all) {
     this.events.extend(run.events, run.bodies);
-    showSummary(this.root.querySelector(".summary .body"), run.recording.summary, this.onChoose);
+    const summaries = all.map(one => one.recording.summary ?? {});
+    showSummaries(this.root.querySelector(".summary .body"), summaries, this.onChoose);
   }
 
   show(run, person, t) {

@@ -45,12 +45,10 @@ class Replay {
     this.#showRuns();
   }
 
-  /** The first run has grown, and is known up to `frontier`. */
-  grow(run, frontier) {
+  /** The first run has grown. */
+  grow(run) {
     this.runs[0] = run;
     this.views[0].show(run);
-    this.panels[0].fill(run);
-    this.clock.frontier = frontier;
     this.#showRuns();
   }
 
@@ -71,7 +69,6 @@ class Replay {
     const panels = new Panels(t => this.clock.seek(t));
     $("readouts").append(readout.root);
     $("panels").append(panels.root);
-    panels.fill(run);
     this.runs.push(run);
     this.views.push(view);
     this.readouts.push(readout);
@@ -93,12 +90,13 @@ class Replay {
       ? "" : [floorplan.title || spoken(floorplan.name ?? ""), ...people].join(" · ");
     $("focus").replaceChildren(...this.runs.map((run, i) => this.#focusButton(run, i)));
     const duration = Math.max(...this.runs.map(run => run.duration));
-    if (this.clock.frontier >= this.clock.duration) this.clock.frontier = duration;
     this.clock.duration = duration;
+    this.clock.frontier = first.known < first.duration ? first.known : duration;
     $("clock-end").textContent = `/ ${+duration.toFixed(2)} s`;
     $("chart").setAttribute("aria-valuemax", duration);
     this.#offer($("follow"), bodies.map(({ name }) => [name, spoken(name)]), 1);
     this.#offer($("watch"), first.watches.map((watch, i) => [i, watch.name]), 0);
+    this.panels.forEach((panels, i) => panels.fill(this.runs[i], this.runs));
     this.chart.show(this.runs);
     this.redraw();
   }

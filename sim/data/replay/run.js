@@ -12,12 +12,13 @@ class Body {
   }
 }
 
-/** Everything about one recording but how it looks. */
+/** Everything about one recording but how it looks; it is known up to `known` (seconds). */
 class Run {
-  constructor(recording) {
+  constructor(recording, known = recording.duration) {
     const { bodies, motions, events, watches, minds, duration } = recording;
     this.recording = recording;
     this.duration = duration;
+    this.known = known;
     this.plan = recording.floorplan;
     this.events = events;
     this.bodies = new Map();
@@ -27,10 +28,10 @@ class Run {
       this.bodies.set(data.name, new Body(data, motions[data.name], color));
     }
     this.people = [...this.bodies.values()].filter(body => body.kind === "person");
-    this.watches = watches.map(watch => new Watch(watch, this.bodies, duration));
+    this.watches = watches.map(watch => new Watch(watch, this.bodies, known));
     this.minds = new Map(Object.entries(minds ?? {}).map(([name, thoughts]) => [name, new Mind(thoughts)]));
     this.jobs = new Jobs(events);
-    this.disabled = disabledIntervals(events, duration);
+    this.disabled = disabledIntervals(events, known);
     this.disabledBegins = this.disabled.map(interval => interval[0]);
     this.violations = this.#violations();
     this.violationTimes = this.violations.map(violation => violation.t);
@@ -91,12 +92,15 @@ class Run {
 }
 
 /** When the gantry was switched off: [[begin, end], …]. */
-function disabledIntervals(events, duration) {
+function disabledIntervals(events, end) {
   const intervals = [];
+  let open = null;
   for (const { kind, t } of events) {
-    const open = intervals.at(-1)?.[1] === duration && intervals.at(-1);
-    if (kind === "gantry_disabled" && !open) intervals.push([t, duration]);
-    if (kind === "gantry_enabled" && open) open[1] = t;
+    if (kind === "gantry_disabled" && !open) intervals.push(open = [t, end]);
+    if (kind === "gantry_enabled" && open) {
+      open[1] = t;
+      open = null;
+    }
   }
   return intervals;
 }

@@ -59,7 +59,7 @@ function followStream(replay, recording) {
   const { stream, speed } = document.documentElement.dataset;
   if (!stream) return;
   $("live").hidden = false;
-  replay.grow(new Run(recording), 0);
+  replay.grow(new Run(recording, 0));
   replay.clock.goLive(Number(speed));
   const end = words => {
     $("live").hidden = true;
@@ -67,9 +67,9 @@ function followStream(replay, recording) {
     write($("subtitle"), words);
   };
   new Live(stream, recording,
-    (grown, now) => replay.grow(new Run(grown), now),
+    (grown, now) => replay.grow(new Run(grown, now)),
     whole => {
-      replay.grow(new Run(whole), whole.duration);
+      replay.grow(new Run(whole));
       end("the run is over");
     },
     () => end("the run is gone: the connection was lost"));

@@ -1,51 +1,69 @@
-/* The summary of the run. */
+/* The summaries of the runs, beside each other. */
 
 const UNITS = {
   duration: "s", gantry_disabled_time: "s", started: "s", time_standing: "s", distance_walked: "m",
 };
-
 const TRIAL_FIELDS = ["trial", "floorplan", "rules", "seed", "duration", "interrupted"];
 
-/** The summary of the run, as it stands in the recording: figures first, then people, then the trial. */
-function showSummary(section, summary, onChoose) {
-  const { minimum_separation: closest, people, ...rest } = summary ?? {};
-  const figures = Object.entries(rest).filter(([name]) => !TRIAL_FIELDS.includes(name));
-  const ofTrial = Object.entries(rest).filter(([name]) => TRIAL_FIELDS.includes(name));
-  section.replaceChildren(fieldList([...figures, ["minimum separation", closest]], onChoose));
-  for (const [name, fields] of Object.entries(people ?? {})) {
-    section.append(element("h3", { text: spoken(name) }), fieldList(Object.entries(fields), onChoose));
-  }
-  if (ofTrial.length) section.append(element("h3", { text: "trial" }), fieldList(ofTrial, onChoose));
+/** Shows summaries as they stand in the recordings: figures first, then people, then the trial. */
+function showSummaries(section, summaries, onChoose) {
+  const people = summaries.map(summary => summary.people ?? {});
+  const names = [...new Set(people.flatMap(Object.keys))];
+  const isOfTrial = name => TRIAL_FIELDS.includes(name);
+  const part = (title, fields) => {
+    const list = fieldList(fields, onChoose);
+    return list.children.length ? [title && element("h3", { text: title }), list].filter(Boolean) : [];
+  };
+  const some = choose => summaries.map(summary => Object.fromEntries(
+    Object.entries(summary).filter(([name]) => name !== "people" && choose(name))));
+  section.replaceChildren(
+    ...part("", some(name => !isOfTrial(name))),
+    ...names.flatMap(name => part(spoken(name), people.map(fields => fields[name] ?? {}))),
+    ...part("trial", some(isOfTrial)));
 }
 
-/** Names and values as a list; an object with a time and a distance becomes a button to go there. */
-function fieldList(fields, onChoose) {
-  const list = element("dl");
-  const add = (name, content) => {
-    list.append(element("dt", { text: spoken(name) }), element("dd", {}, content));
-  };
-  for (const [name, value] of fields) {
-    if (value === null || value === undefined) continue;
-    if (isObject(value) && isNumbers([value.time, value.distance])) {
-      const text = `${metres(value.distance)} at ${seconds(value.time)}`;
-      const button = element("button", { type: "button", text });
-      button.addEventListener("click", () => onChoose(value.time));
-      add(name, button);
-    } else if (isObject(value)) {
-      const inner = Object.entries(value).map(([key, one]) => [`${name} ${key}`, one]);
-      list.append(...fieldList(inner, onChoose).children);
-    } else {
-      add(name, valueText(name, value));
-    }
+/** Each name with its value in every one of `columns`; what differs stands out. */
+function fieldList(columns, onChoose) {
+  const list = element("dl", { style: `--columns: ${columns.length}` });
+  const flat = columns.map(fields => new Map(Object.entries(fields).flatMap(flattened)));
+  for (const name of new Set(flat.flatMap(fields => [...fields.keys()]))) {
+    const values = flat.map(fields => fields.get(name));
+    const differ = new Set(values.map(value => JSON.stringify(value))).size > 1;
+    list.append(element("dt", { text: spoken(name) }), ...values.map(value => (
+      element("dd", { className: differ ? "different" : "" }, content(name, value, onChoose)))));
   }
   return list;
 }
 
+/** [name, value] as a list of such, without what has no value and without objects of figures. */
+function flattened([name, value]) {
+  if (value === null || value === undefined) return [];
+  if (!isObject(value) || isInstant(value)) return [[name, value]];
+  return Object.entries(value).flatMap(([key, inner]) => flattened([`${name} ${key}`, inner]));
+}
+
+const isInstant = value => isObject(value) && isNumbers([value.time, value.distance]);
+
+/** A value in words; a distance at an instant is a button to go there. */
+function content(name, value, onChoose) {
+  if (value === undefined) return "–";
+  if (!isInstant(value)) return valueText(name, value);
+  const text = `${metres(value.distance)} at ${seconds(value.time)}`;
+  const button = element("button", { type: "button", text });
+  button.addEventListener("click", () => onChoose(value.time));
+  return button;
+}
+
 function valueText(name, value) {
-  if (Array.isArray(value)) {
-    return value.length ? `${value.length}: ${value.map(spoken).join(", ")}` : "none";
-  }
+  if (Array.isArray(value)) return counted(value);
   if (typeof value !== "number") return String(value);
   const figure = Number.isInteger(value) ? String(value) : fixed(value, 2);
   return UNITS[name] ? `${figure} ${UNITS[name]}` : figure;
+}
+
+/** How often each value is in a list, in the order of the first times. */
+function counted(values) {
+  const counts = new Map();
+  for (const value of values) counts.set(value, (counts.get(value) ?? 0) + 1);
+  return [...counts].map(([value, n]) => `${spoken(value)} ${n}×`).join(", ") || "none";
 }

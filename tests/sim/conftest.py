@@ -1,0 +1,72 @@
+"""A browser for the tests of pages, where there is one."""
+
+import shutil
+
+import pytest
+from replay_viewer import Viewer
+
+CHROMIUM = ("chromium", "chromium-browser", "google-chrome")
+ARGUMENTS = [
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+]
+
+
+@pytest.fixture(scope="session")
+def browser():
+    api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+    path = next(filter(None, map(shutil.which, CHROMIUM)), None)
+    if path is None:
+        pytest.skip("no Chromium on this machine")
+    with api.sync_playwright() as driver:
+        browser = driver.chromium.launch(executable_path=path, args=ARGUMENTS)
+        yield browser
+        browser.close()
+
+
+@pytest.fixture
+def open_address(browser):
+    """Opens addresses in the browser, until the test is over."""
+    viewers = []
+
+    def open_address(address, **options):
+        viewers.append(Viewer(browser, address, **options))
+        return viewers[-1]
+
+    yield open_address
+    for viewer in viewers:
+        viewer.context.close()
+
+
+@pytest.fixture
+def open_page(open_address, tmp_path):
+    """Opens a page that is given as HTML, from disk."""
+    numbers = iter(range(1000))
+
+    def open_page(html, **options):
+        file = tmp_path / f"{next(numbers)}.html"
+        file.write_text(html, encoding="utf-8")
+        return open_address(file.as_uri(), **options)
+
+    return open_page
+
+
+@pytest.fixture(scope="module")
+def open_shared_page(browser, tmp_path_factory):
+    """The same for a page that all tests of a module look at."""
+    viewers = []
+
+    def open_page(html, **options):
+        file = tmp_path_factory.mktemp("page") / "page.html"
+        file.write_text(html, encoding="utf-8")
+        viewers.append(Viewer(browser, file.as_uri(), **options))
+        return viewers[-1]
+
+    yield open_page
+    for viewer in viewers:
+        viewer.context.close()

@@ -1,0 +1,55 @@
+"""A replay page in a real browser, as the tests look at it."""
+
+from __future__ import annotations
+
+import io
+
+import pytest
+from PIL import Image, ImageChops
+
+
+class Viewer:
+    """A page in the browser, with what it complained about and asked the network for."""
+
+    def __init__(self, browser, address, **options):
+        self.context = browser.new_context(**options)
+        self.page = self.context.new_page()
+        self.complaints = []
+        self.requests = []
+        self.page.on("console", lambda message: self.complaints.append(message.text))
+        self.page.on("pageerror", lambda error: self.complaints.append(str(error)))
+        self.page.on("request", lambda request: self.requests.append(request.url))
+        self.page.goto(address)
+
+    def seek(self, t):
+        self.page.evaluate("t => window.floorwalker.seek(t)", t)
+        self.settle()
+
+    def settle(self):
+        """Wait until what was asked for is drawn."""
+        self.page.evaluate(
+            "() => new Promise(done => requestAnimationFrame(() => setTimeout(done)))"
+        )
+
+    def wait_until(self, holds):
+        """Wait for what comes by itself. (The page forbids the driver's own way, which is eval.)"""
+        for _ in range(500):
+            if holds():
+                return
+            self.page.wait_for_timeout(20)
+        pytest.fail("waited for what did not come")
+
+    @property
+    def time(self):
+        return self.page.evaluate("window.floorwalker.time")
+
+    def text(self, selector):
+        return self.page.locator(selector).inner_text()
+
+    def number(self, selector):
+        return float(self.text(selector).split()[0].replace("−", "-"))
+
+    def differ(self, one, other):
+        """Whether two screenshots show different things, beyond the smoothing of edges."""
+        images = [Image.open(io.BytesIO(png)).convert("L") for png in (one, other)]
+        return ImageChops.difference(*images).getextrema()[1] > 60

@@ -1,0 +1,158 @@
+"""Two recordings beside each other on the replay page."""
+
+import copy
+import json
+
+import pytest
+import replay_sample
+
+from sim import replay
+
+
+@pytest.fixture(scope="module")
+def recording():
+    return replay_sample.recording()
+
+
+@pytest.fixture(scope="module")
+def other():
+    """The same, with the person somewhere else and the end earlier."""
+    changed = copy.deepcopy(replay_sample.recording())
+    changed["title"] = "the other"
+    changed["duration"] = 200.0
+    for piece in changed["motions"]["operator"]:
+        piece[2][0] -= 1.5
+    changed["summary"]["penalties"] = 7
+    return changed
+
+
+@pytest.fixture
+def compared(open_page, recording, other, tmp_path):
+    """Both, the other one chosen as a file."""
+    viewer = open_page(replay.render(recording))
+    file = tmp_path / "other.html"
+    file.write_text(replay.render(other), encoding="utf-8")
+    viewer.page.locator("#other-file").set_input_files(file)
+    viewer.wait_until(lambda: viewer.page.locator(".view").count() == 2)
+    return viewer
+
+
+def distances(viewer):
+    texts = viewer.page.locator("[data-shows=distance]").all_inner_texts()
+    return [float(text.split()[0]) for text in texts]
+
+
+@pytest.mark.parametrize("t", [0.0, 31.5, 88.25, 199.0])
+def test_both_show_the_same_instant(compared, recording, other, t):
+    compared.seek(t)
+    expected = [
+        replay_sample.separation(
+            r["motions"]["operator"], r["motions"]["gantry"], replay_sample.LAW, t
+        )[0]
+        for r in (recording, other)
+    ]
+    assert distances(compared) == pytest.approx(expected, abs=0.00501)
+    assert compared.complaints == []
+
+
+def test_a_page_can_hold_two_from_the_start(open_page, recording, other):
+    viewer = open_page(replay.render(recording, other))
+    assert viewer.page.locator(".view .title").all_inner_texts() == [
+        recording["title"],
+        other["title"],
+    ]
+    assert viewer.complaints == []
+
+
+def test_the_longer_one_gives_the_end(compared, open_page, recording, other):
+    compared.page.keyboard.press("End")
+    assert compared.time == 275.0
+    swapped = open_page(replay.render(other, recording))
+    swapped.page.keyboard.press("End")
+    assert swapped.time == 275.0
+
+
+def test_both_floors_move_together(compared):
+    views = compared.page.locator(".view canvas")
+    before = [views.nth(k).screenshot() for k in range(2)]
+    views.first.hover()
+    compared.page.mouse.wheel(0, -300)
+    compared.settle()
+    for k in range(2):
+        assert views.nth(k).screenshot() != before[k]
+    compared.page.keyboard.press("0")
+    compared.page.mouse.move(2, 2)
+    compared.settle()
+    for k in range(2):
+        assert not compared.differ(before[k], views.nth(k).screenshot())
+
+
+def test_the_panels_are_those_of_the_one_that_is_chosen(compared, recording, other):
+    assert compared.page.locator("#focus button").all_inner_texts() == [
+        f"A {recording['title']}",
+        f"B {other['title']}",
+    ]
+    compared.page.locator("#focus button").nth(1).click()
+    shown = compared.page.locator(".panels:visible")
+    assert shown.count() == 1
+    assert shown.locator(".events li").count() == len(other["events"])
+
+
+def test_the_summaries_stand_side_by_side(compared, recording):
+    summary = compared.page.locator(".panels:visible .summary")
+    if summary.locator("h2 button").get_attribute("aria-expanded") == "false":
+        summary.locator("h2 button").click()
+    cells = summary.locator("dt:text-is('penalties') ~ dd").all_inner_texts()[:2]
+    assert cells == [str(recording["summary"]["penalties"]), "7"]
+
+
+def test_it_can_be_ended(compared):
+    compared.page.locator("#stop-comparing").click()
+    compared.settle()
+    assert compared.page.locator(".view").count() == 1
+    assert len(distances(compared)) == 1
+    assert compared.page.locator("#focus").is_hidden()
+    compared.page.keyboard.press("End")
+    assert compared.time == 275.0
+
+
+DROP = """
+text => {
+  const data = new DataTransfer();
+  data.items.add(new File([text], "dropped.json"));
+  for (const type of ["dragover", "drop"]) {
+    const event = new DragEvent(type, { dataTransfer: data, bubbles: true, cancelable: true });
+    document.getElementById("stage").dispatchEvent(event);
+  }
+}
+"""
+
+
+def test_a_recording_can_be_dropped_on_the_page(open_page, recording, other):
+    viewer = open_page(replay.render(recording))
+    viewer.page.evaluate(DROP, json.dumps(other))
+    viewer.wait_until(lambda: viewer.page.locator(".view").count() == 2)
+    assert viewer.text("#title") == f"A: {recording['title']}, B: {other['title']}"
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "cut off or damaged"),
+        ('{"format": "floorwalker-replay/1"}', "floorplan: missing"),
+        ("<!DOCTYPE html><p>Hello", "this is no replay page"),
+        ("\x00\x01", "cut off or damaged"),
+    ],
+)
+def test_what_cannot_be_shown_is_said_and_the_page_stays(open_page, recording, text, message):
+    viewer = open_page(replay.render(recording))
+    viewer.page.evaluate(DROP, text)
+    dialog = viewer.page.locator("#drop-trouble")
+    viewer.wait_until(dialog.is_visible)
+    assert "dropped.json can't be shown" in dialog.inner_text()
+    assert message in dialog.inner_text()
+    viewer.page.keyboard.press("Escape")
+    assert viewer.page.locator(".view").count() == 1
+    viewer.page.keyboard.press("End")
+    assert viewer.time == 275.0
+    assert viewer.complaints == []
