@@ -1,0 +1,166 @@
+"""A person's topics: what they perceive goes out, what they are told to do comes in.
+
+Topics and types are those of the ARIAC 2023 competition. `/ariac_human/gantry_detected`,
+`/ariac_human/blocked` and `/ariac_human/action` are ours.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import bdi
+import shapely
+
+from floorplan import Floorplan
+
+from ..minds import Outside
+from ..person import MindError, Person
+from ..recorder import Event, Listener
+from ..referee import Referee
+from .client import Client
+from .exchange import Exchange, RefusedError
+from .gate import Gate
+
+START = "/ariac/start_human"
+REACHED = "/ariac_human/position_reached"
+UNSAFE = "/ariac_human/unsafe_distance"
+DETECTED = "/ariac_human/gantry_detected"
+BLOCKED = "/ariac_human/blocked"
+GOAL = "/ariac_human/goal_position"
+STOP = "/ariac_human/stop"
+GO_HOME = "/ariac_human/go_home"
+GO_HOME_AGV = "/ariac_human/go_home_agv"
+ACTION = "/ariac_human/action"
+
+COMMANDS = (GOAL, STOP, GO_HOME, GO_HOME_AGV, ACTION)
+"""What an agent publishes on."""
+
+_BOOL, _STRING = "std_msgs/Bool", "std_msgs/String"
+
+_TELLING: dict[str, tuple[str, dict[str, Any]]] = {
+    "human_start": (START, {"data": True}),
+    "work_completed": (REACHED, {"data": True}),
+    "gantry_detected": (DETECTED, {"data": True}),
+    "gantry_disabled": (UNSAFE, {"data": True}),
+    "agv_danger": (UNSAFE, {"data": False}),
+    "path_blocked": (BLOCKED, {"data": "path_blocked"}),
+    "goal_blocked": (BLOCKED, {"data": "goal_blocked"}),
+}
+"""Which message tells of a percept."""
+
+_HAPPENINGS = {
+    "human_started": "human_start",
+    "arrived": "work_completed",
+    "gantry_detected": "gantry_detected",
+    "path_blocked": "path_blocked",
+}
+"""Which percept an event is for the person it is about."""
+
+
+class HumanTopics(Listener):
+    """Publishes what `person` perceives, and has them do what comes from outside."""
+
+    def __init__(
+        self,
+        person: Person,
+        plan: Floorplan,
+        referee: Referee,
+        exchange: Exchange,
+        gate: Gate,
+        *,
+        outside: Outside | None,
+    ) -> None:
+        self._person = person
+        self._plan = plan
+        self._referee = referee
+        self._exchange = exchange
+        self._gate = gate
+        self._outside = outside
+        self._topics = {
+            START: exchange.advertise(START, _BOOL, heard=self._start, latched=True),
+            REACHED: exchange.advertise(REACHED, _BOOL),
+            UNSAFE: exchange.advertise(UNSAFE, _BOOL),
+            DETECTED: exchange.advertise(DETECTED, _BOOL),
+            BLOCKED: exchange.advertise(BLOCKED, _STRING),
+        }
+        exchange.listen(GOAL, "geometry_msgs/Point", self._goal)
+        exchange.listen(STOP, _BOOL, self._stop)
+        exchange.listen(GO_HOME, _BOOL, self._go_home)
+        exchange.listen(GO_HOME_AGV, _BOOL, self._go_home_agv)
+        exchange.listen(ACTION, _STRING, self._action)
+        exchange.provide("/ariac_human/teleport", "std_srvs/Trigger", self._teleport)
+        exchange.provide(
+            "/ariac/set_human_safe_zone_penalty", "std_srvs/Trigger", self._penalise
+        )
+
+    def tell(self, percept: str) -> None:
+        """Publish a percept, where there is a topic for it."""
+        if percept in _TELLING:
+            topic, message = _TELLING[percept]
+            self._exchange.publish(self._topics[topic], message)
+
+    def event(self, event: Event) -> None:
+        """Publish what happens to a person with a mind of their own."""
+        if self._outside is not None or event.get("person") != self._person.name:
+            return
+        if event["kind"] == "violation":
+            self.tell("gantry_disabled" if event["with"] == "gantry" else "agv_danger")
+        elif event["kind"] in _HAPPENINGS:
+            self.tell(_HAPPENINGS[event["kind"]])
+
+    # What comes in.
+
+    def _goal(self, _: Client, point: dict[str, Any]) -> None:
+        x, y = point["x"], point["y"]
+        if not self._plan.boundary.covers(shapely.Point(x, y)):
+            low_x, low_y, high_x, high_y = self._plan.boundary.bounds
+            raise RefusedError(
+                f"the goal ({x:g}, {y:g}) is outside the floor"
+                f" (x {low_x:g} … {high_x:g}, y {low_y:g} … {high_y:g})"
+            )
+        self._act(bdi.Literal("move", (x, y, 0.0)))
+
+    def _stop(self, _: Client, message: dict[str, Any]) -> None:
+        if message["data"]:
+            self._act(bdi.Literal("stop_movement"))
+
+    def _go_home(self, _: Client, message: dict[str, Any]) -> None:
+        self._act(bdi.Literal("teleport_safe" if message["data"] else "teleport_agv"))
+
+    def _go_home_agv(self, _: Client, message: dict[str, Any]) -> None:
+        if message["data"]:
+            self._act(bdi.Literal("teleport_agv"))
+
+    def _action(self, _: Client, message: dict[str, Any]) -> None:
+        try:
+            action = bdi.parse_literal(message["data"])
+        except bdi.ProgramError as why:
+            raise RefusedError(f"{message['data'][:60]!r} is no action: {why}") from None
+        self._act(action)
+
+    def _start(self, _: Client, message: dict[str, Any]) -> None:
+        if message["data"]:
+            self._gate.enter(START)
+            self._person.start()
+
+    def _act(self, action: bdi.Literal) -> None:
+        if self._outside is None:
+            raise RefusedError(
+                f"{self._person.name} has a mind of their own;"
+                " give them the personality external to tell them what to do"
+            )
+        self._gate.enter(action.functor)
+        try:
+            self._person.act(action)
+        except MindError as why:
+            raise RefusedError(str(why)) from None
+
+    def _teleport(self, _: Client, __: dict[str, Any]) -> dict[str, Any]:
+        self._act(bdi.Literal("teleport_agv"))
+        return {"success": True, "message": f"{self._person.name} is in the safe zone"}
+
+    def _penalise(self, _: Client, __: dict[str, Any]) -> dict[str, Any]:
+        self._gate.enter("penalty")
+        counted = self._referee.penalise(self._person.walker.body)
+        told = "a penalty, and the gantry is disabled" if counted else "counted already"
+        return {"success": True, "message": f"{told}; penalties: {self._referee.penalties}"}

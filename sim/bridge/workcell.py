@@ -1,0 +1,151 @@
+"""The workcell as ROS sees it: a trial's simulation as topics and services."""
+
+from __future__ import annotations
+
+from ..body import Body
+from ..clock import Turn
+from ..minds import Outside
+from ..programs import EXTERNAL
+from ..recorder import Event, Listener
+from ..simulation import Simulation
+from ..trial import Trial
+from .agv_topics import AgvTopics
+from .exchange import Exchange
+from .gantry_topics import GantryTopics
+from .gate import Gate
+from .human_topics import HumanTopics
+from .readings import human_state, seconds, transforms
+
+READY, STARTED, ENDED = 1, 2, 4
+"""Of ariac_msgs/CompetitionState: it can be started, it is, it is over."""
+
+
+class BridgeError(ValueError):
+    """A trial that can't be bridged, or a bridge that can't be opened."""
+
+
+class Workcell(Listener):
+    """A trial's simulation, published to an exchange and told from there what to do.
+
+    `outside` is the mind of the person who is driven from outside, if the trial has one.
+    """
+
+    def __init__(self, trial: Trial, exchange: Exchange, *listeners: Listener) -> None:
+        driven = _driven_person(trial)
+        self.human: HumanTopics | None = None
+        self.simulation = simulation = Simulation(trial, self, *listeners)
+        self.person = None if driven is None else simulation.people[driven]
+        self.gate = Gate(simulation.clock)
+        self._exchange = exchange
+        self._clock = exchange.advertise("/clock", "rosgraph_msgs/Clock")
+        self._tf = exchange.advertise("/tf", "tf2_msgs/TFMessage")
+        self._state = exchange.advertise("/ariac_human/state", "ariac_msgs/HumanState")
+        self._phase = exchange.advertise(
+            "/ariac/competition_state", "ariac_msgs/CompetitionState", latched=True
+        )
+        exchange.advertise("/ariac/orders", "ariac_msgs/Order", latched=True)
+        self._agvs = AgvTopics(simulation.agvs, exchange, self.gate)
+        self._gantry = (
+            GantryTopics(simulation.gantry, exchange, self.gate) if simulation.gantry else None
+        )
+        self.outside: Outside | None = None
+        self._asked = False
+        if self.person is not None:
+            if trial.people[driven or 0].personality == EXTERNAL:
+                self.outside = Outside(called=self._ask)
+                self.person.think_with(self.outside)
+            self.human = HumanTopics(
+                self.person,
+                trial.floorplan,
+                simulation.referee,
+                exchange,
+                self.gate,
+                outside=self.outside,
+            )
+        self._frames = list(self._named_frames())
+        self.enter(READY)
+        self.publish()
+
+    @property
+    def now(self) -> float:
+        """The simulated time, seconds."""
+        return self.simulation.clock.now
+
+    @property
+    def is_over(self) -> bool:
+        """Whether the trial has come to its end."""
+        return self.now >= self.simulation.trial.duration
+
+    def advance(self, until: float) -> bool:
+        """Let happen what happens before `until` (seconds).
+
+        It stops as soon as the person outside has something to decide on, and then says True; what
+        is perceived waits for `tell`.
+        """
+        clock = self.simulation.clock
+        until = min(until, self.simulation.trial.duration)
+        while not self._asked and clock.peek() < until:
+            clock.step()
+        if not self._asked and clock.now < until:
+            clock.run(clock.at(until, Turn.VIOLATION))
+        return self._asked
+
+    def tell(self) -> None:
+        """Publish what the person outside has perceived since the last time."""
+        self._asked = False
+        if self.outside is not None and self.human is not None:
+            for percept in self.outside.take():
+                self.human.tell(percept.functor)
+
+    def publish(self) -> None:
+        """Publish the state as it is now."""
+        exchange, simulation, now = self._exchange, self.simulation, self.now
+        if self._clock.is_needed:
+            exchange.publish(self._clock, {"clock": seconds(now)})
+        if self._state.is_needed and self.person is not None:
+            gantry = simulation.gantry
+            robot = gantry.state if gantry else None
+            height = gantry.gantry.rail_height if gantry else 0.0
+            exchange.publish(
+                self._state, human_state(self.person.walker.body.state, robot, height)
+            )
+        self._agvs.publish()
+        if self._gantry is not None:
+            self._gantry.publish(now)
+        if self._tf.is_needed:
+            exchange.publish(self._tf, transforms(now, self._frames))
+
+    def enter(self, phase: int) -> None:
+        """The competition is in this phase now."""
+        self._exchange.publish(self._phase, {"competition_state": phase})
+
+    def event(self, event: Event) -> None:
+        """Publish what happens to a person with a mind of their own."""
+        if self.human is not None:
+            self.human.event(event)
+
+    def _ask(self) -> None:
+        self._asked = True
+
+    def _named_frames(self) -> list[tuple[str, Body, float]]:
+        """The frames of the competition: the person's, the gantry's and the AGVs'; heights in m."""
+        simulation = self.simulation
+        frames = [(f"{agv.lane.name}_base", agv.body, 0.0) for agv in simulation.agvs]
+        if simulation.gantry is not None:
+            height = simulation.gantry.gantry.rail_height
+            frames.insert(0, ("torso_base", simulation.gantry.body, height))
+        if self.person is not None:
+            frames.insert(0, ("base_link", self.person.walker.body, 0.0))
+        return frames
+
+
+def _driven_person(trial: Trial) -> int | None:
+    """Which person the topics are about: the one driven from outside, else the first one."""
+    external = [k for k, person in enumerate(trial.people) if person.personality == EXTERNAL]
+    if len(external) > 1:
+        names = ", ".join(trial.people[k].name for k in external)
+        raise BridgeError(
+            f"{trial.name}: a bridge has the topics of one person, and {names} are external;"
+            " give all but one of them a personality"
+        )
+    return external[0] if external else (0 if trial.people else None)
