@@ -10,6 +10,7 @@ import typer
 
 from .commands.agent import agent
 from .commands.benchmark import benchmark
+from .commands.bridge import bridge
 from .commands.check import check
 from .commands.export import export
 from .commands.list import list_all
@@ -53,6 +54,7 @@ app.add_typer(plot)
 app.command()(check)
 app.command()(agent)
 app.command()(benchmark)
+app.command()(bridge)
 app.command()(metrics)
 app.command()(export)
 app.command(name="list")(list_all)

@@ -43,17 +43,18 @@ class Outside:
     """A mind outside the simulation.
 
     What the person perceives waits here until somebody takes it; `called` is called when there
-    is something. Whoever decides calls the person's `act`.
+    is something, or when it is time to `wake_at`. Whoever decides calls the person's `act`.
     """
 
     def __init__(self, called: Callable[[], None] = lambda: None) -> None:
         self.called = called
+        self.wake_at: float | None = None
         self._perceived: list[bdi.Literal] = []
 
     @property
     def next_wakeup(self) -> float | None:
-        """None: it has no clock of its own."""
-        return None
+        """When it wants to be called without anything new, in seconds."""
+        return self.wake_at
 
     def add_percept(self, percept: bdi.Literal) -> None:
         """Something is perceived."""
@@ -64,7 +65,10 @@ class Outside:
 
     def advance(self, time: float) -> None:
         """Tell that there is something to think about at `time` (seconds)."""
-        if self._perceived:
+        if self.wake_at is not None and self.wake_at <= time:
+            self.wake_at = None
+            self.called()
+        elif self._perceived:
             self.called()
 
     def take(self) -> list[bdi.Literal]:

@@ -93,6 +93,11 @@ class Person:
         self._percepts = Percepts(mind)
         self._thinking.set(self._clock.now)
 
+    @property
+    def mind(self) -> Mind | None:
+        """What decides for them."""
+        return self._mind
+
     def start(self) -> None:
         """The person begins; a second time does nothing."""
         if self.started_at is None:

@@ -9,7 +9,8 @@ import bdi
 from .rules import suggestion
 
 EXTERNAL = "external"
-"""The personality of a person who runs no program, but is told from outside what to do."""
+"""The personality of a person who runs no program, but is told from outside what to do; likewise
+the controller of a gantry."""
 
 
 def find_program(personality: str, folder: Path) -> str | Path:

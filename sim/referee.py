@@ -230,6 +230,21 @@ class Referee:
         pair = Pair(self._clock, person, agv, self._end)
         self._watch(pair, self.rules.agv_law, self._agv_violation)
 
+    def penalise(self, person: Body) -> bool:
+        """Somebody else has seen a violation with the gantry: count it, unless it has been already.
+
+        It has been while the gantry is disabled, and in the grace after that. Whether it counted.
+        """
+        pairs = (watch.pair for watch in self.watches if watch.pair.machine.kind == "gantry")
+        pair = next((pair for pair in pairs if pair.person is person), None)
+        if pair is None or self._clock.now < self._harmless_until:
+            return False
+        cause = pair.cause()
+        self.penalties[person.name, cause] += 1
+        self._record("penalty", person=person.name, cause=cause)
+        self._punish()
+        return True
+
     def _watch(self, pair: Pair, law: AnyLaw, violated: Callable[[Pair, AnyLaw], None]) -> None:
         watch = SeparationWatch(pair, law, violated)
         self.watches.append(watch)
@@ -250,11 +265,14 @@ class Referee:
             return
         self.penalties[pair.person.name, pair.cause()] += 1
         self._record_violation(pair, law, penalty=True)
+        self._punish()
+        self._warn(pair.person, "gantry_disabled", pair.machine)
+
+    def _punish(self) -> None:
         seconds = self.rules.gantry_disabled
         self._disable_gantry(seconds)
         self._harmless_until = self._clock.now + seconds + self.rules.grace
         self._resume.set(self._harmless_until)
-        self._warn(pair.person, "gantry_disabled", pair.machine)
 
     def _recheck(self) -> None:
         """Violations count again: so do those that go on."""

@@ -114,7 +114,8 @@ class Client:
         self.advertised: set[str] = set()
         self.level: Level = "error"
         self.reassembly = Reassembly()
-        self.calls: set[asyncio.Task[None]] = set()
+        self.calls: set[asyncio.Future[None]] = set()
+        self.heard = 0
         self._send = send
         self._let_go = let_go
         self._idle = asyncio.Event()
@@ -152,6 +153,11 @@ class Client:
                 self._idle.set()
             for piece in await self.outbox.get():
                 await self._send(piece)
+
+    @property
+    def is_idle(self) -> bool:
+        """Whether everything is sent."""
+        return self._idle.is_set()
 
     async def idle(self, patience: float) -> bool:
         """Wait until everything is sent, `patience` seconds at most; whether it is."""

@@ -8,14 +8,14 @@ from __future__ import annotations
 
 from typing import Any
 
-import bdi
 import shapely
 
+import bdi
 from floorplan import Floorplan
 
 from ..minds import Outside
 from ..person import MindError, Person
-from ..recorder import Event, Listener
+from ..recorder import Event
 from ..referee import Referee
 from .client import Client
 from .exchange import Exchange, RefusedError
@@ -57,7 +57,7 @@ _HAPPENINGS = {
 """Which percept an event is for the person it is about."""
 
 
-class HumanTopics(Listener):
+class HumanTopics:
     """Publishes what `person` perceives, and has them do what comes from outside."""
 
     def __init__(
@@ -89,9 +89,7 @@ class HumanTopics(Listener):
         exchange.listen(GO_HOME_AGV, _BOOL, self._go_home_agv)
         exchange.listen(ACTION, _STRING, self._action)
         exchange.provide("/ariac_human/teleport", "std_srvs/Trigger", self._teleport)
-        exchange.provide(
-            "/ariac/set_human_safe_zone_penalty", "std_srvs/Trigger", self._penalise
-        )
+        exchange.provide("/ariac/set_human_safe_zone_penalty", "std_srvs/Trigger", self._penalise)
 
     def tell(self, percept: str) -> None:
         """Publish a percept, where there is a topic for it."""
@@ -163,4 +161,4 @@ class HumanTopics(Listener):
         self._gate.enter("penalty")
         counted = self._referee.penalise(self._person.walker.body)
         told = "a penalty, and the gantry is disabled" if counted else "counted already"
-        return {"success": True, "message": f"{told}; penalties: {self._referee.penalties}"}
+        return {"success": True, "message": f"{told}; penalties: {self._referee.penalties.total()}"}

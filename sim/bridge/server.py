@@ -22,6 +22,9 @@ _LONGEST_FRAME = 16 * 1024 * 1024
 _PING_EVERY = 20.0
 """Seconds between pings, and until a client that doesn't answer one counts as gone."""
 
+_TURNS = 5
+"""Turns of the event loop in which a message that has come in is taken for sure."""
+
 
 class RosbridgeServer:
     """Serves an exchange to any number of clients.
@@ -33,6 +36,7 @@ class RosbridgeServer:
         self.clients: dict[Client, ServerConnection] = {}
         self._exchange = exchange
         self._left = left
+        self._slow: set[Client] = set()
         self._names = 0
         self._server: Server | None = None
 
@@ -63,21 +67,38 @@ class RosbridgeServer:
             await self._server.wait_closed()
 
     async def flush(self, patience: float) -> None:
-        """Wait until what is published is on its way, for nobody longer than `patience` (s)."""
-        waiting = [client.idle(patience) for client in self.clients if client.outbox]
+        """Wait until what is published is on its way, for nobody longer than `patience` (s).
+
+        Who wasn't ready in that time is not waited for again before they are.
+        """
+        busy = [client for client in self.clients if not client.is_idle]
+        self._slow.intersection_update(busy)
+        waiting = [client for client in busy if client not in self._slow]
         if waiting:
-            await asyncio.gather(*waiting)
+            ready = await asyncio.gather(*(client.idle(patience) for client in waiting))
+            self._slow |= {
+                one for one, is_ready in zip(waiting, ready, strict=True) if not is_ready
+            }
 
     async def reached(self, client: Client, patience: float) -> None:
-        """Wait until a client has read everything that was sent to it: until it answers a ping.
+        """Wait until a client has read everything that was sent to it, and has said its say.
 
-        Not longer than `patience` (seconds), nor when it goes.
+        That is when it answers a ping. Not longer than `patience` (seconds), nor when it goes.
         """
         connection = self.clients.get(client)
-        if connection is None:
+        if connection is None or client in self._slow:
             return
-        with suppress(ConnectionClosed, asyncio.TimeoutError):
+        try:
             await asyncio.wait_for(await connection.ping(), patience)
+        except asyncio.TimeoutError:
+            self._slow.add(client)
+        except ConnectionClosed:
+            return
+        heard = None
+        while heard != client.heard:
+            heard = client.heard
+            for _ in range(_TURNS):
+                await asyncio.sleep(0)
 
     async def _attend(self, connection: ServerConnection) -> None:
         if len(self.clients) >= MOST_CLIENTS:
@@ -91,6 +112,7 @@ class RosbridgeServer:
         sending = asyncio.create_task(client.send_forever())
         try:
             async for text in connection:
+                client.heard += 1
                 self._exchange.take(client, text)
                 # Others have their turn, however much this one has to say.
                 await asyncio.sleep(0)
@@ -101,5 +123,6 @@ class RosbridgeServer:
             with suppress(asyncio.CancelledError, ConnectionClosed):
                 await sending
             del self.clients[client]
+            self._slow.discard(client)
             self._exchange.forget(client)
             self._left(client)

@@ -31,7 +31,7 @@ class Workcell(Listener):
     """
 
     def __init__(self, trial: Trial, exchange: Exchange, *listeners: Listener) -> None:
-        driven = _driven_person(trial)
+        driven = driven_person(trial)
         self.human: HumanTopics | None = None
         self.simulation = simulation = Simulation(trial, self, *listeners)
         self.person = None if driven is None else simulation.people[driven]
@@ -51,9 +51,9 @@ class Workcell(Listener):
         self.outside: Outside | None = None
         self._asked = False
         if self.person is not None:
-            if trial.people[driven or 0].personality == EXTERNAL:
-                self.outside = Outside(called=self._ask)
-                self.person.think_with(self.outside)
+            if isinstance(self.person.mind, Outside):
+                self.outside = self.person.mind
+                self.outside.called = self._ask
             self.human = HumanTopics(
                 self.person,
                 trial.floorplan,
@@ -106,9 +106,7 @@ class Workcell(Listener):
             gantry = simulation.gantry
             robot = gantry.state if gantry else None
             height = gantry.gantry.rail_height if gantry else 0.0
-            exchange.publish(
-                self._state, human_state(self.person.walker.body.state, robot, height)
-            )
+            exchange.publish(self._state, human_state(self.person.walker.body.state, robot, height))
         self._agvs.publish()
         if self._gantry is not None:
             self._gantry.publish(now)
@@ -139,7 +137,7 @@ class Workcell(Listener):
         return frames
 
 
-def _driven_person(trial: Trial) -> int | None:
+def driven_person(trial: Trial) -> int | None:
     """Which person the topics are about: the one driven from outside, else the first one."""
     external = [k for k, person in enumerate(trial.people) if person.personality == EXTERNAL]
     if len(external) > 1:

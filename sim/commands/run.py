@@ -49,8 +49,8 @@ def run(
     """Simulate a trial and record it: summary, events, motions, trajectory, replay page."""
     from sim import Recording, Trial
 
-    chosen = _changed(Trial.load(trial), personality, duration, seed, rules)
-    recording = Recording(out if out is not None else _free_folder(chosen.name))
+    chosen = changed(Trial.load(trial), personality, duration, seed, rules)
+    recording = Recording(out if out is not None else free_folder(chosen.name))
     try:
         if watch:
             finished, interrupted = _watched(chosen, recording, speed, opened=not no_open)
@@ -58,7 +58,12 @@ def run(
             finished, interrupted = _carried_out(chosen, recording)
     finally:
         recording.close()
-    _report(finished, recording.folder)
+    tell_result(finished, recording.folder, interrupted=interrupted)
+
+
+def tell_result(finished: Run, folder: Path, *, interrupted: bool) -> None:
+    """Print how a run went; `typer.Exit` where it was interrupted, or not what was expected."""
+    _report(finished, folder)
     if interrupted:
         typer.echo(f"Stopped at t = {finished.duration:.1f} s; what happened is kept.", err=True)
         raise typer.Exit(INTERRUPTED)
@@ -68,13 +73,14 @@ def run(
         raise typer.Exit(1)
 
 
-def _changed(
+def changed(
     trial: Trial,
     personality: str | None,
     duration: float | None,
     seed: int | None,
     rules: str | None,
 ) -> Trial:
+    """The trial with what the options say instead."""
     from sim import find_rules
 
     if personality is not None:
@@ -93,7 +99,7 @@ def _changed(
     return trial
 
 
-def _free_folder(name: str) -> Path:
+def free_folder(name: str) -> Path:
     """`runs/NAME`, or the first of `runs/NAME-2`, `runs/NAME-3` … that is not there yet."""
     folder, number = Path("runs") / name, 1
     while folder.exists():

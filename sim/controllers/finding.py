@@ -11,6 +11,7 @@ from ..drive import Steps
 from ..gantry import GantryRobot
 from ..rules import suggestion
 from .avoiding import avoiding
+from .external import external
 from .oblivious import oblivious
 from .parked import parked
 from .pausing import pausing
@@ -22,6 +23,7 @@ CONTROLLERS: dict[str, Controller] = {
     "oblivious": oblivious,
     "pausing": pausing,
     "avoiding": avoiding,
+    "external": external,
 }
 """The controllers that come with Floorwalker."""
 

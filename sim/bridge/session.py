@@ -1,0 +1,283 @@
+"""A session of the bridge: who has to be there, how time goes on, and when it stands still."""
+
+from __future__ import annotations
+
+import asyncio
+import math
+from collections.abc import Callable
+from typing import Any
+
+from ..programs import EXTERNAL
+from .client import Client
+from .exchange import Exchange, RefusedError
+from .gantry_topics import TRAJECTORY
+from .human_topics import COMMANDS, START
+from .pace import Pace
+from .rosapi import provide_rosapi
+from .server import RosbridgeServer
+from .workcell import ENDED, STARTED, BridgeError, Workcell
+
+RATE = 10
+"""Hz, in simulated time. How often the state is published."""
+
+MOST_TICKS = 10
+"""How many times the state is published before others have a turn."""
+
+BEHIND = 1.0
+"""Seconds of the wall clock. Further behind than this, the session gives up catching up."""
+
+LONGEST_NAP = 0.1
+"""Seconds of the wall clock. How soon it is seen that somebody has gone."""
+
+PATIENCE = 1.0
+"""Seconds. How long time waits for a client that doesn't read, when it isn't paced."""
+
+
+class Session:
+    """Serves one workcell until its trial is over, and keeps its time.
+
+    `speed` is simulated seconds a second; with 0 time goes on as soon as everybody has read and
+    acted on what was last published. With `hold` nothing happens before a client has called
+    /ariac/start_competition. `notice(text)` tells the user of the command what goes on.
+    """
+
+    def __init__(
+        self,
+        workcell: Workcell,
+        exchange: Exchange,
+        *,
+        speed: float = 1.0,
+        hold: bool = False,
+        notice: Callable[[str], None] = lambda _: None,
+    ) -> None:
+        if not (math.isfinite(speed) and speed >= 0):
+            raise BridgeError(f"speed must be 0 or more, not {speed:g}")
+        trial = workcell.simulation.trial
+        self.server = RosbridgeServer(exchange, left=self._left)
+        self._workcell = workcell
+        self._pace = Pace(speed)
+        self._notice = notice
+        self._hold = hold
+        self._ended_early = False
+        self._failure: Exception | None = None
+        self._needs_agent = workcell.outside is not None
+        self._needs_controller = trial.gantry.controller == EXTERNAL
+        self._stepping: Client | None = None
+        self._ticks = 0
+        self._standing = True
+        self._told = ""
+        self._is_slow = False
+        self._changed = asyncio.Event()
+        exchange.changed = lambda _: self._changed.set()
+        workcell.gate.catch_up = self._catch_up
+        workcell.gate.is_open = lambda: not self._is_over
+        exchange.provide("/ariac/start_competition", "std_srvs/Trigger", self._start)
+        exchange.provide("/ariac/end_competition", "std_srvs/Trigger", self._end)
+        exchange.provide("/floorwalker/advance", "floorwalker_msgs/Advance", self._advance)
+        provide_rosapi(exchange, lambda: workcell.now)
+
+    async def open(self, host: str = "127.0.0.1", port: int = 9090) -> int:
+        """Take clients from now on; the port (that given, or with 0 a free one).
+
+        `BridgeError` where the address can't be had.
+        """
+        try:
+            port = await self.server.open(host, port)
+        except OSError as why:
+            raise BridgeError(
+                f"can't serve at {host}:{port}: {why.strerror or why}; choose another with --port"
+            ) from None
+        shown = f"[{host}]" if ":" in host else host
+        self._notice(f"serving ws://{shown}:{port}")
+        return port
+
+    async def run(self) -> None:
+        """Keep time until the trial is over; raises whatever the user's own programs raise."""
+        try:
+            while not self._is_over:
+                await self._go_on()
+            if self._failure is not None:
+                raise self._failure
+            self._workcell.publish()
+            self._workcell.enter(ENDED)
+        finally:
+            await self.server.close()
+
+    @property
+    def _is_over(self) -> bool:
+        return self._workcell.is_over or self._ended_early or self._failure is not None
+
+    # How time goes on.
+
+    async def _go_on(self) -> None:
+        missing = self._missing()
+        if missing:
+            self._stand_still(missing)
+            await self._change()
+        elif self._pace.speed:
+            await self._keep_pace()
+        elif self._stepping is not None:
+            await self._change()
+        else:
+            await self._step()
+
+    async def _keep_pace(self) -> None:
+        loop = asyncio.get_running_loop()
+        self._walk_on()
+        self._catch_up()
+        delay = self._pace.wall_at(self._next_tick) - loop.time()
+        if delay < -BEHIND:
+            self._pace.resume(self._workcell.now, loop.time())
+            if not self._is_slow:
+                self._is_slow = True
+                self._notice(f"this machine is too slow for --speed {self._pace.speed:g}")
+        await asyncio.sleep(min(max(delay, 0.0), LONGEST_NAP))
+
+    async def _step(self) -> None:
+        """Let things happen until the next tick or decision, and let everybody act on it."""
+        self._walk_on()
+        self._advance_to(self._next_tick)
+        await self.server.flush(PATIENCE)
+        players = [client for client in self.server.clients if self._plays(client)]
+        # Twice: a client may answer a ping before it sends what the messages before made it say.
+        for _ in range(2):
+            for client in players:
+                await self.server.reached(client, PATIENCE)
+        await asyncio.sleep(0)
+
+    def _catch_up(self) -> None:
+        """Bring simulated time to where the wall clock is, if time goes on at all."""
+        if not self._pace.speed or self._standing or self._missing():
+            return
+        target = self._pace.simulated_at(asyncio.get_running_loop().time())
+        target = min(target, self._workcell.now + MOST_TICKS / RATE)
+        while self._workcell.now < target and not self._is_over:
+            self._advance_to(min(target, self._next_tick))
+
+    def _advance_to(self, until: float) -> bool:
+        """Go on to `until`, the next tick at the most; whether a decision came before.
+
+        What is to be published then is.
+        """
+        workcell = self._workcell
+        try:
+            asked = workcell.advance(until)
+        except Exception as failure:
+            self._failure = failure
+            self._changed.set()
+            return False
+        if workcell.now >= self._next_tick:
+            self._ticks += 1
+            workcell.publish()
+        elif asked:
+            workcell.publish()
+        workcell.tell()
+        return asked
+
+    @property
+    def _next_tick(self) -> float:
+        return (self._ticks + 1) / RATE
+
+    # Who has to be there.
+
+    def _missing(self) -> str:
+        """What the run waits for, in words; "" if nothing."""
+        clients = self.server.clients
+        if self._hold:
+            return "nobody has called /ariac/start_competition"
+        if self._needs_agent and not any(map(self._is_agent, clients)):
+            return "there is no agent"
+        if self._needs_controller and not any(map(_is_controller, clients)):
+            return "there is no gantry controller"
+        return ""
+
+    def _is_agent(self, client: Client) -> bool:
+        return (
+            client is self._stepping
+            or START in client.subscriptions
+            or not client.advertised.isdisjoint(COMMANDS)
+        )
+
+    def _plays(self, client: Client) -> bool:
+        return self._is_agent(client) or _is_controller(client)
+
+    def _left(self, client: Client) -> None:
+        if client is self._stepping:
+            self._stepping = None
+        self._changed.set()
+
+    def _stand_still(self, missing: str) -> None:
+        self._standing = True
+        self._say(f"stands still at t = {self._workcell.now:.1f} s: {missing}")
+
+    def _walk_on(self) -> None:
+        if not self._standing:
+            return
+        self._standing = False
+        now = self._workcell.now
+        self._pace.resume(now, asyncio.get_running_loop().time())
+        if not now:
+            self._workcell.enter(STARTED)
+        self._say(f"goes on at t = {now:.1f} s" if now else "the trial begins")
+
+    def _say(self, text: str) -> None:
+        """Tell the user and all clients, once."""
+        if text != self._told:
+            self._told = text
+            self._notice(text)
+            for client in tuple(self.server.clients):
+                client.tell("warning", text)
+
+    async def _change(self) -> None:
+        self._changed.clear()
+        await self._changed.wait()
+
+    # What clients may ask of time.
+
+    def _start(self, _: Client, __: dict[str, Any]) -> dict[str, Any]:
+        began, self._hold = self._hold, False
+        self._changed.set()
+        return {"success": True, "message": "started" if began else "it has been started already"}
+
+    def _end(self, _: Client, __: dict[str, Any]) -> dict[str, Any]:
+        self._workcell.gate.enter("end_competition")
+        self._ended_early = True
+        self._changed.set()
+        return {"success": True, "message": f"ended at t = {self._workcell.now:g} s"}
+
+    async def _advance(self, client: Client, request: dict[str, Any]) -> dict[str, Any]:
+        """Let time go on until the person outside has something to decide on, or it is `until`.
+
+        From now on time goes on in these calls alone; `until` in the past only says so.
+        """
+        workcell, outside = self._workcell, self._workcell.outside
+        if self._pace.speed:
+            raise RefusedError(f"time is paced at speed {self._pace.speed:g} here")
+        if outside is None or workcell.person is None:
+            raise RefusedError("nobody is told from outside what to do")
+        if self._stepping not in (None, client):
+            raise RefusedError("another client steps through the time")
+        if not self._is_over:
+            workcell.gate.enter("advance")
+        self._stepping = client
+        self._changed.set()
+        if request["until"] < workcell.now:
+            return {"time": workcell.now, "ended": self._is_over}
+        outside.wake_at = request["until"]
+        workcell.person.wake()
+        while not self._is_over:
+            missing = self._missing()
+            if missing:
+                self._stand_still(missing)
+                await self._change()
+                continue
+            self._walk_on()
+            if self._advance_to(self._next_tick):
+                break
+            await self.server.flush(PATIENCE)
+            await asyncio.sleep(0)
+        return {"time": workcell.now, "ended": self._is_over}
+
+
+def _is_controller(client: Client) -> bool:
+    return TRAJECTORY in client.advertised

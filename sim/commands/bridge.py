@@ -1,0 +1,131 @@
+"""`floorwalker bridge`: a trial over the rosbridge protocol, or an agent at somebody else's."""
+
+from __future__ import annotations
+
+import ipaddress
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from .run import INTERRUPTED, changed, free_folder, tell_result
+
+if TYPE_CHECKING:
+    import bdi
+    from sim import Trial
+    from sim.bridge import Session
+
+
+def bridge(
+    trial: Annotated[
+        str, typer.Argument(metavar="TRIAL", help="A file, or the name of a built-in trial.")
+    ] = "ariac2023",
+    host: Annotated[str, typer.Option(help="Where to serve.")] = "127.0.0.1",
+    port: Annotated[
+        int, typer.Option(min=0, max=65535, help="Likewise; 0 for any that is free.")
+    ] = 9090,
+    speed: Annotated[
+        float,
+        typer.Option(help="Simulated seconds a second; 0 for as fast as everybody can follow."),
+    ] = 1.0,
+    hold: Annotated[
+        bool, typer.Option("--hold", help="Begin only when /ariac/start_competition is called.")
+    ] = False,
+    out: Annotated[
+        Path | None, typer.Option(help="Folder for the recording (runs/TRIAL if not given).")
+    ] = None,
+    connect: Annotated[
+        str | None,
+        typer.Option(metavar="URL", help="Serve nothing; be the agent at this rosbridge instead."),
+    ] = None,
+    waypoints: Annotated[
+        bool, typer.Option("--waypoints", help="As the agent, plan ways and send their corners.")
+    ] = False,
+    personality: Annotated[
+        str | None, typer.Option(help="Of everybody in the trial: a name, or an .asl file.")
+    ] = None,
+    duration: Annotated[float | None, typer.Option(help="Seconds to simulate.")] = None,
+    seed: Annotated[int | None, typer.Option(min=0, help="Seed of everything random.")] = None,
+    rules: Annotated[str | None, typer.Option(help="Rule set, by name.")] = None,
+) -> None:
+    """Talk ROS: serve a trial over rosbridge, or be the agent of one that is served elsewhere."""
+    from sim import Trial
+
+    given = Trial.load(trial)
+    chosen = changed(given, personality, duration, seed, rules)
+    if connect is not None:
+        from sim.bridge import driven_person
+
+        _be_the_agent(chosen, driven_person(given), connect, waypoints)
+    else:
+        _serve(chosen, host, port, speed, hold, out)
+
+
+def _serve(trial: Trial, host: str, port: int, speed: float, hold: bool, out: Path | None) -> None:
+    import asyncio
+
+    from sim import Recording
+    from sim.bridge import Exchange, Session, Workcell
+
+    if not _is_loopback(host):
+        _notice(f"everybody who can reach {host} can take part, without a password")
+    recording = Recording(out if out is not None else free_folder(trial.name))
+    interrupted = False
+    try:
+        exchange = Exchange()
+        workcell = Workcell(trial, exchange, recording)
+        try:
+            session = Session(workcell, exchange, speed=speed, hold=hold, notice=_notice)
+            asyncio.run(_open_and_run(session, host, port))
+        except KeyboardInterrupt:
+            interrupted = True
+        finally:
+            finished = workcell.simulation.finish()
+            recording.finish(finished)
+    finally:
+        recording.close()
+    tell_result(finished, recording.folder, interrupted=interrupted)
+
+
+async def _open_and_run(session: Session, host: str, port: int) -> None:
+    await session.open(host, port)
+    await session.run()
+
+
+def _be_the_agent(trial: Trial, who: int | None, url: str, waypoints: bool) -> None:
+    import asyncio
+    import json
+
+    from sim.bridge import BridgeError, RemoteAgent
+
+    def show(t: float, **what: str) -> None:
+        print(json.dumps({"t": round(t, 9), **what}, ensure_ascii=False), flush=True)
+
+    def did(t: float, action: bdi.Literal) -> None:
+        show(t, action=str(action))
+
+    def said(t: float, text: str) -> None:
+        show(t, print=text)
+
+    if who is None:
+        raise BridgeError(f"{trial.name} has nobody to be")
+    agent = RemoteAgent(
+        url, trial, trial.people[who], waypoints=waypoints, did=did, said=said, notice=_notice
+    )
+    try:
+        asyncio.run(agent.run())
+    except KeyboardInterrupt:
+        raise typer.Exit(INTERRUPTED) from None
+
+
+def _notice(text: str) -> None:
+    typer.echo(text, err=True)
+
+
+def _is_loopback(host: str) -> bool:
+    if host == "localhost":
+        return True
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return False

@@ -1,0 +1,472 @@
+"""The bridge as the simulation: topics, services, and how time goes on, over a real socket."""
+
+import asyncio
+import json
+import math
+import time
+
+import pytest
+from bridge_parts import Client, relay, served, trial
+
+import bdi
+import sim
+from sim.bridge import BridgeError, ConnectError, Exchange, RemoteAgent, Session, Workcell
+
+HUMAN = ("/ariac/start_human", "/ariac_human/position_reached", "/ariac_human/unsafe_distance")
+
+
+def drive(url, personality, a_trial=None, **options):
+    """Run one of our agents against `url`; what it did, as (time, action)."""
+    done = []
+    a_trial = (a_trial or trial()).with_personality(personality)
+    agent = RemoteAgent(
+        url,
+        a_trial,
+        a_trial.people[0],
+        did=lambda t, action: done.append((t, str(action))),
+        **options,
+    )
+    asyncio.run(asyncio.wait_for(agent.run(), 120))
+    return done
+
+
+def happenings(run):
+    """The events of a run, but for those that tell how it was driven."""
+    return [event for event in run.events if event["kind"] not in ("trial_started", "said")]
+
+
+@pytest.mark.parametrize(
+    ("personality", "duration"),
+    [
+        ("antagonistic", 120.0),
+        ("helpful", 60.0),
+        ("indifferent", 60.0),
+        pytest.param("antagonistic", 275.0, marks=pytest.mark.slow),
+        pytest.param("helpful", 275.0, marks=pytest.mark.slow),
+        pytest.param("indifferent", 275.0, marks=pytest.mark.slow),
+    ],
+)
+def test_an_agent_across_the_bridge_does_the_same_as_within(personality, duration):
+    within = sim.run(trial(personality, duration))
+    with served(trial("external", duration)) as session:
+        done = drive(session.url, personality)
+        across = session.join()
+    assert happenings(across) == happenings(within)
+    assert across.summary["penalties"] == within.summary["penalties"]
+    assert len(done) > 5
+    for name, motion in within.motions.items():
+        assert across.motions[name] == motion
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("personality", ["curious", "scared", "surprised", "threatening"])
+def test_so_do_agents_that_want_more_than_ros_has_words_for(personality):
+    within = sim.run(trial(personality))
+    with served(trial("external")) as session:
+        drive(session.url, personality)
+        across = session.join()
+    assert happenings(across) == happenings(within)
+
+
+def test_an_agent_that_plans_its_ways_itself_gets_there():
+    with served(trial(duration=40.0, start=1.0)) as session:
+        drive(session.url, "indifferent", waypoints=True)
+        run = session.join()
+    goals = [event for event in run.events if event["kind"] == "goal"]
+    assert any(goal["station"] is None for goal in goals)
+    visits = run.summary["people"]["operator"]["visits"]
+    assert [name for name in visits if name] == ["station4", "station2", "station1"][: len(visits)]
+    assert len(visits) >= 2
+
+
+def test_the_state_is_published_ten_times_a_simulated_second():
+    with served(trial("indifferent", duration=5.0), hold=True) as session:
+        with Client(session.url) as client:
+            client.subscribe(
+                "/ariac_human/state", "/clock", "/tf", "/joint_states", "/ariac/agv1_status"
+            )
+            client.call("/ariac/start_competition")
+            heard = {}
+            while True:
+                said = client.hear_until(lambda said: said["op"] == "publish")
+                heard.setdefault(said["topic"], []).append(said["msg"])
+                if said["topic"] == "/tf" and len(heard["/tf"]) == 50:
+                    break
+        run = session.join()
+    stamps = [m["clock"]["sec"] + m["clock"]["nanosec"] / 1e9 for m in heard["/clock"]]
+    assert stamps == pytest.approx([k / 10 for k in range(1, 51)])
+    for t, state in zip(stamps, heard["/ariac_human/state"], strict=True):
+        x, y = run.motions["operator"].position(t)
+        assert (state["human_position"]["x"], state["human_position"]["y"]) == pytest.approx((x, y))
+        assert (state["robot_position"]["x"], state["robot_position"]["y"]) == (-2.5, 0.5)
+    (frames,) = {tuple(f["child_frame_id"] for f in m["transforms"]) for m in heard["/tf"]}
+    assert frames == ("base_link", "torso_base", "agv1_base", "agv2_base", "agv3_base", "agv4_base")
+    assert heard["/ariac/agv1_status"][0] == {"location": 0, "position": 0.0, "velocity": 0.0}
+    joints = heard["/joint_states"][0]
+    assert dict(zip(joints["name"], joints["position"], strict=True)) == {
+        "gantry_x_axis_joint": pytest.approx(4.5),
+        "gantry_y_axis_joint": -0.5,
+        "gantry_rotation_joint": 0.0,
+    }
+
+
+def test_somebody_outside_drives_the_person():
+    with served(trial(duration=40.0), speed=20.0) as session, Client(session.url) as client:
+        client.subscribe(*HUMAN)
+        assert client.message("/ariac/start_human") == {"data": True}
+        client.publish("/ariac_human/goal_position", x=-10.8, y=-3.75, z=0.0)
+        assert client.message("/ariac_human/position_reached") == {"data": True}
+        client.publish("/ariac_human/goal_position", x=-4.0, y=0.0, z=0.0)
+        assert client.message("/ariac_human/unsafe_distance") == {"data": True}
+        client.publish("/ariac_human/go_home", data=True)
+        run = session.join()
+    assert run.summary["people"]["operator"]["visits"] == ["station4"]
+    assert run.summary["penalties"] == 1
+    reasons = [event["reason"] for event in run.events if event["kind"] == "teleport"]
+    assert reasons[0] == "gantry"
+
+
+def test_a_stop_is_a_stop():
+    with served(trial(duration=20.0), speed=10.0) as session, Client(session.url) as client:
+        client.subscribe("/ariac/start_human", "/ariac_human/state")
+        client.message("/ariac/start_human")
+        client.publish("/ariac_human/goal_position", x=-5.0, y=-9.0)
+        client.hear_until(lambda said: is_state(said) and said["msg"]["human_velocity"]["x"] > 0.9)
+        client.publish("/ariac_human/stop", data=True)
+        run = session.join()
+    assert run.motions["operator"].velocity(19.9) == pytest.approx((0.0, 0.0))
+    assert run.motions["operator"].position(19.9)[0] < -6.0
+
+
+def is_state(said):
+    return said.get("topic") == "/ariac_human/state"
+
+
+def test_services_of_the_workcell():
+    with served(trial(duration=100.0), hold=True) as session, Client(session.url) as client:
+        client.subscribe("/ariac/competition_state")
+        assert client.message("/ariac/competition_state") == {"competition_state": 1}
+        ok, answer = client.call("/ariac/move_agv2", location=1)
+        assert ok and answer["success"]
+        ok, answer = client.call("/ariac/move_agv2", location=7)
+        assert ok and not answer["success"]
+        assert "1 assembly_front" in answer["message"]
+        ok, answer = client.call("/ariac_human/teleport")
+        assert answer["success"]
+        ok, answer = client.call("/ariac/set_human_safe_zone_penalty")
+        assert "penalties: 1" in answer["message"]
+        ok, answer = client.call("/ariac/set_human_safe_zone_penalty")
+        assert "penalties: 1" in answer["message"]
+        ok, answer = client.call("/ariac/no_such_service")
+        assert not ok and "no service is called" in answer
+        client.call("/ariac/start_competition")
+        client.subscribe("/ariac/start_human")
+        assert client.message("/ariac/competition_state") == {"competition_state": 2}
+        client.call("/ariac/end_competition")
+        assert client.message("/ariac/competition_state") == {"competition_state": 4}
+        run = session.join()
+    assert run.summary["penalties"] == 1
+    assert run.summary["interrupted"]
+    assert next(e["agv"] for e in run.events if e["kind"] == "agv_moved") == "agv2"
+
+
+def test_rosapi_lists_what_there_is():
+    with served(trial("indifferent"), hold=True) as session, Client(session.url) as client:
+        _, listed = client.call("/rosapi/topics")
+        types = dict(zip(listed["topics"], listed["types"], strict=True))
+        assert types["/ariac_human/state"] == "ariac_msgs/msg/HumanState"
+        assert types["/ariac_human/goal_position"] == "geometry_msgs/msg/Point"
+        assert len(types) > 15
+        _, listed = client.call("rosapi/services")
+        assert "/ariac/move_agv4" in listed["services"]
+        assert (
+            client.call("/rosapi/topic_type", topic="/clock")[1]["type"]
+            == "rosgraph_msgs/msg/Clock"
+        )
+        _, listed = client.call("/rosapi/topics_for_type", type="ariac_msgs/AGVStatus")
+        assert len(listed["topics"]) == 4
+        _, details = client.call("/rosapi/message_details", type="ariac_msgs/HumanState")
+        assert [one["type"] for one in details["typedefs"]] == [
+            "ariac_msgs/msg/HumanState",
+            "geometry_msgs/msg/Point",
+            "geometry_msgs/msg/Vector3",
+        ]
+
+
+def test_time_stands_still_without_the_agent_and_goes_on_when_one_is_back():
+    with served(trial(duration=300.0), speed=50.0) as session:
+        with Client(session.url) as agent:
+            agent.subscribe("/ariac/start_human")
+            agent.message("/ariac/start_human")
+            agent.publish("/ariac_human/goal_position", x=-10.8, y=-3.75)
+            while session.now < 2.0:
+                time.sleep(0.01)
+        while "stands still" not in session.notices[-1]:
+            time.sleep(0.01)
+        stood_at = session.now
+        assert "there is no agent" in session.notices[-1]
+        time.sleep(0.3)
+        assert session.now == stood_at
+        with Client(session.url) as agent:
+            agent.subscribe("/ariac/start_human", "/ariac_human/position_reached")
+            assert agent.message("/ariac/start_human") == {"data": True}
+            assert agent.message("/ariac_human/position_reached") == {"data": True}
+        assert "goes on" in session.notices[-1] or "stands still" in session.notices[-1]
+
+
+def test_a_viewer_that_vanishes_and_comes_back_finds_the_run_going():
+    with served(trial("indifferent", duration=60.0), speed=20.0) as session:
+        times = []
+        for _ in range(3):
+            with Client(session.url) as viewer:
+                viewer.subscribe("/clock")
+                clock = viewer.message("/clock")["clock"]
+                times.append(clock["sec"] + clock["nanosec"] / 1e9)
+            time.sleep(0.1)
+        assert times == sorted(set(times))
+        assert session.notices[-1] == "the trial begins"
+
+
+def test_time_keeps_to_the_wall_clock():
+    with served(trial("indifferent", duration=5.0), speed=5.0) as session:
+        begin = time.monotonic()
+        session.join()
+    assert time.monotonic() - begin > 0.9
+
+
+def test_messages_can_be_throttled_and_queued():
+    a_trial = trial("indifferent", duration=2000.0)
+    with served(a_trial, speed=20.0) as session, Client(session.url) as client:
+        client.subscribe("/clock", throttle_rate=200)
+        first, second = (client.message("/clock")["clock"]["sec"] for _ in range(2))
+        assert second - first >= 3
+        client.send(op="unsubscribe", topic="/clock")
+        client.call("/rosapi/get_time")
+        client.subscribe("/clock", throttle_rate=100, queue_length=1000)
+        stamps = [client.message("/clock")["clock"] for _ in range(5)]
+        tenths = [stamp["sec"] * 10 + stamp["nanosec"] // 100_000_000 for stamp in stamps]
+        assert tenths == list(range(tenths[0], tenths[0] + 5))
+
+
+def test_long_messages_come_in_fragments_where_a_client_wants_that():
+    with served(trial("indifferent"), speed=1.0) as session, Client(session.url) as client:
+        client.subscribe("/tf", fragment_size=200)
+        pieces = [client.hear_until(lambda said: said["op"] == "fragment")]
+        while len(pieces) < pieces[0]["total"]:
+            pieces.append(client.hear())
+        assert {piece["id"] for piece in pieces} == {pieces[0]["id"]}
+        whole = json.loads("".join(piece["data"] for piece in pieces))
+        assert whole["topic"] == "/tf"
+        text = json.dumps({"op": "call_service", "service": "/rosapi/nodes", "id": "in pieces"})
+        for num in range(2):
+            client.send(
+                op="fragment", id="f", num=num, total=2, data=text[num * 20 :][: 20 + 99 * num]
+            )
+        answer = client.hear_until(lambda said: said["op"] == "service_response")
+        assert answer["id"] == "in pieces"
+
+
+def test_clients_hear_each_other_on_topics_of_their_own():
+    with relay() as url, Client(url) as one, Client(url) as other:
+        other.subscribe("/chat", type="std_msgs/String")
+        other.call("/none")
+        one.send(op="advertise", topic="/chat", type="std_msgs/msg/String")
+        one.publish("/chat", data="hello")
+        assert other.message("/chat") == {"data": "hello"}
+        one.send(op="unadvertise", topic="/chat")
+        one.send(op="set_level", level="warning")
+        one.send(op="unadvertise", topic="/chat")
+        assert one.error()["level"] == "warning"
+
+
+@pytest.fixture(scope="module")
+def held():
+    """One session that waits to begin, for many tests."""
+    with served(hold=True) as session:
+        yield session
+
+
+GOAL, STOP, ACTION = "/ariac_human/goal_position", "/ariac_human/stop", "/ariac_human/action"
+
+
+@pytest.mark.parametrize(
+    ("op", "topic", "rest", "told"),
+    [
+        ("publish", "/ariac_human/state", {"msg": {}}, "by the simulation alone"),
+        ("publish", "/nowhere", {"msg": {}}, "no topic is called '/nowhere'"),
+        ("publish", GOAL, {"msg": {"x": 99.0}}, "outside the floor"),
+        ("publish", GOAL, {"msg": {"x": "a"}}, "x should be a float64"),
+        ("publish", STOP, {"msg": {"data": 1}}, "should be a bool"),
+        ("publish", ACTION, {"msg": {"data": "fly(1)"}}, "no action 'fly'"),
+        ("publish", ACTION, {"msg": {"data": "fly("}}, "is no action"),
+        ("advertise", "/clock", {"type": "std_msgs/Bool"}, "is of type"),
+        ("advertise", "/x", {"type": "no_msgs/Thing"}, "unknown message type"),
+        ("subscribe", "/x", {}, "give its type"),
+        ("subscribe", "/tf", {"compression": "cbor"}, "no compression 'cbor'"),
+        ("png", "/x", {"data": ""}, "unknown operation"),
+    ],
+)
+def test_what_a_client_may_not_is_told_to_it_alone(op, topic, rest, told, held):
+    with Client(held.url) as wrong, Client(held.url) as other:
+        wrong.send(op=op, topic=topic, **rest, id="why")
+        complaint = wrong.error()
+        assert told in complaint["msg"]
+        assert (complaint["level"], complaint["id"]) == ("error", "why")
+        assert other.call("/rosapi/nodes") == (True, {"nodes": ["/floorwalker"]})
+
+
+def test_too_many_commands_at_one_instant_are_refused_and_the_run_goes_on():
+    with served(trial(duration=5.0), hold=True) as session, Client(session.url) as client:
+        for _ in range(2000):
+            client.publish("/ariac_human/stop", data=True)
+        assert "more than 300 commands" in client.error()["msg"]
+        client.call("/ariac/start_competition")
+        client.subscribe("/ariac/start_human")
+        assert not session.join().summary["interrupted"]
+
+
+def test_only_one_client_steps_through_the_time():
+    with served(trial(duration=5.0)) as session, Client(session.url) as one:
+        assert one.call("/floorwalker/advance", until=-1.0) == (True, {"time": 0.0, "ended": False})
+        with Client(session.url) as other:
+            ok, why = other.call("/floorwalker/advance", until=1.0)
+            assert not ok and "another client" in why
+        assert one.call("/floorwalker/advance", until=0.0)[1]["time"] == 0.0
+        assert one.call("/floorwalker/advance", until=1.25)[1] == {"time": 1.25, "ended": False}
+        time.sleep(0.1)
+        assert session.now == 1.25
+        assert one.call("/floorwalker/advance", until=9.0)[1] == {"time": 5.0, "ended": True}
+
+
+def test_paced_time_is_nobody_s_to_step_through():
+    with served(trial(), speed=1.0) as session, Client(session.url) as client:
+        ok, why = client.call("/floorwalker/advance", until=1.0)
+        assert not ok and "paced" in why
+
+
+def test_an_agent_that_steps_and_vanishes_leaves_a_run_that_stands():
+    with served(trial(duration=50.0)) as session:
+        with Client(session.url) as agent:
+            agent.call("/floorwalker/advance", until=0.0)
+            agent.call("/floorwalker/advance", until=2.5)
+        while "stands still at t = 2.5 s" not in session.notices[-1]:
+            time.sleep(0.01)
+        drive(session.url, "indifferent")
+        run = session.join()
+    assert run.summary["people"]["operator"]["visits"][0] == "station4"
+
+
+def test_our_agent_against_a_plain_rosbridge():
+    """Somebody else's simulation: no rosapi worth the name, no topics of ours, 10 Hz states."""
+    heard = []
+    with relay() as url, Client(url) as simulation:
+        simulation.subscribe("/ariac_human/goal_position", type="geometry_msgs/Point")
+        simulation.subscribe("/ariac_human/stop", "/ariac_human/go_home", type="std_msgs/Bool")
+        simulation.call("/none")
+
+        async def play():
+            agent = asyncio.create_task(run_agent(url))
+            await asyncio.to_thread(act_as_the_simulation, simulation, heard)
+            await asyncio.wait_for(agent, 30)
+
+        asyncio.run(play())
+    topics = [topic for topic, _ in heard]
+    assert heard[0] == ("/ariac_human/goal_position", {"x": -10.8, "y": -3.75, "z": 0.0})
+    assert heard[1] == ("/ariac_human/goal_position", {"x": -10.8, "y": 3.75, "z": 0.0})
+    assert topics[2:5] == ["/ariac_human/stop", "/ariac_human/stop", "/ariac_human/goal_position"]
+    assert math.dist((heard[4][1]["x"], heard[4][1]["y"]), (-7.0, 3.75)) < 1.5
+    assert heard[5] == ("/ariac_human/go_home", {"data": True})
+    assert len(heard) == 6
+
+
+async def run_agent(url):
+    a_trial = trial("antagonistic")
+    await RemoteAgent(url, a_trial, a_trial.people[0]).run()
+
+
+def act_as_the_simulation(client, heard):
+    """Start the person, let them arrive once, then let the gantry come, and come too close."""
+    for topic, type_ in (
+        ("/ariac/start_human", "std_msgs/Bool"),
+        ("/ariac_human/position_reached", "std_msgs/Bool"),
+        ("/ariac_human/unsafe_distance", "std_msgs/Bool"),
+        ("/ariac_human/state", "ariac_msgs/HumanState"),
+        ("/ariac/competition_state", "ariac_msgs/CompetitionState"),
+    ):
+        client.send(op="advertise", topic=topic, type=type_)
+
+    def listen(count, timeout=20.0):
+        while len(heard) < count:
+            said = client.hear_until(lambda said: said["op"] == "publish", timeout)
+            heard.append((said["topic"], said["msg"]))
+
+    def say_state(robot_x):
+        client.publish(
+            "/ariac_human/state",
+            human_position={"x": -10.8, "y": 3.75},
+            robot_position={"x": robot_x, "y": 3.75},
+            human_velocity={"x": 1.0},
+            robot_velocity={"x": 0.0},
+        )
+
+    while not heard:  # until the agent has subscribed
+        client.publish("/ariac/start_human", data=True)
+        try:
+            listen(1, timeout=0.2)
+        except TimeoutError:
+            continue
+    client.publish("/ariac_human/position_reached", data=True)
+    listen(2)
+    for robot_x in (5.0, 0.0, -7.0):
+        say_state(robot_x)
+    listen(5)
+    for _ in range(5):
+        client.publish("/ariac_human/unsafe_distance", data=True)
+    listen(6)
+    client.publish("/ariac/competition_state", competition_state=4)
+
+
+def test_an_agent_needs_somebody_to_connect_to():
+    with pytest.raises(ConnectError, match="can't connect"):
+        drive("ws://127.0.0.1:1", "indifferent")
+    with pytest.raises(ConnectError, match="is no address"):
+        drive("http://127.0.0.1", "indifferent")
+    with pytest.raises(BridgeError, match="--personality"):
+        RemoteAgent("ws://127.0.0.1:1", trial(), trial().people[0])
+
+
+def test_a_trial_with_two_people_outside_is_refused():
+    text = "floorplan: ariac2023\npeople:\n" + "".join(
+        f"  - {{name: p{k}, personality: external}}\n" for k in range(2)
+    )
+    with pytest.raises(BridgeError, match="p0, p1 are external"):
+        Workcell(sim.Trial.parse(text), Exchange())
+
+
+def test_a_port_that_is_taken_is_told():
+    with relay() as url:
+        port = int(url.rpartition(":")[2])
+        exchange = Exchange()
+        workcell = Workcell(trial(), exchange)
+
+        async def serve():
+            await Session(workcell, exchange).open(port=port)
+
+        with pytest.raises(BridgeError, match=f"can't serve at 127.0.0.1:{port}"):
+            asyncio.run(serve())
+
+
+def test_what_goes_wrong_in_a_users_controller_ends_the_run_with_its_error(tmp_path):
+    (tmp_path / "broken_gantry.py").write_text(
+        "def broken(gantry):\n    yield gantry.wait(1.0)\n    raise RuntimeError('out of oil')\n"
+    )
+    text = "floorplan: ariac2023\ngantry: {controller: 'broken_gantry:broken'}\n"
+    a_trial = sim.Trial.parse(text, folder=tmp_path)
+    with served(a_trial) as session, pytest.raises(sim.ControllerError, match="out of oil"):
+        session.join()
+
+
+def test_actions_are_written_so_that_they_are_read_as_they_were():
+    for x in (-10.8, 1 / 3, 1e-7, 123456.789):
+        action = bdi.Literal("move", (x, 0.0))
+        assert bdi.parse_literal(str(action)).args[0] == x
