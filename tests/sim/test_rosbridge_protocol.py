@@ -73,7 +73,7 @@ def test_an_error_names_the_interaction_that_it_is_about():
 
 @given(
     st.fixed_dictionaries(
-        {"op": st.sampled_from(OPERATIONS) | JSON},
+        {"op": OPERATIONS | JSON},
         optional={"topic": JSON, "msg": JSON, "id": JSON},
     )
     | JSON
