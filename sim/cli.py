@@ -17,6 +17,7 @@ from .commands.list import list_all
 from .commands.metrics import metrics
 from .commands.plan import plan
 from .commands.plot import app as plot
+from .commands.render import render
 from .commands.replay import replay
 from .commands.run import run
 
@@ -51,6 +52,7 @@ app.command()(run)
 app.command()(replay)
 app.command(context_settings={"ignore_unknown_options": True})(plan)
 app.add_typer(plot)
+app.command()(render)
 app.command()(check)
 app.command()(agent)
 app.command()(benchmark)

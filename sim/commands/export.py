@@ -4,12 +4,9 @@ from __future__ import annotations
 
 from enum import Enum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
-
-if TYPE_CHECKING:
-    from sim import Recorded
 
 
 class FormatName(str, Enum):
@@ -44,17 +41,10 @@ def export(
 ) -> None:
     """Write a run in the format of another tool, sampled from the exact motions."""
     from sim.exports import Export
+    from sim.sources import run_from
 
     name = format.value if format is not None else None
     chosen = Export.to(out, rate=rate, format=name)
-    run = _run(source)
+    run = run_from(source)
     chosen.write(run)
     typer.echo(f"{out} holds {run.duration:g} s of {run.scene.trial} at {rate:g} Hz")
-
-
-def _run(source: str) -> Recorded:
-    import sim
-
-    if Path(source).is_dir():
-        return sim.load_run(source)
-    return sim.run(sim.Trial.load(source))

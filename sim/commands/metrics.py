@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 if TYPE_CHECKING:
     from rich.table import Table
-
-    from sim import Recorded
 
 
 def metrics(
@@ -33,8 +30,9 @@ def metrics(
     import json
 
     import sim
+    from sim.sources import run_from
 
-    figures = sim.metrics(_run(source), radii=dict(map(_radius, radius or [])))
+    figures = sim.metrics(run_from(source), radii=dict(map(_radius, radius or [])))
     if as_json:
         typer.echo(json.dumps(figures, indent=2, ensure_ascii=False))
         return
@@ -44,14 +42,6 @@ def metrics(
     console.print(_movements(figures))
     if figures["people"]:
         console.print(_distances(figures))
-
-
-def _run(source: str) -> Recorded:
-    import sim
-
-    if Path(source).is_dir():
-        return sim.load_run(source)
-    return sim.run(sim.Trial.load(source))
 
 
 def _radius(text: str) -> tuple[str, float]:

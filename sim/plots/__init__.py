@@ -8,6 +8,7 @@ from .floor import floorplan
 from .heat_map import heat_map
 from .of_run import RunPlots
 from .path import path
+from .rendering import ENDINGS, render, require_renderable
 from .saving import FORMATS, require_savable, save
 from .separation import separation
 from .space_time import space_time
@@ -15,6 +16,7 @@ from .style import MissingExtraError, Width
 from .trails import trails
 
 __all__ = [
+    "ENDINGS",
     "FORMATS",
     "MissingExtraError",
     "RunPlots",
@@ -22,6 +24,8 @@ __all__ = [
     "floorplan",
     "heat_map",
     "path",
+    "render",
+    "require_renderable",
     "require_savable",
     "save",
     "separation",

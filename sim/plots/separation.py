@@ -10,6 +10,7 @@ from navigation import STANDING_SPEED
 
 from ..outcome import Recorded
 from .curves import Array, Span, instants, span_of, speeds
+from .incidents import disabled_spans
 from .style import BLACK, BLUE, GREY, VERMILION, Width, explain, new_figure, styled
 
 if TYPE_CHECKING:
@@ -145,16 +146,7 @@ def _mark_violations(axes: Axes, run: Recorded, pair: Pair, span: Span) -> None:
 
 def _mark_disabled(axes: Axes, run: Recorded) -> None:
     """A bar at the bottom for as long as the gantry was disabled."""
-    since: float | None = None
-    bars = []
-    for event in run.events:
-        if event["kind"] == "gantry_disabled" and since is None:
-            since = event["t"]
-        elif event["kind"] == "gantry_enabled" and since is not None:
-            bars.append((since, event["t"] - since))
-            since = None
-    if since is not None:
-        bars.append((since, run.duration - since))
+    bars = [(begin, end - begin) for begin, end in disabled_spans(run)]
     if bars:
         axes.broken_barh(
             bars,

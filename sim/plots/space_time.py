@@ -12,6 +12,7 @@ from navigation import Motion
 from ..outcome import Recorded
 from .curves import Array, Span, instants, span_of
 from .floor import machine_size
+from .incidents import breaches
 from .style import GREY, MACHINES, VERMILION, Width, explain, new_figure, person_colour, styled
 
 if TYPE_CHECKING:
@@ -101,13 +102,7 @@ def _draw_stations(axes: Axes, run: Recorded, axis: int) -> None:
 
 
 def _mark_violations(axes: Axes, run: Recorded, axis: int, span: Span) -> None:
-    begin, end = span
-    marks = [
-        (t, run.motions[person].state_before(t).at[axis])
-        for (person, _), intervals in run.violations.items()
-        for t, _ in intervals
-        if begin <= t <= end
-    ]
+    marks = [(t, at[axis]) for t, at in breaches(run, span)]
     if marks:
         axes.plot(
             *zip(*marks, strict=True),

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from ..outcome import Recorded
 from .curves import Span, instants, span_of
 from .floor import draw_floor, draw_names, floor_figure, machine_outline
+from .incidents import breaches
 from .style import MACHINES, VERMILION, Width, explain, person_colour, styled
 
 if TYPE_CHECKING:
@@ -51,13 +52,7 @@ def _draw_way(axes: Axes, run: Recorded, body: str, span: Span) -> None:
 
 
 def _mark_violations(axes: Axes, run: Recorded, span: Span) -> None:
-    begin, end = span
-    places = [
-        run.motions[person].state_before(t).at
-        for (person, _), intervals in run.violations.items()
-        for t, _ in intervals
-        if begin <= t <= end
-    ]
+    places = [at for _, at in breaches(run, span)]
     if places:
         axes.plot(
             *zip(*places, strict=True),

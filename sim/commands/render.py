@@ -1,0 +1,47 @@
+"""`floorwalker render`: a run as a moving picture."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def render(
+    source: Annotated[
+        str, typer.Argument(metavar="SOURCE", help="A run's folder, or a trial (which is run).")
+    ],
+    out: Annotated[Path, typer.Option(help="The film: .gif, or .mp4 where ffmpeg is installed.")],
+    speed: Annotated[float, typer.Option(help="How much faster than in reality.")] = 8.0,
+    fps: Annotated[int, typer.Option(help="Pictures a second.")] = 20,
+    width: Annotated[int, typer.Option(help="Pixels.")] = 720,
+    begin: Annotated[float, typer.Option("--from", help="Film from this time on, seconds.")] = 0.0,
+    end: Annotated[
+        float | None, typer.Option("--to", help="Film up to this time, seconds.")
+    ] = None,
+) -> None:
+    """Film a run: a GIF, or an MP4."""
+    from rich.console import Console
+    from rich.progress import Progress
+
+    from sim import plots
+    from sim.sources import run_from
+
+    plots.require_renderable(out)
+    run = run_from(source)
+    within = (begin, float("inf") if end is None else end)
+    console = Console(stderr=True)
+    with Progress(console=console, transient=True, disable=not sys.stderr.isatty()) as progress:
+        bar = progress.add_task("filming", total=1.0)
+        plots.render(
+            run,
+            out,
+            speed=speed,
+            fps=fps,
+            width=width,
+            within=within,
+            progress=lambda share: progress.update(bar, completed=share),
+        )
+    typer.echo(str(out))

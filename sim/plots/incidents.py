@@ -1,0 +1,32 @@
+"""What went wrong in a run, and where: for the marks in its pictures."""
+
+from __future__ import annotations
+
+from floorplan import Point
+
+from ..outcome import Recorded
+from .curves import Span
+
+
+def breaches(run: Recorded, span: Span) -> list[tuple[float, Point]]:
+    """When somebody came too close (seconds), and where they were then, of all that `span` has."""
+    begin, end = span
+    return sorted(
+        (t, run.motions[person].state_before(t).at)
+        for (person, _), intervals in run.violations.items()
+        for t, _ in intervals
+        if begin <= t <= end
+    )
+
+
+def disabled_spans(run: Recorded) -> list[Span]:
+    """From when to when the gantry was disabled, seconds."""
+    spans: list[Span] = []
+    since: float | None = None
+    for event in run.events:
+        if event["kind"] == "gantry_disabled" and since is None:
+            since = event["t"]
+        elif event["kind"] == "gantry_enabled" and since is not None:
+            spans.append((since, event["t"]))
+            since = None
+    return spans if since is None else [*spans, (since, run.duration)]

@@ -1,0 +1,125 @@
+"""Films show everybody where they are at every instant; they play as long as they should."""
+
+import shutil
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import sim
+from sim import plots
+from sim.cli import main
+from sim.plots.film import Film
+from sim.plots.style import person_colour
+
+pytest.importorskip("matplotlib")
+
+TRIAL = """
+floorplan: ariac2023
+duration: 40.0
+people: [{name: ada, personality: antagonistic}]
+gantry: {controller: parked, at: [-5.0, 2.5, 0.0]}
+agvs: {agv1: [{time: 2.0, to: assembly_front}]}
+"""
+
+
+@pytest.fixture(scope="module")
+def run():
+    return sim.run(sim.Trial.parse(TRIAL))
+
+
+def centre(frame, colour):
+    """The middle (column, row) of all pixels of a colour."""
+    wanted = [int(colour[k : k + 2], 16) for k in (1, 3, 5)]
+    rows, columns = np.nonzero((frame == wanted).all(axis=2))
+    return columns.mean(), rows.mean()
+
+
+def test_people_are_where_they_are(run):
+    """Pixels are metres, stretched and moved; also from one side of a teleport to the other."""
+    teleport, *_ = [event["t"] for event in run.events if event["kind"] == "teleport"]
+    times = np.sort([*np.linspace(0.0, 38.0, 13), teleport - 0.01, teleport, teleport + 0.01])
+    frames = Film(run, times, width=600, mark=1.0).frames()
+    pixels = np.array([centre(frame, person_colour(0)) for frame in frames])
+    metres = run.motions["ada"].position(times)
+    assert np.hypot(*np.diff(metres, axis=0).T).max() > 5.0
+    known = np.column_stack([metres, np.ones(len(times))])
+    stretch, *_ = np.linalg.lstsq(known, pixels, rcond=None)
+    assert np.abs(known @ stretch - pixels).max() < 1.5
+    assert stretch[0, 0] == pytest.approx(-stretch[1, 1], rel=0.03)
+
+
+def test_a_film_is_as_long_and_as_large_as_asked_for(run, tmp_path):
+    from PIL import Image
+
+    told = []
+    out = tmp_path / "run.gif"
+    plots.render(run, out, speed=10.0, fps=10, width=401, within=(0.0, 12.0), progress=told.append)
+    with Image.open(out) as film:
+        assert film.size[0] == 400
+        durations = []
+        for k in range(film.n_frames):
+            film.seek(k)
+            durations.append(film.info["duration"])
+    assert sum(durations) == 13 * 100
+    assert told == pytest.approx([k / 13 for k in range(1, 14)])
+
+
+def test_the_same_run_gives_the_same_film(run, tmp_path):
+    for name in ("a.gif", "b.gif"):
+        plots.render(run, tmp_path / name, width=240, within=(15.0, 25.0))
+    assert (tmp_path / "a.gif").read_bytes() == (tmp_path / "b.gif").read_bytes()
+
+
+@pytest.mark.skipif(shutil.which("ffmpeg") is None, reason="ffmpeg is not on the path")
+def test_an_mp4_has_all_pictures(run, tmp_path):
+    out = tmp_path / "run.mp4"
+    plots.render(run, out, fps=10, width=333, within=(0.0, 8.0))
+    command = ["ffmpeg", "-v", "error", "-i", str(out), "-f", "rawvideo", "-pix_fmt", "gray", "-"]
+    raw = subprocess.run(command, check=True, capture_output=True).stdout
+    film = Film(run, np.zeros(1), width=333, mark=1.0)
+    assert len(raw) == 11 * film.size[0] * film.size[1]
+
+
+@pytest.mark.parametrize(
+    ("words", "why"),
+    [
+        (("ariac2023", "--out", "a.avi"), "the name of a film ends in .gif or .mp4"),
+        (("ariac2023", "--out", "no/a.gif"), "there is no folder no"),
+        (("ariac2023", "--out", "a.gif", "--speed", "0"), "speed is more than 0, not 0"),
+        (("ariac2023", "--out", "a.gif", "--speed", "inf"), "speed is more than 0, not inf"),
+        (("ariac2023", "--out", "a.gif", "--fps", "60"), "1 to 50 pictures a second, not 60"),
+        (("ariac2023", "--out", "a.gif", "--width", "9"), "200 to 4000 pixels wide, not 9"),
+        (("ariac2023", "--out", "a.gif", "--speed", "0.01"), "550,001 pictures, more than 20,000"),
+        (("ariac2023", "--out", "a.gif", "--from", "300"), "nothing between 300 and 275 s"),
+        (("nowhere", "--out", "a.gif"), "nor a built-in trial"),
+    ],
+)
+def test_what_makes_no_film_is_one_sentence(words, why, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "argv", ["floorwalker", "render", *words])
+    with pytest.raises(SystemExit, match="1"):
+        main()
+    stdout, stderr = capsys.readouterr()
+    assert stdout == ""
+    assert why in stderr and stderr.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_without_ffmpeg_the_message_says_what_to_do(run, tmp_path, monkeypatch):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(plots.MissingExtraError, match="needs the program ffmpeg, which is not on"):
+        plots.render(run, tmp_path / "run.mp4")
+
+
+def test_the_command_films_a_recording(tmp_path, monkeypatch, capsys):
+    recording = sim.Recording(tmp_path / "run")
+    recording.finish(sim.run(sim.Trial.parse(TRIAL), recording))
+    out = tmp_path / "run.gif"
+    words = ["render", str(tmp_path / "run"), "--out", str(out), "--from", "20", "--to", "24"]
+    monkeypatch.setattr(sys, "argv", ["floorwalker", *words, "--width", "240"])
+    with pytest.raises(SystemExit, match="0"):
+        main()
+    assert capsys.readouterr() == (f"{out}\n", "")
+    assert out.read_bytes().startswith(b"GIF89a")
