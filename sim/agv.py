@@ -41,6 +41,11 @@ class Agv:
         """Where it is on its lane now, metres."""
         return lane_state(self.lane, self.body.state).position
 
+    @property
+    def stands(self) -> bool:
+        """Whether it is at rest, and nothing makes it set out."""
+        return self.body.motion.end <= self._clock.now
+
     def drive(self, to: str | float) -> None:
         """Set out for a location or a lane position, from whatever it is doing now."""
         now = self._clock.now

@@ -7,6 +7,7 @@ from enum import IntEnum
 from heapq import heappush
 
 import simpy
+from simpy.core import StopSimulation
 from simpy.events import Event, EventPriority
 
 
@@ -41,6 +42,13 @@ class Clock(simpy.Environment):
         event = self.at(t, turn)
         assert event.callbacks is not None  # it has not happened yet
         event.callbacks.append(lambda _: action())
+        return event
+
+    def end(self) -> Event:
+        """An event that stops the clock when it happens."""
+        event = Event(self)
+        assert event.callbacks is not None  # it has not happened yet
+        event.callbacks.append(StopSimulation.callback)
         return event
 
 

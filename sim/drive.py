@@ -97,10 +97,13 @@ class Drive:
             raise ValueError(f"can't wait {seconds} s")
         return self._clock.process(self._work(seconds))
 
-    def disable(self, seconds: float) -> None:
-        """Brake, and stand for `seconds` from now on."""
-        self._record("gantry_disabled", seconds=seconds)
-        self._ready.set(self._clock.now + seconds)
+    def disable(self, seconds: float, event: str = "gantry_disabled") -> None:
+        """Brake, and stand for `seconds` from now on, or longer if it has to already.
+
+        `event` tells of it.
+        """
+        self._record(event, seconds=seconds)
+        self._ready.set(max(self._clock.now + seconds, self._ready.time or 0.0))
         if self._enabled is not None:
             return
         self._enabled = self._clock.event()

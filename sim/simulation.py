@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -13,6 +12,7 @@ from floorplan import Gantry
 from navigation import CollisionWorld, PathPlanner
 
 from .agv import Agv
+from .ariac import Workcell
 from .body import Body
 from .clock import Clock
 from .controllers import find_controller, supervised
@@ -29,6 +29,7 @@ from .requirement_curve import is_plain, requirement_curve
 from .scene import scene_of
 from .summary import summarise
 from .trial import PersonEntry, Trial
+from .triggers import Triggers
 from .walker import Place, Walker
 
 
@@ -45,13 +46,17 @@ class Simulation:
         self.clock = Clock(0.0)
         self.events: list[Event] = []
         self.thoughts: list[Thought] = []
-        self._listener = Listeners(_Keeper(self.events, self._react), *listeners)
+        self._triggers = Triggers(self.clock)
+        self._listener = Listeners(_Keeper(self.events), *listeners, _Reactor(self._triggers))
         self._record = recording_to(self._listener, lambda: self.clock.now)
+        self._over = self.clock.end()
         self.world = CollisionWorld(trial.floorplan)
         self._planners: dict[float, PathPlanner] = {}
         self.people: list[Person] = []
         self._society = bdi.Society()
         self._record("trial_started", trial=trial.name, floorplan=trial.floorplan.name)
+        for notice in trial.notices:
+            self._record("notice", text=notice.message, field=notice.field, line=notice.line)
         self.agvs = [
             Agv(
                 self.clock,
@@ -71,6 +76,7 @@ class Simulation:
             warn=self._warn,
             disable_gantry=self.gantry.drive.disable if self.gantry else lambda _: None,
         )
+        self.workcell = self._make_workcell()
         for entry in trial.people:
             self.people.append(self._make_person(entry))
         self.scene = scene_of(trial, self.bodies)
@@ -86,13 +92,19 @@ class Simulation:
         gantry = [self.gantry.body] if self.gantry else []
         return [*(p.walker.body for p in self.people), *gantry, *(agv.body for agv in self.agvs)]
 
+    @property
+    def over(self) -> bool:
+        """Whether the trial has come to its end."""
+        return self._over.triggered or self.clock.now >= self.trial.duration
+
     def advance(self, until: float) -> None:
         """Let everything happen that happens before `until` (seconds)."""
-        self.clock.run(min(until, self.trial.duration))
+        if not self.over:
+            self.clock.run(min(until, self.trial.duration))
 
     def finish(self) -> Run:
         """The run as far as it went."""
-        interrupted = self.clock.now < self.trial.duration
+        interrupted = not self.over
         for watch in self.referee.watches:
             watch.close()
         if self.gantry is not None:
@@ -107,6 +119,7 @@ class Simulation:
             gantry=self.gantry,
             referee=self.referee,
             motions=motions,
+            work=self.workcell.figures if self.workcell else {},
         )
         cpu = time.process_time() - self._cpu_begin
         summary["cpu_seconds"] = round(cpu, 6)
@@ -167,8 +180,7 @@ class Simulation:
         inspector = self._inspector(entry.name)
         mind = self._make_mind(entry, person, inspector)
         person.think_with(mind)
-        if entry.start.time is not None:
-            self.clock.call_at(entry.start.time, person.start)
+        self._triggers.add(entry.start, person.start)
         if self.gantry is not None:
             self.referee.watch_gantry(walker.body, self.gantry.body)
         for agv in self.agvs:
@@ -236,6 +248,25 @@ class Simulation:
         )
         return GantryRobot(self.clock, gantry, entry, surroundings, record=self._record)
 
+    def _make_workcell(self) -> Workcell | None:
+        trial = self.trial
+        if trial.workload is None or self.gantry is None:
+            return None
+        return Workcell(
+            self.clock,
+            trial.workload,
+            trial.floorplan,
+            gantry=self.gantry,
+            agvs=self.agvs,
+            triggers=self._triggers,
+            record=self._record,
+            all_done=self._work_is_done,
+        )
+
+    def _work_is_done(self) -> None:
+        if self.trial.until_submitted and not self._over.triggered:
+            self._over.succeed()
+
     def _start_controller(self, gantry: GantryRobot) -> None:
         people = [person.walker.body for person in self.people]
         gantry.on_interest = lambda: watch.near(gantry.close_distance)
@@ -263,22 +294,12 @@ class Simulation:
             if person.walker.body is body:
                 person.warn(percept, machine)
 
-    def _react(self, event: Event) -> None:
-        """People who wait for something to happen start when it does."""
-        for person, entry in zip(self.people, self.trial.people, strict=False):
-            start = entry.start
-            if event["kind"] == "order_submitted" and start.order_submitted == event["order"]:
-                person.start()
-            placed = event["kind"] == "job_done" and event["job"] == "pick_place"
-            if placed and start.part_placed is not None:
-                found = {"part": event["part"], "agv": event["to"]}
-                if start.part_placed.items() <= found.items():
-                    person.start()
-
-    def _agv_stopped(self, _: Agv) -> None:
+    def _agv_stopped(self, agv: Agv) -> None:
         self._synchronise()
         for person in self.people:
             person.check_way()
+        if self.workcell is not None:
+            self.workcell.agv_stopped(agv)
         if self.gantry is not None:
             self.gantry.floor_changed()
 
@@ -320,12 +341,20 @@ def run(trial: Trial, *listeners: Listener) -> Run:
 
 
 class _Keeper(Listener):
-    """Keeps the events of a run, and reacts to them."""
+    """Keeps the events of a run."""
 
-    def __init__(self, events: list[Event], react: Callable[[Event], None]) -> None:
+    def __init__(self, events: list[Event]) -> None:
         self._events = events
-        self._react = react
 
     def event(self, event: Event) -> None:
         self._events.append(event)
-        self._react(event)
+
+
+class _Reactor(Listener):
+    """Lets events have their consequences, after everybody else has been told of them."""
+
+    def __init__(self, triggers: Triggers) -> None:
+        self._triggers = triggers
+
+    def event(self, event: Event) -> None:
+        self._triggers.heed(event)

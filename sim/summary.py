@@ -25,12 +25,14 @@ def summarise(
     gantry: GantryRobot | None,
     referee: Referee,
     motions: Mapping[str, Motion],
+    work: Mapping[str, Any],
 ) -> dict[str, Any]:
     """The figures of a run that depend on nothing but the trial.
 
     `minimum_separation` is the nearest that anybody came to the gantry's centre: distance and
     required distance at that instant in metres, time in seconds. `violations` are the penalties by
-    whose doing they were. Times and distances of people count from their start.
+    whose doing they were. Times and distances of people count from their start. `work`
+    are the figures of orders, where there are any.
     """
     nearest = {
         person.name: _nearest(
@@ -50,6 +52,7 @@ def summarise(
         "violations": _violations(referee.penalties, None),
         "agv_teleports": referee.agv_teleports,
         **_gantry_figures(gantry, motions, now),
+        **work,
         "minimum_separation": min(
             nearest.values(), key=lambda found: float(found["distance"]), default=None
         ),

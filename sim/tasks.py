@@ -21,6 +21,11 @@ class Handling:
 
     pick: float = 2.0
     place: float = 2.0
+    turn_over: float = 3.0
+    insert: float = 4.0
+    pick_tray: float = 3.0
+    place_tray: float = 3.0
+    change_tool: float = 3.0
 
 
 @dataclass(frozen=True)
@@ -101,19 +106,20 @@ class Tasks:
     def __init__(self, clock: Clock) -> None:
         self.more_to_come = False
         self._clock = clock
-        self._groups: list[list[Task]] = []
+        self._groups: list[tuple[bool, list[Task]]] = []
         self._waiting: list[Event] = []
 
     @property
     def open(self) -> tuple[Task, ...]:
         """The tasks that may be begun or gone on with now, the preferred one first."""
-        return tuple(task for group in self._groups for task in _current(group) if task.ready())
+        return tuple(task for _, group in self._groups for task in _current(group) if task.ready())
 
     def add(self, tasks: Iterable[Task], *, first: bool = False) -> None:
-        """A group of tasks more; `first` puts it before all others."""
+        """A group of tasks more; `first` puts it before all others that were not put first."""
         group = list(tasks)
         if group:
-            self._groups.insert(0 if first else len(self._groups), group)
+            self._groups.append((first, group))
+            self._groups.sort(key=lambda entry: not entry[0])
         self.reconsider()
 
     def next(self) -> Event:
@@ -128,15 +134,19 @@ class Tasks:
 
     def reconsider(self) -> None:
         """Something has changed: answer those who wait for it."""
-        self._groups = [g for g in self._groups if not all(task.finished for task in g)]
+        self._groups = [
+            (first, group)
+            for first, group in self._groups
+            if not all(task.finished for task in group)
+        ]
         if not self._waiting:
             return
-        first = next(iter(self.open), None)
-        if first is None and (self._groups or self.more_to_come):
+        preferred = next(iter(self.open), None)
+        if preferred is None and (self._groups or self.more_to_come):
             return
         waiting, self._waiting = self._waiting, []
         for event in waiting:
-            event.succeed(first)
+            event.succeed(preferred)
 
 
 def _current(group: list[Task]) -> Iterator[Task]:

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import bdi
-from floorplan import Floorplan, InputError
+from floorplan import Floorplan, InputError, Problem
 
 from .programs import load_program
 from .rules import PAPER, RuleSet
+
+if TYPE_CHECKING:
+    from .ariac import Workload
 
 
 class TrialError(InputError):
@@ -89,7 +92,9 @@ class Trial:
     """Everything that decides a run. The same trial gives the same run, byte for byte.
 
     Files are looked up from `folder`; `floorplan_source` is the name or file that the floorplan
-    was read from, or empty if it came from no file.
+    was read from, or empty if it came from no file. `workload` are the orders of an ARIAC trial;
+    `until_submitted` ends the run as soon as they are all submitted. `notices` are what the file
+    says that makes no difference, or may mean something else than its author thought.
     """
 
     floorplan: Floorplan
@@ -103,6 +108,9 @@ class Trial:
     expect: dict[str, Any] = field(default_factory=dict)
     folder: Path = Path()
     floorplan_source: str = field(default="", compare=False)
+    workload: Workload | None = None
+    until_submitted: bool = False
+    notices: tuple[Problem, ...] = field(default=(), compare=False)
 
     @classmethod
     def load(cls, source: str | Path) -> Trial:

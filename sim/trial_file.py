@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from importlib import resources
 from pathlib import Path
 from typing import Annotated, Any
@@ -13,6 +14,7 @@ import bdi
 import floorplan
 from floorplan import Document, Floorplan, Number, Pair, Positive, Problem, Strictly, standing_fault
 
+from .ariac import reading
 from .controllers import ControllerError, find_controller
 from .expectations import expectation_problems
 from .programs import EXTERNAL, find_program, load_program
@@ -120,10 +122,14 @@ class _Trial(Strictly):
     people: list[_Person] = []
     gantry: _Gantry = _Gantry()
     agvs: dict[str, list[_AgvMove]] = {}
+    ariac: str | None = None
+    until_submitted: Annotated[bool, Strict()] | None = None
     expect: dict[str, Any] = {}
 
 
 def _build(document: Document, folder: Path) -> Trial:
+    if reading.is_ariac(document):
+        return reading.build(document, folder)
     schema = document.checked(_Trial, TrialError)
     folder = folder / schema.folder
     plan = _floorplan(schema.floorplan, folder, document)
@@ -152,7 +158,25 @@ def _build(document: Document, folder: Path) -> Trial:
     problems = [*rule_problems, *_problems(trial, schema, document)]
     if problems:
         raise TrialError(document.file, problems)
-    return trial
+    return trial if schema.ariac is None else _with_orders(trial, schema, schema.ariac)
+
+
+def _with_orders(trial: Trial, schema: _Trial, name: str) -> Trial:
+    """The trial with the orders, parts and challenges of an ARIAC trial file."""
+    path = trial.folder / name
+    workload, notices = reading.read_workload(
+        floorplan.read_yaml(path, TrialError), trial.floorplan
+    )
+    given = schema.model_fields_set
+    until_submitted = schema.until_submitted
+    return replace(
+        trial,
+        workload=replace(workload, source=name),
+        notices=notices,
+        people=trial.people if "people" in given else reading.people_of(workload),
+        duration=trial.duration if "duration" in given else reading.duration_of(workload),
+        until_submitted="duration" not in given if until_submitted is None else until_submitted,
+    )
 
 
 def _floorplan(name: str, folder: Path, document: Document) -> Floorplan:

@@ -11,6 +11,7 @@ import yaml
 
 import floorplan
 
+from .ariac import Workload
 from .rules_file import written_rules
 from .trial import GantryEntry, Job, PersonEntry, Start, Trial
 
@@ -41,7 +42,22 @@ def _trial(trial: Trial) -> Data:
         "agvs": {name: [asdict(move) for move in moves] for name, moves in trial.agvs.items()},
         "expect": trial.expect,
     }
-    return _without(data, None, [], {})
+    data = _without(data, None, [], {})
+    return data if trial.workload is None else data | _orders(trial, trial.workload)
+
+
+def _orders(trial: Trial, workload: Workload) -> Data:
+    """The orders, and what would otherwise be taken from their file as well."""
+    if not workload.source:
+        raise ValueError(
+            f"the trial {trial.name!r} can't be written: its orders came from no file; give source"
+        )
+    return {
+        "duration": trial.duration,
+        "people": [_person(entry) for entry in trial.people],
+        "ariac": workload.source,
+        "until_submitted": trial.until_submitted,
+    }
 
 
 def _floorplan(trial: Trial) -> str:

@@ -91,7 +91,7 @@ def changed(
             raise typer.BadParameter(
                 f"must be more than 0 s, not {duration:g}", param_hint="duration"
             )
-        trial = replace(trial, duration=duration)
+        trial = replace(trial, duration=duration, until_submitted=False)
     if seed is not None:
         trial = replace(trial, seed=seed)
     if rules is not None:

@@ -1,0 +1,86 @@
+"""Where slots, trays, quadrants and tool stands of the ARIAC workcell are.
+
+The figures are those of the competition's own `environment_startup.py`, `object_poses.yaml` and
+`agv_macro.xacro` (2023), as offsets in metres from the middle of the thing they belong to.
+"""
+
+from __future__ import annotations
+
+from floorplan import Floorplan, Lane
+
+Offset = tuple[float, float]
+
+BIN_SLOTS = range(1, 10)
+TRAY_SLOTS = range(1, 7)
+QUADRANTS = range(1, 5)
+TRAY_IDS = range(10)
+
+TABLES = ("kit_tray_table1", "kit_tray_table2")
+"""The obstacles that are the tray tables, with tray slots 1 to 3 and 4 to 6."""
+
+DISPOSAL_BINS = ("disposal_bin1", "disposal_bin2", "disposal_bin3")
+"""The obstacles into which parts are thrown that nobody needs."""
+
+_SLOT_PITCH = 0.18
+_TRAY_PITCH = 0.43
+_TRAY_BEHIND = 0.11
+_STAND_ASIDE = 0.2
+_STAND_AHEAD = 0.35
+_TRAY_ON_AGV = -0.2
+_QUADRANT_ALONG = 0.1275
+_QUADRANT_ACROSS = 0.0925
+
+
+def assembly_table(station: str) -> str:
+    """The obstacle that is the table of an assembly station: as1 has assembly_table1."""
+    return station.replace("as", "assembly_table", 1)
+
+
+def bin_slot(slot: int) -> Offset:
+    """Where a slot of a bin is: 1 to 9 in rows of three, from the bin's (-x, -y) corner."""
+    row, column = divmod(slot - 1, 3)
+    return (_SLOT_PITCH * (row - 1), _SLOT_PITCH * (column - 1))
+
+
+def tray_slot(slot: int) -> tuple[str, Offset]:
+    """The table on which a tray slot is, and where on it."""
+    table, k = divmod(slot - 1, 3)
+    facing = _facing(TABLES[table])
+    return TABLES[table], (facing * _TRAY_PITCH * (k - 1), facing * _TRAY_BEHIND)
+
+
+def tool_stand(table: str, tool: str) -> Offset:
+    """Where at a tray table the gripper for "parts" or for "trays" is taken up."""
+    facing = _facing(table)
+    aside = _STAND_ASIDE if tool == "trays" else -_STAND_ASIDE
+    return (facing * aside, -facing * _STAND_AHEAD)
+
+
+def tray_on(lane: Lane) -> Offset:
+    """Where the tray lies on the AGV of `lane`."""
+    return _turned(lane, _TRAY_ON_AGV, 0.0)
+
+
+def quadrant_on(lane: Lane, quadrant: int) -> Offset:
+    """Where a quadrant of the tray is on the AGV of `lane`."""
+    along = _QUADRANT_ALONG if quadrant <= 2 else -_QUADRANT_ALONG
+    across = _QUADRANT_ACROSS if quadrant % 2 else -_QUADRANT_ACROSS
+    return _turned(lane, _TRAY_ON_AGV + along, across)
+
+
+def lacking(plan: Floorplan) -> list[str]:
+    """What a floor lacks to be worked on like the ARIAC workcell: names of obstacles."""
+    names = {obstacle.name for obstacle in plan.obstacles}
+    stations = {station for lane in plan.lanes for station in lane.serves}
+    needed = [*TABLES, *DISPOSAL_BINS, *sorted(assembly_table(station) for station in stations)]
+    return [name for name in needed if name not in names]
+
+
+def _facing(table: str) -> int:
+    """The first table is turned by half a turn against the second, whose axes are the floor's."""
+    return -1 if table == TABLES[0] else 1
+
+
+def _turned(lane: Lane, along: float, across: float) -> Offset:
+    c, s = lane.direction
+    return (along * c - across * s, along * s + across * c)

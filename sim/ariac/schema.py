@@ -1,0 +1,301 @@
+"""The keys and values of a trial file as the ARIAC competition writes them (2023)."""
+
+from __future__ import annotations
+
+import math
+import re
+from typing import Annotated, Any, Literal
+
+from pydantic import AfterValidator, BeforeValidator, Field, Strict, model_validator
+
+from floorplan import Number, Positive, Strictly
+
+Text = Annotated[str, BeforeValidator(lambda v: str(v) if type(v) is int else v)]
+"""Text that may look like a number: an order's id."""
+
+Whole = Annotated[int, Strict()]
+Truth = Annotated[bool, Strict()]
+Time = Annotated[float, Strict(), Field(ge=0, allow_inf_nan=False)]
+Slot = Annotated[int, Strict(), Field(ge=1, le=9)]
+TraySlot = Annotated[int, Strict(), Field(ge=1, le=6)]
+TrayId = Annotated[int, Strict(), Field(ge=0, le=9)]
+Quadrant = Annotated[int, Strict(), Field(ge=1, le=4)]
+Offset = Annotated[float, Strict(), Field(ge=-1, le=1)]
+Type = Literal["battery", "pump", "regulator", "sensor"]
+Color = Literal["blue", "green", "orange", "purple", "red"]
+Robot = Literal["ceiling_robot", "floor_robot"]
+Sensor = Literal["break_beam", "proximity", "laser_profiler", "lidar", "camera", "logical_camera"]
+Vector = tuple[Number, Number, Number]
+
+
+def _angle(value: object) -> object:
+    if isinstance(value, bool) or not isinstance(value, int | float | str):
+        raise ValueError("expected radians, as a number or as text like 'pi/2'")
+    return value
+
+
+Angle = Annotated[Any, AfterValidator(_angle)]
+"""Radians, as a number or as text such as 'pi/2'; `angle` reads it."""
+
+_ANGLE = re.compile(r"(-?)\s*(?:(\d+(?:\.\d+)?)\s*\*?\s*)?pi(?:\s*/\s*(\d+(?:\.\d+)?))?")
+
+
+def angle(value: float | str) -> float | None:
+    """An angle in radians, or None for a text that is none."""
+    if not isinstance(value, str):
+        return float(value)
+    found = _ANGLE.fullmatch(value.strip())
+    if found is not None:
+        sign, factor, divisor = found.groups()
+        size = math.pi * float(factor or 1.0) / (float(divisor or 1.0) or math.nan)
+        return -size if sign else size
+    try:
+        return float(value)
+    except ValueError:
+        return None
+
+
+def _limit(seconds: float) -> float:
+    if seconds != -1 and seconds <= 0:
+        raise ValueError(f"expected -1 (no limit) or seconds, more than 0, found {seconds:g}")
+    return seconds
+
+
+TimeLimit = Annotated[Number, AfterValidator(_limit)]
+
+
+class KittingTrays(Strictly):
+    """Which trays are in which slots of the tray tables."""
+
+    tray_ids: list[TrayId] = []
+    slots: list[TraySlot] = []
+
+
+class Lot(Strictly):
+    """Parts of one kind in slots of a bin."""
+
+    type: Type
+    color: Color
+    slots: list[Slot]
+    rotation: Angle = 0.0
+    flipped: Truth = False
+    faulty: list[Slot] = []
+
+
+class AgvPart(Strictly):
+    """A part on an AGV."""
+
+    type: Type
+    color: Color
+    quadrant: Quadrant
+    rotation: Angle = 0.0
+    flipped: Truth = False
+
+
+class AgvLoad(Strictly):
+    """What is on an AGV."""
+
+    tray_id: TrayId = 0
+    parts: list[AgvPart] | None = []
+
+
+class ConveyorPart(Strictly):
+    """Parts of one kind that come along the conveyor."""
+
+    type: Type
+    color: Color
+    number: Whole
+    offset: Offset = 0.0
+    flipped: Truth = False
+    rotation: Angle = 0.0
+
+
+class Conveyor(Strictly):
+    """What comes along the conveyor."""
+
+    active: Truth = False
+    spawn_rate: Positive = 1.0
+    order: Literal["sequential", "random"] = "sequential"
+    parts_to_spawn: list[ConveyorPart] | None = []
+
+
+class Parts(Strictly):
+    """Where parts are."""
+
+    bins: dict[str, list[Lot] | None] | None = {}
+    agvs: dict[str, AgvLoad | None] | None = {}
+    conveyor_belt: Conveyor | None = None
+
+
+class PartPlace(Strictly):
+    """A part is placed on an AGV."""
+
+    type: Type
+    color: Color
+    agv: Whole | None = None
+
+
+class Submission(Strictly):
+    """An order is submitted."""
+
+    order_id: Text
+
+
+class Condition(Strictly):
+    """What something waits for: one of the three."""
+
+    time_condition: Time | None = None
+    part_place_condition: PartPlace | None = None
+    submission_condition: Submission | None = None
+
+    @model_validator(mode="after")
+    def _one_of_them(self) -> Condition:
+        given = [self.time_condition, self.part_place_condition, self.submission_condition]
+        if sum(condition is not None for condition in given) != 1:
+            raise ValueError(
+                "give one of time_condition, part_place_condition, submission_condition"
+            )
+        return self
+
+
+class HumanChallenge(Condition):
+    """A person on the floor."""
+
+    behavior: Literal["indifferent", "antagonistic", "helpful"]
+
+
+class MalfunctionChallenge(Condition):
+    """Robots that stand still for a while."""
+
+    duration: Positive
+    robots_to_disable: list[Robot]
+
+
+class BlackoutChallenge(Condition):
+    """Sensors that see nothing for a while."""
+
+    duration: Time
+    sensors_to_disable: list[Sensor]
+
+
+class FaultyPartChallenge(Strictly):
+    """The first parts in these quadrants are faulty."""
+
+    order_id: Text
+    quadrant1: Truth = False
+    quadrant2: Truth = False
+    quadrant3: Truth = False
+    quadrant4: Truth = False
+
+
+class DroppedPartChallenge(Strictly):
+    """A gripper that loses a part."""
+
+    robot: Robot
+    type: Type
+    color: Color
+    drop_after: Annotated[int, Strict(), Field(ge=0)]
+    delay: Time
+
+
+class Challenge(Strictly):
+    """One challenge, of the kind that its key says."""
+
+    human: HumanChallenge | None = None
+    human_operator: HumanChallenge | None = None
+    robot_malfunction: MalfunctionChallenge | None = None
+    sensor_blackout: BlackoutChallenge | None = None
+    faulty_part: FaultyPartChallenge | None = None
+    dropped_part: DroppedPartChallenge | None = None
+
+    @model_validator(mode="after")
+    def _one_kind(self) -> Challenge:
+        if len(self.model_fields_set) != 1 or getattr(self, self.kind) is None:
+            raise ValueError(
+                f"a challenge has one of the keys {', '.join(type(self).model_fields)},"
+                " and its figures, indented, below"
+            )
+        return self
+
+    @property
+    def kind(self) -> str:
+        """Its key."""
+        return min(self.model_fields_set, default="human")
+
+
+class KitProduct(Strictly):
+    """A part of a kit."""
+
+    type: Type
+    color: Color
+    quadrant: Quadrant
+
+
+class Pose(Strictly):
+    """Where a part belongs in the insert: metres, and roll, pitch, yaw."""
+
+    xyz: Vector
+    rpy: tuple[Angle, Angle, Angle]
+
+
+class AssemblyProduct(Strictly):
+    """A part to be inserted."""
+
+    type: Type
+    color: Color
+    assembled_pose: Pose | None = None
+    assembly_direction: Vector | None = None
+
+
+class Kitting(Strictly):
+    """A kitting task."""
+
+    agv_number: Whole
+    tray_id: TrayId
+    destination: str
+    products: Annotated[list[KitProduct], Field(min_length=1)]
+
+
+class Assembly(Strictly):
+    """An assembly task."""
+
+    agv_number: list[Whole]
+    station: str
+    products: Annotated[list[AssemblyProduct], Field(min_length=1)]
+
+
+class Combined(Strictly):
+    """A combined task."""
+
+    station: str
+    products: Annotated[list[AssemblyProduct], Field(min_length=1)]
+
+
+class OrderEntry(Strictly):
+    """An order."""
+
+    id: Text
+    type: Literal["kitting", "assembly", "combined"]
+    announcement: Condition
+    priority: Truth = False
+    kitting_task: Kitting | None = None
+    assembly_task: Assembly | None = None
+    combined_task: Combined | None = None
+
+    @model_validator(mode="after")
+    def _its_task(self) -> OrderEntry:
+        keys = ("kitting_task", "assembly_task", "combined_task")
+        if [key for key in keys if getattr(self, key) is not None] != [f"{self.type}_task"]:
+            raise ValueError(f"an order of the type {self.type} has a {self.type}_task, no other")
+        return self
+
+
+class TrialFile(Strictly):
+    """All of a trial file. `assembly_inserts` came in with ARIAC 2024."""
+
+    time_limit: TimeLimit = -1.0
+    kitting_trays: KittingTrays | None = None
+    assembly_inserts: dict[str, Angle] | None = None
+    parts: Parts | None = None
+    challenges: list[Challenge] | None = None
+    orders: Annotated[list[OrderEntry], Field(min_length=1)]
