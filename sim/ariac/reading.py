@@ -11,7 +11,6 @@ from pydantic import BaseModel, ValidationError
 import floorplan
 from floorplan import Document, Floorplan, Problem
 
-from ..controllers import CONTROLLERS
 from ..rules import ARIAC2023
 from ..trial import GantryEntry, PersonEntry, Start, Trial, TrialError
 from .checks import agv_name, problems
@@ -43,8 +42,14 @@ from .schema import (
 FLOOR = "ariac2023"
 """The floor on which ARIAC trial files are run."""
 
-LONGEST = 3600.0
-"""Seconds after which a trial without time limit ends even if orders are left."""
+LONGEST = 1000.0
+"""Seconds after which a trial without time limit ends even if orders are left.
+
+Twice the longest time limit that the competition has.
+"""
+
+CONTROLLER = "pausing"
+"""The gantry controller that works on the orders, unless the user names another."""
 
 _OWN_KEYS = {"time_limit", "kitting_trays", "parts", "orders"}
 _Model = TypeVar("_Model", bound=BaseModel)
@@ -72,7 +77,7 @@ def build(document: Document, folder: Path) -> Trial:
         until_submitted=True,
         rules=ARIAC2023,
         people=people_of(workload),
-        gantry=GantryEntry("pausing" if "pausing" in CONTROLLERS else "oblivious"),
+        gantry=GantryEntry(CONTROLLER),
         folder=folder,
         workload=workload,
         notices=told,

@@ -82,8 +82,12 @@ def _trial(trial: object) -> str:
     from sim import Trial
 
     assert isinstance(trial, Trial)
+    for notice in trial.notices:
+        typer.echo(f"{trial.name}: {notice}", err=True)
     people = ", ".join(f"{p.name} ({Path(p.personality).stem})" for p in trial.people) or "nobody"
-    return f"a trial of {trial.duration:g} s on {trial.floorplan.name} with {people}"
+    work = f" and {_number(len(trial.workload.orders), 'order')}" if trial.workload else ""
+    upto = "up to " if trial.until_submitted else ""
+    return f"a trial of {upto}{trial.duration:g} s on {trial.floorplan.name} with {people}{work}"
 
 
 def _floor(plan: object) -> str:

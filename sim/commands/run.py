@@ -30,6 +30,9 @@ def run(
     personality: Annotated[
         str | None, typer.Option(help="Give everybody this one: a name, or an .asl file.")
     ] = None,
+    controller: Annotated[
+        str | None, typer.Option(help="Of the gantry: a built-in one, or package.module:name.")
+    ] = None,
     duration: Annotated[float | None, typer.Option(help="Seconds to simulate.")] = None,
     seed: Annotated[int | None, typer.Option(min=0, help="Seed of everything random.")] = None,
     rules: Annotated[str | None, typer.Option(help="Rule set: a name, or a YAML file.")] = None,
@@ -49,7 +52,8 @@ def run(
     """Simulate a trial and record it: summary, events, motions, trajectory, replay page."""
     from sim import Recording, Trial
 
-    chosen = changed(Trial.load(trial), personality, duration, seed, rules)
+    chosen = changed(Trial.load(trial), personality, controller, duration, seed, rules)
+    tell_notices(chosen)
     recording = Recording(out if out is not None else free_folder(chosen.name))
     try:
         if watch:
@@ -73,19 +77,29 @@ def tell_result(finished: Run, folder: Path, *, interrupted: bool) -> None:
         raise typer.Exit(1)
 
 
+def tell_notices(trial: Trial) -> None:
+    """Say what its file says that makes no difference, or may be meant otherwise."""
+    for notice in trial.notices:
+        typer.echo(f"floorwalker: {trial.name}: {notice}", err=True)
+
+
 def changed(
     trial: Trial,
     personality: str | None,
+    controller: str | None,
     duration: float | None,
     seed: int | None,
     rules: str | None,
 ) -> Trial:
     """The trial with what the options say instead."""
-    from sim import find_rules
+    from sim import find_controller, find_rules
 
     if personality is not None:
         path = Path(personality)
         trial = trial.with_personality(str(path.resolve()) if path.exists() else personality)
+    if controller is not None:
+        find_controller(controller, trial.folder)
+        trial = replace(trial, gantry=replace(trial.gantry, controller=controller))
     if duration is not None:
         if not (math.isfinite(duration) and duration > 0):
             raise typer.BadParameter(
@@ -193,6 +207,9 @@ def _figures(summary: dict[str, Any]) -> list[tuple[str, str]]:
         ("gantry disabled", f"{summary['gantry_disabled_time']:.1f} s"),
         ("gantry jobs done", str(summary["jobs_done"])),
     ]
+    if "orders" in summary:
+        figures.append(("score", f"{summary['score']} of {summary['best_score']}"))
+        figures += [(f"order {name}", _order(order)) for name, order in summary["orders"].items()]
     nearest = summary["minimum_separation"]
     if nearest is not None:
         figures.append(
@@ -213,10 +230,7 @@ def _figures(summary: dict[str, Any]) -> list[tuple[str, str]]:
     return figures
 
 
-def _penalties(summary: dict[str, Any]) -> str:
-    """How many, and whose doing they were."""
-    causes = [f"{cause} {count}×" for cause, count in summary["violations"].items() if count]
-    return f"{summary['penalties']}" + (f" ({', '.join(causes)})" if causes else "")
+    from sim import find_controller, find_rules
 
 
 def _counted(visits: list[str]) -> str:
