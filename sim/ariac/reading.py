@@ -94,7 +94,8 @@ def read_workload(document: Document, plan: Floorplan) -> tuple[Workload, tuple[
     if found:
         raise TrialError(document.file, found)
     workload = _workload(file, Path(document.file).name)
-    return workload, tuple(notices(file, workload, document))
+    told = notices(file, workload, document)
+    return workload, tuple(sorted(told, key=lambda notice: notice.line or 0))
 
 
 def duration_of(workload: Workload) -> float:
