@@ -13,7 +13,15 @@ _FIGURES: dict[str, Form] = {
     "human_speed": "number",
     "robot_speed": "number",
 }
-_JOB: dict[str, Form] = {"job": "text", "part": "text", "from": "text", "to": "text"}
+_JOB: dict[str, Form] = {
+    "job": "text",
+    "part": "text",
+    "from": "text",
+    "to": "text",
+    "order": "text",
+    "tray": "number",
+    "quadrant": "number",
+}
 
 EVENT_KINDS: dict[str, dict[str, Form]] = {
     "trial_started": {"trial": "text", "floorplan": "text"},
@@ -35,9 +43,12 @@ EVENT_KINDS: dict[str, dict[str, Form]] = {
     "agv_moved": {"agv": "agv", "to": "text", "arrives": "number"},
     "job_started": _JOB,
     "job_done": _JOB,
-    "order_submitted": {"order": "text"},
+    "order_announced": {"order": "text", "type": "text", "priority": "flag"},
+    "order_submitted": {"order": "text", "type": "text", "score": "number", "best": "number"},
+    "robot_malfunction": {"seconds": "number"},
     "path_blocked": {"person": "person", "goal": "point", "message": "text"},
     "replanned": {"person": "person", "goal": "point"},
     "said": {"person": "person", "text": "text"},
+    "notice": {"text": "text", "field": "text", "line": "number"},
     "warning": {"person": "person", "text": "text", "file": "text", "line": "number"},
 }

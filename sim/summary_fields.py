@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from .social_metrics import DISTANCES, MOVEMENT, PROGRESS
 
 if TYPE_CHECKING:
+    from .ariac import Workload
     from .outcome import Run
     from .trial import Trial
 
@@ -78,6 +79,8 @@ def summary_fields(trial: Trial) -> dict[str, SummaryField]:
     fields["interrupted"] = SummaryField(("interrupted",), "flag")
     for prefix in [(), *(("people", name) for name in names)]:
         fields |= _separation(prefix)
+    if trial.workload is not None:
+        fields |= _work(trial.workload)
     for name in names:
         person = dict(_person(name))
         fields |= {f"people.{name}.{key}": field for key, field in person.items()}
@@ -94,6 +97,17 @@ _EVENTS: dict[str, tuple[str, tuple[tuple[str, Any], ...]]] = {
     "gantry_disabled_time": ("gantry_disabled", ()),
     "jobs_done": ("job_done", ()),
 }
+
+
+def _work(workload: Workload) -> _Fields:
+    """The points for orders, and how long each took."""
+    fields = {key: SummaryField((key,)) for key in ("score", "best_score")}
+    for order in workload.orders:
+        submitted = ("order_submitted", (("order", order.id),))
+        for figure in ("announced", "submitted", "time", "score"):
+            path = ("orders", order.id, figure)
+            fields[".".join(path)] = SummaryField(path, events=submitted)
+    return fields
 
 
 def _separation(prefix: tuple[str, ...]) -> dict[str, SummaryField]:

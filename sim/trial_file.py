@@ -155,18 +155,21 @@ def _build(document: Document, folder: Path) -> Trial:
         folder=folder,
         floorplan_source=schema.floorplan,
     )
+    if schema.ariac is not None:
+        trial = _with_orders(trial, schema, schema.ariac, document)
     problems = [*rule_problems, *_problems(trial, schema, document)]
     if problems:
         raise TrialError(document.file, problems)
-    return trial if schema.ariac is None else _with_orders(trial, schema, schema.ariac)
+    return trial
 
 
-def _with_orders(trial: Trial, schema: _Trial, name: str) -> Trial:
+def _with_orders(trial: Trial, schema: _Trial, name: str, document: Document) -> Trial:
     """The trial with the orders, parts and challenges of an ARIAC trial file."""
     path = trial.folder / name
-    workload, notices = reading.read_workload(
-        floorplan.read_yaml(path, TrialError), trial.floorplan
-    )
+    if not path.exists():
+        raise TrialError(document.file, [document.problem(f"no such file: {name!r}", "ariac")])
+    orders = floorplan.read_yaml(path, TrialError)
+    workload, notices = reading.read_workload(orders, trial.floorplan)
     given = schema.model_fields_set
     until_submitted = schema.until_submitted
     return replace(

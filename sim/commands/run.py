@@ -230,7 +230,20 @@ def _figures(summary: dict[str, Any]) -> list[tuple[str, str]]:
     return figures
 
 
-    from sim import find_controller, find_rules
+def _penalties(summary: dict[str, Any]) -> str:
+    """How many, and whose doing they were."""
+    causes = [f"{cause} {count}×" for cause, count in summary["violations"].items() if count]
+    return f"{summary['penalties']}" + (f" ({', '.join(causes)})" if causes else "")
+
+
+def _order(order: dict[str, Any]) -> str:
+    """What became of an order."""
+    if order["submitted"] is None:
+        outcome = "not announced" if order["announced"] is None else "not submitted"
+    else:
+        outcome = f"{order['score']} of {order['best']}, after {order['time']:.1f} s"
+    missing = f" (without {', '.join(order['missing'])})" if order["missing"] else ""
+    return f"{order['type']}: {outcome}{missing}"
 
 
 def _counted(visits: list[str]) -> str:
