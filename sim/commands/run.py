@@ -52,7 +52,7 @@ def run(
     """Simulate a trial and record it: summary, events, motions, trajectory, replay page."""
     from sim import Recording, Trial
 
-    chosen = changed(Trial.load(trial), personality, controller, duration, seed, rules)
+    chosen = changed(Trial.load(trial), personality, duration, seed, rules, controller)
     tell_notices(chosen)
     recording = Recording(out if out is not None else free_folder(chosen.name))
     try:
@@ -86,10 +86,10 @@ def tell_notices(trial: Trial) -> None:
 def changed(
     trial: Trial,
     personality: str | None,
-    controller: str | None,
     duration: float | None,
     seed: int | None,
     rules: str | None,
+    controller: str | None = None,
 ) -> Trial:
     """The trial with what the options say instead."""
     from sim import find_controller, find_rules
