@@ -47,7 +47,7 @@ def avoiding(gantry: GantryRobot) -> Steps:
                 yield gantry.look(0.1)
             continue
         yield gantry.locate(task)
-        if (yield from caution.go(pose, seconds=SECOND_THOUGHTS)) and pose == gantry.where(task):
+        if (yield from caution.go(pose, seconds=SECOND_THOUGHTS)):
             yield gantry.handle(task)
 
 
@@ -131,7 +131,7 @@ class Outlook:
             # A way once chosen is kept while it is clear, so that it does not waver between two.
             here = self._gantry.position
             way = way[1:] if math.dist(here[:2], way[0][:2]) < REACH else way
-            line = LineString([here[:2], *(point[:2] for point in way)])
+            line = LineString([here[:2], *(point[:2] for point in (*way, pose))])
             if way and all(line.distance(Point(place)) > radius - 2 * ROOM for place in places):
                 self._way = (pose, way, radius)
                 return way[0]

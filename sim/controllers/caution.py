@@ -42,6 +42,8 @@ class Caution:
         self._gantry = gantry
         self._law = gantry.rules.gantry_law
         self._human_speed = gantry.human_speed
+        top = math.hypot(gantry.gantry.x.max_speed, gantry.gantry.y.max_speed)
+        self._at_top_speed = required_at_speeds(self._law, self._human_speed, top)
         self._move: Event = gantry.stop()
         self._under_way: tuple[Motion, Pose, float] | None = None
 

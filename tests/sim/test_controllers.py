@@ -82,20 +82,26 @@ def too_near_while_moving(run, law):
     return found
 
 
+INTEGRAL = (
+    "{name: integral, gantry_law: {iso_ts_15066_integral: {t1: 0.6, t2: 1.0, intrusion: 0.9}}}"
+)
+
+
 @given(
     seed=st.integers(0, 10_000),
     personality=st.sampled_from(["indifferent", "helpful", "antagonistic", "curious"]),
     controller=st.sampled_from(["pausing", "avoiding"]),
-    rules=st.sampled_from(["paper", "ariac2023"]),
+    rules=st.sampled_from(["paper", "ariac2023", INTEGRAL]),
     people=st.integers(1, 2),
 )
-@settings(max_examples=10)
+@settings(max_examples=6)
 def test_careful_controllers_never_move_where_somebody_is_too_near(
     seed, personality, controller, rules, people
 ):
-    run = sim.run(kitting(personality, controller, seed, rules, people, duration=120))
+    run = sim.run(kitting(personality, controller, seed, rules, people, duration=90))
     assert [e for e in kinds(run, "violation") if e["with"] == "gantry" and e["robot_speed"]] == []
-    assert too_near_while_moving(run, run.trial.rules.gantry_law) == []
+    if rules != INTEGRAL:
+        assert too_near_while_moving(run, run.trial.rules.gantry_law) == []
 
 
 def test_the_oracle_finds_what_an_oblivious_gantry_does():
