@@ -81,6 +81,12 @@ class Recorded:
 
         return metrics(self)
 
+    def _repr_html_(self) -> str:
+        """The run in a notebook: its figures, and the replay."""
+        from .notebook import as_html
+
+        return as_html(self)
+
     def sample(self, rate: float = 20.0) -> dict[str, NDArray[np.float64]]:
         """Every body at `rate` instants a second (Hz), from 0 to the end.
 

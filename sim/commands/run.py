@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import math
 import sys
-from collections import Counter
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -182,6 +181,8 @@ def _report(run: Run, folder: Path) -> None:
     from rich.console import Console
     from rich.table import Table
 
+    from sim.figures import figures_in_words
+
     summary = run.summary
     console = Console()
     trial, floor = summary["trial"], summary["floorplan"]
@@ -189,7 +190,7 @@ def _report(run: Run, folder: Path) -> None:
     table = Table(title=title, title_justify="left")
     table.add_column("figure")
     table.add_column("value", overflow="fold")
-    for name, value in _figures(summary):
+    for name, value in figures_in_words(summary):
         table.add_row(name, value)
     console.print(table)
     console.print(
@@ -198,55 +199,3 @@ def _report(run: Run, folder: Path) -> None:
         highlight=False,
     )
     console.print(f"{folder / 'replay.html'} shows it", highlight=False, soft_wrap=True)
-
-
-def _figures(summary: dict[str, Any]) -> list[tuple[str, str]]:
-    figures = [
-        ("penalties", _penalties(summary)),
-        ("teleports by AGVs", str(summary["agv_teleports"])),
-        ("gantry disabled", f"{summary['gantry_disabled_time']:.1f} s"),
-        ("gantry jobs done", str(summary["jobs_done"])),
-    ]
-    if "orders" in summary:
-        figures.append(("score", f"{summary['score']} of {summary['best_score']}"))
-        figures += [(f"order {name}", _order(order)) for name, order in summary["orders"].items()]
-    nearest = summary["minimum_separation"]
-    if nearest is not None:
-        figures.append(
-            (
-                "nearest to the gantry",
-                f"{nearest['distance']:.2f} m at {nearest['time']:.1f} s"
-                f" ({nearest['required']:.2f} m required)",
-            )
-        )
-    for name, person in summary["people"].items():
-        figures += [
-            (f"{name}: personality", Path(person["personality"]).stem),
-            (f"{name}: visits", _counted(person["visits"])),
-            (f"{name}: walked", f"{person['distance_walked']:.1f} m"),
-            (f"{name}: stood", f"{person['time_standing']:.1f} s"),
-            (f"{name}: replans", str(person["replans"])),
-        ]
-    return figures
-
-
-def _penalties(summary: dict[str, Any]) -> str:
-    """How many, and whose doing they were."""
-    causes = [f"{cause} {count}×" for cause, count in summary["violations"].items() if count]
-    return f"{summary['penalties']}" + (f" ({', '.join(causes)})" if causes else "")
-
-
-def _order(order: dict[str, Any]) -> str:
-    """What became of an order."""
-    if order["submitted"] is None:
-        outcome = "not announced" if order["announced"] is None else "not submitted"
-    else:
-        outcome = f"{order['score']} of {order['best']}, after {order['time']:.1f} s"
-    missing = f" (without {', '.join(order['missing'])})" if order["missing"] else ""
-    return f"{order['type']}: {outcome}{missing}"
-
-
-def _counted(visits: list[str]) -> str:
-    """How often each station was visited, in the order of the first visits."""
-    counts = Counter(visits)
-    return ", ".join(f"{name} {count}×" for name, count in counts.items()) or "none"

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from typing import TYPE_CHECKING, Any, Literal
 
 if TYPE_CHECKING:
@@ -31,6 +33,8 @@ PEOPLE = (BLUE, GREEN, PURPLE, SKY)
 """People's colours, in their order; again from the first where there are more."""
 
 MACHINES = {"gantry": ORANGE, "agv": BLACK}
+
+_NOTEBOOK_DPI = 110
 
 _SETTINGS: dict[str, Any] = {
     "font.family": "sans-serif",
@@ -88,7 +92,17 @@ def new_figure(width: Width, height: float) -> Figure:
     """An empty figure, `height` inches high; its axes find their places themselves."""
     from matplotlib.figure import Figure
 
-    return Figure(figsize=(inches(width), height), layout="constrained")
+    figure = Figure(figsize=(inches(width), height), layout="constrained")
+    # A notebook shows figures by themselves only where pyplot has been imported.
+    figure._repr_png_ = partial(_as_png, figure)  # type: ignore[attr-defined]
+    return figure
+
+
+def _as_png(figure: Figure) -> bytes:
+    with styled():
+        picture = io.BytesIO()
+        figure.savefig(picture, format="png", dpi=_NOTEBOOK_DPI)
+        return picture.getvalue()
 
 
 def inches(width: Width) -> float:
