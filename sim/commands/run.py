@@ -42,8 +42,8 @@ def run(
         bool, typer.Option("--watch", help="Show it in the browser while it goes on.")
     ] = False,
     speed: Annotated[
-        float, typer.Option(metavar="X", help="With --watch: times as fast as real time.")
-    ] = 1.0,
+        float | None, typer.Option(metavar="X", help="With --watch: × real time (1).")
+    ] = None,
     no_open: Annotated[
         bool, typer.Option("--no-open", help="With --watch: only say where the page is.")
     ] = False,
@@ -51,12 +51,16 @@ def run(
     """Simulate a trial and record it: summary, events, motions, trajectory, replay page."""
     from sim import Recording, Trial
 
+    if speed is not None and not watch:
+        raise typer.BadParameter("needs --watch", param_hint="--speed")
+    if speed is not None and not (math.isfinite(speed) and speed > 0):
+        raise typer.BadParameter(f"must be more than 0, not {speed:g}", param_hint="--speed")
     chosen = changed(Trial.load(trial), personality, duration, seed, rules, controller)
     tell_notices(chosen)
     recording = Recording(out if out is not None else free_folder(chosen.name))
     try:
         if watch:
-            finished, interrupted = _watched(chosen, recording, speed, opened=not no_open)
+            finished, interrupted = _watched(chosen, recording, speed or 1.0, opened=not no_open)
         else:
             finished, interrupted = _carried_out(chosen, recording)
     finally:

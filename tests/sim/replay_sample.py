@@ -6,6 +6,7 @@ it can be compared with what is computed here.
 
 from __future__ import annotations
 
+import functools
 import itertools
 import math
 from bisect import bisect_right
@@ -272,8 +273,9 @@ def agv_track(lane, moves):
     return track, events
 
 
-def recording(*, visitor=False):
-    """The sample, in the form that `sim.replay.render` takes; with a second person if asked for."""
+@functools.cache
+def recording():
+    """The sample, in the form that `sim.replay.render` takes; to be copied before it is changed."""
     plan = floorplan.load("ariac2023")
     walker, _ = person_track("operator", SAFE_ZONE, SAFE_HEADING)
     first = violations(walker.pieces, gantry_track([]).pieces, LAW)[0][0]
@@ -286,11 +288,10 @@ def recording(*, visitor=False):
     bodies = [
         {"name": "operator", "kind": "person", "radius": 0.3, "personality": "indifferent"},
     ]
-    if visitor:
-        track, visits = person_track("visitor", (-12.0, -8.0), 0.0, begin=15.0)
-        motions["visitor"] = track.pieces
-        events += visits
-        bodies.append({"name": "visitor", "kind": "person", "radius": 0.3, "personality": "calm"})
+    track, visits = person_track("visitor", (-12.0, -8.0), 0.0, begin=15.0)
+    motions["visitor"] = track.pieces
+    events += visits
+    bodies.append({"name": "visitor", "kind": "person", "radius": 0.3, "personality": "calm"})
     size = {"length": 1.05, "width": 0.95, "reach": 0.9, "mount": 0.51}
     bodies.append({"name": "gantry", "kind": "gantry", **size})
     motions["gantry"] = gantry.pieces

@@ -10,6 +10,7 @@ import threading
 import urllib.parse
 
 import pytest
+from test_command import environment
 
 import sim
 from sim.page_server import PageServer, Stream
@@ -201,7 +202,12 @@ def test_looking_back_while_it_goes_on(open_address):
 def start(arguments, folder):
     command = [sys.executable, "-m", "sim.cli", *arguments]
     return subprocess.Popen(
-        command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        command,
+        cwd=folder,
+        env=environment(),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
     )
 
 

@@ -18,7 +18,7 @@ INSTANTS = [0.0, 2.4, 9.93, 27.0, 61.7, 69.1, 140.25, 181.0, 274.9, 275.0]
 
 @pytest.fixture(scope="module")
 def recording():
-    return replay_sample.recording(visitor=True)
+    return replay_sample.recording()
 
 
 @pytest.fixture(scope="module")
@@ -86,6 +86,7 @@ def test_what_json_cannot_say_is_refused(recording, value):
 
 
 def test_it_loads_without_complaint_or_network(viewer):
+    assert viewer.page.locator("#cut-off").count() == 0
     assert viewer.text("#title") == "ariac2023 · sample"
     assert viewer.page.title() == "ariac2023 · sample – Floorwalker replay"
     assert viewer.complaints == []
@@ -533,6 +534,16 @@ def test_a_page_cut_off_on_its_way_says_so(open_page, recording, share):
     viewer = open_page(html[: start + round(share * (len(html) - start - 40))])
     assert "cut off" in viewer.text("#trouble")
     assert viewer.page.locator("#replay").is_hidden()
+
+
+@pytest.mark.parametrize("share", [0.3, 0.9])
+def test_a_page_cut_off_in_the_middle_of_its_scripts_says_so(open_page, recording, share):
+    html = replay.render(recording)
+    start, end = html.index("<script>"), html.index("</script>")
+    viewer = open_page(html[: start + round(share * (end - start))])
+    message = viewer.page.locator("#cut-off")
+    viewer.wait_until(message.is_visible)
+    assert "it was cut off on its way" in message.inner_text()
 
 
 def test_a_page_without_its_recording_says_so(open_page, recording):

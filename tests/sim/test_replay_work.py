@@ -74,7 +74,7 @@ def lengthened(recording, times):
 
 @pytest.fixture(scope="module")
 def recording():
-    return replay_sample.recording(visitor=True)
+    return replay_sample.recording()
 
 
 def test_a_frame_is_little_work(open_page, recording):

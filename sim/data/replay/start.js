@@ -76,6 +76,7 @@ function followStream(replay, recording) {
 }
 
 document.addEventListener("DOMContentLoaded", () => {
+  $("cut-off").remove();
   try {
     const recording = readRecording();
     $("replay").hidden = false;

@@ -1,0 +1,97 @@
+"""`floorwalker replay`, as a user types it."""
+
+import pytest
+from test_command import floorwalker
+
+import sim
+from sim.replay import recording_in, render
+from sim.replay_data import replay_data
+
+TRIAL = "floorplan: ariac2023\nduration: 12\npeople: [{name: operator}]\n"
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A folder with a finished run and one that was broken off."""
+    folder = tmp_path_factory.mktemp("runs")
+    for name in ("whole", "broken"):
+        recording = sim.Recording(folder / name)
+        simulation = sim.Simulation(sim.Trial.parse(TRIAL), recording)
+        simulation.advance(9.0)
+        if name == "whole":
+            recording.finish(simulation.finish())
+        recording.close()
+    return folder
+
+
+def test_the_page_of_a_run_is_named(folder):
+    done = floorwalker("replay", "whole", "--no-open", cwd=folder)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout == "whole/replay.html\n"
+
+
+def test_a_run_that_was_broken_off_gets_its_page(folder):
+    assert not (folder / "broken" / "replay.html").exists()
+    done = floorwalker("replay", "broken", "--no-open", cwd=folder)
+    assert (done.returncode, done.stderr) == (0, "")
+    recording = recording_in((folder / "broken" / "replay.html").read_text(encoding="utf-8"))
+    assert recording["events"][0]["kind"] == "trial_started"
+    assert recording["minds"]["operator"]
+
+
+def test_a_recording_can_be_taken_out_of_its_page(folder):
+    page = (folder / "whole" / "replay.html").read_text(encoding="utf-8")
+    data = replay_data(sim.load_run(folder / "whole"))
+    found = recording_in(page)
+    assert found["motions"] == recording_in(render(data))["motions"]
+    assert render(found) == page
+
+
+def test_two_runs_make_one_page(folder, tmp_path):
+    file = tmp_path / "both.html"
+    page = folder / "whole" / "replay.html"
+    done = floorwalker("replay", "broken", page, "--out", file, "--no-open", cwd=folder)
+    assert (done.returncode, done.stdout) == (0, f"{file}\n")
+    html = file.read_text(encoding="utf-8")
+    assert html.count('type="application/json"') == 2
+    assert html.index('id="other"') < html.index('id="recording"')
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda path: None, "there is no such folder or file"),
+        (lambda path: path.mkdir(), "there is no scene.json in it"),
+        (lambda path: path.write_text("<p>Hello"), "is no replay page: it holds no recording"),
+        (lambda path: path.write_bytes(b"\xff\xfe\x00"), "it is not UTF-8 text"),
+        (lambda path: path.write_text(page('{"format": 1')), "the recording in it is damaged"),
+        (lambda path: path.write_text(page('{"format": "x"}')), "floorwalker-replay/1"),
+    ],
+)
+def test_what_is_no_run_is_said(tmp_path, make, message):
+    make(tmp_path / "thing")
+    done = floorwalker("replay", "thing", "--no-open", cwd=tmp_path)
+    assert done.returncode == 1
+    assert done.stdout == ""
+    assert done.stderr.startswith("floorwalker: thing")
+    assert message in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def page(recording):
+    return f'<script type="application/json" id="recording">{recording}</script>'
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--speed", "3"], "needs --watch"),
+        (["--watch", "--speed", "0"], "must be more than 0"),
+        (["--watch", "--speed", "nan"], "must be more than 0"),
+    ],
+)
+def test_a_speed_that_makes_no_sense_leaves_nothing_behind(tmp_path, options, message):
+    done = floorwalker("run", "--out", "run", *options, cwd=tmp_path)
+    assert done.returncode == 2
+    assert message in done.stderr
+    assert list(tmp_path.iterdir()) == []
