@@ -30,7 +30,7 @@ from .monitor import (
     violations,
     when,
 )
-from .motion import Motion, Piece, State, join, standing
+from .motion import Cubic, Motion, Piece, State, join, standing
 from .odometer import Enclosure, Odometer
 from .path import Path, PlannerInfo, PlanningError
 from .planner import PathPlanner, planners
@@ -68,6 +68,7 @@ __all__ = [
     "Company",
     "Condition",
     "Courses",
+    "Cubic",
     "Cylinder",
     "Disc",
     "Enclosure",

@@ -84,6 +84,14 @@ class Drive:
 
         return self._clock.process(self._move(self._commands, set_out, resume))
 
+    def follow(self, motion: Motion) -> Process:
+        """Go along `motion`, which begins here and now; see `GantryRobot.follow`."""
+        if self.disabled:
+            raise ValueError("the gantry is disabled")
+        self._commands += 1
+        self.body.follow(motion)
+        return self._clock.process(self._move(self._commands, lambda: None, resume=False))
+
     def stop(self) -> Process:
         """Brake; the move under way is forgotten."""
         self._commands += 1

@@ -175,6 +175,14 @@ class GantryRobot:
         """The motion that `move_to` would make from here and now; nothing moves by it."""
         return self.drive.preview(self._target(x, y, rotation), speed_share)
 
+    def follow(self, motion: Motion) -> Process:
+        """Go along `motion`, which begins here and now, to be waited for.
+
+        A move or a stop takes its place; so does being disabled, and it isn't gone on with.
+        `ValueError` while disabled.
+        """
+        return self.drive.follow(motion)
+
     def stop(self) -> Process:
         """Stop as fast as it can, to be waited for; the move under way is forgotten."""
         return self.drive.stop()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 from floorplan import Gantry, Lane
@@ -12,6 +12,7 @@ from navigation import State, lane_state
 from ..body import Body
 
 Message = dict[str, Any]
+Values = tuple[float, float, float]
 
 LOCATIONS = ("kitting", "assembly_front", "assembly_back", "warehouse")
 """The AGV locations of ariac_msgs/AGVStatus, by number."""
@@ -76,29 +77,31 @@ def agv_status(lane: Lane, state: State) -> Message:
 
 def joint_state(t: float, gantry: Gantry, state: State) -> Message:
     """sensor_msgs/JointState of the gantry's joints (m, rad, and m/s, rad/s)."""
-    (x, y, rotation), (vx, vy, turning) = state.position, state.velocity
     return {
         "header": {"stamp": seconds(t), "frame_id": ""},
         "name": list(JOINTS),
-        "position": [*joints_at(gantry, x, y), rotation],
-        "velocity": [vx, -vy, turning],
+        "position": list(joint_values(gantry, state.position)),
+        "velocity": list(joint_values(gantry, state.velocity, origin=False)),
         "effort": [],
     }
 
 
-def joints_at(gantry: Gantry, x: float, y: float) -> tuple[float, float]:
-    """The x and y joints (m) of the gantry at x, y in the world (m), as the competition has them.
+def joint_values(gantry: Gantry, pose: Sequence[float], *, origin: bool = True) -> Values:
+    """The gantry's joints at x, y, rotation in the world, as the competition has them.
 
-    They are zero in the middle of the rails, and that for y points along the world's −y.
+    They are zero in the middle of the rails, and that for y points along the world's −y. Without
+    `origin`, a velocity is taken for a velocity.
     """
-    middle_x, middle_y = _middle(gantry)
-    return (x - middle_x, middle_y - y)
+    middle_x, middle_y = _middle(gantry) if origin else (0.0, 0.0)
+    x, y, rotation = pose
+    return (x - middle_x, middle_y - y, rotation)
 
 
-def world_at(gantry: Gantry, x_joint: float, y_joint: float) -> tuple[float, float]:
-    """Where x and y joints (m) put the gantry's axis in the world: the inverse of `joints_at`."""
-    middle_x, middle_y = _middle(gantry)
-    return (x_joint + middle_x, middle_y - y_joint)
+def pose_of(gantry: Gantry, joints: Sequence[float], *, origin: bool = True) -> Values:
+    """x, y, rotation in the world where the joints are so: the inverse of `joint_values`."""
+    middle_x, middle_y = _middle(gantry) if origin else (0.0, 0.0)
+    x, y, rotation = joints
+    return (x + middle_x, middle_y - y, rotation)
 
 
 def _middle(gantry: Gantry) -> tuple[float, float]:

@@ -45,9 +45,12 @@ class Workcell(Listener):
         )
         exchange.advertise("/ariac/orders", "ariac_msgs/Order", latched=True)
         self._agvs = AgvTopics(simulation.agvs, exchange, self.gate)
-        self._gantry = (
-            GantryTopics(simulation.gantry, exchange, self.gate) if simulation.gantry else None
-        )
+        self._gantry: GantryTopics | None = None
+        if simulation.gantry is not None:
+            driven_gantry = trial.gantry.controller == EXTERNAL
+            self._gantry = GantryTopics(
+                simulation.gantry, exchange, self.gate, driven=driven_gantry
+            )
         self.outside: Outside | None = None
         self._asked = False
         if self.person is not None:
