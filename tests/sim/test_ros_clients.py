@@ -1,0 +1,112 @@
+"""Rosbridge clients as they come, unmodified, over a real socket: roslibpy and roslibjs."""
+
+import json
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from bridge_parts import relay, served, trial
+
+CLIENTS = Path(__file__).parent / "bridge_clients"
+ROUND = ["station4", "station2", "station1"]
+
+
+def python(script, url):
+    host, port = url.removeprefix("ws://").split(":")
+    return [sys.executable, str(CLIENTS / script), host, port]
+
+
+def outcome(command, folder=None):
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=150)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+def let_drive(command_for, speed, folder=None, duration=275.0):
+    """Let a client drive the person of a trial; what it heard, and the run."""
+    with served(trial(duration=duration), speed=speed) as session:
+        heard = outcome(command_for(session.url), folder)
+        return heard, session.join()
+
+
+def require_a_whole_session(heard, run, speed):
+    """275 s: the person went round and round, and was put back for coming too near.
+
+    How late a client is for a paced simulation is up to the machine; at speed 0 it never is.
+    """
+    visits = run.summary["people"]["operator"]["visits"]
+    assert heard["reached"] == len(visits)
+    assert visits[:3] == ROUND
+    assert heard["unsafe"] >= run.summary["penalties"] >= 5
+    assert heard["topics"] > 15
+    assert heard["services"] == 1
+    assert run.duration == 275.0
+    assert heard["states"] >= 1000
+    if not speed:
+        assert visits == [ROUND[k % 3] for k in range(35)]
+        # The state comes ten times a second, and once more for each decision.
+        assert 2750 <= heard["states"] <= 2850
+
+
+def test_roslibpy_drives_the_person_at_fifty_times_the_speed():
+    require_a_whole_session(*let_drive(lambda url: python("agent_roslibpy.py", url), 50.0), 50.0)
+
+
+def test_roslibpy_is_never_late_at_speed_0():
+    """It acts at the instant at which it hears of something: the same run every time."""
+    runs = [
+        let_drive(lambda url: python("agent_roslibpy.py", url), 0.0, duration=40.0)[1]
+        for _ in range(2)
+    ]
+    assert runs[0].events == runs[1].events
+    arrived = [event["t"] for event in runs[0].events if event["kind"] == "arrived"]
+    went = [event["t"] for event in runs[0].events if event["kind"] == "goal"]
+    assert set(arrived) <= set(went)
+
+
+def test_our_agent_drives_a_person_of_roslibpys(tmp_path):
+    with relay() as url:
+        agent = subprocess.Popen(
+            [sys.executable, "-m", "sim.cli", "bridge", "ariac2023", "--connect", url],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        goals = outcome(python("simulation_roslibpy.py", url))
+        actions, notices = agent.communicate(timeout=60)
+    assert agent.returncode == 0, notices
+    stations = {"4": [-10.8, -3.75], "2": [-10.8, 3.75], "1": [-5.0, 3.75], "3": [-5.0, -3.75]}
+    assert goals == [stations[name] for name in "42134"]
+    printed = [json.loads(line)["action"] for line in actions.splitlines()]
+    assert printed[0] == "move(-10.8,-3.75,0)"
+    assert len(printed) == 5
+    assert notices == f"connected to {url}\n"
+
+
+@pytest.fixture(scope="module")
+def roslibjs(tmp_path_factory):
+    """A folder in which roslibjs is installed."""
+    if not (shutil.which("node") and shutil.which("npm")):
+        pytest.skip("node and npm are not on the path")
+    folder = tmp_path_factory.mktemp("roslibjs")
+    (folder / "package.json").write_text('{"private": true}')
+    done = subprocess.run(
+        ["npm", "install", "--no-audit", "--no-fund", "roslib@2"],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+    )
+    if done.returncode:
+        pytest.skip(f"npm can't install roslib here: {done.stderr.strip()[-200:]}")
+    return folder
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("speed", [0.0, 50.0])
+def test_roslibjs_drives_the_person(roslibjs, speed):
+    def command(url):
+        return ["node", str(CLIENTS / "agent_roslibjs.mjs"), url]
+
+    require_a_whole_session(*let_drive(command, speed, roslibjs), speed)
