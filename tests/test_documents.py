@@ -60,14 +60,22 @@ def test_the_example_of_a_trial_is_one():
     assert len(trial.gantry.jobs) == 3
 
 
-def test_the_controller_that_is_shown_runs(tmp_path):
-    document = ROOT / "docs" / "write-a-controller.md"
-    ((name, controller),) = blocks(document, "python")
-    ((_, text),) = blocks(document, "yaml")
-    (tmp_path / name).write_text(controller)
-    run = sim.run(sim.Trial.parse(text, folder=tmp_path))
-    assert run.motions["gantry"].position(0.0) == pytest.approx((-7.0, 0.0))
-    assert abs(run.motions["gantry"].position(100.0)[0] - -2.3) < 1e-6
+CONTROLLERS_SHOWN = list(blocks(ROOT / "docs" / "write-a-controller.md", "python"))
+
+
+@pytest.mark.parametrize("k", range(len(CONTROLLERS_SHOWN)))
+def test_controllers_that_are_shown_run(k, tmp_path):
+    _, controller = CONTROLLERS_SHOWN[k]
+    function = re.search(r"def (\w+)", controller)[1]
+    module = f"shown_{function}"
+    (tmp_path / f"{module}.py").write_text(controller)
+    ((_, text),) = blocks(ROOT / "docs" / "write-a-controller.md", "yaml")
+    text = text.replace("mine:back_and_forth", f"{module}:{function}")
+    jobs = "jobs: [{move: [-2.3, 3.0, 0.0]}]}"
+    run = sim.run(sim.Trial.parse(text.replace('"}', f'", {jobs}'), folder=tmp_path))
+    gantry = run.motions["gantry"]
+    assert gantry.position(0.0) == pytest.approx((-7.0, 0.0))
+    assert abs(gantry.position(range(120))[:, 0] - -7.0).max() > 1.0
 
 
 @pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: path.name)
