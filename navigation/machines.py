@@ -63,16 +63,14 @@ def agv_run(lane: Lane, current: AxisState, target: str | float, start: float = 
     """
     limits = AxisLimits(lane.max_speed, lane.max_acceleration)
     (phases,) = to_position([current], [AxisState(lane.lane_position(target))], [limits])
-    (x0, y0), (c, s) = lane.origin, lane.direction
-    heading: Cubic = (lane.heading, 0.0, 0.0, 0.0)
-    pieces: list[Piece] = []
-    t = start
-    for duration, (q, v, a, j) in phases:
-        along_x: Cubic = (x0 + q * c, v * c, a * c, j * c)
-        along_y: Cubic = (y0 + q * s, v * s, a * s, j * s)
-        pieces.append(Piece(t, t + duration, along_x, along_y, heading))
-        t += duration
-    return Motion(tuple(pieces))
+    return _along_lane(lane, phases, start)
+
+
+def agv_stop(lane: Lane, current: AxisState, start: float = 0.0) -> Motion:
+    """The fastest stop on `lane` from the lane position in `current`."""
+    limits = AxisLimits(lane.max_speed, lane.max_acceleration)
+    (phases,) = to_rest([current], [limits])
+    return _along_lane(lane, phases, start)
 
 
 def lane_state(lane: Lane, state: State) -> AxisState:
@@ -84,6 +82,19 @@ def lane_state(lane: Lane, state: State) -> AxisState:
     (x, y), (vx, vy, _), (ax, ay, _) = state.at, state.velocity, state.acceleration
     q = (x - lane.origin[0]) * c + (y - lane.origin[1]) * s
     return AxisState(min(max(q, low), high), vx * c + vy * s, ax * c + ay * s)
+
+
+def _along_lane(lane: Lane, phases: Phases, start: float) -> Motion:
+    (x0, y0), (c, s) = lane.origin, lane.direction
+    heading: Cubic = (lane.heading, 0.0, 0.0, 0.0)
+    pieces: list[Piece] = []
+    t = start
+    for duration, (q, v, a, j) in phases:
+        along_x: Cubic = (x0 + q * c, v * c, a * c, j * c)
+        along_y: Cubic = (y0 + q * s, v * s, a * s, j * s)
+        pieces.append(Piece(t, t + duration, along_x, along_y, heading))
+        t += duration
+    return Motion(tuple(pieces))
 
 
 def _axis_states(current: State) -> list[AxisState]:
