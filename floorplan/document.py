@@ -73,8 +73,8 @@ class Document:
             ) from None
 
     def _misfit(self, misfit: dict[str, Any], known: list[str]) -> Problem:
-        place: Place = misfit["loc"]
         kind, context = misfit["type"], misfit.get("ctx", {})
+        place = self._known(misfit["loc"], missing=kind == "missing")
         if kind == "missing":
             return self.problem("is missing", *place)
         if kind == "extra_forbidden":
@@ -89,6 +89,17 @@ class Document:
         else:
             message = "expected " + expected.format(**context)
         return self.problem(f"{message}, found {_shown(misfit['input'])}", *place)
+
+    def _known(self, place: Place, missing: bool) -> Place:
+        """`place` without the parts that only name one of several forms a value may have.
+
+        A `missing` key at its end stays, though it isn't there.
+        """
+        known: Place = ()
+        for k, part in enumerate(place):
+            if (*known, part) in self.lines or (missing and k == len(place) - 1):
+                known = (*known, part)
+        return known
 
 
 def field_name(place: Place) -> str:

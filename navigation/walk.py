@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .motion import Cubic, Motion, Piece, State, standing, value
-from .profiles import NOWHERE, AxisLimits, AxisState, to_position
+from .profiles import NOWHERE, AxisLimits, AxisState, Phases, to_position
 
 MAX_SPEED = 1.0
 """m/s. A person's top speed where nothing else is said."""
@@ -58,16 +58,21 @@ def stop_walking(motion: Motion, t: float, *, max_acceleration: float = MAX_ACCE
     """A walk broken off at `t` (seconds): it brakes at `max_acceleration` along its own path."""
     state = motion.state(t)
     braking = state.speed**2 / (2 * max_acceleration * (1 - _HAIR))
-    if braking < NOWHERE:
+    corners = _first(remaining_path(motion, t), braking)
+    if braking < NOWHERE or len(corners) < 2:
         x, y, heading = state.position
         return standing((x, y), heading=heading, start=t)
-    corners = _first(remaining_path(motion, t), braking)
-    speeds, slower = [state.speed], state.speed**2
-    for a, b in itertools.pairwise(corners):
-        slower -= 2 * max_acceleration * (1 - _HAIR) * math.dist(a, b)
-        speeds.append(math.sqrt(max(slower, 0.0)))
-    speeds[-1] = 0.0
-    return _along(corners, speeds, AxisLimits(state.speed, max_acceleration), t)
+    lengths = [math.dist(a, b) for a, b in itertools.pairwise(corners)]
+    deceleration = state.speed**2 / (2 * sum(lengths))
+    pieces: list[Piece] = []
+    speed, left = state.speed, sum(lengths)
+    for (a, b), length in zip(itertools.pairwise(corners), lengths, strict=True):
+        left -= length
+        slower = math.sqrt(max(2 * deceleration * left, 0.0)) if b is not corners[-1] else 0.0
+        phase = ((speed - slower) / deceleration, (0.0, speed, -deceleration / 2, 0.0))
+        pieces += _on_leg(a, b, [phase], pieces[-1].end if pieces else t)
+        speed = slower
+    return Motion(tuple(pieces))
 
 
 def remaining_path(motion: Motion, t: float) -> list[Corner]:
@@ -143,18 +148,26 @@ def _corner_speeds(
 def _along(corners: list[Corner], speeds: list[float], limits: AxisLimits, start: float) -> Motion:
     """The fastest motion through `corners` with the given speed at each of them."""
     pieces: list[Piece] = []
-    t = start
     for (a, b), (u, w) in zip(itertools.pairwise(corners), itertools.pairwise(speeds), strict=True):
         length = math.dist(a, b)
         (phases,) = to_position([AxisState(0.0, u)], [AxisState(length, w)], [limits])
-        cos, sin = (b[0] - a[0]) / length, (b[1] - a[1]) / length
-        heading: Cubic = (math.atan2(b[1] - a[1], b[0] - a[0]), 0.0, 0.0, 0.0)
-        for duration, (s, v, acceleration, jerk) in phases:
-            along_x: Cubic = (a[0] + s * cos, v * cos, acceleration * cos, jerk * cos)
-            along_y: Cubic = (a[1] + s * sin, v * sin, acceleration * sin, jerk * sin)
-            pieces.append(Piece(t, t + duration, along_x, along_y, heading))
-            t += duration
+        pieces += _on_leg(a, b, phases, pieces[-1].end if pieces else start)
     return Motion(tuple(pieces))
+
+
+def _on_leg(a: Corner, b: Corner, phases: Phases, start: float) -> list[Piece]:
+    """The way from `a` to `b`, with the metres gone in phases of time."""
+    length = math.dist(a, b)
+    cos, sin = (b[0] - a[0]) / length, (b[1] - a[1]) / length
+    heading: Cubic = (math.atan2(b[1] - a[1], b[0] - a[0]), 0.0, 0.0, 0.0)
+    pieces: list[Piece] = []
+    t = start
+    for duration, (s, v, acceleration, jerk) in phases:
+        along_x: Cubic = (a[0] + s * cos, v * cos, acceleration * cos, jerk * cos)
+        along_y: Cubic = (a[1] + s * sin, v * sin, acceleration * sin, jerk * sin)
+        pieces.append(Piece(t, t + duration, along_x, along_y, heading))
+        t += duration
+    return pieces
 
 
 def _corners(points: ArrayLike) -> list[Corner]:
@@ -180,16 +193,18 @@ def _straight(a: Corner, b: Corner, c: Corner) -> bool:
 
 
 def _first(corners: Sequence[Corner], length: float) -> list[Corner]:
-    """The first `length` metres of a path, or all of it."""
+    """The first `length` metres of a path, or all of it; right to `NOWHERE`."""
     kept = [corners[0]]
     for a, b in itertools.pairwise(corners):
         leg = math.dist(a, b)
-        if leg >= length:
+        if leg >= length + NOWHERE:
             share = length / leg
             kept.append((a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])))
             break
         kept.append(b)
         length -= leg
+        if length <= NOWHERE:
+            break
     return kept
 
 

@@ -31,6 +31,7 @@ from .summary import summarise
 from .trial import PersonEntry, Trial
 from .triggers import Triggers
 from .walker import Place, Walker
+from .yielding import Foresight
 
 
 class Simulation:
@@ -64,6 +65,9 @@ class Simulation:
                 trial.agvs.get(lane.name, ()),
                 record=self._record,
                 stopped=self._agv_stopped,
+                foresight=Foresight(lane, trial.rules.agv_law)
+                if lane.name in trial.yielding
+                else None,
             )
             for lane in trial.floorplan.lanes
         ]
@@ -185,6 +189,7 @@ class Simulation:
             self.referee.watch_gantry(walker.body, self.gantry.body)
         for agv in self.agvs:
             self.referee.watch_agv(walker.body, agv.body)
+            agv.look_out_for(walker.body, human.max_speed)
         return person
 
     def _make_mind(

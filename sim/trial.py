@@ -91,10 +91,11 @@ class AgvMove:
 class Trial:
     """Everything that decides a run. The same trial gives the same run, byte for byte.
 
-    Files are looked up from `folder`; `floorplan_source` is the name or file that the floorplan
-    was read from, or empty if it came from no file. `workload` are the orders of an ARIAC trial;
-    `until_submitted` ends the run as soon as they are all submitted. `notices` are what the file
-    says that makes no difference, or may mean something else than its author thought.
+    The AGVs named in `yielding` yield to people. Files are looked up from `folder`;
+    `floorplan_source` is the name or file that the floorplan was read from, or empty if it came
+    from no file. `workload` are the orders of an ARIAC trial; `until_submitted` ends the run as
+    soon as they are all submitted. `notices` are what the file says that makes no difference, or
+    may mean something else than its author thought.
     """
 
     floorplan: Floorplan
@@ -105,6 +106,7 @@ class Trial:
     people: tuple[PersonEntry, ...] = ()
     gantry: GantryEntry = GantryEntry()
     agvs: dict[str, tuple[AgvMove, ...]] = field(default_factory=dict)
+    yielding: frozenset[str] = frozenset()
     expect: dict[str, Any] = field(default_factory=dict)
     folder: Path = Path()
     floorplan_source: str = field(default="", compare=False)

@@ -14,13 +14,14 @@ import bdi
 import floorplan
 from floorplan import Document, Floorplan, Number, Pair, Positive, Problem, Strictly, standing_fault
 
+from .agvs_file import AgvKeys, agv_moves, agv_problems, yielding
 from .ariac import reading
 from .controllers import ControllerError, find_controller
 from .expectations import expectation_problems
 from .programs import EXTERNAL, find_program, load_program
 from .rules import PAPER, suggestion
 from .rules_file import RuleKeys, build_rules
-from .trial import AgvMove, GantryEntry, Job, PersonEntry, Start, Trial, TrialError
+from .trial import GantryEntry, Job, PersonEntry, Start, Trial, TrialError
 
 
 def builtin_trials() -> tuple[str, ...]:
@@ -107,11 +108,6 @@ class _Gantry(Strictly):
     repeat: Annotated[bool, Strict()] = False
 
 
-class _AgvMove(Strictly):
-    time: Annotated[float, Strict(), Field(ge=0, allow_inf_nan=False)]
-    to: str | Number
-
-
 class _Trial(Strictly):
     name: str | None = None
     floorplan: str
@@ -121,7 +117,7 @@ class _Trial(Strictly):
     rules: RuleKeys = RuleKeys.model_validate(PAPER.name)
     people: list[_Person] = []
     gantry: _Gantry = _Gantry()
-    agvs: dict[str, list[_AgvMove]] = {}
+    agvs: dict[str, AgvKeys] = {}
     ariac: str | None = None
     until_submitted: Annotated[bool, Strict()] | None = None
     expect: dict[str, Any] = {}
@@ -147,10 +143,8 @@ def _build(document: Document, folder: Path) -> Trial:
             tuple(job.job() for job in schema.gantry.jobs),
             schema.gantry.repeat,
         ),
-        agvs={
-            name: tuple(AgvMove(move.time, move.to) for move in moves)
-            for name, moves in schema.agvs.items()
-        },
+        agvs={name: agv_moves(keys) for name, keys in schema.agvs.items()},
+        yielding=yielding(schema.agvs),
         expect=schema.expect,
         folder=folder,
         floorplan_source=schema.floorplan,
@@ -229,20 +223,7 @@ def _problems(trial: Trial, schema: _Trial, document: Document) -> Iterator[Prob
             yield document.problem(message, "people", k, "name")
         taken.add(person.name)
     yield from _gantry_problems(trial, document)
-    for name, moves in trial.agvs.items():
-        lanes = {lane.name: lane for lane in plan.lanes}
-        if name not in lanes:
-            message = f"no AGV is called {name!r}; {suggestion(name, lanes)}"
-            yield document.problem(message, "agvs", name)
-            continue
-        for k, move in enumerate(moves):
-            try:
-                lanes[name].lane_position(move.to)
-            except ValueError as why:
-                yield document.problem(str(why), "agvs", name, k, "to")
-            if k and move.time < moves[k - 1].time:
-                message = f"{move.time:g} s is before the move above it; put moves in order"
-                yield document.problem(message, "agvs", name, k, "time")
+    yield from agv_problems(schema.agvs, {lane.name: lane for lane in plan.lanes}, document)
     for message, place in expectation_problems(trial):
         yield document.problem(message, "expect", *place)
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +10,7 @@ import yaml
 
 import floorplan
 
+from .agvs_file import written_agv
 from .ariac import Workload
 from .rules_file import written_rules
 from .trial import GantryEntry, Job, PersonEntry, Start, Trial
@@ -39,7 +39,10 @@ def _trial(trial: Trial) -> Data:
         "rules": written_rules(trial.rules),
         "people": [_person(entry) for entry in trial.people],
         "gantry": _gantry(trial.gantry),
-        "agvs": {name: [asdict(move) for move in moves] for name, moves in trial.agvs.items()},
+        "agvs": {
+            name: written_agv(trial.agvs.get(name, ()), name in trial.yielding)
+            for name in (*trial.agvs, *sorted(trial.yielding - {*trial.agvs}))
+        },
         "expect": trial.expect,
     }
     data = _without(data, None, [], {})

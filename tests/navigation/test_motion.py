@@ -247,3 +247,16 @@ def test_gaps_and_jumps_are_refused():
 def test_limits_must_be_positive(limits):
     with pytest.raises(ValueError, match="must be more than 0"):
         AxisLimits(*limits)
+
+
+@given(st.integers(0, 2**32 - 1))
+def test_braking_may_be_broken_off_by_braking(seed):
+    """Once the rounding of the way that is left, or Ruckig's, could make this fail."""
+    random = np.random.default_rng(seed)
+    walk = navigation.walk(random.uniform(0, 10, (4, 2)), 0.0, max_speed=1.5)
+    t = random.uniform(0, walk.end)
+    braking = navigation.stop_walking(walk, t)
+    for later in random.uniform(t, braking.end, 20):
+        again = navigation.stop_walking(braking, later)
+        assert again.end == pytest.approx(braking.end, abs=1e-5)
+        assert again.position(again.end) == pytest.approx(braking.position(again.end), abs=1e-5)

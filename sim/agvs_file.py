@@ -1,0 +1,73 @@
+"""The AGVs of a trial file: a list of moves for each, or its moves and whether it yields."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Annotated, Any
+
+from pydantic import Discriminator, Field, Strict, Tag
+
+from floorplan import Document, Lane, Number, Problem, Strictly
+
+from .rules import suggestion
+from .trial import AgvMove
+
+
+class _Move(Strictly):
+    time: Annotated[float, Strict(), Field(ge=0, allow_inf_nan=False)]
+    to: str | Number
+
+
+class _Keys(Strictly):
+    moves: list[_Move] = []
+    yields: Annotated[bool, Strict()] = Field(default=False, alias="yield")
+
+
+def _form(value: object) -> str:
+    return "moves" if isinstance(value, list) else "keys"
+
+
+AgvKeys = Annotated[
+    Annotated[list[_Move], Tag("moves")] | Annotated[_Keys, Tag("keys")], Discriminator(_form)
+]
+"""What stands at the name of an AGV."""
+
+
+def agv_moves(keys: AgvKeys) -> tuple[AgvMove, ...]:
+    """The moves of one AGV."""
+    moves = keys if isinstance(keys, list) else keys.moves
+    return tuple(AgvMove(move.time, move.to) for move in moves)
+
+
+def yielding(agvs: Mapping[str, AgvKeys]) -> frozenset[str]:
+    """The names of the AGVs that yield to people."""
+    return frozenset(
+        name for name, keys in agvs.items() if not isinstance(keys, list) and keys.yields
+    )
+
+
+def written_agv(moves: tuple[AgvMove, ...], yields: bool) -> Any:
+    """An AGV as a file has it."""
+    written = [{"time": move.time, "to": move.to} for move in moves]
+    return {"yield": True, "moves": written} if yields else written
+
+
+def agv_problems(
+    agvs: Mapping[str, AgvKeys], lanes: Mapping[str, Lane], document: Document
+) -> Iterator[Problem]:
+    """What is wrong with the AGVs on these lanes, beyond keys and types."""
+    for name, keys in agvs.items():
+        if name not in lanes:
+            message = f"no AGV is called {name!r}; {suggestion(name, lanes)}"
+            yield document.problem(message, "agvs", name)
+            continue
+        place = ("agvs", name) if isinstance(keys, list) else ("agvs", name, "moves")
+        moves = agv_moves(keys)
+        for k, move in enumerate(moves):
+            try:
+                lanes[name].lane_position(move.to)
+            except ValueError as why:
+                yield document.problem(str(why), *place, k, "to")
+            if k and move.time < moves[k - 1].time:
+                message = f"{move.time:g} s is before the move above it; put moves in order"
+                yield document.problem(message, *place, k, "time")
