@@ -78,7 +78,7 @@ class LiveRun(Listener):
             self._plan(body, simulation)
             body.on_change.append(lambda body=body: self._plan(body, simulation))  # type: ignore[misc]
         begun = time.monotonic()
-        while simulation.clock.now < self._duration:
+        while not simulation.over:
             time.sleep(PERIOD)
             simulation.advance((time.monotonic() - begun) * self.speed)
             self._tell(simulation)

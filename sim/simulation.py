@@ -12,7 +12,7 @@ from floorplan import Gantry
 from navigation import CollisionWorld, PathPlanner
 
 from .agv import Agv
-from .ariac import Workcell
+from .ariac import Dispatcher
 from .body import Body
 from .clock import Clock
 from .controllers import find_controller, supervised
@@ -80,7 +80,7 @@ class Simulation:
             warn=self._warn,
             disable_gantry=self.gantry.drive.disable if self.gantry else lambda _: None,
         )
-        self.workcell = self._make_workcell()
+        self.dispatcher = self._make_dispatcher()
         for entry in trial.people:
             self.people.append(self._make_person(entry))
         self.scene = scene_of(trial, self.bodies)
@@ -123,7 +123,7 @@ class Simulation:
             gantry=self.gantry,
             referee=self.referee,
             motions=motions,
-            work=self.workcell.figures if self.workcell else {},
+            work=self.dispatcher.figures if self.dispatcher else {},
         )
         cpu = time.process_time() - self._cpu_begin
         summary["cpu_seconds"] = round(cpu, 6)
@@ -253,11 +253,11 @@ class Simulation:
         )
         return GantryRobot(self.clock, gantry, entry, surroundings, record=self._record)
 
-    def _make_workcell(self) -> Workcell | None:
+    def _make_dispatcher(self) -> Dispatcher | None:
         trial = self.trial
         if trial.workload is None or self.gantry is None:
             return None
-        return Workcell(
+        return Dispatcher(
             self.clock,
             trial.workload,
             trial.floorplan,
@@ -303,8 +303,8 @@ class Simulation:
         self._synchronise()
         for person in self.people:
             person.check_way()
-        if self.workcell is not None:
-            self.workcell.agv_stopped(agv)
+        if self.dispatcher is not None:
+            self.dispatcher.agv_stopped(agv)
         if self.gantry is not None:
             self.gantry.floor_changed()
 

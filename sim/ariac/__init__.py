@@ -1,5 +1,6 @@
 """Trials of the ARIAC competition: their files, their orders, and the points for them."""
 
+from .dispatcher import Dispatcher
 from .orders import (
     AssemblyTask,
     CombinedTask,
@@ -13,11 +14,11 @@ from .orders import (
     Workload,
 )
 from .scoring import Inserted, assembly_score, best_score, kitting_score
-from .workcell import Workcell
 
 __all__ = [
     "AssemblyTask",
     "CombinedTask",
+    "Dispatcher",
     "Human",
     "Inserted",
     "Item",
@@ -26,7 +27,6 @@ __all__ = [
     "Malfunction",
     "Order",
     "Part",
-    "Workcell",
     "Workload",
     "assembly_score",
     "best_score",

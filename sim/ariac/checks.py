@@ -156,15 +156,19 @@ def _never_announced(
         for _, order in orders
         if order.announcement.submission_condition
     }
-    for k, order in orders:
-        seen, before = [order.id], waits.get(order.id)
-        while before is not None and before not in seen:
-            seen.append(before)
-            before = waits.get(before)
-        if before == order.id:
-            chain = " after ".join([*seen, order.id])
-            message = f"is never announced: {chain}"
-            yield document.problem(message, "orders", k, "announcement")
+    places = {order.id: k for k, order in orders}
+    settled: set[str] = set()
+    for name in waits:
+        chain: dict[str, None] = {}
+        while name in waits and name not in settled and name not in chain:
+            chain[name] = None
+            name = waits[name]
+        settled.update(chain)
+        if name in chain:
+            names = list(chain)
+            circle = [*names[names.index(name) :], name]
+            message = f"is never announced: {' after '.join(circle)}"
+            yield document.problem(message, "orders", places[name], "announcement")
 
 
 def _agv_problems(

@@ -77,7 +77,7 @@ class Workcell(Listener):
     @property
     def is_over(self) -> bool:
         """Whether the trial has come to its end."""
-        return self.now >= self.simulation.trial.duration
+        return self.simulation.over
 
     def advance(self, until: float) -> bool:
         """Let happen what happens before `until` (seconds).
@@ -87,9 +87,9 @@ class Workcell(Listener):
         """
         clock = self.simulation.clock
         until = min(until, self.simulation.trial.duration)
-        while not self._asked and clock.peek() < until:
+        while not self._asked and not self.is_over and clock.peek() < until:
             clock.step()
-        if not self._asked and clock.now < until:
+        if not self._asked and not self.is_over and clock.now < until:
             clock.run(clock.at(until, Turn.VIOLATION))
         return self._asked
 

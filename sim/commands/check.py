@@ -7,6 +7,8 @@ from typing import Annotated
 
 import typer
 
+from .run import tell_notices
+
 
 def check(
     files: Annotated[
@@ -82,8 +84,7 @@ def _trial(trial: object) -> str:
     from sim import Trial
 
     assert isinstance(trial, Trial)
-    for notice in trial.notices:
-        typer.echo(f"{trial.name}: {notice}", err=True)
+    tell_notices(trial)
     people = ", ".join(f"{p.name} ({Path(p.personality).stem})" for p in trial.people) or "nobody"
     work = f" and {_number(len(trial.workload.orders), 'order')}" if trial.workload else ""
     upto = "up to " if trial.until_submitted else ""

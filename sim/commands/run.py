@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 INTERRUPTED = 130
 """The exit code of a command stopped by Ctrl-C, as shells have it."""
 
+MOST_NOTICES = 20
+"""So many notices of a trial are shown."""
+
 REPORTS = 200
 """How often the progress bar moves in a run."""
 
@@ -82,8 +85,12 @@ def tell_result(finished: Run, folder: Path, *, interrupted: bool) -> None:
 
 def tell_notices(trial: Trial) -> None:
     """Say what its file says that makes no difference, or may be meant otherwise."""
-    for notice in trial.notices:
-        typer.echo(f"floorwalker: {trial.name}: {notice}", err=True)
+    for notice in trial.notices[:MOST_NOTICES]:
+        typer.echo(f"{trial.name}: {notice}", err=True)
+    if len(trial.notices) > MOST_NOTICES:
+        typer.echo(
+            f"{trial.name}: … and {len(trial.notices) - MOST_NOTICES} notices more", err=True
+        )
 
 
 def changed(

@@ -13,6 +13,7 @@ import floorplan
 import sim
 from sim import ariac
 from sim.ariac import layout
+from sim.bridge import Exchange, Workcell
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 COLORS = ("blue", "green", "orange")
@@ -309,7 +310,7 @@ def trials(draw):
     return trial_of(*made, bins=bins, agvs=agvs, trays=trays)
 
 
-@settings(max_examples=60)
+@settings(max_examples=40)
 @given(trials(), st.sampled_from(["oblivious", "oblivious", "pausing"]))
 def test_every_order_of_a_valid_trial_ends_submitted(trial, controller):
     run = sim.run(alone(replace(trial, duration=10_000.0), controller))
@@ -331,3 +332,10 @@ def test_every_order_of_a_valid_trial_ends_submitted(trial, controller):
                 assert extra in (0, 3)
     last = max(order["submitted"] for order in run.summary["orders"].values())
     assert run.duration == pytest.approx(last)
+
+
+def test_a_bridged_trial_ends_with_its_orders_too():
+    cell = Workcell(alone(trial_of(kitting("A", q1="red pump"), bins=BINS)), Exchange())
+    while not cell.is_over:
+        cell.advance(cell.now + 7.0)
+    assert cell.now == pytest.approx(cell.simulation.finish().summary["orders"]["A"]["submitted"])

@@ -27,11 +27,14 @@ const LOOKS = {
   agv_moved: { row: "robots", shape: "arrow", color: "agv" },
   job_started: { row: "robots", shape: "bar", hollow: true, color: "gantry-ink" },
   job_done: { row: "robots", shape: "square", color: "gantry-ink" },
+  order_announced: { row: "robots", shape: "disc", color: "gantry-ink" },
   order_submitted: { row: "robots", shape: "square", hollow: true, color: "gantry-ink" },
   violation: { row: "safety", shape: "triangle", color: "danger" },
   teleport: { row: "safety", shape: "cross", hollow: true, color: "danger" },
   gantry_disabled: { row: "safety", shape: "bar", color: "gantry-ink" },
   gantry_enabled: { row: "safety", shape: "bar", hollow: true, color: "gantry-ink" },
+  robot_malfunction: { row: "safety", shape: "cross", color: "gantry-ink" },
+  notice: { shape: "bar", hollow: true, color: "muted" },
   trial_ended: { shape: "bar", color: "muted" },
 };
 const UNKNOWN_LOOK = { row: "robots", shape: "disc", hollow: true, color: "muted" };
@@ -48,7 +51,10 @@ const WORDS = {
   agv_moved: e => `${spoken(e.agv ?? "AGV")} goes to ${where(e)}`,
   job_started: e => `gantry begins: ${jobWords(e)}`,
   job_done: e => `gantry has done: ${jobWords(e)}`,
+  order_announced: e => `${e.type ?? ""} order ${e.order} announced`.trim(),
   order_submitted: e => ["order submitted", e.order].filter(Boolean).join(": "),
+  robot_malfunction: () => "gantry breaks down",
+  notice: e => `notice: ${e.text}`,
   violation: e => `${who(e)} too close to ${spoken(e.with ?? "a robot")}`,
   teleport: e => `${who(e)} is teleported`,
   gantry_disabled: () => "gantry disabled",
@@ -71,6 +77,7 @@ function detailOf(event) {
   }
   if (Number.isFinite(event.required)) details.push(`${metres(event.required)} required`);
   if (event.penalty) details.push("penalty");
+  if (Number.isFinite(event.score)) details.push(`${event.score} of ${event.best} points`);
   if (event.kind === "teleport") details.push(`to ${where(event)}`);
   if (event.message) details.push(event.message);
   return details.join(" · ");

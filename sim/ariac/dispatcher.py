@@ -49,7 +49,7 @@ class _Progress:
         }
 
 
-class Workcell:
+class Dispatcher:
     """Announces the orders of a workload, and turns them into tasks for the gantry.
 
     An order is begun as soon as the AGVs and the station it needs are held by no other order,
