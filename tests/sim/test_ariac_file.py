@@ -189,8 +189,24 @@ def test_a_trial_of_ours_says_when_it_ends(tmp_path):
 
 
 KEYS = st.sampled_from(
-    "orders parts bins bin1 agvs agv1 challenges kitting_trays slots time_limit human type"
-    " announcement kitting_task products id".split()
+    [
+        "orders",
+        "parts",
+        "bins",
+        "bin1",
+        "agvs",
+        "agv1",
+        "challenges",
+        "kitting_trays",
+        "slots",
+        "time_limit",
+        "human",
+        "type",
+        "announcement",
+        "kitting_task",
+        "products",
+        "id",
+    ]
 )
 VALUES = st.recursive(
     st.none() | st.booleans() | st.integers(-2, 12) | st.floats() | st.text(max_size=5),
