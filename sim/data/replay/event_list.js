@@ -27,7 +27,7 @@ class EventList {
     const detail = detailOf(event);
     if (detail) words.append(element("small", { text: detail }));
     const button = element("button", { type: "button" },
-      element("time", { text: fixed(event.t, 2) }), element("span", { html: glyph(look) }), words);
+      element("time", { text: fixed(event.t, 2) }), element("span", {}, glyphElement(look)), words);
     button.addEventListener("click", () => this.onChoose(event.t));
     return element("li", {}, button);
   }

@@ -21,6 +21,7 @@ const LOOKS = {
   goal: { row: "people", shape: "disc", hollow: true, color: "person" },
   arrived: { row: "people", shape: "disc", color: "person" },
   said: { row: "people", shape: "square", hollow: true, color: "person" },
+  warning: { row: "people", shape: "triangle", hollow: true, color: "person" },
   gantry_detected: { row: "people", shape: "diamond", color: "notice" },
   path_blocked: { row: "people", shape: "cross", hollow: true, color: "notice" },
   replanned: { row: "people", shape: "turn", hollow: true, color: "person" },
@@ -45,6 +46,7 @@ const WORDS = {
   goal: e => `${who(e)} sets out for ${where(e)}`,
   arrived: e => `${who(e)} is at ${where(e)}`,
   said: e => `${who(e)}: ${e.text}`,
+  warning: e => `${who(e)}, a warning: ${e.text}`,
   gantry_detected: e => `${who(e)} notices the gantry`,
   path_blocked: e => `${who(e)} finds the way blocked`,
   replanned: e => `${who(e)} takes another way`,
@@ -104,8 +106,11 @@ const seconds = value => `${fixed(value, 2)} s`;
 const comparison = (distance, required) => (
   Number.isFinite(required) ? `${fixed(distance, 2)} of ${metres(required)}` : metres(distance));
 
-/** A shape as SVG, for lists and legends. */
-function glyph({ shape, hollow, color }) {
-  const paint = hollow ? `fill="none" stroke="var(--${color})" stroke-width="1.8"` : `fill="var(--${color})"`;
-  return `<svg viewBox="-6 -6 12 12" aria-hidden="true"><path d="${SHAPES[shape]}" ${paint}/></svg>`;
+/** A shape as an SVG element, for lists and legends. */
+function glyphElement({ shape, hollow, color }) {
+  const svg = stamp("glyph");
+  const path = svg.firstElementChild;
+  path.setAttribute("d", SHAPES[shape]);
+  path.setAttribute(hollow ? "stroke" : "fill", `var(--${color})`);
+  return svg;
 }

@@ -4,10 +4,9 @@ const LETTERS = ["A", "B"];
 
 const $ = id => document.getElementById(id);
 
-function element(tag, { text, html, className, ...attributes } = {}, ...children) {
+function element(tag, { text, className, ...attributes } = {}, ...children) {
   const made = document.createElement(tag);
   if (text !== undefined) made.textContent = text;
-  if (html !== undefined) made.innerHTML = html;     // only ever our own shapes, never the recording's text
   if (className) made.className = className;
   for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
   made.append(...children);
@@ -68,7 +67,7 @@ class Readout {
       : STATES[state].text);
     if (this.root.dataset.state === state) return;
     this.root.dataset.state = state;
-    this.places.glyph.innerHTML = glyph(STATES[state]);
+    this.places.glyph.replaceChildren(glyphElement(STATES[state]));
   }
 }
 

@@ -254,8 +254,8 @@ class Replay {
       $("play").setAttribute("aria-label", clock.isPlaying ? "Pause" : "Play");
       $("play").querySelector("path").setAttribute("d", clock.isPlaying ? PAUSE : PLAY);
     }
-    $("speed").value = clock.speed;
-    $("live").ariaPressed = String(clock.isLive);
+    if (Number($("speed").value) !== clock.speed) $("speed").value = clock.speed;
+    if ($("live").ariaPressed !== String(clock.isLive)) $("live").ariaPressed = String(clock.isLive);
     if (clock.isPlaying) return;
     chart.setAttribute("aria-valuetext", `${t.toFixed(1)} seconds`);
     for (const view of this.views) view.canvas.setAttribute("aria-label", view.inWords(t));
