@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from .scene import Figure, Scene
     from .simulation import Simulation, run
     from .social_metrics import metrics
+    from .study import Study, StudyError, StudyResults, run_study
     from .tasks import Handling, Step, Task, Tasks
     from .trial import AgvMove, GantryEntry, Job, PersonEntry, Start, Trial, TrialError
     from .trial_file import builtin_trials
@@ -53,6 +54,7 @@ _HOMES = {
     "simulation": ("Simulation", "run"),
     "social_metrics": ("metrics",),
     "tasks": ("Handling", "Step", "Task", "Tasks"),
+    "study": ("Study", "StudyError", "StudyResults", "run_study"),
     "trial": ("AgvMove", "GantryEntry", "Job", "PersonEntry", "Start", "Trial", "TrialError"),
     "trial_file": ("builtin_trials",),
     "verdict": ("Verdict",),
@@ -97,6 +99,9 @@ __all__ = [
     "Start",
     "Step",
     "Steps",
+    "Study",
+    "StudyError",
+    "StudyResults",
     "Task",
     "Tasks",
     "Trial",
@@ -111,6 +116,7 @@ __all__ = [
     "metrics",
     "rule_set",
     "run",
+    "run_study",
 ]
 
 

@@ -20,6 +20,7 @@ from .commands.plot import app as plot
 from .commands.render import render
 from .commands.replay import replay
 from .commands.run import run
+from .commands.study import study
 
 app = typer.Typer(
     name="floorwalker",
@@ -56,6 +57,7 @@ app.command()(render)
 app.command()(check)
 app.command()(agent)
 app.command()(benchmark)
+app.command()(study)
 app.command()(bridge)
 app.command()(metrics)
 app.command()(export)

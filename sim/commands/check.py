@@ -9,16 +9,20 @@ import typer
 
 from .run import tell_notices
 
+RULE_KEYS = {"based_on", "gantry_law", "agv_law", "notice", "gantry_disabled"}
+"""What tells a file with a rule set."""
+
 
 def check(
     files: Annotated[
         list[str],
         typer.Argument(
-            metavar="FILE...", help="Floorplans, trials, rule sets, .asl programs; names work too."
+            metavar="FILE...",
+            help="Floorplans, trials, studies, rule sets, .asl programs; names work too.",
         ),
     ],
 ) -> None:
-    """Check floorplans, trials, rules and programs: every problem with its place; exit 1 if any."""
+    """Check files of every kind: all their problems, each with its place; exit 1 if any."""
     faults = [fault for file in files for fault in [_fault(file)] if fault]
     for fault in faults:
         typer.echo(fault, err=True)
@@ -39,7 +43,7 @@ def _read(file: str) -> str:
     """What stands in a file or built-in of that name, in words."""
     import bdi
     import floorplan
-    from sim import Trial, builtin_trials, load_rules
+    from sim import Study, Trial, builtin_trials, load_rules
 
     path = Path(file)
     if path.suffix == ".asl" or file in bdi.programs():
@@ -49,28 +53,30 @@ def _read(file: str) -> str:
         floors = f"; {_floor(floorplan.load(file))}" if file in floorplan.builtin() else ""
         return _trial(Trial.load(file)) + floors
     if path.suffix in (".yaml", ".yml") and path.exists():
-        if _is_rule_set(path):
+        keys = _keys(path)
+        if "trials" in keys:
+            return _study(Study.load(path))
+        if keys & RULE_KEYS and "floorplan" not in keys:
             return f"the rule set {load_rules(path).name}"
-        if _is_trial(path):
+        if not {"boundary", "image"} & keys:
             return _trial(Trial.load(path))
     return _floor(floorplan.load(file))
 
 
-def _is_trial(path: Path) -> bool:
-    """Whether a YAML file is a trial: it names a floorplan, or people or machines on one."""
+def _keys(path: Path) -> set[str]:
+    """The outermost keys of a YAML file, which tell what is in it."""
     import floorplan
 
     data = floorplan.read_yaml(path, floorplan.FloorplanError).data
-    return isinstance(data, dict) and not {"boundary", "image"} & set(data)
+    return set(data) if isinstance(data, dict) else set()
 
 
-def _is_rule_set(path: Path) -> bool:
-    """Whether a YAML file is a rule set: it has laws or what follows, and no floorplan."""
-    import floorplan
+def _study(study: object) -> str:
+    from sim import Study
 
-    data = floorplan.read_yaml(path, floorplan.FloorplanError).data
-    telling = {"based_on", "gantry_law", "agv_law", "notice", "gantry_disabled"}
-    return isinstance(data, dict) and bool(telling & set(data)) and "floorplan" not in data
+    assert isinstance(study, Study)
+    trials = _number(len(study.trials), "trial")
+    return f"a study of {trials}, {_number(len(study), 'row')}"
 
 
 def _program(file: str) -> str:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import importlib
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
 from ..drive import Steps
 from ..gantry import GantryRobot
+from ..own_code import OwnCodeError, find_own
 from ..rules import suggestion
 from .avoiding import avoiding
 from .external import external
@@ -35,26 +34,20 @@ class ControllerError(ValueError):
 def find_controller(name: str, folder: Path) -> Controller:
     """The built-in controller of that name, or the one at `package.module:name`.
 
-    Modules are looked up as `import` does, and in `folder`, where the trial stands.
+    Modules are looked up in `folder`, where the trial stands, and as `import` does.
     `ControllerError` says what is missing.
     """
     if name in CONTROLLERS:
         return CONTROLLERS[name]
-    module_name, colon, attribute = name.partition(":")
-    if not colon:
+    if ":" not in name:
         raise ControllerError(
             f"no gantry controller is called {name!r}; {suggestion(name, CONTROLLERS)};"
             " your own is package.module:name"
         )
-    place = str(folder.resolve())
-    sys.path.insert(0, place)
     try:
-        module = importlib.import_module(module_name)
-    except ImportError as why:
-        raise ControllerError(f"the gantry controller {name!r} can't be imported: {why}") from why
-    finally:
-        sys.path.remove(place)
-    controller = getattr(module, attribute, None)
+        controller = find_own(name, folder)
+    except OwnCodeError as why:
+        raise ControllerError(f"the gantry controller {why}") from why
     if not callable(controller):
-        raise ControllerError(f"{module_name} has no controller {attribute!r}")
+        raise ControllerError(f"{name} is no controller")
     return controller  # type: ignore[no-any-return]

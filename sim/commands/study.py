@@ -1,0 +1,119 @@
+"""`floorwalker study`: run many trials, and tell what came of them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from .run import INTERRUPTED
+
+if TYPE_CHECKING:
+    from sim.study import Study, StudyResults
+
+
+def study(
+    file: Annotated[str, typer.Argument(metavar="STUDY.yaml", help="A study file.")],
+    jobs: Annotated[
+        int | None, typer.Option(min=1, help="Processes to run on; all cores by default.")
+    ] = None,
+    backend: Annotated[
+        str, typer.Option(help="Where: a joblib backend, or dask for a Dask cluster.")
+    ] = "loky",
+    out: Annotated[
+        Path | None,
+        typer.Option(help="Folder for the results (studies/NAME if not given)."),
+    ] = None,
+    row: Annotated[
+        int | None, typer.Option(help="Only write the trial file of this row, and run nothing.")
+    ] = None,
+) -> None:
+    """Run the trials of a study in all their variations; go on where it was stopped before."""
+    from sim.study import Study, save_trial
+
+    chosen = Study.load(file)
+    folder = Path("studies") / chosen.name if out is None else out
+    if row is not None:
+        typer.echo(str(save_trial(chosen, row, folder)))
+        return
+    try:
+        results = _run(chosen, folder, jobs, backend)
+    except KeyboardInterrupt:
+        typer.echo(
+            f"Stopped; what is done is kept in {folder}: run the same command to go on.", err=True
+        )
+        raise typer.Exit(INTERRUPTED) from None
+    _report(results)
+    if failed := results.failed:
+        number, error = next(iter(failed.items()))
+        typer.echo(
+            f"floorwalker: {len(failed)} of {len(results)} rows failed; row {number}: {error}",
+            err=True,
+        )
+        raise typer.Exit(1)
+
+
+def _run(chosen: Study, folder: Path, jobs: int | None, backend: str) -> StudyResults:
+    """Run the study, with a progress bar and an estimate on a terminal."""
+    from rich.console import Console
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        TextColumn,
+        TimeRemainingColumn,
+    )
+
+    from sim.study import run_study
+
+    console = Console(stderr=True)
+    shown = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TextColumn("rows,"),
+        TimeRemainingColumn(),
+        TextColumn("left"),
+    )
+    with Progress(*shown, console=console, transient=True, disable=not console.is_terminal) as bars:
+        bar = bars.add_task(chosen.name, total=len(chosen))
+
+        def begin(done: int) -> None:
+            if 0 < done < len(chosen):
+                typer.echo(f"Going on after {done:,} of {len(chosen):,} rows.", err=True)
+            # Rows that were there already say nothing about how long the others will take.
+            bars.reset(bar, completed=done)
+
+        return run_study(
+            chosen,
+            folder,
+            jobs=jobs,
+            backend=backend,
+            begin=begin,
+            progress=lambda done: bars.update(bar, completed=done),
+        )
+
+
+def _report(results: StudyResults) -> None:
+    """The means of every combination as a table, and where to look on."""
+    from rich.console import Console
+    from rich.table import Table
+
+    from sim.study import figure
+
+    compared = results.comparison
+    table = Table(title=results.study.name, title_justify="left")
+    for factor in compared.factors:
+        table.add_column(factor, overflow="fold")
+    table.add_column("runs", justify="right")
+    measures = [measure for measure in compared.spreads if measure.chief]
+    for measure in measures:
+        table.add_column(measure.label, justify="right")
+    for k, group in enumerate(compared.groups):
+        spreads = [compared.spreads[measure][k] for measure in measures]
+        means = [figure(spread.mean) if spread else "–" for spread in spreads]
+        table.add_row(*group.values, f"{len(group.rows):,}", *means)
+    console = Console()
+    console.print(table)
+    console.print(f"{results.folder / 'report.html'} shows it", highlight=False, soft_wrap=True)

@@ -1,0 +1,55 @@
+"""Where rows of a study run: joblib's backends, and Dask's cluster among them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+
+@contextmanager
+def backend(name: str, jobs: int) -> Iterator[None]:
+    """joblib set to run on the backend called `name` in this context.
+
+    "dask" runs on the cluster of the current client; where there is none, on the one that
+    DASK_SCHEDULER_ADDRESS names, or on `jobs` local processes. `ValueError` if there is no such
+    backend or what it needs is not installed.
+    """
+    import joblib
+
+    if name == "dask":
+        with _dask_client(jobs):
+            yield
+        return
+    with joblib.parallel_config(backend=name, n_jobs=jobs):
+        yield
+
+
+@contextmanager
+def _dask_client(jobs: int) -> Iterator[None]:
+    import joblib
+
+    try:
+        import dask
+        from distributed import Client, LocalCluster, get_client
+    except ImportError:
+        raise ValueError("the backend dask needs: pip install 'floorwalker[dask]'") from None
+    try:
+        get_client()
+    except ValueError:
+        pass
+    else:
+        with joblib.parallel_config(backend="dask"):
+            yield
+        return
+    if dask.config.get("scheduler-address", None):
+        with Client(), joblib.parallel_config(backend="dask"):
+            yield
+        return
+    with (
+        LocalCluster(
+            n_workers=jobs, threads_per_worker=1, dashboard_address=None, silence_logs="ERROR"
+        ) as cluster,
+        Client(cluster),
+        joblib.parallel_config(backend="dask"),
+    ):
+        yield

@@ -1,0 +1,116 @@
+"""Studies: which trials are run, in which variations, and how each of them is found again."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+
+from floorplan import InputError
+
+from ..trial import Trial
+from .draws import Distribution, derived_seed
+from .variables import Value, Variable
+
+
+class StudyError(InputError):
+    """A study that can't be run."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """One run of a study: its number, what makes it differ from the others, and its trial."""
+
+    number: int
+    parameters: dict[str, Value]
+    trial: Trial
+
+
+@dataclass(frozen=True)
+class Combination:
+    """One trial with one value of everything in the grid."""
+
+    trial: Trial
+    values: tuple[Value, ...]
+
+
+@dataclass(frozen=True)
+class Study:
+    """Trials × everything in the grid × `repeat`, with what is drawn at random for each.
+
+    A row's seed comes from the study's seed and the row's own parameters: neither the order of
+    rows nor what else is in the study matters. What is drawn depends on the repetition only, so
+    that all combinations meet the same draws and can be compared pair by pair (common random
+    numbers). With `metrics`, rows have those of social navigation as well. Files named in `grid`
+    and `random` are seen from `folder`.
+    """
+
+    name: str
+    trials: tuple[Trial, ...]
+    grid: Mapping[Variable, tuple[Value, ...]] = field(default_factory=dict)
+    random: Mapping[Variable, Distribution] = field(default_factory=dict)
+    repeat: int = 1
+    seed: int = 0
+    metrics: bool = False
+    folder: Path = Path()
+
+    @classmethod
+    def load(cls, path: str | Path) -> Study:
+        """The study in the YAML file at `path`.
+
+        `StudyError` with everything that is wrong, each with its place.
+        """
+        from .study_file import load
+
+        return load(path)
+
+    @classmethod
+    def parse(cls, text: str, *, file: str = "<text>", folder: str | Path = ".") -> Study:
+        """The study in `text`; its files are looked up from `folder`, errors call it `file`."""
+        from .study_file import parse
+
+        return parse(text, file, Path(folder))
+
+    def __len__(self) -> int:
+        """How many rows there are."""
+        count = len(self.trials) * self.repeat
+        for values in self.grid.values():
+            count *= len(values)
+        return count
+
+    def rows(self, first: int = 0) -> Iterator[Row]:
+        """The rows from the number `first` on: every combination once, then all once more."""
+        return (self.row(number) for number in range(first, len(self)))
+
+    def row(self, number: int) -> Row:
+        """The row of that number; `ValueError` if there is none."""
+        if not 0 <= number < len(self):
+            raise ValueError(f"{self.name} has rows 0 to {len(self) - 1}, but no row {number}")
+        repetition, index = divmod(number, len(self.combinations))
+        combination = self.combinations[index]
+        chosen: dict[str, Value] = {"trial": combination.trial.name}
+        chosen |= {what.name: one for what, one in zip(self.grid, combination.values, strict=True)}
+        seed = derived_seed("run", self.seed, list(chosen.items()), repetition)
+        trial = replace(combination.trial, seed=seed)
+        drawn: dict[str, Value] = {}
+        for what, distribution in self.random.items():
+            draw = derived_seed("draw", self.seed, what.name, repetition)
+            value = drawn[what.name] = distribution.draw(draw, trial)
+            trial = what.put(trial, value, self.folder)
+        return Row(number, {**chosen, **drawn, "repetition": repetition, "seed": seed}, trial)
+
+    @cached_property
+    def combinations(self) -> tuple[Combination, ...]:
+        """Each trial with each combination of the grid's values."""
+        return tuple(
+            Combination(self._with(trial, values), values)
+            for trial in self.trials
+            for values in itertools.product(*self.grid.values())
+        )
+
+    def _with(self, trial: Trial, values: tuple[Value, ...]) -> Trial:
+        for what, value in zip(self.grid, values, strict=True):
+            trial = what.put(trial, value, self.folder)
+        return trial

@@ -1,0 +1,102 @@
+"""A study on disk: whose folder it is, what stands in it, and how it is gone on with."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import IO
+
+from ..recording import OutputError
+from .definition import Study
+from .identity import identity
+from .table import Table
+
+RESULTS = "results.csv"
+"""One line for each row."""
+
+IDENTITY = "study.json"
+"""What the results were made from."""
+
+
+class StudyFolder:
+    """The folder of one study, made if it isn't there; use it in a `with` statement.
+
+    `OutputError` if it holds another study, is in use by another process, or can't be written to.
+    """
+
+    def __init__(self, path: str | Path, study: Study) -> None:
+        self.path = Path(path)
+        self._study = study
+        self._lock: IO[bytes] | None = None
+
+    def __enter__(self) -> StudyFolder:
+        try:
+            self.path.mkdir(parents=True, exist_ok=True)
+            self._identify()
+            self._take()
+            self.table = Table(self.path / RESULTS)
+        except OutputError:
+            raise
+        except OSError as why:
+            raise OutputError(f"can't write to {self.path}: {why.strerror}") from None
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.table.close()
+        if self._lock is not None:
+            self._lock.close()
+
+    def _identify(self) -> None:
+        """Write down which study this is, or refuse the folder of another one."""
+        path, now = self.path / IDENTITY, identity(self._study)
+        if not path.exists():
+            if (self.path / RESULTS).exists():
+                raise OutputError(
+                    f"{self.path} holds results, but no {IDENTITY} that tells of what;"
+                    " give another folder with --out"
+                )
+            path.write_text(json.dumps(now, indent=2) + "\n", encoding="utf-8")
+            return
+        known = _known(path)
+        changed = [name for name in {**known, **now} if known.get(name) != now.get(name)]
+        if changed:
+            raise OutputError(
+                f"{self.path} holds results of another study (changed since: {', '.join(changed)});"
+                " give another folder with --out"
+            )
+
+    def _take(self) -> None:
+        """Keep other processes out, where the system can, until this one ends."""
+        try:
+            import fcntl
+        except ImportError:
+            return
+        self._lock = (self.path / IDENTITY).open("rb")
+        try:
+            fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            self._lock.close()
+            raise OutputError(f"another process works on {self.path} already") from None
+
+
+def save_trial(study: Study, number: int, folder: str | Path) -> Path:
+    """Write the trial of one row into `folder`; running it gives the row's figures again.
+
+    The path of the file; `ValueError` if there is no such row.
+    """
+    row = study.row(number)
+    path = Path(folder) / "trials" / f"{number:06d}.yaml"
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        row.trial.save(path)
+    except OSError as why:
+        raise OutputError(f"can't write to {path}: {why.strerror}") from None
+    return path
+
+
+def _known(path: Path) -> dict[str, str]:
+    try:
+        found = json.loads(path.read_text(encoding="utf-8"))
+    except ValueError:
+        found = None
+    return found if isinstance(found, dict) else {IDENTITY: "unreadable"}

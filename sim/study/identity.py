@@ -1,0 +1,60 @@
+"""What a study's results depend on, as digests: results of anything else don't belong with them."""
+
+from __future__ import annotations
+
+import hashlib
+import inspect
+import json
+from collections.abc import Iterator
+from dataclasses import asdict
+from importlib.metadata import version
+from pathlib import Path
+
+from shapely.geometry.base import BaseGeometry
+
+from ..controllers import find_controller
+from ..trial import Trial
+from .definition import Study
+
+
+def identity(study: Study) -> dict[str, str]:
+    """Digests of all that decides the results of `study`, by what it is."""
+    found = {"floorwalker": version("floorwalker"), "the study": _digest(_definition(study))}
+    for combination in study.combinations:
+        found |= dict(_parts(combination.trial))
+    for trial in study.trials:
+        found[f"the trial {trial.name}"] = _digest(trial.to_yaml(trial.folder))
+    return found
+
+
+def _definition(study: Study) -> str:
+    parts = [
+        [trial.name for trial in study.trials],
+        [[what.name, values] for what, values in study.grid.items()],
+        [[what.name, repr(distribution)] for what, distribution in study.random.items()],
+        study.repeat,
+        study.seed,
+        study.metrics,
+    ]
+    return json.dumps(parts)
+
+
+def _parts(trial: Trial) -> Iterator[tuple[str, str]]:
+    """What a trial names and doesn't contain: floorplan, programs, controller."""
+    plan = trial.floorplan
+    yield f"the floorplan {plan.name}", _digest(json.dumps(asdict(plan), default=_wkt))
+    for person in trial.people:
+        yield f"the program {person.personality}", _digest(str(person.program))
+    name = trial.gantry.controller
+    source = inspect.getsourcefile(find_controller(name, trial.folder))
+    if source is not None:
+        yield f"the controller {name}", _digest(Path(source).read_text(encoding="utf-8"))
+
+
+def _digest(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def _wkt(value: object) -> str:
+    assert isinstance(value, BaseGeometry)  # all else in a floorplan is plain
+    return str(value.wkt)

@@ -1,0 +1,117 @@
+"""A study's results as CSV that grows line by line, and can be gone on with after any stop."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any
+
+from .measuring import Record
+
+Cell = str | float | None
+"""A text, a number, or nothing."""
+
+
+class Table:
+    """The CSV file at `path`, opened to be gone on with.
+
+    Every line is on disk as soon as it is added. A last line that was not written to its end is
+    taken off again. When a record brings a column that no record before had, the file is written
+    anew with that column, and takes the old one's place at once.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._columns: list[str] = []
+        self.rows = 0
+        """How many lines there are, without that of the columns' names."""
+        if path.exists():
+            _take_off_torn_line(path)
+            with _reading(path) as file:
+                lines = csv.reader(file)
+                self._columns = next(lines, [])
+                self.rows = sum(1 for _ in lines)
+        self._file = path.open("a", encoding="utf-8", newline="")
+
+    def add(self, record: Record) -> None:
+        """Write `record` as the next line."""
+        fresh = [column for column in record if column not in self._columns]
+        if fresh:
+            self._widen([*self._columns, *fresh])
+        self._file.write(_line(_text(record.get(column)) for column in self._columns))
+        self._file.flush()
+        self.rows += 1
+
+    def close(self) -> None:
+        """Stop writing."""
+        self._file.close()
+
+    def _widen(self, columns: list[str]) -> None:
+        """Give every line the columns that it lacks, empty."""
+        self._file.close()
+        wider = self._path.with_name(self._path.name + ".wider")
+        lack = [""] * (len(columns) - len(self._columns))
+        with wider.open("w", encoding="utf-8", newline="") as file:
+            file.write(_line(columns))
+            with _reading(self._path) as old:
+                lines = csv.reader(old)
+                next(lines, None)
+                file.writelines(_line([*line, *lack]) for line in lines)
+        wider.replace(self._path)
+        self._columns = columns
+        self._file = self._path.open("a", encoding="utf-8", newline="")
+
+
+def read_table(path: Path) -> dict[str, list[Cell]]:
+    """The columns of a table by name. A column is of numbers if all that it has are numbers."""
+    with _reading(path) as file:
+        lines = csv.reader(file)
+        names = next(lines, [])
+        columns = list(zip(*lines, strict=True)) or [()] * len(names)
+    return {name: _typed(column) for name, column in zip(names, columns, strict=True)}
+
+
+def _typed(column: Iterable[str]) -> list[Cell]:
+    texts = [text or None for text in column]
+    try:
+        return [None if text is None else _number(text) for text in texts]
+    except ValueError:
+        return list(texts)
+
+
+def _number(text: str) -> float:
+    try:
+        return int(text)
+    except ValueError:
+        return float(text)
+
+
+def _text(value: Any) -> str:
+    return "" if value is None else str(value)
+
+
+def _line(values: Iterable[str]) -> str:
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerow(values)
+    return text.getvalue()
+
+
+def _reading(path: Path) -> io.TextIOWrapper:
+    return path.open(encoding="utf-8", newline="")
+
+
+def _take_off_torn_line(path: Path) -> None:
+    """Cut the file after its last line break: values have none within."""
+    with path.open("rb+") as file:
+        text = file.read()
+        whole = text.rfind(b"\n") + 1
+        if whole < len(text):
+            file.truncate(whole)
+
+
+def lines_of(columns: dict[str, list[Cell]]) -> Iterator[dict[str, Cell]]:
+    """The lines of a table, each by column."""
+    for values in zip(*columns.values(), strict=True):
+        yield dict(zip(columns, values, strict=True))

@@ -1,0 +1,332 @@
+"""Studies that are run: the same results however they are run, whatever stops them."""
+
+import csv
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import sim
+from sim.study import save_trial
+from sim.study.folder import StudyFolder
+from sim.study.table import Table, read_table
+
+ROOT = Path(__file__).resolve().parents[2]
+
+TRIAL = """\
+floorplan: ariac2023
+duration: 12
+people: [{name: ada}, {name: ben, at: [-10, 0]}]
+gantry:
+  controller: "moody:moody"
+  at: [-2.5, 0.5, 0.0]
+  jobs: [{wait: 1.0}, {wait: 2.0}]
+"""
+
+CONTROLLER = """\
+def moody(gantry):
+    yield gantry.wait(1.0)
+    if abs(gantry.position[0] + 2.5) > 0.01:
+        raise ValueError("out of\\nsorts")
+    while (task := (yield gantry.next_task())) is not None:
+        yield gantry.do(task)
+"""
+
+STUDY = """\
+trials: [short.trial.yaml]
+grid:
+  personality: [indifferent, antagonistic]
+  gantry_at: [[-2.5, 0.5, 0], [-5, 1, 0]]
+random:
+  max_speed: {normal: [1.0, 0.2]}
+repeat: 4
+seed: 11
+"""
+
+
+@pytest.fixture
+def folder(tmp_path):
+    (tmp_path / "short.trial.yaml").write_text(TRIAL)
+    (tmp_path / "moody.py").write_text(CONTROLLER)
+    (tmp_path / "s.study.yaml").write_text(STUDY)
+    return tmp_path
+
+
+@pytest.fixture
+def study(folder):
+    return sim.Study.load(folder / "s.study.yaml")
+
+
+def lines(path):
+    with path.open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def command(folder, *arguments, **options):
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    line = [sys.executable, "-m", "sim.cli", "study", "s.study.yaml", *arguments]
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    return subprocess.Popen(line, cwd=folder, env=environment, **pipes, **options)
+
+
+def finished(process):
+    out, err = process.communicate(timeout=120)
+    return process.returncode, out, err
+
+
+def test_every_row_is_what_a_run_of_its_trial_gives(study, tmp_path):
+    results = sim.run_study(study, tmp_path / "out", jobs=1)
+    table = lines(tmp_path / "out" / "results.csv")
+    assert len(results) == len(table) == len(study) == 16
+    for row, line in zip(study.rows(), table, strict=True):
+        assert line["row"] == str(row.number)
+        assert line["max_speed"] == str(row.parameters["max_speed"])
+        assert line["gantry_at"] == " ".join(map(str, row.parameters["gantry_at"]))
+        if row.parameters["gantry_at"][0] == -5:
+            assert "moody" in line["error"] and "line 4): out of sorts" in line["error"]
+            assert line["penalties"] == line["people.ben.distance_walked"] == ""
+            continue
+        summary = sim.run(row.trial).summary
+        assert line["error"] == ""
+        assert line["penalties"] == str(summary["penalties"])
+        assert line["jobs_done"] == str(summary["jobs_done"]) == "2"
+        assert (
+            float(line["minimum_separation.distance"])
+            == (summary["minimum_separation"]["distance"])
+        )
+        ben = summary["people"]["ben"]
+        assert float(line["people.ben.distance_walked"]) == ben["distance_walked"]
+        assert line["people.ben.visits"] == str(len(ben["visits"]))
+    assert [number for number, _ in results.failed.items()] == list(range(1, 16, 2))
+    assert not {"cpu_seconds", "realtime_factor"} & set(results.columns)
+
+
+def test_the_same_bytes_whatever_the_jobs_and_the_backend(study, tmp_path):
+    written = set()
+    for backend, jobs in (("sequential", 1), ("loky", 2), ("dask", 2)):
+        out = tmp_path / backend
+        sim.run_study(study, out, jobs=jobs, backend=backend)
+        names = ("results.csv", "results.parquet", "report.html")
+        written.add(tuple((out / name).read_bytes() for name in names))
+    assert len(written) == 1
+
+
+@pytest.mark.slow
+def test_rows_run_on_the_cluster_of_the_current_client(study, tmp_path):
+    from distributed import Client, LocalCluster
+
+    with (
+        LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
+        Client(cluster) as client,
+    ):
+        sim.run_study(study, tmp_path / "out", backend="dask")
+        worked = client.run(lambda: "sim.study.measuring" in sys.modules)
+    assert list(worked.values()) == [True, True]
+    assert len(lines(tmp_path / "out" / "results.csv")) == 16
+
+
+def test_there_is_no_such_backend(study, tmp_path):
+    with pytest.raises(ValueError, match="Invalid backend: lucky, expected one of"):
+        sim.run_study(study, tmp_path / "out", backend="lucky")
+
+
+def test_a_killed_study_goes_on_and_ends_with_the_same_bytes(study, folder):
+    process = command(folder, "--out", "killed", "--jobs", "2", start_new_session=True)
+    results = folder / "killed" / "results.csv"
+    deadline = time.monotonic() + 60
+    while not (results.exists() and results.read_bytes().count(b"\n") > 3):
+        assert time.monotonic() < deadline and process.poll() is None
+        time.sleep(0.01)
+    os.killpg(process.pid, signal.SIGKILL)
+    process.communicate()
+    assert len(lines(results)) < 16
+    with results.open("ab") as file:
+        file.write(b"9,short,indiff")
+    code, out, err = finished(command(folder, "--out", "killed", "--jobs", "1"))
+    assert code == 1
+    assert err.startswith("Going on after ")
+    assert "8 of 16 rows failed; row 1: ControllerError: the gantry controller" in err
+    assert "killed/report.html" in out
+    sim.run_study(study, folder / "whole", jobs=1)
+    for name in ("study.json", "results.csv", "results.parquet", "report.html"):
+        assert (folder / "killed" / name).read_bytes() == (folder / "whole" / name).read_bytes()
+
+
+def test_ctrl_c_says_how_to_go_on(folder):
+    (folder / "s.study.yaml").write_text(STUDY.replace("repeat: 4", "repeat: 4000"))
+    process = command(folder, "--out", "stopped", "--jobs", "2", start_new_session=True)
+    results = folder / "stopped" / "results.csv"
+    deadline = time.monotonic() + 60
+    while not (results.exists() and results.read_bytes().count(b"\n") > 3):
+        assert time.monotonic() < deadline and process.poll() is None
+        time.sleep(0.01)
+    os.killpg(process.pid, signal.SIGINT)
+    code, out, err = finished(process)
+    assert (code, out) == (130, "")
+    assert err == "Stopped; what is done is kept in stopped: run the same command to go on.\n"
+    assert len(lines(results)) >= 3
+
+
+def test_a_finished_study_runs_nothing_again(study, tmp_path):
+    sim.run_study(study, tmp_path, jobs=1)
+    table, told = tmp_path / "results.csv", []
+    before = (table.read_bytes(), table.stat().st_mtime_ns)
+    results = sim.run_study(study, tmp_path, jobs=1, begin=told.append, progress=told.append)
+    assert (told, len(results)) == ([16], 16)
+    assert (table.read_bytes(), table.stat().st_mtime_ns) == before
+
+
+@pytest.mark.parametrize(
+    ("file", "change", "told"),
+    [
+        ("s.study.yaml", ("seed: 11", "seed: 12"), "the study"),
+        ("s.study.yaml", ("0.2]", "0.3]"), "the study"),
+        ("short.trial.yaml", ("wait: 2.0", "wait: 3.0"), "the trial short"),
+        ("moody.py", ("1.0", "1.5"), "the controller moody:moody"),
+    ],
+)
+def test_the_folder_of_another_study_is_refused(study, folder, file, change, told):
+    with StudyFolder(folder / "out", study):
+        pass
+    text = (folder / file).read_text()
+    (folder / file).write_text(text.replace(*change))
+    other = sim.Study.load(folder / "s.study.yaml")
+    with pytest.raises(sim.OutputError, match=rf"another study \(changed since: {told}\)"):
+        sim.run_study(other, folder / "out", jobs=1)
+    (folder / file).write_text(text)
+    with StudyFolder(folder / "out", sim.Study.load(folder / "s.study.yaml")):
+        pass
+
+
+def test_a_folder_that_cannot_be_used_is_refused(study, tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(sim.OutputError, match="can't write to"):
+        sim.run_study(study, tmp_path / "file")
+    (tmp_path / "old").mkdir()
+    (tmp_path / "old" / "results.csv").write_text("row\n")
+    with pytest.raises(sim.OutputError, match=r"holds results, but no study\.json"):
+        sim.run_study(study, tmp_path / "old")
+    (tmp_path / "torn").mkdir()
+    (tmp_path / "torn" / "study.json").write_text('{"flo')
+    with pytest.raises(sim.OutputError, match=r"study\.json"):
+        sim.run_study(study, tmp_path / "torn")
+
+
+def test_two_processes_cannot_work_on_one_folder(study, tmp_path):
+    with (
+        StudyFolder(tmp_path, study),
+        pytest.raises(sim.OutputError, match="another process works on"),
+    ):
+        sim.run_study(study, tmp_path, jobs=1)
+
+
+@pytest.mark.slow
+def test_a_worker_that_dies_is_told(folder):
+    (folder / "moody.py").write_text("import os\ndef moody(gantry): os._exit(7)\n")
+    code, out, err = finished(command(folder, "--out", "out", "--jobs", "2"))
+    assert (code, out) == (1, "")
+    assert err.startswith("floorwalker: a worker process was killed or ran out of memory")
+    assert "Traceback" not in err
+
+
+def test_the_trial_of_a_row_gives_its_figures_again(study, folder):
+    code, out, err = finished(command(folder, "--row", "6", "--out", "out"))
+    assert (code, out, err) == (0, "out/trials/000006.yaml\n", "")
+    assert not (folder / "out" / "results.csv").exists()
+    trial = sim.Trial.load(folder / "out" / "trials" / "000006.yaml")
+    sim.run_study(study, folder / "out", jobs=1)
+    line = lines(folder / "out" / "results.csv")[6]
+    summary = sim.run(trial).summary
+    assert line["seed"] == str(trial.seed)
+    walked = summary["people"]["ben"]["distance_walked"]
+    assert float(line["people.ben.distance_walked"]) == walked
+    with pytest.raises(ValueError, match="has rows 0 to 15, but no row 16"):
+        save_trial(study, 16, folder)
+
+
+def test_metrics_are_columns_where_they_are_asked_for(folder):
+    text = STUDY.replace("repeat: 4", "repeat: 1\nmetrics: true")
+    study = sim.Study.parse(text, folder=folder)
+    results = sim.run_study(study, folder / "out", jobs=1)
+    metrics = sim.metrics(sim.run(study.row(0).trial))
+    column = results.columns["metrics.people.ada.path_length"]
+    assert column[0] == metrics["people"]["ada"]["path_length"]
+    assert column[1] is None
+
+
+def test_parquet_has_what_the_table_has(study, tmp_path):
+    import pandas
+
+    results = sim.run_study(study, tmp_path, jobs=1)
+    frame = pandas.read_parquet(tmp_path / "results.parquet")
+    assert list(frame.columns) == list(results.columns)
+    assert frame["penalties"].sum() == sum(v or 0 for v in results.columns["penalties"])
+    assert frame["personality"].tolist() == results.columns["personality"]
+    assert frame["error"].isna().sum() == 8
+
+
+def test_check_knows_studies(folder):
+    from typer.testing import CliRunner
+
+    from sim.cli import app
+
+    checked = CliRunner().invoke(app, ["check", str(folder / "s.study.yaml")])
+    assert checked.exit_code == 0
+    assert checked.stdout.endswith("s.study.yaml: a study of 1 trial, 16 rows\n")
+    (folder / "s.study.yaml").write_text(STUDY.replace("seed", "sed").replace("4", "0"))
+    checked = CliRunner().invoke(app, ["check", str(folder / "s.study.yaml")])
+    assert checked.exit_code == 1
+    assert "2 problems" in checked.stderr
+
+
+RECORDS = [
+    {"row": 0, "name": "a, b", "error": None, "x": 1.5},
+    {"row": 1, "name": 'c"', "error": "it broke"},
+    {"row": 2, "name": "d", "error": None, "x": 2.0, "y": 7, "z": "ü"},
+    {"row": 3, "name": "e", "error": None, "x": -1e-9, "y": None},
+]
+
+
+def written(path, records):
+    table = Table(path)
+    for record in records[table.rows :]:
+        table.add(record)
+    table.close()
+    return path.read_bytes()
+
+
+@settings(max_examples=60)
+@given(cut=st.integers(0, 200))
+def test_a_table_cut_anywhere_is_gone_on_with(cut, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("table")
+    whole = written(folder / "whole.csv", RECORDS)
+    assert whole.decode() == (
+        'row,name,error,x,y,z\n0,"a, b",,1.5,,\n1,"c""",it broke,,,\n2,d,,2.0,7,ü\n3,e,,-1e-09,,\n'
+    )
+    (folder / "cut.csv").write_bytes(whole[:cut])
+    assert written(folder / "cut.csv", RECORDS) == whole
+    columns = read_table(folder / "cut.csv")
+    assert columns["x"] == [1.5, None, 2.0, -1e-9]
+    assert columns["y"] == [None, None, 7, None]
+    assert columns["name"][1] == 'c"'
+
+
+def test_study_json_names_what_decides(study, tmp_path):
+    with StudyFolder(tmp_path, study):
+        pass
+    assert list(json.loads((tmp_path / "study.json").read_text())) == [
+        "floorwalker",
+        "the study",
+        "the floorplan ariac2023",
+        "the program indifferent",
+        "the controller moody:moody",
+        "the program antagonistic",
+        "the trial short",
+    ]
