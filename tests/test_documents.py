@@ -85,6 +85,13 @@ def test_links_lead_somewhere(document):
             assert (document.parent / link).exists(), f"{document.name} links to {link}"
 
 
+def test_every_study_in_the_examples_can_be_run():
+    studies = sorted((ROOT / "examples").glob("*.study.yaml"))
+    assert studies
+    for study in studies:
+        assert sim.run(sim.Study.load(study).row(0).trial).duration > 0
+
+
 def test_every_example_in_the_folder_runs(capsys):
     trials = sorted((ROOT / "examples").glob("*.trial.yaml"))
     assert trials
