@@ -1,6 +1,7 @@
 """What all tests share: the real data beside the repository, and how hypothesis runs."""
 
 import os
+from importlib.metadata import entry_points
 from pathlib import Path
 
 import pytest
@@ -9,6 +10,11 @@ from hypothesis import settings
 settings.register_profile("default", deadline=None, derandomize=True, print_blob=True)
 settings.register_profile("thorough", deadline=None, max_examples=3000)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "default"))
+
+pytest_plugins = ["pytester"]
+if "floorwalker" not in entry_points(group="pytest11").names:
+    # The sources are used without being installed anew: pytest does not know the plugin yet.
+    pytest_plugins.append("sim.pytest_plugin")
 
 SHARED = Path(__file__).resolve().parents[2] / "shared" / "data"
 

@@ -1,0 +1,140 @@
+"""Floorwalker in pytest: trial files as tests, fixtures that run trials, markers that vary them.
+
+A file `*.trial.yaml` that expects something is a test. Nothing but pytest is imported here, so that
+test suites which have nothing to do with Floorwalker lose no time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from sim import Run, Trial
+
+    from .testing.failures import Failures
+    from .testing.variations import Variation
+
+_MARKERS = (
+    "trials(file, ...): run the test once for each trial, by file or by built-in name",
+    "personalities(name, ...): give everybody each personality; 'all' for all built-in ones",
+    "controllers(name, ...): give the gantry each controller; 'all' for all built-in ones",
+    "rule_sets(name, ...): apply each rule set; 'all' for all built-in ones",
+    "seeds(seed, ...): run with each seed; also seeds(range(10))",
+)
+
+_CELL = """
+name: ariac_cell
+floorplan: ariac2023
+duration: 120.0
+people: [{name: operator}]
+gantry:
+  controller: oblivious
+  repeat: true
+  jobs:
+    - {pick: bin2, place: agv1, part: purple pump}
+    - {pick: bin6, place: agv4, part: blue battery}
+"""
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Add the option that says where replay pages go."""
+    parser.getgroup("floorwalker").addoption(
+        "--floorwalker-replays",
+        metavar="DIR",
+        help="keep the replay pages of trials that failed in this folder",
+    )
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Make the markers known."""
+    for marker in _MARKERS:
+        config.addinivalue_line("markers", marker)
+
+
+def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Collector | None:
+    """Take a trial file that expects something as a test."""
+    if not file_path.name.endswith(".trial.yaml"):
+        return None
+    from .testing.items import TrialFile
+
+    return TrialFile.from_parent(parent, path=file_path)
+
+
+def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
+    """Vary the trial of a test as its markers say."""
+    names = [marker.partition("(")[0] for marker in _MARKERS]
+    if any(metafunc.definition.get_closest_marker(name) for name in names):
+        from .testing.variations import vary
+
+        vary(metafunc)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(
+    item: pytest.Item,
+) -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    """Say in the report of a failed test what its trials came to."""
+    report = yield
+    failures: Failures | None = getattr(item, "funcargs", {}).get("_floorwalker_failures")
+    if report.failed and report.when == "call" and failures is not None and failures.runs:
+        report.sections.append(("Floorwalker", failures.report()))
+    return report
+
+
+@pytest.fixture
+def ariac_cell(request: pytest.FixtureRequest) -> Trial:
+    """The ARIAC 2023 floor for 120 s: an indifferent operator, a gantry that carries parts."""
+    from sim import Trial
+
+    return Trial.parse(_CELL, file="ariac_cell", folder=request.path.parent)
+
+
+@pytest.fixture
+def trial(ariac_cell: Trial, _floorwalker_variation: Variation | None) -> Trial:
+    """The trial of this test: `ariac_cell`, or what the test's markers make of it."""
+    variation = _floorwalker_variation
+    return ariac_cell if variation is None else variation.of(ariac_cell)
+
+
+@pytest.fixture
+def run_trial(
+    trial: Trial,
+    request: pytest.FixtureRequest,
+    _floorwalker_variation: Variation | None,
+    _floorwalker_failures: Failures,
+) -> Callable[..., Run]:
+    """Run a trial, `run_trial()`: the one of this test, another one, or one in a file.
+
+    A file is seen from the test's own, and varied as the test's markers say. If the test fails,
+    the report has what its runs came to, and where their replay pages are.
+    """
+
+    def run(chosen: Trial | str | Path = trial) -> Run:
+        from sim import Trial
+
+        __tracebackhide__ = True
+        if not isinstance(chosen, Trial):
+            chosen = Trial.load(request.path.parent / chosen)
+            if _floorwalker_variation is not None:
+                chosen = _floorwalker_variation.of(chosen)
+        return _floorwalker_failures.run(chosen)
+
+    return run
+
+
+@pytest.fixture
+def _floorwalker_variation(request: pytest.FixtureRequest) -> Variation | None:
+    return getattr(request, "param", None)
+
+
+@pytest.fixture
+def _floorwalker_failures(request: pytest.FixtureRequest) -> Failures:
+    from .testing.failures import Failures
+
+    return Failures(request.node)

@@ -1,0 +1,95 @@
+"""What is left of the runs of a test that failed: words for its report, and replay pages."""
+
+from __future__ import annotations
+
+import re
+import zlib
+from pathlib import Path
+
+import pytest
+
+from ..controllers import ControllerError
+from ..outcome import Run
+from ..person import MindError
+from ..replay import render
+from ..replay_data import replay_data
+from ..simulation import Simulation
+from ..trial import Trial
+
+_LONGEST_NAME = 120
+"""Characters of a page's file name."""
+
+
+class Failures:
+    """Runs the trials of one test, and keeps what is needed if the test fails."""
+
+    def __init__(self, item: pytest.Item) -> None:
+        self.runs: list[Run] = []
+        self._item = item
+
+    def run(self, trial: Trial) -> Run:
+        """Run `trial` to its end; what happened is kept also if a program of the user's fails."""
+        __tracebackhide__ = True
+        simulation = Simulation(trial)
+        try:
+            simulation.advance(trial.duration)
+        except (ControllerError, MindError) as why:
+            # Its message has the place; the way through the event loop tells nothing.
+            raise type(why)(str(why)) from None
+        finally:
+            self.runs.append(simulation.finish())
+        return self.runs[-1]
+
+    def report(self) -> str:
+        """What each run came to, in words, and where its replay page is."""
+        return "\n\n".join(
+            "\n".join([*_outline(run), f"replay: {self.page(k)}"])
+            for k, run in enumerate(self.runs)
+        )
+
+    def page(self, k: int) -> str:
+        """Write the replay page of run `k`: its path, or why there is none."""
+        folder = replay_folder(self._item.config)
+        if folder is None:
+            return "none kept; give a folder with --floorwalker-replays DIR"
+        page = folder / _file_name(self._item.nodeid, k)
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            page.write_text(render(replay_data(self.runs[k])), encoding="utf-8")
+        except OSError as why:
+            return f"can't be written to {folder}: {why.strerror}"
+        return str(page)
+
+
+def replay_folder(config: pytest.Config) -> Path | None:
+    """Where replay pages of failures go: the folder asked for, or else one in pytest's cache."""
+    asked = config.getoption("--floorwalker-replays")
+    if asked:
+        return Path(config.invocation_params.dir, asked)
+    cache = getattr(config, "cache", None)
+    return None if cache is None else Path(cache.mkdir("floorwalker-replays"))
+
+
+def _outline(run: Run) -> list[str]:
+    """A run in a few lines: who was there, what it came to, and what was not met."""
+    trial, summary = run.trial, run.summary
+    people = ", ".join(f"{p.name} ({Path(p.personality).stem})" for p in trial.people) or "nobody"
+    lines = [
+        f"{trial.name} on {trial.floorplan.name}, {run.duration:g} s: {people};"
+        f" gantry {trial.gantry.controller}; rules {trial.rules.name}; seed {trial.seed}",
+        f"penalties {summary['penalties']}, jobs done {summary['jobs_done']}",
+    ]
+    lines += [
+        f"violation at t = {e['t']:.3f} s: {e['person']} and {e['with']} {e['distance']:.2f} m"
+        f" apart, {e['required']:.2f} m required"
+        for e in run.events
+        if e["kind"] == "violation"
+    ][:5]
+    return lines + run.unmet
+
+
+def _file_name(nodeid: str, k: int) -> str:
+    """A name for the page of a test's run that no other test's has."""
+    readable = re.sub(r"[^\w.-]+", "_", nodeid)[-_LONGEST_NAME:].strip("_")
+    number = f"-{k + 1}" if k else ""
+    return f"{readable}-{zlib.crc32(nodeid.encode()):08x}{number}.html"

@@ -1,0 +1,260 @@
+"""The pytest plugin, in pytest runs of its own: trial files, fixtures, markers, reports."""
+
+import shutil
+import sys
+from importlib.metadata import entry_points
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+EXAMPLE = ROOT / "examples" / "tested_controller"
+
+PASSES = """\
+floorplan: ariac2023
+duration: 20
+people: [{name: operator}]
+expect: {penalties: 0, visits: [station4]}
+"""
+FAILS = """\
+floorplan: ariac2023
+duration: 30
+people: [{name: operator}]
+gantry: {at: [-2.5, 0.5, 0.0]}
+expect:
+  penalties: 0
+  visits: [station4]
+  timeline:
+    - {never: {kind: violation, with: gantry}}
+"""
+
+
+INSTALLED = "floorwalker" in entry_points(group="pytest11").names
+PLUGIN = [] if INSTALLED else ["-p", "sim.pytest_plugin"]
+
+
+@pytest.fixture(scope="module")
+def everything_is_loaded():
+    """Extensions can't be loaded twice, and a pytest run in this process forgets what it loads."""
+    import sim.testing.items
+    import sim.testing.variations
+
+    assert sim.testing.items.TrialFile and sim.testing.variations.vary
+    trial = sim.Trial.parse(FAILS.replace("duration: 30", "duration: 5"))
+    sim.testing.failures.render(sim.testing.failures.replay_data(sim.run(trial)))
+    return trial
+
+
+@pytest.fixture
+def run_pytest(pytester, everything_is_loaded):
+    """Run pytest in a folder of its own, in this process."""
+    return lambda *options: pytester.runpytest_inprocess(*PLUGIN, "--strict-markers", *options)
+
+
+@pytest.fixture
+def run_pytest_alone(pytester, monkeypatch):
+    """Run pytest in a folder of its own, in a process of its own."""
+    monkeypatch.setenv("PYTHONPATH", str(ROOT))
+    return lambda *options: pytester.runpytest_subprocess(*PLUGIN, "--strict-markers", *options)
+
+
+def write(pytester, **files):
+    for name, text in files.items():
+        (pytester.path / name.replace("__", ".")).write_text(text)
+
+
+def test_a_trial_that_expects_something_is_a_test(pytester, run_pytest):
+    write(
+        pytester,
+        good__trial__yaml=PASSES,
+        silent__trial__yaml="floorplan: ariac2023\n",
+        other__yaml="expect: nothing\n",
+    )
+    result = run_pytest("-v")
+    result.assert_outcomes(passed=1)
+    result.stdout.fnmatch_lines(["good.trial.yaml::good PASSED*"])
+
+
+def test_a_failure_says_what_when_and_where(pytester, run_pytest):
+    write(pytester, bad__trial__yaml=FAILS)
+    result = run_pytest("--floorwalker-replays", "pages")
+    result.assert_outcomes(failed=1)
+    result.stdout.fnmatch_lines(
+        [
+            "*trial bad*",
+            "2 of 3 expectations not met in 30 s",
+            "bad.trial.yaml:6",
+            "  expected: penalties = 0",
+            "  happened: it is 1 (t = 23.038 s)",
+            "  when:     t = 23.038 s",
+            "bad.trial.yaml:9",
+            "  expected: never violation (with gantry)",
+            "  happened: it happened at t = 23.038 s",
+            "replay: *pages*bad.trial.yaml*.html",
+        ]
+    )
+    (page,) = (pytester.path / "pages").iterdir()
+    assert "<html" in page.read_text()[:200]
+    assert "Traceback" not in result.stdout.str()
+
+
+def test_without_the_option_replays_are_in_the_cache(pytester, run_pytest):
+    write(pytester, bad__trial__yaml=FAILS)
+    run_pytest().stdout.fnmatch_lines(["replay: *.pytest_cache*.html"])
+    result = run_pytest("-p", "no:cacheprovider")
+    result.stdout.fnmatch_lines(["replay: none kept; give a folder with --floorwalker-replays DIR"])
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (("penalties: 0", "penaltys: 0"), "line 4, expect.penaltys: *did you mean 'penalties'?"),
+        (("[station4]", "[statoin4]"), "line 4, expect.visits: *did you mean 'station4'?"),
+        (("operator", "a b"), "line 3, people?0?.name:*"),
+        (("duration: 20", "duration: ["), "*is not YAML*"),
+    ],
+)
+def test_a_typo_is_an_error_at_collection(pytester, run_pytest, change, said):
+    write(pytester, bad__trial__yaml=PASSES.replace(*change))
+    result = run_pytest()
+    result.assert_outcomes(errors=1)
+    result.stdout.fnmatch_lines([f"*bad.trial.yaml: {said}"])
+    assert "Traceback" not in result.stdout.str()
+
+
+def test_a_controller_that_fails_is_told_in_a_sentence(pytester, run_pytest):
+    write(
+        pytester,
+        mine__py="def mine(gantry):\n    yield gantry.wait(5)\n    raise RuntimeError('no oil')\n",
+        bad__trial__yaml=PASSES.replace("expect", "gantry: {controller: 'mine:mine'}\nexpect"),
+    )
+    result = run_pytest()
+    result.assert_outcomes(failed=1)
+    result.stdout.fnmatch_lines(
+        [
+            "the gantry controller 'mine:mine' failed at t = 5 s (mine.py, line 3): no oil",
+            "replay:*",
+        ]
+    )
+
+
+def test_markers_vary_the_trial(pytester, run_pytest):
+    write(
+        pytester,
+        mine__asl="!stay.\n+!stay <- .wait(100000).\n",
+        near__trial__yaml=PASSES.replace("duration: 20", "duration: 10"),
+        test_mine__py="""
+import pytest
+
+def still(gantry):
+    yield gantry.wait(1)
+
+@pytest.mark.personalities("helpful", "mine.asl")
+@pytest.mark.controllers(still, "parked")
+@pytest.mark.rule_sets("all")
+def test_all(trial):
+    assert trial.name == "ariac_cell"
+    assert trial.rules.name in ("paper", "ariac2023")
+    assert trial.gantry.controller in ("test_mine:still", "parked")
+
+@pytest.mark.seeds(range(2), 7)
+@pytest.mark.trials("near.trial.yaml", "scene_helpful")
+def test_seeds(trial, run_trial):
+    assert trial.seed in (0, 1, 7)
+    if trial.name == "near":
+        assert run_trial().duration == 10.0
+
+@pytest.mark.personalities("helpful")
+def test_a_file(run_trial):
+    assert run_trial("near.trial.yaml").trial.people[0].personality == "helpful"
+
+def test_plain(ariac_cell, trial):
+    assert trial is ariac_cell
+""",
+    )
+    result = run_pytest("-v")
+    result.assert_outcomes(passed=8 + 6 + 1 + 1 + 1)
+    result.stdout.fnmatch_lines(
+        ["*::test_all?mine-still-ariac2023? PASSED*", "*::test_seeds?near-7? PASSED*"]
+    )
+
+
+@pytest.mark.parametrize(
+    ("marker", "said"),
+    [
+        ('personalities("helpfull")', "*did you mean 'helpful'?*"),
+        ('controllers("pasing")', "*did you mean 'pausing'?*"),
+        ('controllers("nowhere:mine")', "*can't be imported*"),
+        ('rule_sets("papper")', "*did you mean 'paper'?*"),
+        ("seeds(-1)", "*expected whole numbers of at least 0*"),
+        ("seeds()", "*@pytest.mark.seeds needs one value or more*"),
+        ('trials("nowhere")', "*nowhere*no such file*"),
+        ('personality("helpful")', "*'personality' not found in `markers`*"),
+    ],
+)
+def test_a_marker_that_makes_no_sense_is_an_error_at_collection(pytester, run_pytest, marker, said):
+    text = f"import pytest\n\n@pytest.mark.{marker}\ndef test_it(trial): pass\n"
+    write(pytester, test_mine__py=text)
+    result = run_pytest()
+    result.assert_outcomes(errors=1)
+    result.stdout.fnmatch_lines([said])
+
+
+def test_a_marker_on_a_test_that_takes_no_trial(pytester, run_pytest):
+    text = "import pytest\n\n@pytest.mark.seeds(1)\ndef test_it(): pass\n"
+    write(pytester, test_mine__py=text)
+    result = run_pytest()
+    result.assert_outcomes(errors=1)
+    result.stdout.fnmatch_lines(["*takes none; let it take trial or run_trial"])
+
+
+def test_a_failed_test_says_what_its_runs_came_to(pytester, run_pytest):
+    write(
+        pytester,
+        bad__trial__yaml=FAILS.partition("expect")[0],
+        test_mine__py="""
+def test_it(run_trial):
+    assert run_trial("bad.trial.yaml").summary["penalties"] == 0
+""",
+    )
+    result = run_pytest("--floorwalker-replays", "pages")
+    result.assert_outcomes(failed=1)
+    result.stdout.fnmatch_lines(
+        [
+            "*Floorwalker*",
+            "bad on ariac2023, 30 s: operator (indifferent); gantry parked; rules paper; seed 0",
+            "violation at t = 23.038 s: operator and gantry 3.50 m apart, 3.50 m required",
+            "replay: *pages*test_mine.py_test_it*.html",
+        ]
+    )
+    assert len(list((pytester.path / "pages").iterdir())) == 1
+
+
+def test_the_example_project_passes_on_several_processes(pytester, run_pytest_alone):
+    shutil.copytree(EXAMPLE, pytester.path, dirs_exist_ok=True)
+    result = run_pytest_alone("-n", "2")
+    result.assert_outcomes(passed=10)
+
+
+def test_suites_without_trials_load_nothing(pytester, run_pytest_alone):
+    write(
+        pytester,
+        notes__yaml="expect: x\n",
+        test_it__py="""
+import sys
+
+def test_nothing_is_loaded():
+    heavy = {"numpy", "shapely", "ompl", "fcl", "ruckig", "simpy", "lark", "yaml", "pydantic"}
+    assert not heavy & set(sys.modules)
+    assert not {"floorplan", "navigation", "bdi"} & set(sys.modules)
+""",
+    )
+    run_pytest_alone().assert_outcomes(passed=1)
+
+
+def test_it_is_an_entry_point():
+    if sys.version_info >= (3, 11):
+        import tomllib
+
+        project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+        assert project["entry-points"]["pytest11"] == {"floorwalker": "sim.pytest_plugin"}
