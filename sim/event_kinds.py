@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-Form = Literal["person", "machine", "agv", "station", "number", "text", "flag", "point"]
+Form = Literal["person", "machine", "agv", "station", "number", "text", "flag", "point", "list"]
 """What stands in a field: the name of something in the trial, or a plain value."""
 
 _FIGURES: dict[str, Form] = {
@@ -50,7 +50,7 @@ EVENT_KINDS: dict[str, dict[str, Form]] = {
         "type": "text",
         "score": "number",
         "best": "number",
-        "missing": "text",
+        "missing": "list",
     },
     "robot_malfunction": {"seconds": "number"},
     "path_blocked": {"person": "person", "goal": "point", "message": "text"},

@@ -154,8 +154,8 @@ def _value(kind: str, key: str, form: Form, wanted: Any, trial: Trial) -> Any:
         if not isinstance(wanted, bool):
             raise ValueError(f"{key}: expected true or false, found {wanted!r}")
         return wanted
-    if form == "point":
-        raise ValueError(f"{key} of an event {kind!r} is a place; only names can be expected")
+    if form in ("point", "list"):
+        raise ValueError(f"{key} of an event {kind!r} is a {form}; only single values are compared")
     names = {
         "person": [person.name for person in trial.people],
         "machine": [name for name in _bodies(trial) if name not in _people(trial)],

@@ -125,14 +125,14 @@ def test_a_typo_is_an_error_at_collection(pytester, run_pytest, change, said):
 def test_a_controller_that_fails_is_told_in_a_sentence(pytester, run_pytest):
     write(
         pytester,
-        mine__py="def mine(gantry):\n    yield gantry.wait(5)\n    raise RuntimeError('no oil')\n",
-        bad__trial__yaml=PASSES.replace("expect", "gantry: {controller: 'mine:mine'}\nexpect"),
+        oilless__py="def mine(gantry):\n    yield gantry.wait(5)\n    raise RuntimeError('no oil')\n",
+        bad__trial__yaml=PASSES.replace("expect", "gantry: {controller: 'oilless:mine'}\nexpect"),
     )
     result = run_pytest()
     result.assert_outcomes(failed=1)
     result.stdout.fnmatch_lines(
         [
-            "the gantry controller 'mine:mine' failed at t = 5 s (mine.py, line 3): no oil",
+            "the gantry controller 'oilless:mine' failed at t = 5 s (oilless.py, line 3): no oil",
             "replay:*",
         ]
     )
@@ -143,7 +143,7 @@ def test_markers_vary_the_trial(pytester, run_pytest):
         pytester,
         mine__asl="!stay.\n+!stay <- .wait(100000).\n",
         near__trial__yaml=PASSES.replace("duration: 20", "duration: 10"),
-        test_mine__py="""
+        test_varied__py="""
 import pytest
 
 def still(gantry):
@@ -155,7 +155,7 @@ def still(gantry):
 def test_all(trial):
     assert trial.name == "ariac_cell"
     assert trial.rules.name in ("paper", "ariac2023")
-    assert trial.gantry.controller in ("test_mine:still", "parked")
+    assert trial.gantry.controller in ("test_varied:still", "parked")
 
 @pytest.mark.seeds(range(2), 7)
 @pytest.mark.trials("near.trial.yaml", "scene_helpful")
@@ -194,7 +194,7 @@ def test_plain(ariac_cell, trial):
 )
 def test_a_marker_that_makes_no_sense_is_an_error_at_collection(pytester, run_pytest, marker, said):
     text = f"import pytest\n\n@pytest.mark.{marker}\ndef test_it(trial): pass\n"
-    write(pytester, test_mine__py=text)
+    write(pytester, test_varied__py=text)
     result = run_pytest()
     result.assert_outcomes(errors=1)
     result.stdout.fnmatch_lines([said])
@@ -202,7 +202,7 @@ def test_a_marker_that_makes_no_sense_is_an_error_at_collection(pytester, run_py
 
 def test_a_marker_on_a_test_that_takes_no_trial(pytester, run_pytest):
     text = "import pytest\n\n@pytest.mark.seeds(1)\ndef test_it(): pass\n"
-    write(pytester, test_mine__py=text)
+    write(pytester, test_varied__py=text)
     result = run_pytest()
     result.assert_outcomes(errors=1)
     result.stdout.fnmatch_lines(["*takes none; let it take trial or run_trial"])
@@ -212,7 +212,7 @@ def test_a_failed_test_says_what_its_runs_came_to(pytester, run_pytest):
     write(
         pytester,
         bad__trial__yaml=FAILS.partition("expect")[0],
-        test_mine__py="""
+        test_varied__py="""
 def test_it(run_trial):
     assert run_trial("bad.trial.yaml").summary["penalties"] == 0
 """,
@@ -224,7 +224,7 @@ def test_it(run_trial):
             "*Floorwalker*",
             "bad on ariac2023, 30 s: operator (indifferent); gantry parked; rules paper; seed 0",
             "violation at t = 23.038 s: operator and gantry 3.50 m apart, 3.50 m required",
-            "replay: *pages*test_mine.py_test_it*.html",
+            "replay: *pages*test_varied.py_test_it*.html",
         ]
     )
     assert len(list((pytester.path / "pages").iterdir())) == 1
