@@ -125,7 +125,7 @@ def test_a_typo_is_an_error_at_collection(pytester, run_pytest, change, said):
 def test_a_controller_that_fails_is_told_in_a_sentence(pytester, run_pytest):
     write(
         pytester,
-        oilless__py="def mine(gantry):\n    yield gantry.wait(5)\n    raise RuntimeError('no oil')\n",
+        oilless__py="def mine(gantry):\n    yield gantry.wait(5)\n    raise OSError('no oil')\n",
         bad__trial__yaml=PASSES.replace("expect", "gantry: {controller: 'oilless:mine'}\nexpect"),
     )
     result = run_pytest()
