@@ -1,19 +1,14 @@
 """Expectations: what is met, what is not and since when, and what makes no sense."""
 
-import ast
-from pathlib import Path
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 import sim
 from sim.comparison import Comparison
-from sim.event_kinds import EVENT_KINDS
 from sim.occurrences import complement
 from sim.summary_fields import summary_fields
 
-SIM = Path(sim.__file__).parent
 TRIAL = """\
 floorplan: ariac2023
 duration: 60
@@ -236,26 +231,6 @@ def test_every_figure_of_the_summary_can_be_expected(run):
     for path in leaves({**run.summary, "metrics": run.metrics}):
         if path[-1] not in names:
             assert ".".join(path).removesuffix(".distance") in known or ".".join(path) in known
-
-
-def recorded_kinds():
-    """The file, kind and fields of every event that the sources record."""
-    for file in SIM.rglob("*.py"):
-        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
-            if not (isinstance(node, ast.Call) and ast.unparse(node.func).endswith("record")):
-                continue
-            if node.args and isinstance(node.args[0], ast.Constant):
-                fields = {keyword.arg for keyword in node.keywords} - {None}
-                yield file.name, node.args[0].value, fields
-
-
-def test_every_kind_of_event_is_known():
-    """What the sources record is in the table that expectations are checked against."""
-    found = list(recorded_kinds())
-    assert len(found) > 10
-    for file, kind, fields in found:
-        assert kind in EVENT_KINDS, f"{file} records {kind}"
-        assert fields <= set(EVENT_KINDS[kind]), f"{file} records {kind} with {fields}"
 
 
 @given(st.floats(-100, 100), st.floats(0, 10), st.floats(-120, 120))
