@@ -62,8 +62,7 @@ function drawText(context, text, x, y, { color, halo, size = 11, weight = 400, a
 
 /** Text on a small plate of its own, for figures that must not be misread. */
 function drawPlate(context, text, x, y, palette, color) {
-  context.font = `600 12px ${FONT}`;
-  const width = context.measureText(text).width + 12;
+  const width = plateWidth(context, text);
   context.beginPath();
   context.roundRect(x - width / 2, y - 10, width, 20, 5);
   context.fillStyle = palette.card;
@@ -72,6 +71,13 @@ function drawPlate(context, text, x, y, palette, color) {
   context.fill();
   alpha(context, 0.5, () => context.stroke());
   drawText(context, text, x, y + 0.5, { color: palette[color], size: 12, weight: 600 });
+}
+
+const plateWidth = (context, text) => textWidth(context, text, { size: 12, weight: 600 }) + 12;
+
+function textWidth(context, text, { size, weight }) {
+  context.font = `${weight} ${size}px ${FONT}`;
+  return context.measureText(text).width;
 }
 
 /** An event's shape in the middle of (x, y); `size` 1 is 12 pixels wide. */

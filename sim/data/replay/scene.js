@@ -3,11 +3,13 @@
 const TRAIL = 12;            // seconds of the way behind that are shown
 const TRAIL_GRAIN = 1;       // seconds of it that fade together
 const AFTERGLOW = 2.5;       // seconds for which a violation and a teleport stay on the floor in full
+const BODY_SIZE = 18;        // pixels about a body that no figure should cover
 const MOST_MARKS = 200;      // of the violations so far, the latest are marked on the floor
 
-/** Draws `run` at t with `pen` ({context, camera, palette, hatch}); `chosen` is the watch in focus. */
-function drawScene(pen, run, t, chosen, afterglow) {
+/** Draws `run` at t with `tools` ({context, camera, palette, hatch}); `chosen` is the watch in focus. */
+function drawScene(tools, run, t, chosen, afterglow) {
   const bodies = [...run.bodies.values()];
+  const pen = { ...tools, taken: bodies.map(body => boxRound(body.motion.at(t), BODY_SIZE, tools.camera)) };
   const ofKind = kind => bodies.filter(body => body.kind === kind);
   const shown = run.shown(chosen);
   for (const watch of shown) drawDistances(pen, watch, t);
@@ -21,7 +23,7 @@ function drawScene(pen, run, t, chosen, afterglow) {
     drawTeleport(pen, person, t, afterglow);
     drawPerson(pen, person, t);
   }
-  for (const body of bodies) drawName(pen, run, body, t, shown);
+  for (const body of bodies) drawName(pen, run, body, t);
   drawViolations(pen, run, t, afterglow);
   const violated = run.watches.filter(watch => !shown.includes(watch) && watch.at(t).violated);
   for (const watch of [...violated, ...shown]) drawSeparation(pen, watch, t, watch === chosen);
@@ -96,18 +98,40 @@ function drawSeparation(pen, watch, t, isChosen) {
     violated || noticed, isChosen || violated || noticed ? figure : null);
 }
 
-function drawDistanceLine({ context, camera, palette }, from, to, color, strong, text) {
+function drawDistanceLine(pen, from, to, color, strong, text) {
+  const { context, camera, palette } = pen;
   context.strokeStyle = palette[color];
   context.lineWidth = strong ? 2 : 1;
   context.setLineDash(strong ? [] : [3, 4]);
   strokePath(context, camera, [[from.x, from.y], [to.x, to.y]]);
   context.setLineDash([]);
   if (!text) return;
-  const [px, py] = camera.toScreen((from.x + to.x) / 2, (from.y + to.y) / 2);
-  const [dx, dy] = [Math.abs(from.x - to.x), Math.abs(from.y - to.y)];
-  const isShort = Math.hypot(dx, dy) * camera.scale < 130;      // beside the line, not over the bodies
-  const [aside, up] = isShort ? (dx > dy ? [0, 34] : [72, 0]) : [0, 0];
-  drawPlate(context, text, px + aside, py - up, palette, color === "danger" ? "danger-ink" : "text");
+  const [x, y] = placeOfFigure(pen, camera.toScreen(from.x, from.y), camera.toScreen(to.x, to.y), text);
+  drawPlate(context, text, x, y, palette, color === "danger" ? "danger-ink" : "text");
+}
+
+/** Where the figure of a line from a to b covers nothing: on the line, or else beside it. */
+function placeOfFigure({ context, taken }, [ax, ay], [bx, by], text) {
+  const on = share => [ax + share * (bx - ax), ay + share * (by - ay)];
+  const [mx, my] = on(0.5);
+  const places = [...[0.5, 0.38, 0.62, 0.26, 0.74].map(on),
+    [mx, my - 34], [mx + 72, my], [mx - 72, my], [mx, my + 34], [mx, my - 60], [mx, my + 60]];
+  return takePlace(taken, places, plateWidth(context, text), 20);
+}
+
+/** The first of the `places` at which a box of that size covers nothing that is taken; takes it. */
+function takePlace(taken, places, wide, high) {
+  const boxes = places.map(([x, y]) => (
+    { left: x - wide / 2, right: x + wide / 2, top: y - high / 2, bottom: y + high / 2 }));
+  const free = Math.max(0, boxes.findIndex(box => !taken.some(other => overlap(box, other))));
+  taken.push(boxes[free]);
+  return places[free];
+}
+
+/** A square of `size` pixels round a place of the floor. */
+function boxRound({ x, y }, size, camera) {
+  const [px, py] = camera.toScreen(x, y);
+  return { left: px - size / 2, right: px + size / 2, top: py - size / 2, bottom: py + size / 2 };
 }
 
 /** Where people came too close so far: a mark each, and for a moment the line itself. */
@@ -125,25 +149,25 @@ function drawViolations(pen, run, t, afterglow) {
   }
 }
 
-function drawName({ context, camera, palette }, run, body, t, shown) {
+function drawName(pen, run, body, t) {
+  const { context, camera, palette } = pen;
   const { x, y, rotation } = body.motion.at(t);
   const [px, py] = camera.toScreen(x, y);
-  const look = { halo: palette.halo, size: 12, weight: 600 };
   if (body.kind === "agv") {
     const size = Math.min(12, 0.45 * body.width * camera.scale);
     const back = 0.06 * body.length * camera.scale * Math.cos(rotation);
     if (size < 7) return;
     drawText(context, spoken(body.name), px - back, py + 0.5, { size, weight: 600, color: palette.halo });
-  } else if (body.kind === "gantry") {
-    const isDisabled = run.disabledUntil(t) !== undefined;
-    const name = isDisabled ? `${spoken(body.name)}, disabled` : spoken(body.name);
-    const below = body.reach * camera.scale + 10;
-    drawText(context, name, px, py + below, { ...look, color: palette["gantry-ink"] });
-  } else {
-    const away = Math.max(6, body.radius * camera.scale) + 11;
-    const other = shown.find(watch => watch.person === body)?.other.motion.at(t);
-    const isCrowded = other && other.y > y && Math.hypot(other.x - x, other.y - y) < 3;
-    drawText(context, spoken(body.name), px, isCrowded ? py + away : py - away,
-      { ...look, color: palette[body.color] });
+    return;
   }
+  const isGantry = body.kind === "gantry";
+  const isDisabled = isGantry && run.disabledUntil(t) !== undefined;
+  const name = isDisabled ? `${spoken(body.name)}, disabled` : spoken(body.name);
+  const look = { halo: palette.halo, size: 12, weight: 600, color: palette[isGantry ? "gantry-ink" : body.color] };
+  const away = isGantry ? body.reach * camera.scale + 10 : Math.max(6, body.radius * camera.scale) + 11;
+  const wide = textWidth(context, name, look);
+  const [above, below] = [[px, py - away], [px, py + away]];
+  const beside = away + wide / 2;
+  const places = [...(isGantry ? [below, above] : [above, below]), [px + beside, py], [px - beside, py]];
+  drawText(context, name, ...takePlace(pen.taken, places, wide, 14), look);
 }
