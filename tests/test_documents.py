@@ -4,6 +4,7 @@ import re
 from pathlib import Path
 
 import pytest
+import yaml
 
 import bdi
 import floorplan
@@ -98,3 +99,34 @@ def test_every_example_in_the_folder_runs(capsys):
     for trial in trials:
         run = sim.run(sim.Trial.load(trial))
         assert run.unmet == [], trial.name
+
+
+def pages(entries):
+    """The files that a navigation leads to."""
+    for entry in entries:
+        if isinstance(entry, str):
+            yield entry
+        else:
+            for inner in entry.values():
+                yield from pages([inner] if isinstance(inner, str) else inner)
+
+
+def test_the_navigation_lists_every_page_once():
+    site = yaml.safe_load((ROOT / "mkdocs.yml").read_text(encoding="utf-8"))
+    listed = list(pages(site["nav"]))
+    assert sorted(listed) == sorted(page.name for page in (ROOT / "docs").glob("*.md"))
+
+
+def test_the_readme_leads_to_every_page():
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    linked = set(re.findall(r"\]\(docs/([\w-]+\.md)", readme))
+    assert linked == {page.name for page in (ROOT / "docs").glob("*.md")} - {"index.md"}
+
+
+def test_every_picture_is_shown_somewhere():
+    texts = [
+        page.read_text(encoding="utf-8")
+        for page in [ROOT / "README.md", *(ROOT / "docs").glob("*.md")]
+    ]
+    for picture in (ROOT / "docs" / "images").iterdir():
+        assert any(f"images/{picture.name})" in text for text in texts), picture.name

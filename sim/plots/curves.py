@@ -45,7 +45,8 @@ def instants(motions: Sequence[Motion], begin: float, end: float) -> Array:
     """Instants (N,) at which to draw these motions from `begin` to just before `end` (seconds).
 
     Every change stands there twice: as the last instant before it, and as itself. Where a body
-    was put elsewhere, NaN stands between the two: no line is drawn across.
+    was put elsewhere, NaN stands between the two: no line is drawn across. Of a single motion,
+    straight stretches have their ends only.
     """
     changes = {begin, end}
     for motion in motions:
@@ -57,9 +58,16 @@ def instants(motions: Sequence[Motion], begin: float, end: float) -> Array:
     for since, until in itertools.pairwise(cuts):
         if since in jumps and stretches:
             stretches.append(np.array([np.nan]))
-        count = max(1, math.ceil((until - since) / STEP)) + 1
-        stretches.append(np.linspace(since, np.nextafter(until, since), count))
+        straight = len(motions) == 1 and _is_straight(motions[0], since)
+        steps = 1 if straight else math.ceil((until - since) / STEP)
+        stretches.append(np.linspace(since, np.nextafter(until, since), steps + 1))
     return np.concatenate(stretches)
+
+
+def _is_straight(motion: Motion, t: float) -> bool:
+    """Whether from `t` (seconds) to the next change x and y grow evenly, and nothing turns."""
+    piece = motion.pieces_from(t)[0]
+    return t >= motion.end or not any((*piece.x[2:], *piece.y[2:], *piece.rotation[1:]))
 
 
 def speeds(motion: Motion, t: Array) -> Array:

@@ -26,6 +26,9 @@ TRAIL = 8.0
 
 _DOTS_PER_INCH = 100
 
+_WIDE = 700
+"""Pixels. A picture that is less wide has no room for small names."""
+
 _MARGIN = 0.7
 """Inches that stand beside the floor, for figures and names of axes."""
 
@@ -90,7 +93,7 @@ class Film:
         run = self._run
         floor_axes(axes, run.floorplan)
         draw_floor(axes, run.floorplan)
-        draw_names(axes, run.floorplan, "double")
+        draw_names(axes, run.floorplan, "double" if self.size[0] >= _WIDE else "single")
         self._machines: dict[str, Any] = {}
         self._people: dict[str, _Person] = {}
         self._beam: Any = None

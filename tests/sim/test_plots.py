@@ -68,10 +68,10 @@ points = st.tuples(st.floats(-9.0, 9.0), st.floats(-9.0, 9.0))
 legs = st.lists(st.lists(points, min_size=2, max_size=4, unique=True), min_size=1, max_size=4)
 
 
-@given(legs, legs, st.floats(0.0, 5.0), st.floats(0.1, 60.0))
+@given(legs, st.none() | legs, st.floats(0.0, 5.0), st.floats(0.1, 60.0))
 def test_a_curve_follows_its_motion_and_breaks_where_it_jumps(one, other, begin, length):
     motions = []
-    for way in (one, other):
+    for way in filter(None, (one, other)):
         t, walks = 0.0, []
         for corners in way:
             walks.append(walk(corners, t, max_speed=1.0, max_acceleration=2.5))

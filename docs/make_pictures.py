@@ -1,0 +1,66 @@
+"""Makes the pictures of the documents: `python docs/make_pictures.py [FOLDER]`.
+
+Those of the tutorial come from the files that stand in the tutorial.
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import floorplan
+import sim
+from navigation import CollisionWorld, PathPlanner
+from sim import plots
+
+DOCS = Path(__file__).resolve().parent
+NAMED_BLOCK = re.compile(
+    r"`([\w.]+\.(?:yaml|asl|py))`[^\n]*\n(?:[^\n]+\n){0,2}\n```\w+\n(.*?)```", re.S
+)
+
+
+def files_of(document: Path, folder: Path) -> None:
+    """Write the files that a document shows, each under the name before it, into `folder`."""
+    for name, text in NAMED_BLOCK.findall(document.read_text(encoding="utf-8")):
+        (folder / name).write_text(text, encoding="utf-8")
+
+
+def tutorial(out: Path) -> None:
+    """What somebody who follows the tutorial sees."""
+    first = sim.run(sim.Trial.load("ariac2023"))
+    plots.save(first.plot.separation(within=(0.0, 90.0)), out / "tutorial-first.svg")
+    with TemporaryDirectory() as name:
+        folder = Path(name)
+        files_of(DOCS / "tutorial.md", folder)
+        world = CollisionWorld(floorplan.load(folder / "room.yaml"))
+        way = PathPlanner(world).plan((1.0, 1.0), (12.0, 7.5))
+        plots.save(plots.path(world, way, radius=0.3), out / "tutorial-way.svg")
+        trial = sim.Trial.load(folder / "room.trial.yaml")
+        polite = sim.run(trial.with_personality("polite.asl"))
+        plots.save(polite.plot.trails(), out / "tutorial-trails.svg")
+        courteous = replace(trial, gantry=replace(trial.gantry, controller="courteous:courteous"))
+        for name, chosen in (("before", trial), ("after", courteous)):
+            plots.save(sim.run(chosen).plot.separation(), out / f"tutorial-{name}.svg")
+
+
+def gallery(out: Path) -> None:
+    """One picture of each kind, for the page about pictures."""
+    plots.save(plots.floorplan(floorplan.load("warehouse")), out / "plot-floorplan.svg")
+    world = CollisionWorld(floorplan.load("machine_shop"))
+    way = PathPlanner(world).plan((16.8, 6.0), (4.0, 13.5))
+    plots.save(plots.path(world, way, radius=0.25), out / "plot-path.svg")
+    run = sim.run(sim.Trial.load(DOCS.parent / "examples" / "two_people.trial.yaml"))
+    plots.save(run.plot.trails(), out / "plot-trails.svg")
+    plots.save(run.plot.space_time(), out / "plot-spacetime.svg")
+    plots.save(run.plot.separation(), out / "plot-separation.svg")
+    plots.save(run.plot.heat_map(), out / "plot-heatmap.svg")
+    plots.render(run, out / "film.gif", speed=6.0, fps=10, width=480, within=(0.0, 60.0))
+
+
+if __name__ == "__main__":
+    folder = Path(sys.argv[1]) if len(sys.argv) > 1 else DOCS / "images"
+    tutorial(folder)
+    gallery(folder)

@@ -1,0 +1,36 @@
+"""The documents as a site: it builds without a warning, and stands alone."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+DOCS = ROOT / "docs"
+
+
+def test_the_site_builds_without_a_warning_and_asks_nobody_for_anything(tmp_path):
+    pytest.importorskip("mkdocs")
+    command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--site-dir", str(tmp_path)]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert "WARNING" not in done.stderr
+    built = list(tmp_path.rglob("*.html"))
+    assert len(built) >= len(list(DOCS.glob("*.md")))
+    for page in built:
+        html = page.read_text(encoding="utf-8")
+        for tag in re.findall(r"<(?:script|link|img|iframe)\b[^>]*>", html):
+            assert not re.search(r"""(?:src|href)=["']?(?:https?:)?//""", tag), (page.name, tag)
+    for style in tmp_path.rglob("*.css"):
+        text = style.read_text(encoding="utf-8")
+        assert not re.search(r"(?:@import|url\()\s*[\"']?(?:https?:)?//", text), style.name
+
+
+@pytest.mark.slow
+def test_the_pictures_are_those_that_the_script_makes(tmp_path):
+    pytest.importorskip("matplotlib")
+    subprocess.run([sys.executable, str(DOCS / "make_pictures.py"), str(tmp_path)], check=True)
+    made = {path.name for path in tmp_path.iterdir()}
+    assert made == {path.name for path in (DOCS / "images").iterdir()} - {"replay.png"}

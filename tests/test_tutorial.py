@@ -1,0 +1,36 @@
+"""What the tutorial says about its runs is what comes out of its files."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from test_documents import blocks
+
+import sim
+
+TUTORIAL = Path(__file__).resolve().parents[1] / "docs" / "tutorial.md"
+
+
+@pytest.fixture
+def trial(tmp_path):
+    for kind in ("yaml", "asl", "python"):
+        for name, text in blocks(TUTORIAL, kind):
+            if name:
+                (tmp_path / name).write_text(text, encoding="utf-8")
+    return sim.Trial.load(tmp_path / "room.trial.yaml")
+
+
+def test_six_violations_and_eight_jobs_with_the_oblivious_controller(trial):
+    summary = sim.run(trial).summary
+    assert (summary["penalties"], summary["jobs_done"]) == (6, 8)
+    assert summary["violations"] == {"gantry": 6, "person": 0}
+
+
+def test_four_violations_are_left_if_ada_is_polite(trial):
+    assert sim.run(trial.with_personality("polite.asl")).summary["penalties"] == 4
+
+
+def test_no_violation_and_six_jobs_with_the_courteous_controller(trial):
+    gantry = replace(trial.gantry, controller="courteous:courteous")
+    summary = sim.run(replace(trial, gantry=gantry)).summary
+    assert (summary["penalties"], summary["jobs_done"]) == (0, 6)
