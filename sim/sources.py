@@ -11,6 +11,7 @@ from .outcome import Recorded
 from .run_folder import load_run
 from .simulation import run
 from .trial import Trial
+from .trial_file import builtin_trials
 
 
 def run_from(source: str | Path) -> Recorded:
@@ -24,10 +25,21 @@ def run_from(source: str | Path) -> Recorded:
 
 
 def floorplan_from(source: str | Path) -> Floorplan:
-    """The floor of that name, in that file, of that trial, or of the run in that folder."""
-    path = Path(source)
+    """The floor of that name, in that file, of that trial, or of the run in that folder.
+
+    A name that both a floorplan and a trial have means the floorplan.
+    """
+    path, name = Path(source), str(source)
     if path.is_dir():
         return load_run(path).floorplan
-    if path.name.endswith((".trial.yaml", ".trial.yml")):
-        return Trial.load(path).floorplan
+    if name in set(builtin_trials()) - set(floorplan.builtin()) or _is_trial(path):
+        return Trial.load(source).floorplan
     return floorplan.load(source)
+
+
+def _is_trial(path: Path) -> bool:
+    """Whether a YAML file names a floorplan instead of being one."""
+    if path.suffix.lower() not in (".yaml", ".yml") or not path.is_file():
+        return False
+    data = floorplan.read_yaml(path, floorplan.FloorplanError).data
+    return isinstance(data, dict) and "floorplan" in data

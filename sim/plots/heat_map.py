@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
@@ -28,7 +27,7 @@ _BAR = 0.6
 """Inches. What the bar of colours takes."""
 
 MOMENT = 0.02
-"""Seconds. Between changes of a motion, a body is looked at this often."""
+"""Seconds. Somebody who moves is looked at this often."""
 
 _HAIR = 1e-9
 """Metres. Cells that are further off than a radius by no more than this still count."""
@@ -93,14 +92,14 @@ def _time_in_cells(motion: Motion, begin: float, end: float, plan: Floorplan) ->
     """For how long the body's centre was in each cell."""
     west, south, *_ = plan.boundary.bounds
     rows, columns = _shape(plan)
-    cuts = {begin, end, *(p.begin for p in motion.pieces if begin < p.begin < end)}
-    edges = sorted(cuts)
     middles: list[NDArray[Any]] = [np.empty(0)]
     weights: list[NDArray[Any]] = [np.empty(0)]
-    for since, until in itertools.pairwise(edges):
-        moments = math.ceil((until - since) / MOMENT)
-        step = (until - since) / moments
-        middles.append(since + step * (np.arange(moments) + 0.5))
+    for piece in motion.cut(begin, end).pieces:
+        moves = any((*piece.x[1:], *piece.y[1:]))
+        duration = piece.end - piece.begin
+        moments = max(1, math.ceil(duration / MOMENT)) if moves else 1
+        step = duration / moments
+        middles.append(piece.begin + step * (np.arange(moments) + 0.5))
         weights.append(np.full(moments, step))
     x, y = motion.position(np.concatenate(middles)).T
     column = np.clip(((x - west) / CELL).astype(int), 0, columns - 1)

@@ -7,6 +7,7 @@ import re
 import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -22,6 +23,8 @@ from sim.plots.curves import instants
 from sim.plots.heat_map import CELL, time_covered
 
 matplotlib = pytest.importorskip("matplotlib")
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 
 TRIAL = """
 name: busy
@@ -311,6 +314,9 @@ def folder(tmp_path_factory):
     [
         ("floorplan", "warehouse"),
         ("floorplan", "FOLDER"),
+        ("floorplan", "scene_helpful"),
+        ("floorplan", EXAMPLES / "own_floor.trial.yaml"),
+        ("floorplan", EXAMPLES / "press_shop.yaml"),
         ("path", "ariac2023", -15, -10, -5, 3.75, "--radius", 0.25),
         ("trails", "FOLDER", "--from", 5, "--to", 30),
         ("spacetime", "FOLDER", "--width", "single"),
