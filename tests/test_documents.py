@@ -114,13 +114,16 @@ def pages(entries):
 def test_the_navigation_lists_every_page_once():
     site = yaml.safe_load((ROOT / "mkdocs.yml").read_text(encoding="utf-8"))
     listed = list(pages(site["nav"]))
-    assert sorted(listed) == sorted(page.name for page in (ROOT / "docs").glob("*.md"))
+    there = {page.name for page in (ROOT / "docs").glob("*.md")}
+    assert there - set(listed) == set(), "list it under nav in mkdocs.yml"
+    assert sorted(listed) == sorted(there)
 
 
 def test_the_readme_leads_to_every_page():
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
     linked = set(re.findall(r"\]\(docs/([\w-]+\.md)", readme))
-    assert linked == {page.name for page in (ROOT / "docs").glob("*.md")} - {"index.md"}
+    there = {page.name for page in (ROOT / "docs").glob("*.md")} - {"index.md"}
+    assert there - linked == set(), "link it from the list in README.md"
 
 
 def test_every_picture_is_shown_somewhere():
