@@ -60,6 +60,10 @@ class Walker:
         """Where the person looks now, radians."""
         return self.body.state.position[2]
 
+    def prepare(self) -> None:
+        """Work out beforehand what the first way would take its time for."""
+        self._planner.prepare()
+
     def go(self, goal: Place) -> None:
         """Walk to `goal` from now on; `PlanningError` if there is no way (then nothing changes)."""
         motion = self._motion_to(goal)

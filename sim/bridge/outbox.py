@@ -35,16 +35,19 @@ class Stream:
 
 
 class Outbox:
-    """Hands messages out in the order in which they came, without those that grew too old."""
+    """Hands messages out in the order in which they came, without those that grew too old.
+
+    `characters` is how much waits.
+    """
 
     def __init__(self) -> None:
         self._replies = Stream(MOST_REPLIES)
         self._order: deque[Stream] = deque()
         self._filled = asyncio.Event()
-        self._characters = 0
+        self.characters = 0
 
-    def __bool__(self) -> bool:
-        return bool(self._order)
+    def __len__(self) -> int:
+        return len(self._order)
 
     def reply(self, item: Item) -> None:
         """Put an answer in; `NotReadingError` where too many wait already."""
@@ -55,13 +58,13 @@ class Outbox:
     def put(self, stream: Stream, item: Item) -> None:
         """Put a topic's message in; the oldest one of the topic goes where too many wait."""
         while len(stream.waiting) >= stream.limit:
-            self._characters -= _length(stream.waiting.popleft())
+            self.characters -= _length(stream.waiting.popleft())
             self._order.remove(stream)
         self._put(stream, item)
 
     def drop(self, stream: Stream) -> None:
         """Throw away what waits of a topic."""
-        self._characters -= sum(map(_length, stream.waiting))
+        self.characters -= sum(map(_length, stream.waiting))
         stream.waiting.clear()
         self._order = deque(one for one in self._order if one is not stream)
 
@@ -71,14 +74,14 @@ class Outbox:
             self._filled.clear()
             await self._filled.wait()
         item = self._order.popleft().waiting.popleft()
-        self._characters -= _length(item)
+        self.characters -= _length(item)
         return item
 
     def _put(self, stream: Stream, item: Item) -> None:
         length = _length(item)
-        if self._characters + length > MOST_CHARACTERS:
+        if self.characters + length > MOST_CHARACTERS:
             raise NotReadingError(f"{MOST_CHARACTERS} characters wait to be read")
-        self._characters += length
+        self.characters += length
         stream.waiting.append(item)
         self._order.append(stream)
         self._filled.set()

@@ -64,6 +64,7 @@ class Session:
         self._needs_controller = trial.gantry.controller == EXTERNAL
         self._stepping: Client | None = None
         self._ticks = 0
+        self._published_at = -1.0
         self._standing = True
         self._told = ""
         self._is_slow = False
@@ -98,7 +99,7 @@ class Session:
                 await self._go_on()
             if self._failure is not None:
                 raise self._failure
-            self._workcell.publish()
+            self._publish()
             self._workcell.enter(ENDED)
         finally:
             await self.server.close()
@@ -125,7 +126,10 @@ class Session:
         loop = asyncio.get_running_loop()
         self._walk_on()
         self._catch_up()
-        delay = self._pace.wall_at(self._next_tick) - loop.time()
+        if self._is_over:
+            return
+        happens = min(self._next_tick, self._workcell.next_event)
+        delay = self._pace.wall_at(happens) - loop.time()
         if delay < -BEHIND:
             self._pace.resume(self._workcell.now, loop.time())
             if not self._is_slow:
@@ -168,11 +172,17 @@ class Session:
             return False
         if workcell.now >= self._next_tick:
             self._ticks += 1
-            workcell.publish()
+            self._publish()
         elif asked:
-            workcell.publish()
+            self._publish()
         workcell.tell()
         return asked
+
+    def _publish(self) -> None:
+        """Publish the state, unless it has been at this instant."""
+        if self._published_at != self._workcell.now:
+            self._published_at = self._workcell.now
+            self._workcell.publish()
 
     @property
     def _next_tick(self) -> float:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from simpy.core import StopSimulation
+
 from ..body import Body
 from ..clock import Turn
 from ..minds import Outside
@@ -34,6 +36,9 @@ class Workcell(Listener):
         driven = driven_person(trial)
         self.human: HumanTopics | None = None
         self.simulation = simulation = Simulation(trial, self, *listeners)
+        for person in simulation.people:
+            # Nobody waits for the network of ways once time goes on.
+            person.walker.prepare()
         self.person = None if driven is None else simulation.people[driven]
         self.gate = Gate(simulation.clock)
         self._exchange = exchange
@@ -75,22 +80,32 @@ class Workcell(Listener):
         return self.simulation.clock.now
 
     @property
+    def next_event(self) -> float:
+        """When something happens next, seconds."""
+        return float(self.simulation.clock.peek())
+
+    @property
     def is_over(self) -> bool:
         """Whether the trial has come to its end."""
         return self.simulation.over
 
     def advance(self, until: float) -> bool:
-        """Let happen what happens before `until` (seconds).
+        """Let happen what happens before `until` (seconds), or until the trial is over.
 
         It stops as soon as the person outside has something to decide on, and then says True; what
         is perceived waits for `tell`.
         """
         clock = self.simulation.clock
         until = min(until, self.simulation.trial.duration)
-        while not self._asked and not self.is_over and clock.peek() < until:
-            clock.step()
-        if not self._asked and not self.is_over and clock.now < until:
-            clock.run(clock.at(until, Turn.VIOLATION))
+        try:
+            while not self._asked and not self.is_over and clock.peek() < until:
+                clock.step()
+            if not self._asked and not self.is_over and clock.now < until:
+                arrival = clock.at(until, Turn.VIOLATION)
+                while not arrival.processed:
+                    clock.step()
+        except StopSimulation:
+            pass  # the trial has come to its end
         return self._asked
 
     def tell(self) -> None:

@@ -190,3 +190,15 @@ class Client:
     def error(self, timeout=20.0):
         """What the server has to complain about next."""
         return self.hear_until(lambda said: said["op"] == "status", timeout)
+
+
+def require_whole(folder):
+    """Every file of a recording can be read, to its last line."""
+    json.loads((folder / "summary.json").read_text())
+    for name in ("events.jsonl", "motions.jsonl"):
+        lines = (folder / name).read_text().splitlines()
+        assert lines
+        for line in lines:
+            json.loads(line)
+    assert json.loads(lines[-1])["end"] > 0
+    assert (folder / "replay.html").stat().st_size > 10_000
