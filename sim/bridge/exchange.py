@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import inspect
+from collections import deque
 from collections.abc import Awaitable, Callable
 from typing import Any
 
@@ -57,21 +58,21 @@ class Topic:
     """A topic: `heard` is told of what clients publish on it; without it, only we publish."""
 
     def __init__(
-        self, name: str, type_: MessageType, *, ours: bool, heard: Heard | None, latched: bool
+        self, name: str, type_: MessageType, *, ours: bool, heard: Heard | None, latched: int
     ) -> None:
         self.name = name
         self.type = type_
         self.ours = ours
         self.heard = heard
         self.latched = latched
-        self.last: str | None = None
+        self.kept: deque[str] = deque(maxlen=latched)
         self.subscriptions: dict[Client, Subscription] = {}
         self.publishers: set[Client] = set()
 
     @property
     def is_needed(self) -> bool:
         """Whether anybody hears or ever will hear what is published now."""
-        return self.latched or bool(self.subscriptions)
+        return bool(self.latched or self.subscriptions)
 
 
 class Service:
@@ -99,11 +100,11 @@ class Exchange:
     # What there is to hear and to ask.
 
     def advertise(
-        self, name: str, type_: str, *, heard: Heard | None = None, latched: bool = False
+        self, name: str, type_: str, *, heard: Heard | None = None, latched: int = 0
     ) -> Topic:
         """A topic that we publish on, and with `heard` clients as well.
 
-        The last message of a `latched` one is sent to everybody who subscribes later.
+        Its last `latched` messages are sent to everybody who subscribes later.
         """
         topic = Topic(name, message_type(type_), ours=True, heard=heard, latched=latched)
         self.topics[name] = topic
@@ -111,7 +112,7 @@ class Exchange:
 
     def listen(self, name: str, type_: str, heard: Heard) -> Topic:
         """A topic that clients publish on."""
-        topic = Topic(name, message_type(type_), ours=False, heard=heard, latched=False)
+        topic = Topic(name, message_type(type_), ours=False, heard=heard, latched=0)
         self.topics[name] = topic
         return topic
 
@@ -222,8 +223,8 @@ class Exchange:
         if subscription.wishes >= MOST_TOPICS:
             raise RefusedError(f"{MOST_TOPICS} subscriptions are the most")
         subscription.add(request.id, Wish.of(request))
-        if topic.last is not None:
-            subscription.offer(topic.last)
+        for text in topic.kept:
+            subscription.offer(text)
         self.changed(client)
 
     def _unsubscribe(self, client: Client, name: str, id: str | int | None) -> bool:
@@ -251,7 +252,7 @@ class Exchange:
         """A topic of the clients' own: what one publishes, the others hear."""
         if len(self._brought) >= MOST_TOPICS:
             raise RefusedError(f"{MOST_TOPICS} topics are the most that clients may bring")
-        topic = Topic(name, type_, ours=False, heard=None, latched=False)
+        topic = Topic(name, type_, ours=False, heard=None, latched=0)
         self.topics[name] = topic
         self._brought.add(name)
         return topic
@@ -274,8 +275,7 @@ class Exchange:
 
     def _spread(self, topic: Topic, message: dict[str, Any]) -> None:
         text = publication(topic.name, message)
-        if topic.latched:
-            topic.last = text
+        topic.kept.append(text)
         for subscription in tuple(topic.subscriptions.values()):
             subscription.offer(text)
 

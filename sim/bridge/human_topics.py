@@ -77,7 +77,7 @@ class HumanTopics:
         self._gate = gate
         self._outside = outside
         self._topics = {
-            START: exchange.advertise(START, _BOOL, heard=self._start, latched=True),
+            START: exchange.advertise(START, _BOOL, heard=self._start, latched=1),
             REACHED: exchange.advertise(REACHED, _BOOL),
             UNSAFE: exchange.advertise(UNSAFE, _BOOL),
             DETECTED: exchange.advertise(DETECTED, _BOOL),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from simpy.core import StopSimulation
 
+from ..ariac import Order
 from ..body import Body
 from ..clock import Turn
 from ..minds import Outside
@@ -16,10 +17,13 @@ from .exchange import Exchange
 from .gantry_topics import GantryTopics
 from .gate import Gate
 from .human_topics import HumanTopics
+from .order_messages import order_message
 from .readings import human_state, seconds, transforms
 
-READY, STARTED, ENDED = 1, 2, 4
-"""Of ariac_msgs/CompetitionState: it can be started, it is, it is over."""
+READY, STARTED, ANNOUNCED, ENDED = 1, 2, 3, 4
+"""Of ariac_msgs/CompetitionState: it can be started, it is, all orders are known, it is over."""
+
+_MOST_ORDERS = 1000
 
 
 class BridgeError(ValueError):
@@ -35,20 +39,21 @@ class Workcell(Listener):
     def __init__(self, trial: Trial, exchange: Exchange, *listeners: Listener) -> None:
         driven = driven_person(trial)
         self.human: HumanTopics | None = None
+        self._exchange = exchange
+        self._orders = exchange.advertise("/ariac/orders", "ariac_msgs/Order", latched=_MOST_ORDERS)
+        self._phase = exchange.advertise(
+            "/ariac/competition_state", "ariac_msgs/CompetitionState", latched=1
+        )
+        self._unannounced = {order.id: order for order in _orders_of(trial)}
         self.simulation = simulation = Simulation(trial, self, *listeners)
         for person in simulation.people:
             # Nobody waits for the network of ways once time goes on.
             person.walker.prepare()
         self.person = None if driven is None else simulation.people[driven]
         self.gate = Gate(simulation.clock)
-        self._exchange = exchange
         self._clock = exchange.advertise("/clock", "rosgraph_msgs/Clock")
         self._tf = exchange.advertise("/tf", "tf2_msgs/TFMessage")
         self._state = exchange.advertise("/ariac_human/state", "ariac_msgs/HumanState")
-        self._phase = exchange.advertise(
-            "/ariac/competition_state", "ariac_msgs/CompetitionState", latched=True
-        )
-        exchange.advertise("/ariac/orders", "ariac_msgs/Order", latched=True)
         self._agvs = AgvTopics(simulation.agvs, exchange, self.gate)
         self._gantry: GantryTopics | None = None
         if simulation.gantry is not None:
@@ -136,7 +141,12 @@ class Workcell(Listener):
         self._exchange.publish(self._phase, {"competition_state": phase})
 
     def event(self, event: Event) -> None:
-        """Publish what happens to a person with a mind of their own."""
+        """Publish orders as they are announced, and what happens to a person."""
+        if event["kind"] == "order_announced":
+            order = self._unannounced.pop(event["order"])
+            self._exchange.publish(self._orders, order_message(order))
+            if not self._unannounced:
+                self.enter(ANNOUNCED)
         if self.human is not None:
             self.human.event(event)
 
@@ -153,6 +163,10 @@ class Workcell(Listener):
         if self.person is not None:
             frames.insert(0, ("base_link", self.person.walker.body, 0.0))
         return frames
+
+
+def _orders_of(trial: Trial) -> tuple[Order, ...]:
+    return trial.workload.orders if trial.workload else ()
 
 
 def driven_person(trial: Trial) -> int | None:
