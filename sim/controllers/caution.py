@@ -25,6 +25,9 @@ STRIDE = 0.2
 ARRIVED = 1e-6
 """Metres and radians. Nearer than this is there."""
 
+INSTANT = 1e-6
+"""Seconds. Less than this is no time at all."""
+
 MARGIN = 0.05
 """Metres. More than the distance can fall short between two looks at the motion ahead."""
 
@@ -57,7 +60,7 @@ class Caution:
         end = gantry.now + seconds
         people = yield gantry.look()
         while math.dist(gantry.position, pose) > ARRIVED or gantry.state.speed > 0:
-            if gantry.now >= end:
+            if end - gantry.now < INSTANT:
                 return False
             share = self._share_to(pose)
             found, safe = self._fastest(pose, share, people)

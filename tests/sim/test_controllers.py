@@ -192,6 +192,23 @@ def test_avoiding_steps_aside_where_pausing_stands():
     assert penalties["avoiding"] < penalties["pausing"] / 2
 
 
+def test_second_thoughts_at_a_tenth_that_rounds_up_let_time_pass():
+    """9.1 is a little less than 8.1 + 1.0."""
+    run = sim.run(
+        trial(
+            """
+duration: 60
+people: [{name: p, personality: helpful, start: {time: 55}}]
+gantry:
+  controller: avoiding
+  at: [-5.75, -0.64, 0.0]
+  jobs: [{pick: bin6, place: agv3}, {pick: bin4, place: agv1}, {pick: bin2, place: agv3}]
+"""
+        )
+    )
+    assert run.summary["jobs_done"] == 3
+
+
 def test_people_are_seen_ten_times_a_second(controller, tmp_path):
     name = controller(
         """
