@@ -47,8 +47,8 @@ class Task:
     """Something to be done in `steps`, one after the other.
 
     `kind` and `fields` go into the events that tell of it. A task of a later `stage` waits for
-    those before it; `ready()` tells whether it may be begun as things stand; `done()` is called
-    when its last step is done.
+    those before it in its `group`; `ready()` tells whether it may be begun as things stand;
+    `done()` is called when its last step is done.
     """
 
     def __init__(
@@ -67,6 +67,7 @@ class Task:
         self.fields = dict(fields or {})
         self.ready = ready
         self.done = done
+        self.group = 0
         self.announced = False
         self._steps_done = 0
         if not self.steps:
@@ -107,6 +108,7 @@ class Tasks:
         self.more_to_come = False
         self._clock = clock
         self._groups: list[tuple[bool, list[Task]]] = []
+        self._groups_added = 0
         self._waiting: list[Event] = []
 
     @property
@@ -117,6 +119,9 @@ class Tasks:
     def add(self, tasks: Iterable[Task], *, first: bool = False) -> None:
         """A group of tasks more; `first` puts it before all others that were not put first."""
         group = list(tasks)
+        self._groups_added += 1
+        for task in group:
+            task.group = self._groups_added
         if group:
             self._groups.append((first, group))
             self._groups.sort(key=lambda entry: not entry[0])

@@ -31,6 +31,9 @@ GLANCE = 0.5
 SECOND_THOUGHTS = 1.0
 """Seconds. How often it asks itself whether what it does is still the best."""
 
+PATIENCE = 6.0
+"""Seconds. For how long an order may be blocked until the tasks of the next are thought of."""
+
 REFUGES = 5
 """It steps aside to one of so many times so many places, spread over its range."""
 
@@ -58,6 +61,7 @@ class Outlook:
         self._gantry = gantry
         self._zone = caution.required(0.0) + ROOM
         self._rooms = [caution.room_to_move(pace) + ROOM for pace in PACES]
+        self._free_at = gantry.now
         self._way: tuple[Pose, tuple[Pose, ...], float] = (gantry.position, (), 0.0)
         self._planner = GantryPlanner(gantry.floorplan)
         x, y = (
@@ -70,23 +74,32 @@ class Outlook:
         """The task to go on with, and where to go for it now; None if none can be done now."""
         gantry = self._gantry
         tasks = [task for task in gantry.open_tasks if task.begun] or gantry.open_tasks
-        shortest: dict[Pose, tuple[float, Task]] = {}
-        for task in tasks:
-            way = gantry.way(task)
-            if way and (way[0] not in shortest or _length(way) < shortest[way[0]][0]):
-                shortest[way[0]] = (_length(way), task)
-        here = gantry.position
-        for pose, (_, task) in sorted(
-            shortest.items(), key=lambda item: math.dist(item[0][:2], here[:2]) + item[1][0]
-        ):
+        ways = [(task, way) for task in tasks for way in [gantry.way(task)] if way]
+        groups = list(dict.fromkeys(task.group for task, _ in ways))
+        for group in groups[:1] if gantry.now < self._free_at + PATIENCE else groups:
+            found = self._choose([(task, way) for task, way in ways if task.group == group], people)
+            if found is not None:
+                self._free_at = gantry.now
+                return found
+        return None, gantry.position
+
+    def _choose(
+        self, ways: Sequence[tuple[Task, tuple[Pose, ...]]], people: Sequence[Sighting]
+    ) -> tuple[Task, Pose] | None:
+        """The task with the shortest way that is clear, and where to go for it now."""
+        here = self._gantry.position
+        tried: set[Pose] = set()
+        for task, (pose, *_) in sorted(ways, key=lambda entry: _length((here, *entry[1]))):
             step = task.next_step
-            assert step is not None  # it is open
-            if self._clearance(gantry.preview(*pose), people, step.seconds) >= self._rooms[-1]:
+            if pose in tried or step is None:
+                continue
+            tried.add(pose)
+            if self._is_clear(self._gantry.preview(*pose), people, step.seconds):
                 return task, pose
             detour = self._detour(pose, people)
             if detour is not None:
                 return task, detour
-        return None, here
+        return None
 
     def refuge(self, people: Sequence[Sighting]) -> Pose:
         """Where to step aside: of some places, the one on the way to which people are farthest."""
@@ -112,13 +125,25 @@ class Outlook:
             (t, [_expected(person, t) for person in people])
             for t in np.arange(0.0, FORESIGHT + GLANCE, 2 * GLANCE).tolist()
         ]
+        if nearest((x, y)) >= self._zone:
+            return (x, y, rotation)
         return (*max(((x, y), *self._refuges), key=nearest), rotation)
 
-    def _clearance(self, motion: Motion, people: Sequence[Sighting], seconds: float) -> float:
-        """The least distance to anybody on the way and for `seconds` after it (metres)."""
+    def _is_clear(self, way: Motion, people: Sequence[Sighting], seconds: float) -> bool:
+        """Whether it can keep moving on `way`, and stand at its end for `seconds`."""
         now = self._gantry.now
-        times = np.arange(now, max(motion.end + seconds, now + FORESIGHT) + GLANCE, GLANCE)
-        after = np.minimum(times - now, FORESIGHT)[:, None]
+        stay = max(way.end + seconds, now + FORESIGHT)
+        moving = self._clearance(way, people, now, way.end)
+        return moving >= self._rooms[-1] and (
+            self._clearance(way, people, way.end, stay) >= self._zone
+        )
+
+    def _clearance(
+        self, motion: Motion, people: Sequence[Sighting], begin: float, end: float
+    ) -> float:
+        """The least distance to anybody from `begin` to `end` (seconds), in metres."""
+        times = np.append(np.arange(begin, end, GLANCE), end)
+        after = np.minimum(times - self._gantry.now, FORESIGHT)[:, None]
         gantry = motion.position(times)
         away = [gantry - (np.array(p.at) + after * np.array(p.velocity)) for p in people]
         return min((float(np.hypot(*offset.T).min()) for offset in away), default=math.inf)
