@@ -59,6 +59,10 @@ class Society:
             raise ValueError(f"two agents have the name '{agent.name}'")
         self._agents[agent.name] = agent
 
+    def leave(self, name: str) -> None:
+        """Forgets the agent of that name, if there is one: another may take the name."""
+        self._agents.pop(name, None)
+
     def names(self) -> list[str]:
         return list(self._agents)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Protocol
 
 import bdi
@@ -16,6 +16,10 @@ from .trial import PersonEntry, Trial
 
 MOST_CYCLES = 200_000
 """How many reasoning cycles a person may take at one instant; a handful is usual."""
+
+
+KEPT = ("bound_for", "reversed")
+"""Beliefs that outlast a change of personality: the way round, in the words of `patrol.asl`."""
 
 
 class Mind(Protocol):
@@ -84,6 +88,7 @@ class Percepts:
         self._mind = mind
         self._counts: dict[str, int] = {}
         self._latest: dict[str, bdi.Literal] = {}
+        self._unheard: set[str] = set()
 
     def see(self, functor: str, *arguments: float) -> None:
         """Perceive `functor(arguments)`, and no longer what was perceived of it before."""
@@ -91,6 +96,7 @@ class Percepts:
         if before is not None:
             self._mind.remove_percept(before)
         self._latest[functor] = percept
+        self._unheard.add(functor)
         self._mind.add_percept(percept)
 
     def count(self, functor: str) -> None:
@@ -98,6 +104,21 @@ class Percepts:
         n = self._counts.get(functor, 0)
         self._counts[functor] = n + 1
         self.see(functor, float(n))
+
+    def heard(self) -> None:
+        """The mind has thought about all of it."""
+        self._unheard.clear()
+
+    def pass_on(self, mind: Mind) -> Percepts:
+        """Tell another mind: how things are, what nobody has thought about, and count on."""
+        new = Percepts(mind)
+        new._counts = self._counts
+        for functor, percept in self._latest.items():
+            if functor not in self._counts or functor in self._unheard:
+                new._latest[functor] = percept
+                new._unheard.add(functor)
+                mind.add_percept(percept)
+        return new
 
 
 def make_agent(
@@ -108,19 +129,32 @@ def make_agent(
     print: Callable[[str], None],
     on_event: Callable[[bdi.Entry], None],
     society: bdi.Society | None = None,
+    start: float = 0.0,
+    kept: Sequence[bdi.Literal] = (),
 ) -> bdi.Agent:
-    """The agent that runs the program of a trial's person, with all that they know beforehand."""
+    """The agent that runs the program of a trial's person, with all that they know beforehand.
+
+    It begins at `start` (seconds), and believes what is `kept` from a mind before it.
+    """
     return bdi.Agent(
         entry.program or bdi.load(find_program(entry.personality, trial.folder)),
-        beliefs=first_beliefs(entry, trial.floorplan, trial.rules),
+        beliefs=[*first_beliefs(entry, trial.floorplan, trial.rules), *kept],
         act=act,
         name=entry.name,
-        seed=_seed_of(trial.seed, entry.name),
+        seed=_seed_of(trial.seed, f"{entry.name} {start}" if start else entry.name),
+        start=start,
         print=print,
         on_event=on_event,
         society=society,
         max_cycles=MOST_CYCLES,
     )
+
+
+def kept_beliefs(mind: Mind | None) -> list[bdi.Literal]:
+    """What somebody whose personality changes goes on believing: where they are going."""
+    if not isinstance(mind, bdi.Agent):
+        return []
+    return [belief for belief in mind.beliefs if belief.functor in KEPT]
 
 
 def first_beliefs(entry: PersonEntry, plan: Floorplan, rules: RuleSet) -> list[bdi.Literal | str]:

@@ -9,6 +9,8 @@ from __future__ import annotations
 import inspect
 import math
 from collections.abc import Callable
+from functools import partial
+from pathlib import Path
 
 import bdi
 from floorplan import Floorplan
@@ -17,6 +19,7 @@ from navigation import CollisionWorld, PlanningError
 from .body import Body
 from .clock import Alarm, Clock, Turn
 from .minds import Mind, Percepts
+from .programs import find_program
 from .recorder import Record
 from .walker import Place, Walker
 
@@ -38,8 +41,8 @@ class Person:
     """One person of a trial.
 
     `synchronise` puts the AGVs of the collision world where they are now; `thought` is called
-    when the mind has thought, so that others can hear what it said. Its plans are carried out
-    by a `Walker`.
+    when the mind has thought, so that others can hear what it said; `make_mind` makes another
+    mind, whose program is looked up from `folder`. Plans are carried out by a `Walker`.
     """
 
     def __init__(
@@ -54,6 +57,8 @@ class Person:
         record: Record,
         synchronise: Callable[[], None],
         thought: Callable[[], None],
+        make_mind: Callable[[bdi.Program], Mind],
+        folder: Path,
     ) -> None:
         self.name = walker.body.name
         self.personality = personality
@@ -67,6 +72,8 @@ class Person:
         self._record = record
         self._synchronise = synchronise
         self._thought = thought
+        self._make_mind = make_mind
+        self._folder = folder
         self._home = (walker.body.at, walker.heading)
         self._put_home_at: float | None = None
         self._thinking = Alarm(clock, self._think, Turn.THOUGHT)
@@ -97,6 +104,31 @@ class Person:
     def mind(self) -> Mind | None:
         """What decides for them."""
         return self._mind
+
+    def change_personality(self, personality: str | Path | bdi.Program) -> None:
+        """From this instant on, let another program decide: a name, an .asl file, or a program.
+
+        What was under way is dropped: the person stands, until the new mind wants something. It
+        believes what every mind does at the start, and where the person is going; percepts count
+        on. `FileNotFoundError` or `bdi.ProgramError` if there is no such program, `ValueError` if
+        the person has no mind of their own.
+        """
+        if not isinstance(self._mind, bdi.Agent):
+            raise ValueError(f"{self.name} is told from outside what to do")
+        if not isinstance(personality, bdi.Program):
+            personality = bdi.load(find_program(str(personality), self._folder))
+        change = partial(self._become, personality)
+        self._clock.call_at(self._clock.now, change, Turn.NOTICE)
+
+    def _become(self, program: bdi.Program) -> None:
+        assert self._percepts is not None
+        name = Path(program.source).stem
+        self._record("personality_changed", person=self.name, personality=name)
+        self.walker.stop()
+        self.walker.speed_share = 1.0
+        mind = self._make_mind(program)
+        self._mind, self._percepts = mind, self._percepts.pass_on(mind)
+        self._thinking.set(self._clock.now)
 
     def start(self) -> None:
         """The person begins; a second time does nothing."""
@@ -239,6 +271,8 @@ class Person:
         now = self._clock.now
         self._count_at_once()
         self._mind.advance(now)
+        if self._percepts is not None:
+            self._percepts.heard()
         self._thought()
 
     def wake(self) -> None:

@@ -18,7 +18,7 @@ from .clock import Clock
 from .controllers import find_controller, supervised
 from .gantry import GantryRobot, Sighting, Surroundings
 from .mind_inspector import MindInspector, Thought
-from .minds import Mind, Outside, make_agent
+from .minds import Mind, Outside, kept_beliefs, make_agent
 from .outcome import Run
 from .person import Person
 from .programs import EXTERNAL
@@ -26,6 +26,7 @@ from .proximity import ProximityWatch
 from .recorder import Event, Listener, Listeners, recording_to, rounded
 from .referee import Referee
 from .requirement_curve import is_plain, requirement_curve
+from .rules import suggestion
 from .scene import scene_of
 from .summary import summarise
 from .trial import PersonEntry, Trial
@@ -100,6 +101,14 @@ class Simulation:
     def over(self) -> bool:
         """Whether the trial has come to its end."""
         return self._over.triggered or self.clock.now >= self.trial.duration
+
+    def person(self, name: str) -> Person:
+        """The person of that name; `ValueError` that names those there are."""
+        for person in self.people:
+            if person.name == name:
+                return person
+        names = [person.name for person in self.people]
+        raise ValueError(f"nobody is called {name!r}; {suggestion(name, names)}")
 
     def advance(self, until: float) -> None:
         """Let everything happen that happens before `until` (seconds)."""
@@ -179,12 +188,17 @@ class Simulation:
             gantry=self.gantry.body if self.gantry else None,
             record=self._record,
             synchronise=self._synchronise,
-            thought=lambda: self._thought(mind, inspector),
+            thought=lambda: self._thought(person, inspector),
+            make_mind=lambda program: make_mind(replace(entry, program=program)),
+            folder=self.trial.folder,
         )
         inspector = self._inspector(entry.name)
-        mind = self._make_mind(entry, person, inspector)
-        person.think_with(mind)
-        self._triggers.add(entry.start, person.start)
+        make_mind = partial(self._make_mind, person=person, inspector=inspector)
+        person.think_with(make_mind(entry))
+        self._triggers.add(entry.start, person.start, who=entry.name)
+        for change in entry.changes:
+            other = partial(person.change_personality, change.program or change.personality)
+            self._triggers.add(change.when, other, who=entry.name)
         if self.gantry is not None:
             self.referee.watch_gantry(walker.body, self.gantry.body)
         for agv in self.agvs:
@@ -197,6 +211,8 @@ class Simulation:
     ) -> Mind:
         if entry.personality == EXTERNAL:
             return Outside()
+        if person.mind is not None:
+            self._society.leave(entry.name)
         return make_agent(
             entry,
             self.trial,
@@ -204,6 +220,8 @@ class Simulation:
             print=lambda text: self._record("said", person=entry.name, text=text),
             on_event=lambda happening: self._heed(person, happening, inspector),
             society=self._society,
+            start=self.clock.now,
+            kept=kept_beliefs(person.mind),
         )
 
     def _inspector(self, person: str) -> MindInspector | None:
@@ -216,10 +234,10 @@ class Simulation:
         self.thoughts.append(thought)
         self._listener.thought(thought)
 
-    def _thought(self, mind: Mind, inspector: MindInspector | None) -> None:
+    def _thought(self, person: Person, inspector: MindInspector | None) -> None:
         """A person has thought: look what that has changed, and see who was spoken to."""
-        if inspector is not None and isinstance(mind, bdi.Agent):
-            inspector.look(rounded(self.clock.now), mind)
+        if inspector is not None and isinstance(person.mind, bdi.Agent):
+            inspector.look(rounded(self.clock.now), person.mind)
         self._wake()
 
     def _heed(self, person: Person, entry: bdi.Entry, inspector: MindInspector | None) -> None:

@@ -22,15 +22,28 @@ class TrialError(InputError):
 
 @dataclass(frozen=True)
 class Start:
-    """What a person waits for before starting: a time (seconds), or something that happens.
+    """What is waited for: a time (seconds), or something that happens.
 
     `part_placed` holds the fields a placed part must have (part, agv), `order_submitted` the
-    order's name.
+    order's name, `event` the kind of an event; it must happen for the `count`th time. Events
+    that name a person count if that is `person`, or who waits if none is given.
     """
 
     time: float | None = 0.0
     part_placed: dict[str, str] | None = None
     order_submitted: str | None = None
+    event: str | None = None
+    count: int = 1
+    person: str | None = None
+
+
+@dataclass(frozen=True)
+class PersonalityChange:
+    """From `when` on, a person has another personality, as in `PersonEntry`."""
+
+    when: Start
+    personality: str
+    program: bdi.Program | None = field(default=None, compare=False, repr=False)
 
 
 @dataclass(frozen=True)
@@ -38,7 +51,7 @@ class PersonEntry:
     """One person of a trial. Figures that are None are the floorplan's.
 
     `personality` is a built-in name, an .asl file, or "external"; `program` is what was read from
-    it, or None to read it when the trial is run.
+    it, or None to read it when the trial is run. `changes` are what it changes to, and when.
     """
 
     name: str
@@ -50,6 +63,7 @@ class PersonEntry:
     max_speed: float | None = None
     max_acceleration: float | None = None
     program: bdi.Program | None = field(default=None, compare=False, repr=False)
+    changes: tuple[PersonalityChange, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -147,12 +161,13 @@ class Trial:
         path.write_text(self.to_yaml(path.parent), encoding="utf-8")
 
     def with_personality(self, personality: str) -> Trial:
-        """The same trial in which every person has this personality (a name or an .asl file).
+        """The same trial in which everybody has this personality all along (a name, an .asl file).
 
         `FileNotFoundError` if there is none, `bdi.ProgramError` if there is something wrong in it.
         """
         program = load_program(personality, self.folder)
         people = tuple(
-            replace(person, personality=personality, program=program) for person in self.people
+            replace(person, personality=personality, program=program, changes=())
+            for person in self.people
         )
         return replace(self, people=people)

@@ -10,18 +10,17 @@ from typing import Annotated, Any
 
 from pydantic import Field, Strict, model_validator
 
-import bdi
 import floorplan
-from floorplan import Document, Floorplan, Number, Pair, Positive, Problem, Strictly, standing_fault
+from floorplan import Document, Floorplan, Number, Positive, Problem, Strictly
 
 from .agvs_file import AgvKeys, agv_moves, agv_problems, yielding
 from .ariac import reading
 from .controllers import ControllerError, find_controller
 from .expectations import expectation_problems
-from .programs import EXTERNAL, find_program, load_program
+from .people_file import PersonKeys, person_of, person_problems
 from .rules import PAPER, suggestion
 from .rules_file import RuleKeys, build_rules
-from .trial import GantryEntry, Job, PersonEntry, Start, Trial, TrialError
+from .trial import GantryEntry, Job, Trial, TrialError
 
 
 def builtin_trials() -> tuple[str, ...]:
@@ -46,34 +45,6 @@ def load(source: str | Path) -> Trial:
 def parse(text: str, file: str, folder: Path) -> Trial:
     """See `Trial.parse`."""
     return _build(floorplan.parse_yaml(text, file, TrialError), folder)
-
-
-class _PartPlaced(Strictly):
-    part: str | None = None
-    agv: str | None = None
-
-
-class _Start(Strictly):
-    time: Annotated[float, Strict(), Field(ge=0, allow_inf_nan=False)] | None = None
-    part_placed: _PartPlaced | None = None
-    order_submitted: str | None = None
-
-    @model_validator(mode="after")
-    def _one_condition(self) -> _Start:
-        if len(self.model_fields_set) != 1:
-            raise ValueError("give one of time, part_placed, order_submitted")
-        return self
-
-
-class _Person(Strictly):
-    name: Annotated[str, Field(min_length=1, pattern=r"^[A-Za-z][A-Za-z0-9_-]*$")]
-    personality: str = "indifferent"
-    start: _Start = _Start(time=0.0)
-    at: Pair | None = None
-    beliefs: list[str] = []
-    radius: Positive | None = None
-    max_speed: Positive | None = None
-    max_acceleration: Positive | None = None
 
 
 class _Job(Strictly):
@@ -115,7 +86,7 @@ class _Trial(Strictly):
     duration: Positive = 275.0
     seed: Annotated[int, Strict(), Field(ge=0)] = 0
     rules: RuleKeys = RuleKeys.model_validate(PAPER.name)
-    people: list[_Person] = []
+    people: list[PersonKeys] = []
     gantry: _Gantry = _Gantry()
     agvs: dict[str, AgvKeys] = {}
     ariac: str | None = None
@@ -136,7 +107,7 @@ def _build(document: Document, folder: Path) -> Trial:
         duration=schema.duration,
         seed=schema.seed,
         rules=rules,
-        people=tuple(_person(entry, folder) for entry in schema.people),
+        people=tuple(person_of(entry, folder) for entry in schema.people),
         gantry=GantryEntry(
             schema.gantry.controller,
             schema.gantry.at,
@@ -189,35 +160,12 @@ def _floorplan(name: str, folder: Path, document: Document) -> Floorplan:
     return floorplan.load(path)
 
 
-def _person(entry: _Person, folder: Path) -> PersonEntry:
-    placed = entry.start.part_placed
-    try:
-        program = load_program(entry.personality, folder)
-    except FileNotFoundError:
-        program = None  # told below, together with everything else
-    return PersonEntry(
-        name=entry.name,
-        personality=entry.personality,
-        start=Start(
-            entry.start.time,
-            placed.model_dump(exclude_none=True) if placed else None,
-            entry.start.order_submitted,
-        ),
-        at=entry.at,
-        beliefs=tuple(entry.beliefs),
-        radius=entry.radius,
-        max_speed=entry.max_speed,
-        max_acceleration=entry.max_acceleration,
-        program=program,
-    )
-
-
 def _problems(trial: Trial, schema: _Trial, document: Document) -> Iterator[Problem]:
     """What keys and types can't tell: whether the things a trial names are there."""
     plan = trial.floorplan
     taken: set[str] = {"gantry", *(lane.name for lane in plan.lanes)}
     for k, person in enumerate(trial.people):
-        yield from _person_problems(person, trial, document, k)
+        yield from person_problems(person, trial, document, k)
         if person.name in taken:
             message = f"another body is called {person.name!r} already"
             yield document.problem(message, "people", k, "name")
@@ -226,30 +174,6 @@ def _problems(trial: Trial, schema: _Trial, document: Document) -> Iterator[Prob
     yield from agv_problems(schema.agvs, {lane.name: lane for lane in plan.lanes}, document)
     for message, place in expectation_problems(trial):
         yield document.problem(message, "expect", *place)
-
-
-def _person_problems(
-    person: PersonEntry, trial: Trial, document: Document, k: int
-) -> Iterator[Problem]:
-    try:
-        if person.personality != EXTERNAL:
-            find_program(person.personality, trial.folder)
-    except FileNotFoundError as why:
-        yield document.problem(str(why), "people", k, "personality")
-    plan = trial.floorplan
-    if person.at is not None:
-        if fault := standing_fault(plan, person.at, person.radius):
-            yield document.problem(fault, "people", k, "at")
-    elif plan.safe_zone is None:
-        message = "the floorplan has no safe zone to start in; give at: [x, y]"
-        yield document.problem(message, "people", k)
-    elif fault := standing_fault(plan, plan.safe_zone.position, person.radius):
-        yield document.problem(f"in the safe zone, {fault}", "people", k)
-    for j, belief in enumerate(person.beliefs):
-        try:
-            bdi.parse_literal(belief)
-        except bdi.ProgramError as why:
-            yield document.problem(f"is not a belief: {why}", "people", k, "beliefs", j)
 
 
 def _gantry_problems(trial: Trial, document: Document) -> Iterator[Problem]:

@@ -85,6 +85,10 @@ def _person(entry: PersonEntry) -> Data:
         "radius": entry.radius,
         "max_speed": entry.max_speed,
         "max_acceleration": entry.max_acceleration,
+        "changes": [
+            {"when": _start(change.when), "personality": change.personality}
+            for change in entry.changes
+        ],
     }
     return _without(data, None, [])
 
@@ -94,6 +98,8 @@ def _start(start: Start) -> Data:
         return {"part_placed": start.part_placed}
     if start.order_submitted is not None:
         return {"order_submitted": start.order_submitted}
+    if start.event is not None:
+        return _without({"event": start.event, "count": start.count, "person": start.person}, None)
     return {"time": start.time}
 
 

@@ -12,6 +12,7 @@
 //     bound_for(Station)             where it is going, or was before an errand
 //     reversed                       it walks the ring the other way round
 //     errand(What)                   it is on its way to something else
+// Who changes personality on the way keeps the first two.
 
 violation_pause(Ms) :- pause_after_violation(Ms).
 violation_pause(8000) :- not pause_after_violation(_).
@@ -36,6 +37,7 @@ behind(S, T) :- reversed & away(S, 1, T).
 // milliseconds, to know how long ago something was
 now(T) :- T = system.time.
 
++human_start : bound_for(S) <- !walk_to(S).
 +human_start : first(S) <- !walk_to(S).
 
 +!walk_to(S) : station(S, X, Y) <- -+bound_for(S); move(X, Y, 0).
