@@ -12,6 +12,8 @@ Level = Literal["info", "warning", "error"]
 LEVELS: dict[str, Level] = {
     "violation": "error",
     "gantry_disabled": "warning",
+    "robot_malfunction": "warning",
+    "notice": "warning",
     "path_blocked": "warning",
     "teleport": "warning",
     "warning": "warning",

@@ -24,7 +24,7 @@ def disabled_spans(run: Recorded) -> list[Span]:
     spans: list[Span] = []
     since: float | None = None
     for event in run.events:
-        if event["kind"] == "gantry_disabled" and since is None:
+        if event["kind"] in ("gantry_disabled", "robot_malfunction") and since is None:
             since = event["t"]
         elif event["kind"] == "gantry_enabled" and since is not None:
             spans.append((since, event["t"]))

@@ -34,7 +34,7 @@ const LOOKS = {
   teleport: { row: "safety", shape: "cross", hollow: true, color: "danger" },
   gantry_disabled: { row: "safety", shape: "bar", color: "gantry-ink" },
   gantry_enabled: { row: "safety", shape: "bar", hollow: true, color: "gantry-ink" },
-  robot_malfunction: { row: "safety", shape: "cross", color: "gantry-ink" },
+  robot_malfunction: { row: "safety", shape: "cross", hollow: true, color: "gantry-ink" },
   notice: { shape: "bar", hollow: true, color: "muted" },
   trial_ended: { shape: "bar", color: "muted" },
 };

@@ -96,7 +96,8 @@ function disabledIntervals(events, end) {
   const intervals = [];
   let open = null;
   for (const { kind, t } of events) {
-    if (kind === "gantry_disabled" && !open) intervals.push(open = [t, end]);
+    const stopped = kind === "gantry_disabled" || kind === "robot_malfunction";
+    if (stopped && !open) intervals.push(open = [t, end]);
     if (kind === "gantry_enabled" && open) {
       open[1] = t;
       open = null;
