@@ -13,7 +13,7 @@ import pytest
 import bdi
 
 from ..controllers import CONTROLLERS, find_controller
-from ..programs import load_program
+from ..programs import EXTERNAL, load_program
 from ..rules import RULE_SETS
 from ..rules_file import find_rules
 from ..trial import Trial
@@ -136,7 +136,7 @@ def _seed(seed: Any, _: Path) -> Callable[[Trial], Trial]:
 _OPTIONS = {
     "trials": _Option((), _trial),
     "personalities": _Option(sorted(bdi.programs()), _personality),
-    "controllers": _Option(sorted(CONTROLLERS), _controller),
+    "controllers": _Option(sorted({*CONTROLLERS} - {EXTERNAL}), _controller),
     "rule_sets": _Option(sorted(RULE_SETS), _rules),
     "seeds": _Option((), _seed),
 }

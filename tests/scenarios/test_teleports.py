@@ -1,0 +1,68 @@
+"""Being put into the safe zone in every phase of what one is doing: one always begins anew."""
+
+import math
+
+import pytest
+
+import sim
+
+HOME = (2.0, 2.0)
+HALL = """
+floorplan: hall.yaml
+duration: 60
+people: [{{name: operator, personality: {personality}, start: {{time: 1.0}}}}]
+agvs: {{cart: [{moves}]}}
+rules:
+  based_on: paper
+  agv_law: {{fixed: 30.0}}
+"""
+"""Wherever the cart drives, it is too close: so it decides when somebody is put back."""
+
+PHASES = {
+    "before the start": lambda arrival: 0.5,
+    "setting out": lambda arrival: 1.1,
+    "walking": lambda arrival: arrival / 2,
+    "slowing down before a goal": lambda arrival: arrival - 0.2,
+    "at a goal": lambda arrival: arrival + 0.001,
+    "on the next leg": lambda arrival: arrival + 5.0,
+}
+"""When each of them is, by the time of the first arrival (seconds)."""
+
+
+def put_back(folder, personality, *times):
+    """The run in which the cart drives a little at each of `times` (seconds)."""
+    moves = ", ".join(f"{{time: {t}, to: {0.5 if k % 2 == 0 else 0}}}" for k, t in enumerate(times))
+    text = HALL.format(personality=personality, moves=moves)
+    return sim.run(sim.Trial.parse(text, folder=folder))
+
+
+@pytest.mark.parametrize("personality", ["indifferent", "helpful", "scared"])
+@pytest.mark.parametrize("phase", PHASES)
+def test_the_person_begins_anew_after_the_pause(request, personality, phase):
+    undisturbed = put_back(request.path.parent, personality, 59.0)
+    arrival = next(e["t"] for e in undisturbed.events if e["kind"] == "arrived")
+    t = PHASES[phase](arrival)
+    run = put_back(request.path.parent, personality, t)
+    begins_anew(run, after=max(t, 1.0))
+
+
+@pytest.mark.parametrize("later", [0.0, 0.3, 2.5, 4.9, 5.5, 6.0])
+def test_being_put_back_again_while_waiting_or_setting_out_anew(request, later):
+    run = put_back(request.path.parent, "indifferent", 9.0, 11.0 + later)
+    assert len([e for e in run.events if e["kind"] == "teleport"]) >= 2
+    begins_anew(run, after=11.0 + later)
+
+
+def begins_anew(run, after):
+    teleports = [e["t"] for e in run.events if e["kind"] == "teleport"]
+    assert teleports
+    last = max(teleports)
+    # Events are rounded to 1e-9 s: just after, the person is there for sure.
+    assert run.motions["operator"].position(last + 1e-6) == pytest.approx(HOME)
+    goals = [e for e in run.events if e["kind"] == "goal" and e["t"] > last]
+    assert goals[0]["station"] == "east"
+    assert goals[0]["t"] == pytest.approx(max(last + 5.0, after), abs=0.01)
+    arrived = next(e for e in run.events if e["kind"] == "arrived" and e["t"] > last)
+    assert arrived["station"] == "east"
+    walked = run.motions["operator"].cut(last, goals[0]["t"])
+    assert all(math.hypot(*walked.velocity(t)) == 0.0 for t in (last + 1.0, goals[0]["t"] - 0.01))
