@@ -1,5 +1,7 @@
 """What the tutorial says about its runs is what comes out of its files."""
 
+import shlex
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -7,6 +9,7 @@ import pytest
 from test_documents import blocks
 
 import sim
+from sim.cli import main
 
 TUTORIAL = Path(__file__).resolve().parents[1] / "docs" / "tutorial.md"
 
@@ -34,3 +37,25 @@ def test_no_violation_and_six_jobs_with_the_courteous_controller(trial):
     gantry = replace(trial.gantry, controller="courteous:courteous")
     summary = sim.run(replace(trial, gantry=gantry)).summary
     assert (summary["penalties"], summary["jobs_done"]) == (0, 6)
+
+
+NOT_HERE = ("replay", "study")
+"""Commands that open a browser, or take long and have tests of their own."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("page", ["tutorial.md", "plots.md"])
+def test_the_commands_that_are_shown_do_what_they_should(page, trial, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    shown = (TUTORIAL.parent / page).read_text(encoding="utf-8")
+    lines = [line for line in shown.splitlines() if line.startswith("floorwalker ")]
+    assert len(lines) > 5
+    if page == "tutorial.md":  # its first command stands behind the installation
+        lines.insert(0, "floorwalker run")
+    for line in lines:
+        words = shlex.split(line.replace("another-run", "run").replace("run.mp4", "again.gif"))
+        if words[1] not in NOT_HERE:
+            monkeypatch.setattr(sys, "argv", words)
+            with pytest.raises(SystemExit) as ended:
+                main()
+            assert ended.value.code == 0, line
