@@ -284,6 +284,27 @@ def test_the_mouse_scrubs(viewer):
     assert viewer.time == pytest.approx(0.75 * 275, abs=0.5)
 
 
+def test_the_wheel_zooms_the_time(viewer):
+    box = viewer.page.locator("#chart").bounding_box()
+    left, width, y = box["x"] + 52, box["width"] - 64, box["y"] + 30
+    viewer.page.mouse.move(left + width / 2, y)
+    for _ in range(4):
+        viewer.page.mouse.wheel(0, -300)
+    viewer.settle()
+    span = 275 * math.exp(-4 * 300 * 0.0015)
+    for share in (0.1, 0.5, 0.9):
+        viewer.page.mouse.click(left + share * width, y)
+        assert viewer.time == pytest.approx(137.5 + (share - 0.5) * span, abs=0.1)
+    viewer.seek(270.0)  # what is shown follows the time
+    cursor = viewer.page.locator("#cursor").bounding_box()
+    assert left <= cursor["x"] <= left + width
+    viewer.page.mouse.dblclick(left + width / 2, y)
+    viewer.settle()
+    viewer.page.mouse.click(left + width / 4, y)
+    assert viewer.time == pytest.approx(275 / 4, abs=0.5)
+    assert viewer.complaints == []
+
+
 def test_a_mark_on_the_timeline_jumps_to_its_very_instant(viewer, recording):
     [moved] = [e["t"] for e in recording["events"] if e.get("agv") == "agv2"]
     box = viewer.page.locator("#chart").bounding_box()

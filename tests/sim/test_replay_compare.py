@@ -42,16 +42,16 @@ def distances(viewer):
     return [float(text.split()[0]) for text in texts]
 
 
-@pytest.mark.parametrize("t", [0.0, 31.5, 88.25, 199.0])
-def test_both_show_the_same_instant(compared, recording, other, t):
-    compared.seek(t)
-    expected = [
-        replay_sample.separation(
-            r["motions"]["operator"], r["motions"]["gantry"], replay_sample.LAW, t
-        )[0]
-        for r in (recording, other)
-    ]
-    assert distances(compared) == pytest.approx(expected, abs=0.00501)
+def test_both_show_the_same_instant(compared, recording, other):
+    for t in (0.0, 31.5, 88.25, 199.0):
+        compared.seek(t)
+        expected = [
+            replay_sample.separation(
+                r["motions"]["operator"], r["motions"]["gantry"], replay_sample.LAW, t
+            )[0]
+            for r in (recording, other)
+        ]
+        assert distances(compared) == pytest.approx(expected, abs=0.00501)
     assert compared.complaints == []
 
 

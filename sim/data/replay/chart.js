@@ -4,27 +4,65 @@ const ROW_HEIGHT = 17;
 const AXIS_HEIGHT = 16;
 const GUTTER = { left: 52, right: 12, top: 6 };
 const SAME = 1e-3;           // metres: a separation is that of the summary
+const SHORTEST = 2;          // seconds that fill the chart at most
 
-/** Distance, required distance and events over time; `runs` can be replaced. */
+/** Distance, required distance and events over time, all of it or a part. */
 class Chart {
   constructor(element, onResize) {
     this.cursor = element.querySelector("#cursor");
     this.surface = new Surface(element.querySelector("canvas"), onResize);
     this.bands = [];
+    this.duration = this.from = this.to = 0;
   }
 
   show(runs) {
+    const isWhole = this.from === 0 && this.to === this.duration;
     this.duration = Math.max(...runs.map(run => run.duration));
+    if (isWhole || this.to > this.duration) this.showAll();
     this.bands = runs.map((run, i) => new Band(run, runs.length > 1 ? LETTERS[i] : ""));
   }
 
   toX(t) {
-    return GUTTER.left + (t / this.duration) * (this.surface.width - GUTTER.left - GUTTER.right);
+    return GUTTER.left + ((t - this.from) / (this.to - this.from)) * this.#width;
   }
 
   toTime(x) {
-    const t = ((x - GUTTER.left) / (this.surface.width - GUTTER.left - GUTTER.right)) * this.duration;
+    const t = this.from + ((x - GUTTER.left) / this.#width) * (this.to - this.from);
     return Math.min(Math.max(t, 0), this.duration);
+  }
+
+  get #width() {
+    return this.surface.width - GUTTER.left - GUTTER.right;
+  }
+
+  showAll() {
+    this.#showFrom(0, this.duration);
+  }
+
+  /** Fewer seconds (`factor` above 1) or more, so that the instant at x stays there. */
+  zoom(factor, x) {
+    const t = this.toTime(x);
+    const span = Math.min(Math.max((this.to - this.from) / factor, SHORTEST), this.duration);
+    this.#showFrom(t - ((t - this.from) / (this.to - this.from)) * span, span);
+  }
+
+  /** Earlier or later by so many pixels. */
+  shift(pixels) {
+    const span = this.to - this.from;
+    this.#showFrom(this.from + (pixels / this.#width) * span, span);
+  }
+
+  /** Moves on to t if that is not to be seen; whether it had to. */
+  keepInView(t) {
+    if (t >= this.from && t <= this.to) return false;
+    const span = this.to - this.from;
+    this.#showFrom(t - span / 10, span);
+    return true;
+  }
+
+  #showFrom(t, span) {
+    this.from = Math.min(Math.max(t, 0), this.duration - span);
+    this.to = this.from + span;
   }
 
   /** The mark within a few pixels of (x, y), the nearest first. */
@@ -36,6 +74,7 @@ class Chart {
   }
 
   moveCursor(t) {
+    this.cursor.hidden = t < this.from || t > this.to;
     this.cursor.style.transform = `translateX(${this.toX(t)}px)`;
   }
 
@@ -47,16 +86,20 @@ class Chart {
     this.#drawAxis(context, palette);
     this.bands.forEach((band, i) => {
       band.place(i * height, height);
-      band.draw({ context, palette, toX: t => this.toX(t), surface: this.surface }, watches[i], highest);
+      const { from, to, surface } = this;
+      band.draw({ context, palette, from, to, toX: t => this.toX(t), surface }, watches[i], highest);
     });
   }
 
   #drawAxis(context, palette) {
     const { width, height } = this.surface;
-    const step = [1, 2, 5, 10, 20, 30, 60, 120, 300, 600, 1200, 1800, 3600, 7200]
-      .find(s => (s / this.duration) * (width - 70) >= 62) ?? this.duration;
-    for (let t = 0; t <= this.duration + 1e-9; t += step) {
-      const isOuter = t === 0 || t + step > this.duration;
+    const span = this.to - this.from;
+    const step = [0.2, 0.5, 1, 2, 5, 10, 20, 30, 60, 120, 300, 600, 1200, 1800, 3600, 7200]
+      .find(s => (s / span) * (width - 70) >= 62) ?? span;
+    const first = Math.ceil(this.from / step - 1e-9);
+    for (let k = first; k * step <= this.to + 1e-9; k++) {
+      const t = +(k * step).toFixed(3);
+      const isOuter = k === first || (k + 1) * step > this.to;
       const x = Math.min(this.toX(t), width - 16);
       const y = height - AXIS_HEIGHT / 2 + 2;
       drawText(context, isOuter ? `${t} s` : `${t}`, x, y, { color: palette.muted });
@@ -103,11 +146,12 @@ class Band {
       for (const point of curve) if (point[field] !== null) path.lineTo(toX(point.t), toY(point[field]));
       return path;
     };
+    const curves = watch.curves(pen.from, pen.to);
     context.save();
     context.beginPath();
     context.rect(GUTTER.left, this.top, surface.width - GUTTER.left - GUTTER.right, this.bottom - this.top + 1);
     context.clip();
-    for (const curve of watch.curves) {
+    for (const curve of curves) {
       const region = (field, edge) => {
         const path = line(curve, field);
         path.lineTo(toX(curve.at(-1).t), edge);
@@ -134,7 +178,7 @@ class Band {
       context.setLineDash(dash);
       context.stroke(line(curve, field));
     };
-    for (const curve of watch.curves) {
+    for (const curve of curves) {
       stroke(curve, "notice", palette.muted, 1, [1, 3]);
       stroke(curve, "required", palette.danger, 1.25, [5, 3]);
       stroke(curve, "distance", palette[watch.person.color], 1.75, []);
@@ -161,12 +205,13 @@ class Band {
   }
 
   /** The minimum separation of the summary, where it is that of this watch. */
-  #drawClosest({ context, palette, toX }, watch, toY) {
+  #drawClosest({ context, palette, from, to, toX }, watch, toY) {
     const { minimum_separation: ofAll, people } = this.run.recording.summary ?? {};
     const found = people?.[watch.person.name]?.minimum_separation ?? ofAll;
     if (!found || watch.other.kind !== "gantry") return;
     const fits = state => Math.abs(state.distance - found.distance) < SAME;
     if (!fits(watch.at(found.time)) && !fits(watch.before(found.time))) return;
+    if (found.time < from || found.time > to) return;
     context.beginPath();
     context.arc(toX(found.time), toY(found.distance), 3.5, 0, 2 * Math.PI);
     context.fillStyle = palette.card;
@@ -184,6 +229,10 @@ class Band {
       context.fillStyle = palette.line;
       context.fillRect(GUTTER.left, Math.round(y), surface.width - GUTTER.left - GUTTER.right, 1);
     }
+    context.save();
+    context.beginPath();
+    context.rect(GUTTER.left - 6, this.bottom, surface.width - GUTTER.left - GUTTER.right + 12, surface.height);
+    context.clip();
     const y = this.rowY("safety") - 4;
     context.fillStyle = palette.gantry;
     for (const [begin, end] of this.run.disabled) {
@@ -192,27 +241,22 @@ class Band {
     }
     if (watch) drawViolationBands(pen, watch, y, 8);
     for (const { event, look } of this.marks) {
+      if (event.t < pen.from || event.t > pen.to) continue;
       drawGlyph(context, look, toX(event.t), this.rowY(look.row), palette, 0.8);
     }
+    context.restore();
   }
 }
 
 /** The top of a plot: all that matters beside the required distance; what is farther may leave it. */
-function highestOf(watch) {
-  let distance = 0;
-  let required = 0;
-  for (const curve of watch.curves) {
-    for (const point of curve) {
-      distance = Math.max(distance, point.distance);
-      required = Math.max(required, point.required);
-    }
-  }
-  return Math.min(distance * 1.05, required * 3);
+function highestOf({ largest }) {
+  return Math.min(largest.distance * 1.05, largest.required * 3);
 }
 
-function drawViolationBands({ context, palette, toX, surface }, watch, top, height) {
+function drawViolationBands({ context, palette, from, to, toX, surface }, watch, top, height) {
   const hatch = hatching(context, palette.danger, surface.ratio);
   for (const [begin, end] of watch.violations) {
+    if (end < from || begin > to) continue;
     const x = toX(begin);
     const width = Math.max(2, toX(end) - x);
     context.fillStyle = palette.danger;

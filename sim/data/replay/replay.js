@@ -222,6 +222,9 @@ class Replay {
     const { clock, watches } = this;
     if (clock.isPlaying && !this.isScrubbing) clock.advance((now - (this.lastFrame ?? now)) / 1000);
     this.lastFrame = clock.isPlaying ? now : undefined;
+    const hasMoved = clock.time !== this.shownTime && !this.isScrubbing;
+    this.shownTime = clock.time;
+    if (hasMoved && this.chart.keepInView(clock.time)) this.isStale = true;
     if (this.isStale) {
       this.isStale = false;
       for (const view of this.views) view.restyle(this.palette);
@@ -338,6 +341,17 @@ class Replay {
       element.addEventListener(type, () => { this.isScrubbing = false; });
     }
     element.addEventListener("pointerleave", hideHint);
+    element.addEventListener("wheel", event => {
+      event.preventDefault();
+      const sideways = event.shiftKey ? event.deltaX || event.deltaY : event.deltaX;
+      if (Math.abs(sideways) > Math.abs(event.deltaY) || event.shiftKey) chart.shift(sideways);
+      else chart.zoom(zoomFactor(event), event.offsetX);
+      this.redraw();
+    }, { passive: false });
+    element.addEventListener("dblclick", () => {
+      chart.showAll();
+      this.redraw();
+    });
   }
 
   #hintChart(event) {

@@ -1,5 +1,7 @@
 /* How far apart two bodies are, and how far they should be. */
 
+const SAMPLES = 1200;        // of a curve, beside the changes of motion
+
 /** The distance a law asks for: ISO/TS 15066 in linear form, fixed, or along a curve of time.
  *  Speeds in m/s; `before` asks for what it was just before t, where the curve jumps. */
 function requiredDistance(law, personSpeed, otherSpeed, t, before) {
@@ -66,18 +68,30 @@ class Watch {
     return i >= 0 && t < this.violations[i][1];
   }
 
-  /** Curves over the whole run, with both sides of every change: cut where a body jumps. */
-  get curves() {
-    this.cachedCurves ??= this.#sample();
-    return this.cachedCurves;
+  /** Curves from one instant to another, with both sides of every change: cut where a body jumps. */
+  curves(from, to) {
+    if (this.sampled?.from !== from || this.sampled.to !== to) {
+      this.sampled = { from, to, curves: this.#sample(from, to) };
+    }
+    return this.sampled.curves;
   }
 
-  #sample() {
+  /** The largest distance and required distance of the whole run. */
+  get largest() {
+    this.cachedLargest ??= this.#sample(0, this.duration).flat().reduce((found, point) => ({
+      distance: Math.max(found.distance, point.distance),
+      required: Math.max(found.required, point.required),
+    }), { distance: 0, required: 0 });
+    return this.cachedLargest;
+  }
+
+  #sample(from, end) {
     const motions = [this.person.motion, this.other.motion];
-    const end = this.duration;
-    const steps = 1200;
-    const times = new Set(Array.from({ length: steps + 1 }, (_, i) => (end * i) / steps));
-    for (const motion of motions) for (const t of motion.begins) if (t > 0 && t < end) times.add(t);
+    const to = Math.max(from, Math.min(end, this.duration));
+    const times = new Set(Array.from({ length: SAMPLES + 1 }, (_, i) => from + ((to - from) * i) / SAMPLES));
+    for (const { begins } of motions) {
+      for (let i = lastUpTo(begins, from) + 1; begins[i] < to; i++) times.add(begins[i]);
+    }
     const jumps = new Set(motions.flatMap(motion => motion.jumpTimes));
     const curves = [];
     let curve = [];

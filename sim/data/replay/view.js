@@ -135,9 +135,14 @@ class View {
     canvas.addEventListener("pointerleave", hideHint);
     canvas.addEventListener("wheel", event => {
       event.preventDefault();
-      const pixels = event.deltaY * (event.deltaMode === WheelEvent.DOM_DELTA_LINE ? 16 : 1);
-      const rate = event.ctrlKey ? 0.01 : 0.0015;      // a pinch on a touchpad comes as ctrl and wheel
-      on.zoom(Math.exp(-pixels * rate), ...place(event));
+      on.zoom(zoomFactor(event), ...place(event));
     }, { passive: false });
   }
+}
+
+/** How far a turn of the wheel zooms in (above 1) or out. */
+function zoomFactor(event) {
+  const pixels = event.deltaY * (event.deltaMode === WheelEvent.DOM_DELTA_LINE ? 16 : 1);
+  const rate = event.ctrlKey ? 0.01 : 0.0015;      // a pinch on a touchpad comes as ctrl and wheel
+  return Math.exp(-pixels * rate);
 }
