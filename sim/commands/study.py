@@ -12,6 +12,9 @@ from .run import INTERRUPTED
 if TYPE_CHECKING:
     from sim.study import Study, StudyResults
 
+WIDTH = 120
+"""Characters in a line of the table where no terminal says how many there are."""
+
 
 def study(
     file: Annotated[str, typer.Argument(metavar="STUDY.yaml", help="A study file.")],
@@ -105,7 +108,7 @@ def _report(results: StudyResults) -> None:
     compared = results.comparison
     table = Table(title=results.study.name, title_justify="left")
     for factor in compared.factors:
-        table.add_column(factor, overflow="fold")
+        table.add_column(factor, no_wrap=True)
     table.add_column("runs", justify="right")
     measures = [measure for measure in compared.spreads if measure.chief]
     for measure in measures:
@@ -115,5 +118,7 @@ def _report(results: StudyResults) -> None:
         means = [figure(spread.mean) if spread else "–" for spread in spreads]
         table.add_row(*group.values, f"{len(group.rows):,}", *means)
     console = Console()
+    if not console.is_terminal:
+        console.width = WIDTH
     console.print(table)
     console.print(f"{results.folder / 'report.html'} shows it", highlight=False, soft_wrap=True)

@@ -48,8 +48,13 @@ def chart(
         axes.set_xlabel(measure.label)
         text = io.StringIO()
         figure.savefig(text, format="svg", transparent=True, metadata={"Date": None})
-    drawn = text.getvalue()
-    return re.sub(r"(?s)^.*?(?=<svg)", "", drawn).replace(INK, "currentColor")
+    return _for_a_page(text.getvalue())
+
+
+def _for_a_page(drawn: str) -> str:
+    """The SVG element alone, without what is said about it, in the page's colour of text."""
+    element = re.sub(r"(?s)^.*?(?=<svg)|<metadata>.*?</metadata>", "", drawn)
+    return element.replace(INK, "currentColor")
 
 
 def _draw(axes: Axes, groups: Sequence[Group], spreads: Sequence[Spread | None]) -> None:

@@ -53,6 +53,7 @@ class Measure:
 
 
 MEASURES = (
+    Measure("Score", "score", meaning="of all orders", chief=True),
     Measure("Penalties", "penalties", meaning="violations that cost one", chief=True),
     Measure("Penalties, gantry", "violations.gantry", meaning="of these, the gantry was moving"),
     Measure("Penalties, person", "violations.person", meaning="of these, the gantry stood"),
@@ -65,6 +66,8 @@ MEASURES = (
     ),
     Measure("Jobs done", "jobs_done", meaning="by the gantry", chief=True),
     Measure("Gantry disabled", "gantry_disabled_time", "s", "by penalties", chief=True),
+    Measure("Gantry idle", "gantry_idle_time", "s", "neither moving nor handling anything"),
+    Measure("Duration", "duration", "s", "until the time was over or all orders were handed in"),
     Measure("Teleports by AGVs", "agv_teleports", meaning="people who were too close to an AGV"),
     Measure("Stations visited", "people.NAME.visits", meaning="by all people"),
     Measure("Walked", "people.NAME.distance_walked", "m", "by all people"),

@@ -40,11 +40,13 @@ def _definition(study: Study) -> str:
 
 
 def _parts(trial: Trial) -> Iterator[tuple[str, str]]:
-    """What a trial names and doesn't contain: floorplan, programs, controller."""
+    """What a trial names and doesn't contain: floorplan, programs, orders, controller."""
     plan = trial.floorplan
     yield f"the floorplan {plan.name}", _digest(json.dumps(asdict(plan), default=_wkt))
     for person in trial.people:
         yield f"the program {person.personality}", _digest(str(person.program))
+    if trial.workload is not None:
+        yield f"the orders of {trial.name}", _digest(repr(trial.workload))
     name = trial.gantry.controller
     source = inspect.getsourcefile(find_controller(name, trial.folder))
     if source is not None:
