@@ -4,7 +4,8 @@
 
 The trial is the main job, `ariac2023`: 275 s, one person, the gantry parked, one AGV that moves.
 Loading it (files, personality) is not counted in `sim.run`. The first run on a floor works out its
-roadmap, which the runs after it in the same process find there. Whole processes count everything, the interpreter's start included.
+roadmap, which the runs after it in the same process find there. Whole processes count everything,
+the interpreter's start included.
 """
 
 from __future__ import annotations

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO
 
@@ -30,19 +32,17 @@ class StudyFolder:
         self._lock: IO[bytes] | None = None
 
     def __enter__(self) -> StudyFolder:
-        try:
+        with writing_to(self.path):
             self.path.mkdir(parents=True, exist_ok=True)
             self._identify()
             self._take()
             self.table = Table(self.path / RESULTS)
-        except OutputError:
-            raise
-        except OSError as why:
-            raise OutputError(f"can't write to {self.path}: {why.strerror}") from None
         return self
 
     def __exit__(self, *_: object) -> None:
-        self.table.close()
+        # What could not be written has been told already; closing would tell it again.
+        with suppress(OSError):
+            self.table.close()
         if self._lock is not None:
             self._lock.close()
 
@@ -86,12 +86,21 @@ def save_trial(study: Study, number: int, folder: str | Path) -> Path:
     """
     row = study.row(number)
     path = Path(folder) / "trials" / f"{number:06d}.yaml"
-    try:
+    with writing_to(path):
         path.parent.mkdir(parents=True, exist_ok=True)
         row.trial.save(path)
-    except OSError as why:
-        raise OutputError(f"can't write to {path}: {why.strerror}") from None
     return path
+
+
+@contextmanager
+def writing_to(path: Path) -> Iterator[None]:
+    """Tell the system's errors in this context as ones of writing to `path`."""
+    try:
+        yield
+    except OutputError:
+        raise
+    except OSError as why:
+        raise OutputError(f"can't write to {path}: {why.strerror or why}") from None
 
 
 def _known(path: Path) -> dict[str, str]:

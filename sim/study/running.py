@@ -11,7 +11,7 @@ from pathlib import Path
 
 from .backends import backend as on_backend
 from .definition import Study
-from .folder import RESULTS, StudyFolder
+from .folder import RESULTS, StudyFolder, writing_to
 from .measuring import Record, measure
 from .parquet import write_parquet
 from .report import write_report
@@ -52,11 +52,13 @@ def run_study(
         begin(done)
         if done < len(study):
             for record in _measured(study, done, jobs or os.cpu_count() or 1, backend):
-                folder.table.add(record)
+                with writing_to(path):
+                    folder.table.add(record)
                 progress(folder.table.rows)
         results = StudyResults(study, path, read_table(path / RESULTS))
-        write_parquet(results.columns, path / "results.parquet")
-        write_report(results, path / "report.html")
+        with writing_to(path):
+            write_parquet(results.columns, path / "results.parquet")
+            write_report(results, path / "report.html")
     return results
 
 

@@ -219,6 +219,21 @@ def test_a_folder_that_cannot_be_used_is_refused(study, tmp_path):
         sim.run_study(study, tmp_path / "torn")
 
 
+def test_a_full_disk_is_told_and_what_was_written_is_gone_on_with(study, tmp_path):
+    resource = pytest.importorskip("resource")
+    sim.run_study(study, tmp_path / "whole", jobs=1)
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (1500, limits[1]))
+    try:
+        with pytest.raises(sim.OutputError, match=r"can't write to .*full: File too large"):
+            sim.run_study(study, tmp_path / "full", jobs=1)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    sim.run_study(study, tmp_path / "full", jobs=1)
+    whole, full = (tmp_path / name / "results.csv" for name in ("whole", "full"))
+    assert full.read_bytes() == whole.read_bytes()
+
+
 def test_two_processes_cannot_work_on_one_folder(study, tmp_path):
     with (
         StudyFolder(tmp_path, study),
