@@ -103,6 +103,8 @@ class Outlook:
 
     def refuge(self, people: Sequence[Sighting]) -> Pose:
         """Where to step aside: of some places, the one on the way to which people are farthest."""
+        if not people:
+            return self._gantry.position
         x, y, rotation = self._gantry.position
         speed, acceleration = (
             self._gantry.gantry.x.max_speed,

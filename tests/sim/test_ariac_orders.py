@@ -311,7 +311,7 @@ def trials(draw):
 
 
 @settings(max_examples=40)
-@given(trials(), st.sampled_from(["oblivious", "oblivious", "pausing"]))
+@given(trials(), st.sampled_from(["oblivious", "pausing", "avoiding"]))
 def test_every_order_of_a_valid_trial_ends_submitted(trial, controller):
     run = sim.run(alone(replace(trial, duration=10_000.0), controller))
     for name, order in run.summary["orders"].items():
