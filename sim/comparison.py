@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import math
 import operator
 import re
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -32,10 +32,9 @@ class Comparison:
     @staticmethod
     def parse(wanted: Any) -> Comparison:
         """The comparison that `wanted`, a number or a text, stands for; `ValueError` if none."""
-        if isinstance(wanted, int | float) and not isinstance(wanted, bool):
-            if math.isfinite(wanted):
-                return Comparison(f"= {wanted}", (("==", wanted),))
-        elif isinstance(wanted, str):
+        if is_number(wanted):
+            return Comparison(f"= {wanted}", (("==", wanted),))
+        if isinstance(wanted, str):
             if tolerance := _TOLERANCE.fullmatch(wanted):
                 middle, more = float(tolerance[1]), float(tolerance[2])
                 if more >= 0:
@@ -57,3 +56,9 @@ class Comparison:
     def passes(self, figure: float) -> bool:
         """Whether `figure` is as it should be."""
         return all(_OPERATORS[sign](figure, bound) for sign, bound in self.bounds)
+
+
+def is_number(value: Any) -> bool:
+    """Whether `value` is a finite number, and not true or false."""
+    number = isinstance(value, int | float) and not isinstance(value, bool)
+    return number and abs(value) <= sys.float_info.max

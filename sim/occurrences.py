@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from navigation import FixedDistance, Motion, Moving, TooClose, standing, when
 
-from .comparison import Comparison
+from .comparison import Comparison, is_number
 from .event_kinds import EVENT_KINDS, Form
 from .recorder import Event
 from .rules import suggestion
@@ -134,7 +134,7 @@ def read_state(written: Any, trial: Trial) -> Near | Moves:
             if not (isinstance(pair, list) and len(pair) == 2):
                 raise ValueError(f"{key}: expected the names of two bodies, found {pair!r}")
             first, second = (_name(body, "body", _bodies(trial)) for body in pair)
-            if not _is_number(metres) or not 0 < metres < float("inf"):
+            if not (is_number(metres) and metres > 0):
                 raise ValueError(f"metres: expected a number of more than 0, found {metres!r}")
             return Near((first, second), float(metres), apart)
     for key in ("moving", "standing"):
@@ -164,7 +164,7 @@ def _value(kind: str, key: str, form: Form, wanted: Any, trial: Trial) -> Any:
     }
     if form in names:
         return _name(wanted, form, names[form])
-    if not isinstance(wanted, str) and not _is_number(wanted):
+    if not isinstance(wanted, str) and not is_number(wanted):
         raise ValueError(f"{key}: expected text, found {wanted!r}")
     return wanted
 
@@ -187,9 +187,5 @@ def _bodies(trial: Trial) -> list[str]:
 
 def _is(found: Any, wanted: Any) -> bool:
     if isinstance(wanted, Comparison):
-        return _is_number(found) and wanted.passes(found)
+        return is_number(found) and wanted.passes(found)
     return bool(found == wanted)
-
-
-def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool)

@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
-from .comparison import Comparison
+from .comparison import Comparison, is_number
 from .occurrences import (
     EventPattern,
     Occurrence,
@@ -189,8 +189,7 @@ def _scope(key: str, written: Any, trial: Trial) -> float | EventPattern:
 
 
 def _seconds(key: str, written: Any) -> float:
-    number = isinstance(written, int | float) and not isinstance(written, bool)
-    if not number or not 0 <= written < math.inf:
+    if not (is_number(written) and written >= 0):
         raise ValueError(f"{key}: expected seconds, found {written!r}")
     return float(written)
 

@@ -8,7 +8,7 @@ import pytest
 import sim
 
 HOUR = 3600.0
-PER_HOUR = 8e6
+PER_HOUR = 5e6
 """Bytes that an hour of what happened may take up: some 2,700 motions and 1,500 events."""
 
 

@@ -1,11 +1,14 @@
 """Expectations: what is met, what is not and since when, and what makes no sense."""
 
+from dataclasses import replace
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 import sim
 from sim.comparison import Comparison
+from sim.expectations import expectation_problems, verdicts
 from sim.occurrences import complement
 from sim.summary_fields import summary_fields
 
@@ -159,6 +162,12 @@ def test_what_is_not_met_is_told_with_its_time(run, text, said):
         ("  penalties: '> 1, 2'", "expected a number or a comparison such as"),
         ("  penalties: '1 ± -2'", "expected a number or a comparison such as"),
         ("  penalties: true", "expected a number or a comparison such as"),
+        (f"  penalties: {10**400}", "expected a number or a comparison such as"),
+        (f"  timeline: [{{never: violation, before: {10**400}}}]", "before: expected seconds"),
+        (
+            f"  timeline: [{{never: {{near: [operator, gantry], metres: {10**400}}}}}]",
+            "metres: exp",
+        ),
         ("  penalties: .nan", "expected a number or a comparison such as"),
         ("  interrupted: 0", "expected true or false, found 0"),
         ("  visits: station4", "expected a list of stations"),
@@ -248,3 +257,29 @@ def test_a_complement_and_the_intervals_fill_the_time(edges):
     for t in (0.5, 3.3, 9.99):
         inside = any(b < t < e for b, e in intervals)
         assert inside != any(b < t < e for b, e in gaps) or t in edges
+
+
+NAMES = st.sampled_from(
+    ["never", "always", "eventually", "whenever", "then", "after", "before", "within", "times"]
+)
+THINGS = st.sampled_from(
+    ["kind", "near", "apart", "metres", "moving", "violation", "goal", "operator", "gantry", "with"]
+)
+FIGURES = st.sampled_from(["distance", "penalties", "visits", "in_order", "interrupted"])
+WORDS = NAMES | THINGS | FIGURES | st.text(max_size=5)
+VALUES = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.just(10**400) | st.floats() | WORDS,
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(WORDS, inner, max_size=3),
+    max_leaves=12,
+)
+
+
+@given(st.dictionaries(WORDS, VALUES, max_size=3), st.lists(VALUES, max_size=3))
+def test_any_values_are_expectations_or_problems(run, values, timeline):
+    trial = replace(run.trial, expect={**values, "timeline": timeline})
+    problems = list(expectation_problems(trial))
+    if not problems:
+        assert verdicts(sim.Run(**{**vars_of(run), "trial": trial})) is not None
+    for message, place in problems:
+        assert message
+        assert place[0] in trial.expect
