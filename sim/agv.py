@@ -6,7 +6,14 @@ from collections.abc import Callable
 from functools import partial
 
 from floorplan import Lane
-from navigation import AxisState, agv_run, agv_stop, lane_state
+from navigation import (
+    AnyLaw,
+    AxisState,
+    agv_run,
+    agv_stop,
+    lane_state,
+    required_at_speeds,
+)
 
 from .body import Body
 from .clock import Alarm, Clock, Turn
@@ -66,6 +73,17 @@ class Agv:
         if self._foresight is not None:
             self._foresight.watch(person, top_speed)
             person.on_jump.append(self._look)
+
+    def zone(self, law: AnyLaw, top_speed: float) -> float:
+        """How far (metres) from its centre somebody must stand so that it can set out.
+
+        Under `law`, for somebody who may walk at `top_speed` (m/s).
+        """
+        fastest = self.lane.max_speed
+        if self._foresight is None:
+            return required_at_speeds(law, 0.0, fastest)
+        stopping = fastest / self.lane.max_acceleration
+        return required_at_speeds(law, top_speed, fastest) + top_speed * (RESUME + stopping)
 
     def drive(self, to: str | float) -> None:
         """Set out for a location or a lane position, from whatever it is doing now."""

@@ -61,6 +61,8 @@ EVENT_KINDS: dict[str, dict[str, Form]] = {
     },
     "robot_malfunction": {"seconds": "number"},
     "path_blocked": {"person": "person", "goal": "point", "message": "text"},
+    "goal_occupied": {"person": "person", "goal": "point", "by": "agv"},
+    "goal_free": {"person": "person", "goal": "point"},
     "replanned": {"person": "person", "goal": "point"},
     "said": {"person": "person", "text": "text"},
     "notice": {"text": "text", "field": "text", "line": "number"},

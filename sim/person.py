@@ -21,6 +21,7 @@ from .clock import Alarm, Clock, Turn
 from .minds import Mind, Percepts
 from .programs import find_program
 from .recorder import Record
+from .waiting_place import WaitingPlaces
 from .walker import Place, Walker
 
 MOST_AT_ONCE = 1000
@@ -42,7 +43,8 @@ class Person:
 
     `synchronise` puts the AGVs of the collision world where they are now; `thought` is called
     when the mind has thought, so that others can hear what it said; `make_mind` makes another
-    mind, whose program is looked up from `folder`. Plans are carried out by a `Walker`.
+    mind, whose program is looked up from `folder`. `zone(agv)` is how far (metres) from an
+    AGV the person must stand for it to set out. Plans are carried out by a `Walker`.
     """
 
     def __init__(
@@ -59,6 +61,7 @@ class Person:
         thought: Callable[[], None],
         make_mind: Callable[[bdi.Program], Mind],
         folder: Path,
+        zone: Callable[[str], float],
     ) -> None:
         self.name = walker.body.name
         self.personality = personality
@@ -74,8 +77,10 @@ class Person:
         self._thought = thought
         self._make_mind = make_mind
         self._folder = folder
+        self._waiting_places = WaitingPlaces(world, walker.human.radius, zone)
         self._home = (walker.body.at, walker.heading)
         self._put_home_at: float | None = None
+        self._waits_for: Place | None = None
         self._thinking = Alarm(clock, self._think, Turn.THOUGHT)
         self._enforcing = Alarm(clock, self._enforce, Turn.INSISTENCE)
         self._reason = "gantry"
@@ -124,6 +129,7 @@ class Person:
         assert self._percepts is not None
         name = Path(program.source).stem
         self._record("personality_changed", person=self.name, personality=name)
+        self._waits_for = None
         self.walker.stop()
         self.walker.speed_share = 1.0
         mind = self._make_mind(program)
@@ -149,12 +155,31 @@ class Person:
 
     def check_way(self) -> None:
         """Something has come to rest on the floor: see whether the way is still free."""
+        if self._waits_for is not None:
+            self._check_wait(self._waits_for)
+            return
+        goal = self.walker.goal
         trouble = self.walker.check_way()
-        if trouble is not None:
-            self._count("goal_blocked" if trouble.reason == "goal_blocked" else "path_blocked")
+        if trouble is None or goal is None:
+            return
+        at_the_goal = trouble.reason == "goal_blocked"
+        if not (at_the_goal and self._wait_beside(goal)):
+            self._count("goal_blocked" if at_the_goal else "path_blocked")
+
+    def _check_wait(self, goal: Place) -> None:
+        """Go on to `goal` if it is free now; else go on waiting."""
+        if self._waiting_places.occupant(goal) is None:
+            self._waits_for = None
+            self._record("goal_free", person=self.name, goal=goal)
+            self._set_out(goal)
+        elif self.walker.check_way() is not None and not self._wait_beside(goal):
+            self._no_way(goal, "there is no way to a place to wait", at_the_goal=True)
 
     def arrived(self, goal: Place) -> None:
-        """The walker has reached `goal`."""
+        """The walker has reached `goal`, or the place to wait for it."""
+        if self._waits_for is not None:
+            self._count("goal_occupied")
+            return
         station = self._station_at(goal)
         self._record("arrived", person=self.name, station=station, at=goal)
         if station is not None:
@@ -166,6 +191,8 @@ class Person:
     def act(self, action: bdi.Literal) -> bool:
         """Carry out an external action of the agent; whether it could be."""
         self._count_at_once()
+        if action.functor != "walk_speed":
+            self._waits_for = None
         perform = self._actions.get(action.functor)
         if perform is None:
             known = ", ".join(self._actions)
@@ -215,6 +242,7 @@ class Person:
 
     def _teleport(self, reason: str) -> bool:
         at, heading = self._home
+        self._waits_for = None
         self._put_home_at = self._clock.now
         self._record("teleport", person=self.name, reason=reason, to=at)
         self.walker.put(at, heading)
@@ -242,10 +270,31 @@ class Person:
     def _go(self, goal: Place) -> bool:
         self._synchronise()
         self._record("goal", person=self.name, station=self._station_at(goal), at=goal)
+        return self._set_out(goal)
+
+    def _set_out(self, goal: Place) -> bool:
         try:
             self.walker.go(goal)
         except PlanningError as why:
-            return self._no_way(goal, str(why), why.reason == "goal_blocked")
+            at_the_goal = why.reason == "goal_blocked"
+            if at_the_goal and self._wait_beside(goal):
+                return True
+            return self._no_way(goal, str(why), at_the_goal)
+        return True
+
+    def _wait_beside(self, goal: Place) -> bool:
+        """Wait near a goal that an AGV stands on, and go on when it has left; whether one does."""
+        self._waits_for = None
+        agv = self._waiting_places.occupant(goal)
+        place = None if agv is None else self._waiting_places.beside(goal, agv)
+        if place is None:
+            return False
+        try:
+            self.walker.go(place)
+        except PlanningError:
+            return False
+        self._waits_for = goal
+        self._record("goal_occupied", person=self.name, goal=goal, by=agv)
         return True
 
     # What the agent is told.

@@ -191,6 +191,7 @@ class Simulation:
             thought=lambda: self._thought(person, inspector),
             make_mind=lambda program: make_mind(replace(entry, program=program)),
             folder=self.trial.folder,
+            zone=lambda name: self._agv(name).zone(self.trial.rules.agv_law, human.max_speed),
         )
         inspector = self._inspector(entry.name)
         make_mind = partial(self._make_mind, person=person, inspector=inspector)
@@ -325,6 +326,9 @@ class Simulation:
             self.dispatcher.agv_stopped(agv)
         if self.gantry is not None:
             self.gantry.floor_changed()
+
+    def _agv(self, name: str) -> Agv:
+        return next(agv for agv in self.agvs if agv.lane.name == name)
 
     def _synchronise(self) -> None:
         for agv in self.agvs:

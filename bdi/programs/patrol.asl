@@ -8,6 +8,8 @@
 //     pause_after_agv(Ms)            the same for an AGV (5000)
 //     patience(Ms), tries(N)         how long to wait where the way is blocked (2000),
 //                                    and how often before the next station (3)
+//     linger(Ms)                     how long to wait beside a station on which an AGV
+//                                    stands before going to the next (8000)
 // and it believes
 //     bound_for(Station)             where it is going, or was before an errand
 //     reversed                       it walks the ring the other way round
@@ -22,6 +24,9 @@ blocked_pause(Ms) :- patience(Ms).
 blocked_pause(2000) :- not patience(_).
 most_tries(N) :- tries(N).
 most_tries(3) :- not tries(_).
+
+lingering_time(Ms) :- linger(Ms).
+lingering_time(8000) :- not linger(_).
 
 first(S) :- .findall(N, station(N, _, _), [S|_]).
 
@@ -74,3 +79,13 @@ now(T) :- T = system.time.
 +!try_again(S) <- +tried(1); .abolish(errand(_)); !retry(S).
 
 +!retry(S) : blocked_pause(Ms) <- .wait(Ms); !walk_to(S).
+
+// ---- an AGV stands on the goal: the person waits beside it, and goes on when it has left;
+// ---- who has waited long enough goes elsewhere
+
++goal_occupied(_) : .desire(linger_beside(_, _)).
++goal_occupied(_) : bound_for(S) & not errand(_) & lingering_time(Ms) <- !linger_beside(S, Ms).
+
++!linger_beside(_, Ms) <- .wait("+work_completed(_)", Ms).
+-!linger_beside(S, _) : bound_for(S) & not errand(_) & ahead(S, Next) <- !walk_to(Next).
+-!linger_beside(_, _).

@@ -1,0 +1,115 @@
+"""People bound for a place on which an AGV stands."""
+
+import math
+
+import pytest
+
+import sim
+
+FLOOR = """
+boundary: [[0, 0], [30, 0], [30, 16], [0, 16]]
+stations: {dock: [16, 5], desk: [28, 14]}
+patrol: [dock, desk]
+safe_zone: {at: [28, 10]}
+agvs:
+  size: [1.2, 0.8]
+  height: 1.0
+  max_speed: 2.0
+  max_acceleration: 2.0
+  limits: [0.0, 13.0]
+  locations: {near: 0.0, far: 13.0}
+  start: near
+  lanes: {cart: {origin: [3.0, 5.0], heading: 0.0}}
+"""
+
+VISIT = """
++human_start <- .wait(8000); move(16, 5, 0).
++work_completed(N) <- .print(completed, N).
++goal_occupied(N) <- .print(occupied, N).
+"""
+
+
+@pytest.fixture
+def run(tmp_path):
+    def go(moves, program=VISIT, personality="mine.asl", yields=False, duration=60):
+        (tmp_path / "floor.yaml").write_text(FLOOR)
+        (tmp_path / "mine.asl").write_text(program)
+        text = (
+            f"floorplan: floor.yaml\nduration: {duration}\n"
+            f"people: [{{name: a, personality: {personality}}}]\n"
+            f"agvs: {{cart: {{yield: {str(yields).lower()}, moves: {moves}}}}}\n"
+        )
+        return sim.run(sim.Trial.parse(text, folder=tmp_path))
+
+    return go
+
+
+def events(run, *kinds):
+    return [event for event in run.events if event["kind"] in kinds]
+
+
+def kinds(run):
+    seen = ("goal", "goal_occupied", "goal_free", "path_blocked", "arrived", "violation")
+    return [event["kind"] for event in events(run, *seen)]
+
+
+@pytest.mark.parametrize("yields", [False, True])
+def test_a_person_waits_beside_and_goes_on_when_the_agv_has_left(run, yields):
+    moves = "[{time: 0, to: far}, {time: 30, to: near}]"
+    found = run(moves, yields=yields)
+    assert kinds(found) == ["goal", "goal_occupied", "goal_free", "arrived"]
+    occupied, free = events(found, "goal_occupied", "goal_free")
+    assert occupied["by"] == "cart"
+    assert (occupied["goal"], free["goal"]) == ([16, 5], [16, 5])
+    waited = found.motions["a"].state(29.0)
+    assert waited.speed == 0.0
+    # Far enough for the AGV to set out: at its 2 m/s the rules ask for 3 m, of somebody who walks
+    # 5.5 m, and an AGV that yields looks 2 s ahead.
+    away = 3.1 if not yields else 7.6
+    assert math.dist(waited.at, (16, 5)) == pytest.approx(away, abs=0.01)
+    assert free["t"] == pytest.approx(events(found, "agv_moved")[-1]["arrives"])
+    assert found.motions["a"].position(60.0) == pytest.approx((16, 5))
+    assert [event["text"] for event in events(found, "said")] == ["occupied0", "completed0"]
+
+
+def test_an_agv_that_stops_on_the_goal_of_somebody_who_walks(run):
+    program = VISIT.replace(".wait(8000)", ".wait(100)")
+    found = run("[{time: 0, to: far}, {time: 25, to: near}]", program)
+    assert kinds(found) == [
+        "goal",
+        "path_blocked",
+        "goal_occupied",
+        "goal_free",
+        "arrived",
+    ]
+    stopped = events(found, "agv_moved")[0]["arrives"]
+    assert events(found, "goal_occupied")[0]["t"] == pytest.approx(stopped)
+
+
+def test_the_mind_may_decide_otherwise(run):
+    program = VISIT.replace(".print(occupied, N)", "move(28, 14, 0)")
+    found = run("[{time: 0, to: far}, {time: 25, to: near}]", program)
+    assert kinds(found) == ["goal", "goal_occupied", "goal", "arrived"]
+    assert found.motions["a"].position(60.0) == pytest.approx((28, 14))
+
+
+def test_people_on_patrol_wait_for_a_while_and_go_to_the_next_station(run):
+    found = run("[{time: 0, to: far}]", personality="indifferent", duration=120)
+    stations = [event["station"] for event in events(found, "arrived")]
+    assert set(stations) == {"desk"}
+    occupied = [event["t"] for event in events(found, "goal_occupied")]
+    assert len(occupied) >= 2
+    desk = [event["t"] for event in events(found, "goal") if event["station"] == "desk"]
+    beside = next(t for t in desk if t > occupied[0])
+    standing = found.motions["a"].velocity([beside - 7.5, beside - 4.0, beside - 0.1])
+    assert abs(standing).max() == 0.0
+    assert found.motions["a"].state(beside - 8.6).speed > 0
+
+
+def test_people_on_patrol_who_get_on_in_time_stay_on_the_ring(run):
+    moves = "[{time: 0, to: far}, {time: 18, to: near}]"
+    found = run(moves, personality="indifferent", duration=60)
+    goals = [event["station"] for event in events(found, "goal")]
+    assert goals[:3] == ["dock", "desk", "dock"]
+    arrived = [event["station"] for event in events(found, "arrived")]
+    assert arrived[:2] == ["dock", "desk"]
