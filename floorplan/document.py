@@ -11,9 +11,13 @@ import yaml
 from pydantic import BaseModel, ValidationError
 
 from .problems import InputError, Problem
+from .yaml_loader import safe_loader
 
 Place = tuple[str | int, ...]
 """The keys and indices that lead to a value."""
+
+MOST_TEXT = 4_000_000
+"""A longer document (in characters) is refused: it would take minutes to look at."""
 
 MOST_VALUES = 1_000_000
 """A document with more values than this (aliases count each time) is refused."""
@@ -129,9 +133,16 @@ def read_yaml(path: Path, error: type[InputError]) -> Document:
 
 def parse_yaml(text: str, file: str, error: type[InputError]) -> Document:
     """The document in `text`, which stands in `file`; `error` if it isn't one."""
+    if len(text) > MOST_TEXT:
+        message = f"is longer than {MOST_TEXT:,} characters, which is more than anybody writes"
+        raise error(file, [Problem(message)])
+    if odd := yaml.reader.Reader.NON_PRINTABLE.search(text):
+        at = text.count("\n", 0, odd.start()) + 1
+        message = f"is not YAML: the character U+{ord(odd.group()):04X} is not allowed"
+        raise error(file, [Problem(message, line=at)])
     loader = None
     try:
-        loader = yaml.SafeLoader(text)
+        loader = safe_loader(text)
         node = loader.get_single_node()
         if node is None:
             return Document(file, None, {(): 1})
@@ -140,19 +151,21 @@ def parse_yaml(text: str, file: str, error: type[InputError]) -> Document:
         if problems:
             raise error(file, problems)
         return Document(file, loader.construct_document(node), lines)
+    except InputError:
+        raise
     except yaml.MarkedYAMLError as why:
         mark = why.problem_mark or why.context_mark
         reason = " ".join(part for part in (why.problem, why.context) if part)
         line = mark.line + 1 if mark else None
         raise error(file, [Problem(f"is not YAML: {reason}", line=line)]) from None
-    except yaml.reader.ReaderError as why:
-        line = text.count("\n", 0, why.position) + 1
-        message = f"is not YAML: the character U+{why.character:04X} is not allowed"
-        raise error(file, [Problem(message, line=line)]) from None
     except RecursionError:
         raise error(file, [Problem("is not YAML: it is nested too deeply")]) from None
     except (yaml.YAMLError, ValueError) as why:
         raise error(file, [Problem(f"is not YAML: {why}")]) from None
+    except (AttributeError, LookupError, OverflowError, TypeError):
+        # So PyYAML's constructors end where a tag promises what is not there: `!!bool maybe`.
+        message = "is not YAML: a value is not what its tag (!!…) says"
+        raise error(file, [Problem(message)]) from None
     finally:
         if loader is not None:
             loader.dispose()

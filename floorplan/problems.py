@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+MOST_SHOWN = 20
+"""An error's text has this many problems, and how many more there are."""
+
 
 @dataclass(frozen=True)
 class Problem:
@@ -30,7 +33,10 @@ class InputError(ValueError):
         if len(lines) == 1:
             text = f"{file}: {lines[0]}"
         else:
-            text = "\n  ".join([f"{file}: {len(lines)} problems", *lines])
+            shown = lines[:MOST_SHOWN]
+            if len(lines) > MOST_SHOWN:
+                shown.append(f"and {len(lines) - MOST_SHOWN:,} more")
+            text = "\n  ".join([f"{file}: {len(lines):,} problems", *shown])
         super().__init__(text)
 
     def __reduce__(self) -> tuple[type[InputError], tuple[str, tuple[Problem, ...]]]:
