@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Hashable
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,6 +22,9 @@ MOST_TEXT = 4_000_000
 
 MOST_VALUES = 1_000_000
 """A document with more values than this (aliases count each time) is refused."""
+
+EXPONENT = re.compile(r"[-+]?[0-9.]+[eE][-+]?[0-9]+")
+"""Numbers that YAML 1.1 takes for text, unless they have a point and a sign."""
 
 EXPECTED = {
     "bool_type": "true or false",
@@ -92,7 +96,10 @@ class Document:
             message = message[:1].lower() + message[1:]
         else:
             message = "expected " + expected.format(**context)
-        return self.problem(f"{message}, found {_shown(misfit['input'])}", *place)
+        found = misfit["input"]
+        if kind == "float_type" and isinstance(found, str) and EXPONENT.fullmatch(found):
+            message += " (to YAML 1e3 is text; write 1.0e+3 or 1000)"
+        return self.problem(f"{message}, found {_shown(found)}", *place)
 
     def _known(self, place: Place, missing: bool) -> Place:
         """`place` without the parts that only name one of several forms a value may have.
@@ -188,8 +195,11 @@ def _survey(
     elif isinstance(node, yaml.MappingNode):
         seen: set[Hashable] = set()
         for key, child in node.value:
-            inner = (*place, str(key.value))
             line = key.start_mark.line + 1
+            if not isinstance(key, yaml.ScalarNode):
+                problems.append(Problem("a key is plain text", field_name(place), line))
+                continue
+            inner = (*place, str(key.value))
             if key.value in seen and key.tag != "tag:yaml.org,2002:merge":
                 problems.append(Problem("this key stands twice", field_name(inner), line))
             seen.add(key.value)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
+from functools import cache, partial
 from pathlib import Path
 from typing import Annotated
 
@@ -75,8 +76,16 @@ class PersonKeys(Strictly):
     max_acceleration: Positive | None = None
 
 
-def person_of(keys: PersonKeys, folder: Path) -> PersonEntry:
-    """The person, with the programs found from `folder`; one that isn't there is left open."""
+def people_of(entries: Sequence[PersonKeys], folder: Path) -> tuple[PersonEntry, ...]:
+    """The people, with the programs found from `folder`; one that isn't there is left open.
+
+    Each program is read once, however many people run it.
+    """
+    program_of = cache(partial(_program, folder=folder))
+    return tuple(_person(keys, program_of) for keys in entries)
+
+
+def _person(keys: PersonKeys, program_of: Callable[[str], bdi.Program | None]) -> PersonEntry:
     return PersonEntry(
         name=keys.name,
         personality=keys.personality,
@@ -86,10 +95,10 @@ def person_of(keys: PersonKeys, folder: Path) -> PersonEntry:
         radius=keys.radius,
         max_speed=keys.max_speed,
         max_acceleration=keys.max_acceleration,
-        program=_program(keys.personality, folder),
+        program=program_of(keys.personality),
         changes=tuple(
             PersonalityChange(
-                change.when.start(), change.personality, _program(change.personality, folder)
+                change.when.start(), change.personality, program_of(change.personality)
             )
             for change in keys.changes
         ),

@@ -17,7 +17,7 @@ from .agvs_file import AgvKeys, agv_moves, agv_problems, yielding
 from .ariac import reading
 from .controllers import ControllerError, find_controller
 from .expectations import expectation_problems
-from .people_file import PersonKeys, person_of, person_problems
+from .people_file import PersonKeys, people_of, person_problems
 from .rules import PAPER, suggestion
 from .rules_file import RuleKeys, build_rules
 from .trial import GantryEntry, Job, Trial, TrialError
@@ -107,7 +107,7 @@ def _build(document: Document, folder: Path) -> Trial:
         duration=schema.duration,
         seed=schema.seed,
         rules=rules,
-        people=tuple(person_of(entry, folder) for entry in schema.people),
+        people=people_of(schema.people, folder),
         gantry=GantryEntry(
             schema.gantry.controller,
             schema.gantry.at,
