@@ -128,7 +128,11 @@ class Agent:
             self.circumstance.on_end = self._note_end
         check_actions(program, self.actions)
         extra = tuple(Belief(_as_literal(belief)) for belief in beliefs)
-        self.add_program(replace(program, beliefs=extra + program.beliefs))
+        try:
+            self.add_program(replace(program, beliefs=extra + program.beliefs))
+        except RecursionError:
+            message = "a formula or a term is nested too deeply"
+            raise ProgramError([Problem(program.source, 0, 0, message)]) from None
         if society is not None:
             society.join(self)
 
@@ -435,6 +439,7 @@ class Agent:
 
     def _cycle(self) -> None:
         circumstance = self.circumstance
+        self.logic.begin_cycle()
         circumstance.selected_event = circumstance.selected = None
         if self.alarms.heap or self._tasks or self._percepts.changed or self._mailbox:
             self._wake_and_sense()

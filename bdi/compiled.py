@@ -193,6 +193,9 @@ def _query_and(formula: And) -> Condition:
         for belief in shelf.candidates(query, u):  # type: ignore[arg-type]
             solution = matched(query, belief, u)  # type: ignore[arg-type]
             if solution is not None:
+                logic.goals_left -= 1
+                if logic.goals_left < 0:
+                    logic.give_up(formula)
                 solution = rest(logic, solution)
                 if solution is not None:
                     return solution

@@ -34,6 +34,12 @@ if TYPE_CHECKING:
     from .internal_actions import InternalAction
 
 
+MAX_TEXT = 2_000_000
+"""A longer program (in characters) is refused: it would take minutes to read."""
+
+_TOO_LONG = f"is longer than {MAX_TEXT:,} characters, which is more than anybody writes"
+
+
 def programs() -> dict[str, Path]:
     """The built-in personalities: their names and files."""
     folder = _built_in()
@@ -78,6 +84,9 @@ def parse(source: str, name: str = "<text>", *, folder: str | Path | None = None
 
 
 def _parse(source: str, name: str, folder: Path | None) -> Program:
+    if len(source) > MAX_TEXT:
+        raise ProgramError([Problem(name, 0, 0, _TOO_LONG)])
+
     def include(file: str, place: Place) -> tuple[str, str] | Problem:
         found = find_included(file, folder)
         if isinstance(found, str):
@@ -85,6 +94,8 @@ def _parse(source: str, name: str, folder: Path | None) -> Program:
         text = _read(found)
         if isinstance(text, Problem):
             return Problem(place.file, place.line, place.column, text.message)
+        if len(text) > MAX_TEXT:
+            return Problem(place.file, place.line, place.column, f"{found} {_TOO_LONG}")
         return text, str(found)
 
     clauses, problems = parse_clauses(source, name, include)

@@ -51,6 +51,9 @@ State: TypeAlias = "tuple[Unifier, Goals]"
 
 MAX_CHOICES = 250_000
 
+#: How many goals may be tried in one reasoning cycle: seconds of work, where a handful is usual.
+MAX_GOALS = 1_000_000
+
 
 class _Commit:
     """The end of a negated formula: it holds, so the negation fails."""
@@ -88,6 +91,15 @@ class Logic:
         self.beliefs = beliefs
         self.names = names
         self._call = call
+        self.goals_left = MAX_GOALS
+
+    def begin_cycle(self) -> None:
+        """What may be tried begins anew."""
+        self.goals_left = MAX_GOALS
+
+    def give_up(self, formula: Term) -> None:
+        """Raises TooDeepError: `formula` came after more goals than may be tried in one cycle."""
+        raise TooDeepError(f"more than {MAX_GOALS:,} goals were tried at once, at last {formula}")
 
     def first(self, formula: Term, u: Unifier) -> Unifier | None:
         """The first solution, or None. `u` stays as it is."""
@@ -110,6 +122,8 @@ class Logic:
         choices: list[State | Iterator[State]] = []
         goals: Goals = (formula, None)
         while True:
+            if self.goals_left < 0:
+                self.give_up(formula)
             state = self._prove(u, goals, choices)
             if state is not None:
                 yield state
@@ -134,6 +148,7 @@ class Logic:
         solution: Unifier | None
         while goals is not None:
             goal, goals = goals
+            self.goals_left -= 1
             if isinstance(goal, Literal):
                 solution = self._query(goal, u, goals, choices)
                 if solution is None:

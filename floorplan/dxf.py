@@ -7,7 +7,9 @@ what can't bound anything (texts, dimensions, points, hatches), are left out.
 
 from __future__ import annotations
 
+import io
 from collections import Counter
+from contextlib import redirect_stdout
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -50,12 +52,13 @@ def load_dxf(path: Path) -> Floorplan:
     problems: list[Problem] = []
     others: Counter[tuple[str, str]] = Counter()
     for entity in drawing.modelspace():
-        layer = drawing.layers.get(entity.dxf.layer) if _has_layer(drawing, entity) else None
+        name = _layer_name(entity)
+        layer = drawing.layers.get(name) if drawing.layers.has_entry(name) else None
         kind = entity.dxftype()
         if kind in _SILENT or (layer is not None and (layer.is_off() or layer.is_frozen())):
             continue
         if kind not in _OUTLINES:
-            others[entity.dxf.layer, kind] += 1
+            others[name, kind] += 1
             continue
         found = _outline(entity, metre)
         if isinstance(found, _Outline):
@@ -89,7 +92,8 @@ def _drawing(path: Path) -> Drawing:
         message = "DXF drawings can't be read without ezdxf; pip install 'floorwalker[floorplans]'"
         raise FloorplanError(str(path), [Problem(message)]) from None
     try:
-        return readfile(path)
+        with redirect_stdout(io.StringIO()):  # ezdxf prints some of its warnings
+            return readfile(path)
     except FileNotFoundError:
         raise FloorplanError(str(path), [Problem("there is no such file")]) from None
     except (DXFError, UnicodeDecodeError) as why:
@@ -114,12 +118,14 @@ def _metre(drawing: Drawing, file: str) -> float:
         raise FloorplanError(file, [Problem(message)]) from None
 
 
-def _has_layer(drawing: Drawing, entity: Any) -> bool:
-    return drawing.layers.has_entry(entity.dxf.layer)
+def _layer_name(entity: Any) -> str:
+    """The layer it is on; that of things ezdxf does not know is not known either."""
+    known = entity.dxf.is_supported("layer")
+    return str(entity.dxf.get("layer", "0")) if known else "0"
 
 
 def _place(entity: Any) -> str:
-    return f"layer {entity.dxf.layer!r}, {entity.dxftype()} {entity.dxf.handle}"
+    return f"layer {_layer_name(entity)!r}, {entity.dxftype()} {entity.dxf.handle}"
 
 
 def _outline(entity: Any, metre: float) -> _Outline | str:
@@ -142,7 +148,7 @@ def _outline(entity: Any, metre: float) -> _Outline | str:
     bottom = _elevation(entity) * metre
     thickness = entity.dxf.get("thickness", 0.0) * metre
     heights = sorted((bottom, bottom + (thickness or HEIGHT)))
-    return _Outline(entity.dxf.layer, entity.dxf.handle, shape, heights[0], heights[1])
+    return _Outline(_layer_name(entity), entity.dxf.handle, shape, heights[0], heights[1])
 
 
 def _elevation(entity: Any) -> float:

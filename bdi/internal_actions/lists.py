@@ -19,6 +19,10 @@ def length(call: Call, value: Term, result: Term) -> object:
     return call.unify(result, len(value))
 
 
+MAX_LENGTH = 100_000
+"""How many elements a list, or characters a text, may have that is put together."""
+
+
 def member(call: Call, element: Term, elements: Term) -> Iterator[Unifier]:
     for candidate in a_list("member", elements, "second"):
         solution = call.unify(element, candidate)
@@ -39,13 +43,20 @@ def concat(call: Call, *terms: Term) -> object:
             if not isinstance(part, Nil | Cons):
                 raise wrong("concat", f"arg[{position}] is not a list")
             joined.extend(part)
+            _limit(len(joined), "list")
         last = parts[-1]
         rest = last.open_tail if isinstance(last, Cons) else None
         return call.unify(make_list(joined, EMPTY if rest is None else rest), result)
     whole = "".join(map(_bare, parts))
+    _limit(len(whole), "text")
     if not isinstance(result, Var | str):
         result = text(result)
     return call.unify(whole, result)
+
+
+def _limit(length: int, what: str) -> None:
+    if length > MAX_LENGTH:
+        raise ActionError(f"concat makes a {what} of more than {MAX_LENGTH:,} parts")
 
 
 def _bare(term: Term) -> str:
