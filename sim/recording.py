@@ -8,12 +8,15 @@ line, so that a run that is broken off leaves whole and readable files; `violati
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TextIO
 
 from navigation import Motion, Piece
 
 from .body import Body
+from .lines import WholeLines
 from .mind_inspector import Thought
 from .outcome import Run
 from .recorder import Event, Listener, rounded
@@ -58,21 +61,20 @@ class Recording(Listener):
             )
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
-            self._events: TextIO = self._open("events.jsonl")
-            self._motions: TextIO = self._open("motions.jsonl")
-            self._thoughts: TextIO = self._open("thoughts.jsonl")
+            self._events = WholeLines(self.folder / "events.jsonl")
+            self._motions = WholeLines(self.folder / "motions.jsonl")
+            self._thoughts = WholeLines(self.folder / "thoughts.jsonl")
         except OSError as why:
             raise OutputError(f"can't write to {self.folder}: {why.strerror}") from None
 
     def begin(self, scene: Scene) -> None:
         """Write down where the run takes place."""
-        with self._open("scene.json") as file:
+        with self._whole("scene.json") as file:
             file.write(write_scene(scene))
 
     def event(self, event: Event) -> None:
         """Write an event as one line."""
-        self._events.write(json.dumps(event, ensure_ascii=False) + "\n")
-        self._events.flush()
+        self._add(self._events, json.dumps(event, ensure_ascii=False))
 
     def motion(self, body: Body, motion: Motion) -> None:
         """Write what a body has done as one line: its pieces as coefficients of cubics."""
@@ -83,13 +85,11 @@ class Recording(Listener):
             "end": motion.end,
             "pieces": [_piece(piece) for piece in motion.pieces],
         }
-        self._motions.write(json.dumps(line) + "\n")
-        self._motions.flush()
+        self._add(self._motions, json.dumps(line))
 
     def thought(self, thought: Thought) -> None:
         """Write what a thought has changed in a mind as one line."""
-        self._thoughts.write(json.dumps(thought, ensure_ascii=False) + "\n")
-        self._thoughts.flush()
+        self._add(self._thoughts, json.dumps(thought, ensure_ascii=False))
 
     def close(self) -> None:
         """Stop writing; what is written stays."""
@@ -100,22 +100,44 @@ class Recording(Listener):
     def finish(self, run: Run) -> None:
         """Write what belongs to a finished run."""
         self.close()
-        with self._open("violations.jsonl") as file:
+        with self._whole("violations.jsonl") as file:
             for (person, machine), intervals in run.violations.items():
                 line = {"person": person, "with": machine, "intervals": intervals}
                 if (person, machine) in run.requirements:
                     line["required"] = rounded(run.requirements[person, machine])
                 file.write(json.dumps(line, ensure_ascii=False) + "\n")
-        with self._open("summary.json") as file:
+        with self._whole("summary.json") as file:
             json.dump(run.summary, file, indent=2, ensure_ascii=False)
             file.write("\n")
-        with self._open("trajectory.csv") as file:
+        with self._whole("trajectory.csv") as file:
             write_trajectory(run, file, TRAJECTORY_RATE)
-        with self._open("replay.html") as file:
+        with self._whole("replay.html") as file:
             file.write(render(replay_data(run)))
 
-    def _open(self, name: str) -> TextIO:
-        return (self.folder / name).open("w", encoding="utf-8", newline="\n")
+    def _add(self, lines: WholeLines, line: str) -> None:
+        try:
+            lines.write(line)
+        except OSError as why:
+            raise self._full(why) from None
+
+    @contextmanager
+    def _whole(self, name: str) -> Iterator[TextIO]:
+        """A file to write that is there only when all of it is."""
+        path, unfinished = self.folder / name, self.folder / f"{name}.part"
+        try:
+            with unfinished.open("w", encoding="utf-8", newline="\n") as file:
+                yield file
+            unfinished.replace(path)
+        except OSError as why:
+            raise self._full(why) from None
+        finally:
+            unfinished.unlink(missing_ok=True)
+
+    def _full(self, why: OSError) -> OutputError:
+        return OutputError(
+            f"can't go on writing to {self.folder}: {why.strerror or why};"
+            " what was recorded until then is kept"
+        )
 
 
 def _piece(piece: Piece) -> list[Any]:

@@ -120,7 +120,7 @@ def _polygon(data: dict[str, Any]) -> Any:
         return data
     try:
         return shape(data)
-    except (LookupError, TypeError, ValueError, GEOSException) as why:
+    except (LookupError, OverflowError, TypeError, ValueError, GEOSException) as why:
         raise SceneError(f"holds a polygon that is none: {why}") from None
 
 
