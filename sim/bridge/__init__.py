@@ -9,11 +9,12 @@ of an agent there.
 from .connection import ConnectError, Connection, ServiceError
 from .exchange import Exchange
 from .remote_agent import RemoteAgent
-from .server import RosbridgeServer
+from .server import AddressError, RosbridgeServer, listen_at
 from .session import Session
 from .workcell import BridgeError, Workcell, driven_person
 
 __all__ = [
+    "AddressError",
     "BridgeError",
     "ConnectError",
     "Connection",
@@ -24,4 +25,5 @@ __all__ = [
     "Session",
     "Workcell",
     "driven_person",
+    "listen_at",
 ]

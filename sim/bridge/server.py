@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import socket
 from collections.abc import Callable
 from contextlib import suppress
 
@@ -26,6 +27,22 @@ _TURNS = 5
 """Turns of the event loop in which a message that has come in is taken for sure."""
 
 
+class AddressError(OSError):
+    """An address that can't be served at."""
+
+
+def listen_at(host: str, port: int) -> socket.socket:
+    """A listening socket at an address (port 0: any that is free); `AddressError` says why not."""
+    try:
+        (family, _, _, _, address), *_ = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)
+        return socket.create_server(address[:2], family=family)
+    except (OSError, UnicodeError) as why:
+        reason = getattr(why, "strerror", None) or why
+        raise AddressError(
+            f"can't serve at {host}:{port}: {reason}; choose another with --host and --port"
+        ) from None
+
+
 class RosbridgeServer:
     """Serves an exchange to any number of clients.
 
@@ -40,15 +57,14 @@ class RosbridgeServer:
         self._names = 0
         self._server: Server | None = None
 
-    async def open(self, host: str, port: int) -> int:
-        """Take clients from now on; the port (that given, or with 0 a free one)."""
+    async def open(self, at: socket.socket) -> None:
+        """Take clients at a listening socket from now on."""
         logger = logging.getLogger(f"{__name__}.websockets")
         logger.addHandler(logging.NullHandler())
         logger.propagate = False
         self._server = await serve(
             self._attend,
-            host,
-            port,
+            sock=at,
             compression=None,
             max_size=_LONGEST_FRAME,
             max_queue=4,
@@ -57,7 +73,6 @@ class RosbridgeServer:
             close_timeout=1.0,
             logger=logger,
         )
-        return int(next(iter(self._server.sockets)).getsockname()[1])
 
     async def close(self) -> None:
         """Send what is still to be sent, and let everybody go."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import math
+import socket
 from collections.abc import Callable
 from typing import Any
 
@@ -14,7 +15,7 @@ from .gantry_topics import TRAJECTORY
 from .human_topics import COMMANDS, START
 from .pace import Pace
 from .rosapi import provide_rosapi
-from .server import RosbridgeServer
+from .server import RosbridgeServer, listen_at
 from .workcell import ENDED, STARTED, BridgeError, Workcell
 
 RATE = 10
@@ -77,20 +78,20 @@ class Session:
         exchange.provide("/floorwalker/advance", "floorwalker_msgs/Advance", self._advance)
         provide_rosapi(exchange, lambda: workcell.now)
 
-    async def open(self, host: str = "127.0.0.1", port: int = 9090) -> int:
+    async def open(
+        self, host: str = "127.0.0.1", port: int = 9090, *, at: socket.socket | None = None
+    ) -> int:
         """Take clients from now on; the port (that given, or with 0 a free one).
 
-        `BridgeError` where the address can't be had.
+        `at` is a socket that listens already. `AddressError` where the address can't be had.
         """
-        try:
-            port = await self.server.open(host, port)
-        except OSError as why:
-            raise BridgeError(
-                f"can't serve at {host}:{port}: {why.strerror or why}; choose another with --port"
-            ) from None
-        shown = f"[{host}]" if ":" in host else host
-        self._notice(f"serving ws://{shown}:{port}")
-        return port
+        at = at or listen_at(host, port)
+        await self.server.open(at)
+        name, port = at.getsockname()[:2]
+        self._notice(
+            f"serving ws://[{name}]:{port}" if ":" in name else f"serving ws://{name}:{port}"
+        )
+        return int(port)
 
     async def run(self) -> None:
         """Keep time until the trial is over; raises whatever the user's own programs raise."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ipaddress
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -11,6 +12,8 @@ import typer
 from .run import INTERRUPTED, changed, free_folder, tell_result
 
 if TYPE_CHECKING:
+    import socket
+
     import bdi
     from sim import Trial
     from sim.bridge import Session
@@ -65,8 +68,11 @@ def _serve(trial: Trial, host: str, port: int, speed: float, hold: bool, out: Pa
     import asyncio
 
     from sim import Recording
-    from sim.bridge import Exchange, Session, Workcell
+    from sim.bridge import Exchange, Session, Workcell, listen_at
 
+    if not (math.isfinite(speed) and speed >= 0):
+        raise typer.BadParameter(f"must be 0 or more, not {speed:g}", param_hint="speed")
+    at = listen_at(host, port)
     if not _is_loopback(host):
         _notice(f"everybody who can reach {host} can take part, without a password")
     recording = Recording(out if out is not None else free_folder(trial.name))
@@ -76,7 +82,7 @@ def _serve(trial: Trial, host: str, port: int, speed: float, hold: bool, out: Pa
         workcell = Workcell(trial, exchange, recording)
         try:
             session = Session(workcell, exchange, speed=speed, hold=hold, notice=_notice)
-            asyncio.run(_open_and_run(session, host, port))
+            asyncio.run(_open_and_run(session, at))
         except KeyboardInterrupt:
             interrupted = True
         finally:
@@ -87,8 +93,8 @@ def _serve(trial: Trial, host: str, port: int, speed: float, hold: bool, out: Pa
     tell_result(finished, recording.folder, interrupted=interrupted)
 
 
-async def _open_and_run(session: Session, host: str, port: int) -> None:
-    await session.open(host, port)
+async def _open_and_run(session: Session, at: socket.socket) -> None:
+    await session.open(at=at)
     await session.run()
 
 

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from websockets.sync.client import connect
 
 import sim
-from sim.bridge import Exchange, RosbridgeServer, Session, Workcell
+from sim.bridge import Exchange, RosbridgeServer, Session, Workcell, listen_at
 
 TRIAL = """
 floorplan: ariac2023
@@ -114,8 +114,9 @@ def relay():
 
     async def main():
         server = RosbridgeServer(Exchange(), left=lambda _: None)
-        port = await server.open("127.0.0.1", 0)
-        address.append(f"ws://127.0.0.1:{port}")
+        at = listen_at("127.0.0.1", 0)
+        await server.open(at)
+        address.append(f"ws://127.0.0.1:{at.getsockname()[1]}")
         opened.set()
         try:
             await asyncio.Event().wait()

@@ -10,7 +10,15 @@ from bridge_parts import Client, relay, served, trial
 
 import bdi
 import sim
-from sim.bridge import BridgeError, ConnectError, Exchange, RemoteAgent, Session, Workcell
+from sim.bridge import (
+    AddressError,
+    BridgeError,
+    ConnectError,
+    Exchange,
+    RemoteAgent,
+    Session,
+    Workcell,
+)
 
 HUMAN = ("/ariac/start_human", "/ariac_human/position_reached", "/ariac_human/unsafe_distance")
 
@@ -452,7 +460,7 @@ def test_a_port_that_is_taken_is_told():
         async def serve():
             await Session(workcell, exchange).open(port=port)
 
-        with pytest.raises(BridgeError, match=f"can't serve at 127.0.0.1:{port}"):
+        with pytest.raises(AddressError, match=f"can't serve at 127.0.0.1:{port}"):
             asyncio.run(serve())
 
 
