@@ -11,6 +11,7 @@ import replay_sample
 
 import sim
 from sim import replay
+from sim.event_kinds import EVENT_KINDS
 from sim.replay_data import replay_data
 
 INSTANTS = [0.0, 2.4, 9.93, 27.0, 61.7, 69.1, 140.25, 181.0, 274.9, 275.0]
@@ -329,6 +330,11 @@ def test_the_list_shows_every_event_and_jumps(viewer, recording):
     current = viewer.page.locator(".events li[aria-current]")
     assert current.count() == 1
     assert "blue battery" in current.inner_text()
+
+
+def test_every_kind_of_event_has_a_look_and_words(viewer):
+    for table in ("LOOKS", "WORDS"):
+        assert set(viewer.page.evaluate(f"Object.keys({table})")) >= set(EVENT_KINDS)
 
 
 def test_the_current_event_is_kept_in_view(viewer):

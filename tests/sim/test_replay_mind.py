@@ -94,6 +94,17 @@ def test_it_is_said_whose_mind_it_is(viewer):
     assert viewer.text(".mind .whose") == "visitor, curious"
 
 
+def test_a_change_of_personality_is_said(open_page, recording):
+    changed = copy.deepcopy(recording)
+    event = {"t": 20.0, "kind": "personality_changed", "person": "operator"}
+    changed["events"].append({**event, "personality": "helpful"})
+    changed["events"].sort(key=lambda event: event["t"])
+    viewer = open_page(replay.render(changed))
+    for t, personality in ((19.0, "antagonistic"), (80.0, "helpful"), (5.0, "antagonistic")):
+        viewer.seek(t)
+        assert viewer.text(".mind .whose") == f"operator, {personality}"
+
+
 def test_long_figures_are_shortened(viewer, run):
     viewer.page.locator("#watch").select_option(label="operator – gantry")
     viewer.seek(60.0)

@@ -20,7 +20,7 @@ class MindPanel {
     const state = mind.at(t);
     if (this.shown === state) return;
     this.shown = state;
-    write(this.person, `${spoken(person.name)}, ${person.personality ?? "unknown"}`);
+    write(this.person, `${spoken(person.name)}, ${run.personality(person, t)}`);
     this.intentions.replaceChildren(...state.intentions.map(intentionItem));
     if (!state.intentions.length) {
       this.intentions.append(element("li", { className: "none", text: "none under way: waits for something to happen" }));

@@ -30,6 +30,7 @@ class Run {
     this.people = [...this.bodies.values()].filter(body => body.kind === "person");
     this.watches = watches.map(watch => new Watch(watch, this.bodies, known));
     this.minds = new Map(Object.entries(minds ?? {}).map(([name, thoughts]) => [name, new Mind(thoughts)]));
+    this.changes = events.filter(event => event.kind === "personality_changed");
     this.jobs = new Jobs(events);
     this.disabled = disabledIntervals(events, known);
     this.disabledBegins = this.disabled.map(interval => interval[0]);
@@ -46,6 +47,12 @@ class Run {
     if (!watch) return undefined;
     return this.watches.find(own => own.name === watch.name)
       ?? this.watches.find(own => own.other.kind === watch.other.kind);
+  }
+
+  /** What the personality of a person is called at t. */
+  personality(person, t) {
+    const changes = this.changes.filter(event => event.person === person.name && event.t <= t);
+    return changes.at(-1)?.personality ?? person.personality ?? "unknown";
   }
 
   /** The watch to show of each person: the chosen one (last, on top), or the first there is. */
