@@ -60,7 +60,7 @@ EVENT_KINDS: dict[str, dict[str, Form]] = {
         "missing": "list",
     },
     "robot_malfunction": {"seconds": "number"},
-    "path_blocked": {"person": "person", "goal": "point", "message": "text"},
+    "path_blocked": {"person": "person", "goal": "point", "message": "text", "by": "agv"},
     "goal_occupied": {"person": "person", "goal": "point", "by": "agv"},
     "goal_free": {"person": "person", "goal": "point"},
     "replanned": {"person": "person", "goal": "point"},

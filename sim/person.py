@@ -18,6 +18,7 @@ from navigation import CollisionWorld, PlanningError
 
 from .body import Body
 from .clock import Alarm, Clock, Turn
+from .crossing import CrossingWatch
 from .minds import Mind, Percepts
 from .programs import find_program
 from .recorder import Record
@@ -81,6 +82,7 @@ class Person:
         self._home = (walker.body.at, walker.heading)
         self._put_home_at: float | None = None
         self._waits_for: Place | None = None
+        self._lets_pass_on_way_to: Place | None = None
         self._thinking = Alarm(clock, self._think, Turn.THOUGHT)
         self._enforcing = Alarm(clock, self._enforce, Turn.INSISTENCE)
         self._reason = "gantry"
@@ -129,7 +131,7 @@ class Person:
         assert self._percepts is not None
         name = Path(program.source).stem
         self._record("personality_changed", person=self.name, personality=name)
-        self._waits_for = None
+        self._forget_waits()
         self.walker.stop()
         self.walker.speed_share = 1.0
         mind = self._make_mind(program)
@@ -158,6 +160,12 @@ class Person:
         if self._waits_for is not None:
             self._check_wait(self._waits_for)
             return
+        if self._lets_pass_on_way_to is not None:
+            onwards, self._lets_pass_on_way_to = self._lets_pass_on_way_to, None
+            if self._set_out(onwards):
+                self.walker.replans += 1
+                self._record("replanned", person=self.name, goal=onwards)
+            return
         goal = self.walker.goal
         trouble = self.walker.check_way()
         if trouble is None or goal is None:
@@ -165,6 +173,19 @@ class Person:
         at_the_goal = trouble.reason == "goal_blocked"
         if not (at_the_goal and self._wait_beside(goal)):
             self._count("goal_blocked" if at_the_goal else "path_blocked")
+
+    def let_pass(self, crossing: CrossingWatch) -> None:
+        """Stop for an AGV that drives into the way, and go on when it has come to rest.
+
+        Where stopping would not help, walk on.
+        """
+        goal = self.walker.goal
+        if goal is None or self._waits_for is not None:
+            return
+        if crossing.touches(self.walker.braking()) is None:
+            self._record("path_blocked", person=self.name, goal=goal, by=crossing.pair.machine.name)
+            self.walker.stop()
+            self._lets_pass_on_way_to = goal
 
     def _check_wait(self, goal: Place) -> None:
         """Go on to `goal` if it is free now; else go on waiting."""
@@ -192,7 +213,7 @@ class Person:
         """Carry out an external action of the agent; whether it could be."""
         self._count_at_once()
         if action.functor != "walk_speed":
-            self._waits_for = None
+            self._forget_waits()
         perform = self._actions.get(action.functor)
         if perform is None:
             known = ", ".join(self._actions)
@@ -242,7 +263,7 @@ class Person:
 
     def _teleport(self, reason: str) -> bool:
         at, heading = self._home
-        self._waits_for = None
+        self._forget_waits()
         self._put_home_at = self._clock.now
         self._record("teleport", person=self.name, reason=reason, to=at)
         self.walker.put(at, heading)
@@ -342,6 +363,9 @@ class Person:
     def _enforce(self) -> None:
         if self._put_home_at != self._clock.now:
             self._teleport(self._reason)
+
+    def _forget_waits(self) -> None:
+        self._waits_for = self._lets_pass_on_way_to = None
 
     def _station_at(self, point: Place) -> str | None:
         tolerance = self.walker.human.goal_tolerance

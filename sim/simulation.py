@@ -16,6 +16,7 @@ from .ariac import Dispatcher
 from .body import Body
 from .clock import Clock
 from .controllers import find_controller, supervised
+from .crossing import CrossingWatch
 from .gantry import GantryRobot, Sighting, Surroundings
 from .mind_inspector import MindInspector, Thought
 from .minds import Mind, Outside, kept_beliefs, make_agent
@@ -24,7 +25,7 @@ from .person import Person
 from .programs import EXTERNAL
 from .proximity import ProximityWatch
 from .recorder import Event, Listener, Listeners, recording_to, rounded
-from .referee import Referee
+from .referee import Pair, Referee
 from .requirement_curve import is_plain, requirement_curve
 from .rules import suggestion
 from .scene import scene_of
@@ -205,6 +206,8 @@ class Simulation:
         for agv in self.agvs:
             self.referee.watch_agv(walker.body, agv.body)
             agv.look_out_for(walker.body, human.max_speed)
+            pair = Pair(self.clock, walker.body, agv.body, self.trial.duration)
+            CrossingWatch(pair, human, agv.lane, person.let_pass)
         return person
 
     def _make_mind(

@@ -74,12 +74,12 @@ class Walker:
     def stop(self) -> None:
         """Brake, and stand."""
         self._forget_goal()
-        self.body.follow(self._braking())
+        self.body.follow(self.braking())
 
     def turn_to(self, point: Place) -> None:
         """Brake, stand, and look towards `point`."""
         self._forget_goal()
-        braking = self._braking()
+        braking = self.braking()
         x, y = braking.state(braking.end).at
         heading = math.atan2(point[1] - y, point[0] - x)
         self.body.follow(join([braking, standing((x, y), heading=heading, start=braking.end)]))
@@ -125,7 +125,7 @@ class Walker:
                 )
             except ValueError:  # too short to come to rest on
                 pass
-        braking = self._braking()
+        braking = self.braking()
         points = self._path(braking.state(braking.end).at, goal)
         onwards = walk(points, braking.end, max_speed=top, max_acceleration=acceleration)
         return join([braking, onwards])
@@ -144,7 +144,8 @@ class Walker:
             return [start, *map(tuple, path.points.tolist())]
         return [*map(tuple, path.points.tolist())]
 
-    def _braking(self) -> Motion:
+    def braking(self) -> Motion:
+        """The motion that `stop` would make from here and now."""
         acceleration = self.human.max_acceleration
         return stop_walking(self.body.motion, self._clock.now, max_acceleration=acceleration)
 

@@ -4,6 +4,7 @@ import math
 
 import pytest
 
+import navigation
 import sim
 
 FLOOR = """
@@ -113,3 +114,26 @@ def test_people_on_patrol_who_get_on_in_time_stay_on_the_ring(run):
     assert goals[:3] == ["dock", "desk", "dock"]
     arrived = [event["station"] for event in events(found, "arrived")]
     assert arrived[:2] == ["dock", "desk"]
+
+
+def test_an_agv_that_drives_across_is_let_pass(run, tmp_path):
+    """Under rules so lenient that only touching it counts: the person stops, and walks on."""
+    (tmp_path / "close.yaml").write_text("agv_law: {fixed: 0.2}\n")
+    program = "+human_start <- move(11, 12, 0)."
+    (tmp_path / "floor.yaml").write_text(FLOOR)
+    (tmp_path / "mine.asl").write_text(program)
+    text = (
+        "floorplan: floor.yaml\nduration: 30\nrules: close.yaml\n"
+        "people: [{name: a, personality: mine.asl, at: [11, 1.5]}]\n"
+        "agvs: {cart: [{time: 0, to: far}]}\n"
+    )
+    found = sim.run(sim.Trial.parse(text, folder=tmp_path))
+    blocked, replanned = events(found, "path_blocked", "replanned")
+    assert blocked["by"] == "cart"
+    assert replanned["t"] == pytest.approx(events(found, "agv_moved")[0]["arrives"])
+    assert found.summary["people"]["a"]["replans"] == 1
+    assert found.motions["a"].position(30.0) == pytest.approx((11, 12))
+    lane = found.trial.floorplan.lane("cart")
+    shapes = navigation.Shapes(machine=(navigation.agv_box(lane),))
+    pair = (found.motions["a"], found.motions["cart"])
+    assert navigation.minimum_separation(*pair, 0.0, 30.0, shapes=shapes)[1] > 0.2
