@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -20,8 +21,14 @@ def backend(name: str, jobs: int) -> Iterator[None]:
         with _dask_client(jobs):
             yield
         return
-    with joblib.parallel_config(backend=name, n_jobs=jobs):
+    own = {"initializer": _leave_interrupts_to_the_main_process} if name == "loky" else {}
+    with joblib.parallel_config(backend=name, n_jobs=jobs, **own):
         yield
+
+
+def _leave_interrupts_to_the_main_process() -> None:
+    """A terminal's Ctrl-C goes to all processes; one of them is enough to stop the others."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 @contextmanager
