@@ -159,9 +159,11 @@ def test_a_killed_study_goes_on_and_ends_with_the_same_bytes(study, folder):
         assert (folder / "killed" / name).read_bytes() == (folder / "whole" / name).read_bytes()
 
 
-def test_ctrl_c_says_how_to_go_on(folder):
+@pytest.mark.parametrize("backend", ["loky", pytest.param("dask", marks=pytest.mark.slow)])
+def test_ctrl_c_says_how_to_go_on(folder, backend):
     (folder / "s.study.yaml").write_text(STUDY.replace("repeat: 4", "repeat: 4000"))
-    process = command(folder, "--out", "stopped", "--jobs", "2", start_new_session=True)
+    options = ("--out", "stopped", "--jobs", "2", "--backend", backend)
+    process = command(folder, *options, start_new_session=True)
     results = folder / "stopped" / "results.csv"
     deadline = time.monotonic() + 60
     while not (results.exists() and results.read_bytes().count(b"\n") > 3):
