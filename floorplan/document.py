@@ -163,7 +163,8 @@ def parse_yaml(text: str, file: str, error: type[InputError]) -> Document:
     except yaml.MarkedYAMLError as why:
         mark = why.problem_mark or why.context_mark
         reason = " ".join(part for part in (why.problem, why.context) if part)
-        line = mark.line + 1 if mark else None
+        # LibYAML marks the end of a text as the line after the last.
+        line = min(mark.line + 1, len(text.splitlines())) if mark else None
         raise error(file, [Problem(f"is not YAML: {reason}", line=line)]) from None
     except RecursionError:
         raise error(file, [Problem("is not YAML: it is nested too deeply")]) from None

@@ -18,7 +18,6 @@ from pathlib import Path
 from random import Random
 
 from .mutations import damaged
-from .readers import READERS, recording, recording_of
 
 SLOW = 5.0
 """Seconds of CPU time from which on a case is told."""
@@ -27,24 +26,38 @@ SLOW = 5.0
 def main() -> None:
     """Run the reader that is asked for, or all."""
     parser = argparse.ArgumentParser(prog="python -m fuzz", description=__doc__)
-    parser.add_argument("reader", choices=[*READERS, "recording", "all"])
+    parser.add_argument("reader", help="a name in readers.py, recording, or all")
     parser.add_argument("--cases", type=int, default=10_000)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--guided", action="store_true")
-    parser.add_argument("libfuzzer", nargs="*")
-    asked = parser.parse_args()
-    known = _known()
+    own, libfuzzer = _split(sys.argv[1:])
+    asked = parser.parse_args(own)
+    known = _known(guided=asked.guided)
+    if asked.reader != "all" and not any(asked.reader in name for name in known):
+        parser.error(f"no reader is called {asked.reader}; there are: {', '.join(known)}")
     names = list(known) if asked.reader == "all" else [n for n in known if asked.reader in n]
     crashes = 0
     for name in names:
         read, sample = known[name]
         if asked.guided:
-            _guided(read, asked.libfuzzer)
+            _guided(read, sample, libfuzzer)
         crashes += _damaged(name, read, sample, asked.cases, asked.seed)
     sys.exit(1 if crashes else 0)
 
 
-def _known() -> dict[str, tuple[Callable[[bytes], None], bytes]]:
+def _split(arguments: list[str]) -> tuple[list[str], list[str]]:
+    at = arguments.index("--") if "--" in arguments else len(arguments)
+    return arguments[:at], arguments[at + 1 :]
+
+
+def _known(*, guided: bool) -> dict[str, tuple[Callable[[bytes], None], bytes]]:
+    if guided:
+        import atheris
+
+        with atheris.instrument_imports(include=["bdi", "floorplan", "sim", "yaml", "lark"]):
+            from .readers import READERS, recording, recording_of
+    else:
+        from .readers import READERS, recording, recording_of
     with tempfile.TemporaryDirectory() as folder:
         files = recording_of(Path(folder) / "run")
     parts = {
@@ -76,11 +89,13 @@ def _damaged(name: str, read: Callable[[bytes], None], sample: bytes, cases: int
     return len(found)
 
 
-def _guided(read: Callable[[bytes], None], arguments: list[str]) -> None:
+def _guided(read: Callable[[bytes], None], sample: bytes, arguments: list[str]) -> None:
+    """Hand over to libFuzzer, which ends the process."""
     import atheris
 
-    atheris.instrument_all()
-    atheris.Setup([sys.argv[0], *arguments], read)
+    corpus = Path(tempfile.mkdtemp(prefix="corpus-"))
+    (corpus / "sample").write_bytes(sample)
+    atheris.Setup([sys.argv[0], str(corpus), *arguments], read)
     atheris.Fuzz()
 
 
