@@ -84,7 +84,7 @@ def _number(type_: str, value: int | float, place: str) -> int | float:
             raise MessageError(f"{place} is not a finite number")
         return number
     low, high = _INTEGERS[type_]
-    if value != int(value) if math.isfinite(value) else True:
+    if isinstance(value, float) and not value.is_integer():
         raise MessageError(f"{place} should be a whole number, not {_shown(value)}")
     if not low <= value <= high:
         raise MessageError(f"{place} = {_shown(value)} is outside {low} … {high}")

@@ -46,13 +46,21 @@ def listen_at(host: str, port: int) -> socket.socket:
 class RosbridgeServer:
     """Serves an exchange to any number of clients.
 
-    `left(client)` is called when one has gone.
+    `left(client)` is called when one has gone, `failed(why)` when what a client asked for goes
+    wrong through no fault of the client's.
     """
 
-    def __init__(self, exchange: Exchange, *, left: Callable[[Client], None]) -> None:
+    def __init__(
+        self,
+        exchange: Exchange,
+        *,
+        left: Callable[[Client], None],
+        failed: Callable[[Exception], None],
+    ) -> None:
         self.clients: dict[Client, ServerConnection] = {}
         self._exchange = exchange
         self._left = left
+        self._failed = failed
         self._slow: set[Client] = set()
         self._names = 0
         self._server: Server | None = None
@@ -133,6 +141,8 @@ class RosbridgeServer:
                 await asyncio.sleep(0)
         except ConnectionClosed:
             pass
+        except Exception as why:
+            self._failed(why)
         finally:
             sending.cancel()
             with suppress(asyncio.CancelledError, ConnectionClosed):

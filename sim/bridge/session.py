@@ -54,7 +54,7 @@ class Session:
         if not (math.isfinite(speed) and speed >= 0):
             raise BridgeError(f"speed must be 0 or more, not {speed:g}")
         trial = workcell.simulation.trial
-        self.server = RosbridgeServer(exchange, left=self._left)
+        self.server = RosbridgeServer(exchange, left=self._left, failed=self._fail)
         self._workcell = workcell
         self._pace = Pace(speed)
         self._notice = notice
@@ -168,8 +168,7 @@ class Session:
         try:
             asked = workcell.advance(until)
         except Exception as failure:
-            self._failure = failure
-            self._changed.set()
+            self._fail(failure)
             return False
         if workcell.now >= self._next_tick:
             self._ticks += 1
@@ -178,6 +177,10 @@ class Session:
             self._publish()
         workcell.tell()
         return asked
+
+    def _fail(self, failure: Exception) -> None:
+        self._failure = self._failure or failure
+        self._changed.set()
 
     def _publish(self) -> None:
         """Publish the state, unless it has been at this instant."""

@@ -113,7 +113,7 @@ def relay():
     address = []
 
     async def main():
-        server = RosbridgeServer(Exchange(), left=lambda _: None)
+        server = RosbridgeServer(Exchange(), left=lambda _: None, failed=print)
         at = listen_at("127.0.0.1", 0)
         await server.open(at)
         address.append(f"ws://127.0.0.1:{at.getsockname()[1]}")

@@ -16,14 +16,14 @@ from bridge_parts import Client, require_whole
 from websockets.exceptions import ConnectionClosed
 
 TRAJECTORY = "/gantry_controller/joint_trajectory"
-ODDITIES = [None, True, False, 0, -1, 1e308, 2**70, "", "x" * 500, "\x00", "é"]
+ODDITIES = [None, True, False, 0, -1, 1e308, 2**70, 10**400, "", "x" * 500, "\x00", "é"]
 INSERTIONS = ["", "NaN", '"', "}", "9" * 400, "\ud800"]
 
 
 def random_value(chances, depth=0):
     kinds = [
         lambda: chances.choice(
-            [None, True, False, 0, -1, 1e308, 2**70, "", "x" * 500, "\x00", "é"]
+            [None, True, False, 0, -1, 1e308, 2**70, 10**400, "", "x" * 500, "\x00", "é"]
         ),
         lambda: chances.uniform(-100, 100),
         lambda: chances.randint(-300, 300),

@@ -121,6 +121,7 @@ def test_types_go_by_either_name():
         ("ariac_msgs/Part", {"color": 256}, "color = 256 is outside 0 … 255"),
         ("ariac_msgs/Part", {"color": 1.5}, "color should be a whole number, not 1.5"),
         ("ariac_msgs/Part", {"color": math.nan}, "color should be a whole number, not nan"),
+        ("ariac_msgs/Part", {"color": 10**400}, "color = a huge number is outside 0 … 255"),
         ("ariac_msgs/AGVStatus", {"location": -129}, "location = -129 is outside -128 … 127"),
         ("sensor_msgs/JointState", {"name": "a"}, "name should be a list of string"),
         ("sensor_msgs/JointState", {"name": ["a", 1]}, "name[1] should be a string, not 1"),
