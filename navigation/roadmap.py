@@ -31,6 +31,9 @@ HAIR = 1e-4
 MOST_DISTANCES = 800
 """The distances between all bends are worked out beforehand up to this many."""
 
+MOST_BENDS = 30_000
+"""A network of more bends is refused: each is compared with all others, for minutes."""
+
 _ROWS = 256
 """How many bends are compared with all the others at a time."""
 
@@ -49,7 +52,10 @@ class Roadmap:
         self._edges = floor.boundary
         shapely.prepare(self._floor)
         shapely.prepare(self._edges)
-        self.bends = self._standing_bends(corners(edges_of_room(floor)))
+        around = corners(edges_of_room(floor))
+        _require_few(len(around.turn))
+        self.bends = self._standing_bends(around)
+        _require_few(len(self.bends))
         self.links = self._network()
         self._between = _all_distances(self.links) if len(self.bends) <= MOST_DISTANCES else None
         self._bodies: dict[str, BodyBends] = {}
@@ -162,6 +168,15 @@ class Roadmap:
         fresh = BodyBends(body, around, links)
         self._bodies[body.name] = fresh
         return fresh
+
+
+def _require_few(count: int) -> None:
+    """`ValueError` if these are too many bends, or corners, each of which has one at least."""
+    if count > MOST_BENDS:
+        raise ValueError(
+            f"the floor has too many corners to plan on ({count:,}, and bends around them; at most"
+            f" {MOST_BENDS:,}); draw its obstacles more simply, or join those that stand together"
+        )
 
 
 def _all_distances(links: list[list[tuple[int, float]]]) -> Floats:
