@@ -227,7 +227,8 @@ class GantryRobot:
 
     def way(self, task: Task) -> tuple[Pose, ...]:
         """Where the task's steps that are left would be now; nothing if one can't be reached."""
-        poses = [self._pose(step) for step in task.steps_left]
+        rotation = self.position[2]
+        poses = [self._pose(step, rotation) for step in task.steps_left]
         return () if None in poses else tuple(pose for pose in poses if pose is not None)
 
     def locate(self, task: Task) -> Process:
@@ -269,8 +270,8 @@ class GantryRobot:
         yield self._clock.at(math.ceil(earliest - 1e-9) / OBSERVATION_RATE, Turn.NOTICE)
         return self._surroundings.see()
 
-    def _pose(self, step: Step) -> Pose | None:
-        """Where a step is now, if it can be reached now."""
+    def _pose(self, step: Step, rotation: float | None = None) -> Pose | None:
+        """Where a step is now, if it can be reached now; `rotation` as it is if not given."""
         if step.target is not None:
             return step.target
         if step.place is None:
@@ -278,7 +279,7 @@ class GantryRobot:
         at = self._surroundings.locate(step.place)
         if at is None:
             return None
-        return (at[0] + step.offset[0], at[1] + step.offset[1], self.position[2])
+        return self._target(at[0] + step.offset[0], at[1] + step.offset[1], rotation)
 
     def _find(self, task: Task) -> Steps:
         step = _next_step(task)

@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 
 import bdi
-from floorplan import Gantry
+from floorplan import Floorplan, Gantry
 from navigation import CollisionWorld, PathPlanner
 
 from .agv import Agv
@@ -55,6 +55,7 @@ class Simulation:
         self._over = self.clock.end()
         self.world = CollisionWorld(trial.floorplan)
         self._planners: dict[float, PathPlanner] = {}
+        self._places = _places(trial.floorplan)
         self.people: list[Person] = []
         self._society = bdi.Society()
         self._record("trial_started", trial=trial.name, floorplan=trial.floorplan.name)
@@ -351,13 +352,9 @@ class Simulation:
                 x, y = at = agv.body.at
                 within = not gantry.faults((x, y, 0.0))
                 return at if within and agv.body.motion.end <= self.clock.now else None
-        for station in self.trial.floorplan.stations:
-            if station.name == place:
-                return station.position
-        for obstacle in self.trial.floorplan.obstacles:
-            if obstacle.name == place:
-                return (obstacle.footprint.centroid.x, obstacle.footprint.centroid.y)
-        raise ValueError(f"no obstacle, station or AGV is called {place!r}")
+        if place not in self._places:
+            raise ValueError(f"no obstacle, station or AGV is called {place!r}")
+        return self._places[place]
 
 
 def run(trial: Trial, *listeners: Listener) -> Run:
@@ -368,6 +365,14 @@ def run(trial: Trial, *listeners: Listener) -> Run:
     simulation = Simulation(trial, *listeners)
     simulation.advance(trial.duration)
     return simulation.finish()
+
+
+def _places(plan: Floorplan) -> dict[str, Place]:
+    """Where the gantry finds what doesn't move: stations, and the middles of obstacles."""
+    middles = ((o.name, o.footprint.centroid) for o in plan.obstacles)
+    return {name: (middle.x, middle.y) for name, middle in middles} | {
+        station.name: station.position for station in plan.stations
+    }
 
 
 class _Keeper(Listener):

@@ -1,0 +1,110 @@
+"""The table and the picture of docs/competitor-study.md, from the results of that study.
+
+floorwalker study examples/competitor.study.yaml
+python benchmarks/competitor.py studies/competitor/results.csv docs/images/competitor.png
+"""
+
+from __future__ import annotations
+
+import csv
+import random
+import statistics
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from matplotlib.figure import Figure
+
+PERSONALITIES = ("indifferent", "antagonistic", "helpful")
+CONTROLLERS = ("oblivious", "pausing", "avoiding")
+COLOURS = {"oblivious": "#7f7f7f", "pausing": "#0072b2", "avoiding": "#d55e00"}
+RESAMPLES = 2000
+
+Row = dict[str, str]
+
+MEASURES: dict[str, Callable[[Row], float]] = {
+    "score": lambda row: float(row["score"]),
+    "kits submitted": lambda row: sum(
+        bool(value) for key, value in row.items() if key.endswith(".submitted")
+    ),
+    "penalties": lambda row: float(row["penalties"]),
+    "by the gantry": lambda row: float(row["violations.gantry"]),
+    "gantry disabled, s": lambda row: float(row["gantry_disabled_time"]),
+    "gantry idle, s": lambda row: float(row["gantry_idle_time"]),
+    "nearest, m": lambda row: float(row["minimum_separation.distance"]),
+    "person's visits": lambda row: float(row["people.operator.visits"]),
+}
+
+
+def interval(values: Sequence[float]) -> tuple[float, float]:
+    """The 95 % confidence interval of the mean, by the percentile bootstrap."""
+    chance = random.Random(0)
+    means = sorted(
+        statistics.fmean(chance.choices(values, k=len(values))) for _ in range(RESAMPLES)
+    )
+    return means[int(0.025 * RESAMPLES)], means[int(0.975 * RESAMPLES)]
+
+
+def chosen(rows: Sequence[Row], personality: str, controller: str) -> list[Row]:
+    """The rows of one cell of the grid."""
+    return [
+        row for row in rows if row["personality"] == personality and row["controller"] == controller
+    ]
+
+
+def table(rows: Sequence[Row]) -> str:
+    """Means with 95 % intervals as Markdown."""
+    lines = [f"| person, controller | {' | '.join(MEASURES)} |", "|---" * (len(MEASURES) + 1) + "|"]
+    for personality in PERSONALITIES:
+        for controller in CONTROLLERS:
+            cell = chosen(rows, personality, controller)
+            shown = []
+            for measure in MEASURES.values():
+                values = [measure(row) for row in cell]
+                low, high = interval(values)
+                shown.append(f"{statistics.fmean(values):.2f} ± {(high - low) / 2:.2f}")
+            lines.append(f"| {personality}, {controller} | {' | '.join(shown)} |")
+    return "\n".join(lines)
+
+
+def picture(rows: Sequence[Row], path: Path) -> None:
+    """Score and penalties of every pair, with 95 % intervals."""
+    figure = Figure(figsize=(7.2, 2.9), layout="constrained")
+    axes = figure.subplots(1, 3)
+    for axis, name in zip(axes, ("score", "penalties", "gantry disabled, s"), strict=True):
+        for k, controller in enumerate(CONTROLLERS):
+            for place, personality in enumerate(PERSONALITIES):
+                values = [MEASURES[name](row) for row in chosen(rows, personality, controller)]
+                mean, (low, high) = statistics.fmean(values), interval(values)
+                axis.errorbar(
+                    place + 0.22 * (k - 1),
+                    mean,
+                    yerr=[[mean - low], [high - mean]],
+                    fmt="o^s"[k],
+                    color=COLOURS[controller],
+                    capsize=2,
+                    markersize=5,
+                    label=controller if place == 0 and axis is axes[0] else None,
+                )
+        axis.set_xticks(range(3), PERSONALITIES, fontsize=8)
+        axis.set_title(name, fontsize=9)
+        axis.set_ylim(bottom=0)
+        axis.tick_params(axis="y", labelsize=8)
+        axis.spines[["top", "right"]].set_visible(False)
+    figure.legend(loc="outside lower center", ncols=3, frameon=False, fontsize=8)
+    figure.savefig(path, dpi=160)
+
+
+def main() -> None:
+    """Print the table, and draw the picture if a path is given for it."""
+    if len(sys.argv) not in (2, 3):
+        sys.exit(__doc__)
+    with Path(sys.argv[1]).open(encoding="utf-8", newline="") as file:
+        rows = [row for row in csv.DictReader(file) if not row["error"]]
+    print(table(rows))
+    if len(sys.argv) == 3:
+        picture(rows, Path(sys.argv[2]))
+
+
+if __name__ == "__main__":
+    main()
