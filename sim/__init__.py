@@ -15,24 +15,24 @@ if TYPE_CHECKING:
     from .drive import Steps
     from .exports import export
     from .gantry import GantryRobot, Sighting
-    from .live import LiveRun
     from .minds import Mind, Outside, Percepts
-    from .outcome import Recorded, Run
-    from .own_law import LawError, OwnLaw
+    from .pages.live import LiveRun
     from .person import MindError
-    from .recorder import Event, Listener
-    from .recording import OutputError, Recording
+    from .recordings.outcome import Recorded, Run
+    from .recordings.recorder import Event, Listener
+    from .recordings.recording import OutputError, Recording
+    from .recordings.run_folder import RecordingError, load_run
+    from .recordings.scene import Figure, Scene
+    from .recordings.social_metrics import metrics
     from .rules import ARIAC2023, PAPER, RULE_SETS, Notice, RuleSet, rule_set
-    from .rules_file import RulesError, find_rules, load_rules
-    from .run_folder import RecordingError, load_run
-    from .scene import Figure, Scene
     from .simulation import Simulation, run
-    from .social_metrics import metrics
     from .study import Study, StudyError, StudyResults, run_study
     from .tasks import Handling, Step, Task, Tasks
-    from .trial import AgvMove, GantryEntry, Job, PersonEntry, Start, Trial, TrialError
-    from .trial_file import builtin_trials
-    from .verdict import Verdict
+    from .trials.own_law import LawError, OwnLaw
+    from .trials.rules_file import RulesError, find_rules, load_rules
+    from .trials.trial import AgvMove, GantryEntry, Job, PersonEntry, Start, Trial, TrialError
+    from .trials.trial_file import builtin_trials
+    from .trials.verdict import Verdict
 
 _HOMES = {
     "clock": ("Clock",),
@@ -40,24 +40,32 @@ _HOMES = {
     "controllers": ("CONTROLLERS", "Caution", "Controller", "ControllerError", "find_controller"),
     "drive": ("Steps",),
     "gantry": ("GantryRobot", "Sighting"),
-    "live": ("LiveRun",),
+    "pages.live": ("LiveRun",),
     "minds": ("Mind", "Outside", "Percepts"),
-    "outcome": ("Recorded", "Run"),
+    "recordings.outcome": ("Recorded", "Run"),
     "person": ("MindError",),
-    "recorder": ("Event", "Listener"),
-    "recording": ("OutputError", "Recording"),
-    "own_law": ("LawError", "OwnLaw"),
-    "rules_file": ("RulesError", "find_rules", "load_rules"),
+    "recordings.recorder": ("Event", "Listener"),
+    "recordings.recording": ("OutputError", "Recording"),
+    "trials.own_law": ("LawError", "OwnLaw"),
+    "trials.rules_file": ("RulesError", "find_rules", "load_rules"),
     "rules": ("ARIAC2023", "PAPER", "RULE_SETS", "Notice", "RuleSet", "rule_set"),
-    "run_folder": ("RecordingError", "load_run"),
-    "scene": ("Figure", "Scene"),
+    "recordings.run_folder": ("RecordingError", "load_run"),
+    "recordings.scene": ("Figure", "Scene"),
     "simulation": ("Simulation", "run"),
-    "social_metrics": ("metrics",),
+    "recordings.social_metrics": ("metrics",),
     "tasks": ("Handling", "Step", "Task", "Tasks"),
     "study": ("Study", "StudyError", "StudyResults", "run_study"),
-    "trial": ("AgvMove", "GantryEntry", "Job", "PersonEntry", "Start", "Trial", "TrialError"),
-    "trial_file": ("builtin_trials",),
-    "verdict": ("Verdict",),
+    "trials.trial": (
+        "AgvMove",
+        "GantryEntry",
+        "Job",
+        "PersonEntry",
+        "Start",
+        "Trial",
+        "TrialError",
+    ),
+    "trials.trial_file": ("builtin_trials",),
+    "trials.verdict": ("Verdict",),
 }
 
 __all__ = [

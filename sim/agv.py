@@ -17,8 +17,8 @@ from navigation import (
 
 from .body import Body
 from .clock import Alarm, Clock, Turn
-from .recorder import Record
-from .trial import AgvMove
+from .recordings.recorder import Record
+from .trials.trial import AgvMove
 from .yielding import LOOK, Foresight, Sighting
 
 RESUME = 1.0

@@ -14,7 +14,7 @@ from navigation import AxisLimits, Motion, State, gantry_limits, gantry_move, ga
 
 from .body import Body
 from .clock import Alarm, Clock, Turn
-from .recorder import Record
+from .recordings.recorder import Record
 from .tasks import Pose
 
 Steps = Generator[Event, Any, Any]

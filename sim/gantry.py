@@ -15,10 +15,10 @@ from navigation import Motion, State
 from .body import Body
 from .clock import Clock, Turn
 from .drive import Drive, Steps
-from .recorder import Record
+from .recordings.recorder import Record
 from .rules import PAPER, RuleSet
 from .tasks import Handling, Pose, Step, Task, Tasks, tasks_of
-from .trial import GantryEntry
+from .trials.trial import GantryEntry
 
 Interruption = Literal["person_close", "disabled", "enabled"]
 """What can interrupt a controller that asked for it."""

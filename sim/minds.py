@@ -10,9 +10,9 @@ from typing import Protocol
 import bdi
 from floorplan import Floorplan
 
-from .programs import find_program
 from .rules import RuleSet
-from .trial import PersonEntry, Trial
+from .trials.programs import find_program
+from .trials.trial import PersonEntry, Trial
 
 MOST_CYCLES = 200_000
 """How many reasoning cycles a person may take at one instant; a handful is usual."""

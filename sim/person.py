@@ -20,8 +20,8 @@ from .body import Body
 from .clock import Alarm, Clock, Turn
 from .crossing import CrossingWatch
 from .minds import Mind, Percepts
-from .programs import find_program
-from .recorder import Record
+from .recordings.recorder import Record
+from .trials.programs import find_program
 from .waiting_place import WaitingPlaces
 from .walker import Place, Walker
 

@@ -26,7 +26,7 @@ from navigation import (
 
 from .body import Body
 from .clock import Alarm, Clock, Turn
-from .recorder import Record
+from .recordings.recorder import Record
 from .rules import Notice, RuleSet
 
 Cause = Literal["person", "gantry", "agv"]

@@ -18,19 +18,19 @@ from .clock import Clock
 from .controllers import find_controller, supervised
 from .crossing import CrossingWatch
 from .gantry import GantryRobot, Sighting, Surroundings
-from .mind_inspector import MindInspector, Thought
 from .minds import Mind, Outside, kept_beliefs, make_agent
-from .outcome import Run
 from .person import Person
-from .programs import EXTERNAL
 from .proximity import ProximityWatch
-from .recorder import Event, Listener, Listeners, recording_to, rounded
+from .recordings.mind_inspector import MindInspector, Thought
+from .recordings.outcome import Run
+from .recordings.recorder import Event, Listener, Listeners, recording_to, rounded
+from .recordings.requirement_curve import is_plain, requirement_curve
+from .recordings.scene import scene_of
 from .referee import Pair, Referee
-from .requirement_curve import is_plain, requirement_curve
 from .rules import suggestion
-from .scene import scene_of
 from .summary import summarise
-from .trial import PersonEntry, Trial
+from .trials.programs import EXTERNAL
+from .trials.trial import PersonEntry, Trial
 from .triggers import Triggers
 from .walker import Place, Walker
 from .yielding import Foresight

@@ -11,9 +11,9 @@ from navigation import AnyLaw, Motion, minimum_separation, required_at
 from .body import Body
 from .gantry import GantryRobot
 from .person import Person
-from .recorder import rounded
+from .recordings.recorder import rounded
 from .referee import Cause, Referee
-from .trial import Trial
+from .trials.trial import Trial
 
 
 def summarise(

@@ -9,7 +9,7 @@ from typing import Any
 from simpy.events import Event
 
 from .clock import Clock
-from .trial import Job
+from .trials.trial import Job
 
 Pose = tuple[float, float, float]
 """x, y in metres, rotation in radians."""

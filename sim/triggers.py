@@ -6,8 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from .clock import Clock
-from .recorder import Event
-from .trial import Start
+from .recordings.recorder import Event
+from .trials.trial import Start
 
 Action = Callable[[], None]
 

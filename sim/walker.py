@@ -21,7 +21,7 @@ from navigation import (
 
 from .body import Body
 from .clock import Alarm, Clock, Turn
-from .recorder import Record
+from .recordings.recorder import Record
 
 REPORT_DELAY = 0.1
 """Seconds until somebody who is sent to where they are already says that they are there."""

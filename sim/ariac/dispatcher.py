@@ -11,7 +11,7 @@ from floorplan import Floorplan
 from ..agv import Agv
 from ..clock import Clock
 from ..gantry import GantryRobot
-from ..recorder import Record
+from ..recordings.recorder import Record
 from ..triggers import Triggers
 from .assembly import AssemblyWork, CombinedWork
 from .fleet import Fleet

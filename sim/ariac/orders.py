@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from ..trial import Start
+from ..trials.trial import Start
 
 TYPES = ("battery", "pump", "regulator", "sensor")
 """What parts there are."""

@@ -12,7 +12,7 @@ import floorplan
 from floorplan import Document, Floorplan, Problem
 
 from ..rules import ARIAC2023
-from ..trial import GantryEntry, PersonEntry, Start, Trial, TrialError
+from ..trials.trial import GantryEntry, PersonEntry, Start, Trial, TrialError
 from .checks import agv_name, problems
 from .notices import notices
 from .orders import (

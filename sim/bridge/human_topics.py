@@ -15,7 +15,7 @@ from floorplan import Floorplan
 
 from ..minds import Outside
 from ..person import MindError, Person
-from ..recorder import Event
+from ..recordings.recorder import Event
 from ..referee import Referee
 from .client import Client
 from .exchange import Exchange, RefusedError

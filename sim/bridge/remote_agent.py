@@ -10,8 +10,8 @@ from typing import Any
 import bdi
 
 from ..minds import make_agent
-from ..programs import EXTERNAL
-from ..trial import PersonEntry, Trial
+from ..trials.programs import EXTERNAL
+from ..trials.trial import PersonEntry, Trial
 from .connection import ConnectError, Connection, LostError, ServiceError
 from .remote_person import RemotePerson
 from .workcell import ENDED, BridgeError

@@ -12,7 +12,7 @@ from navigation import CollisionWorld, PathPlanner, PlanningError
 
 from ..minds import Mind, Percepts
 from ..person import MindError
-from ..trial import PersonEntry, Trial
+from ..trials.trial import PersonEntry, Trial
 from .connection import Connection
 from .human_topics import (
     ACTION,

@@ -8,10 +8,10 @@ from ..ariac import Order
 from ..body import Body
 from ..clock import Turn
 from ..minds import Outside
-from ..programs import EXTERNAL
-from ..recorder import Event, Listener
+from ..recordings.recorder import Event, Listener
 from ..simulation import Simulation
-from ..trial import Trial
+from ..trials.programs import EXTERNAL
+from ..trials.trial import Trial
 from .agv_topics import AgvTopics
 from .exchange import Exchange
 from .gantry_topics import GantryTopics

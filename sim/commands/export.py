@@ -41,7 +41,7 @@ def export(
 ) -> None:
     """Write a run in the format of another tool, sampled from the exact motions."""
     from sim.exports import Export
-    from sim.sources import run_from
+    from sim.recordings.sources import run_from
 
     name = format.value if format is not None else None
     chosen = Export.to(out, rate=rate, format=name)

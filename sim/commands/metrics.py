@@ -30,7 +30,7 @@ def metrics(
     import json
 
     import sim
-    from sim.sources import run_from
+    from sim.recordings.sources import run_from
 
     figures = sim.metrics(run_from(source), radii=dict(map(_radius, radius or [])))
     if as_json:

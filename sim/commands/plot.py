@@ -40,7 +40,7 @@ def floorplan(
 ) -> None:
     """The floor from above, with everything that has a name."""
     from sim import plots
-    from sim.sources import floorplan_from
+    from sim.recordings.sources import floorplan_from
 
     plots.require_savable(out)
     _save(plots.floorplan(floorplan_from(floor), width=width), out)
@@ -64,7 +64,7 @@ def path(
     """A person's way across a floor, and how much room there is along it."""
     from navigation import CollisionWorld, PathPlanner
     from sim import plots
-    from sim.sources import floorplan_from
+    from sim.recordings.sources import floorplan_from
 
     plots.require_savable(out)
     world = CollisionWorld(floorplan_from(floor))
@@ -122,7 +122,7 @@ def heatmap(
 ) -> None:
     """Where people were, and for how long."""
     from sim import plots
-    from sim.sources import run_from
+    from sim.recordings.sources import run_from
 
     plots.require_savable(out)
     _save(plots.heat_map([run_from(source) for source in sources], width=width), out)
@@ -131,7 +131,7 @@ def heatmap(
 def _run(source: str, out: Path) -> Recorded:
     """The run to be drawn into `out`, if that can be done at all."""
     from sim import plots
-    from sim.sources import run_from
+    from sim.recordings.sources import run_from
 
     plots.require_savable(out)
     return run_from(source)

@@ -27,7 +27,7 @@ def render(
     from rich.progress import Progress
 
     from sim import plots
-    from sim.sources import run_from
+    from sim.recordings.sources import run_from
 
     plots.require_renderable(out)
     run = run_from(source)

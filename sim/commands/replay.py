@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
-from ..browser import open_in_browser
+from ..pages.browser import open_in_browser
 
 
 def replay(
@@ -47,7 +47,7 @@ def replay(
 
 
 def _serve(page: str, port: int, *, opened: bool) -> None:
-    from ..page_server import PageServer
+    from ..pages.page_server import PageServer
 
     with PageServer(lambda: page, port=port) as server:
         typer.echo(server.url)
@@ -62,14 +62,14 @@ def _serve(page: str, port: int, *, opened: bool) -> None:
 
 
 def _page(run: Path, other: Path | None) -> str:
-    from ..replay import render
+    from ..pages.replay import render
 
     return render(_recording(run), None if other is None else _recording(other))
 
 
 def _page_file(run: Path) -> Path:
     """The page of a run; it is written if the run was broken off before."""
-    from ..replay import render
+    from ..pages.replay import render
 
     if not run.is_dir():
         _recording(run)
@@ -83,9 +83,9 @@ def _page_file(run: Path) -> Path:
 
 def _recording(path: Path) -> dict[str, Any]:
     """What a page shows of a run, from its folder or from its page."""
-    from ..replay import recording_in
-    from ..replay_data import replay_data
-    from ..run_folder import load_run
+    from ..pages.replay import recording_in
+    from ..pages.replay_data import replay_data
+    from ..recordings.run_folder import load_run
 
     if not path.exists():
         raise ValueError(f"{path}: there is no such folder or file")

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..browser import open_in_browser
+from ..pages.browser import open_in_browser
 
 if TYPE_CHECKING:
     from sim import Recording, Run, Simulation, Trial
@@ -192,7 +192,7 @@ def _report(run: Run, folder: Path) -> None:
     from rich.console import Console
     from rich.table import Table
 
-    from sim.figures import figures_in_words
+    from sim.recordings.figures import figures_in_words
 
     summary = run.summary
     console = Console()

@@ -7,8 +7,8 @@ from pathlib import Path
 
 from ..drive import Steps
 from ..gantry import GantryRobot
-from ..own_code import OwnCodeError, find_own
 from ..rules import suggestion
+from ..trials.own_code import OwnCodeError, find_own
 from .avoiding import avoiding
 from .external import external
 from .oblivious import oblivious

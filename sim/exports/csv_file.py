@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..outcome import Recorded
-from ..trajectory import write_trajectory
+from ..recordings.outcome import Recorded
+from ..recordings.trajectory import write_trajectory
 
 
 def write(run: Recorded, path: Path, rate: float) -> None:

@@ -14,9 +14,9 @@ from shapely.geometry import Polygon
 
 from floorplan import Floorplan, Gantry, Lane, Obstacle
 
-from ..outcome import Recorded
-from ..recorder import Event
-from ..scene import Figure
+from ..recordings.outcome import Recorded
+from ..recordings.recorder import Event
+from ..recordings.scene import Figure
 from .shapes import Arrow, Block, Color, Label, Line, Point3, Shape, Surface, Thing, Tube
 from .track import Pose, just_before
 

@@ -13,9 +13,9 @@ from importlib import import_module
 from pathlib import Path
 from typing import cast
 
-from ..outcome import Recorded
-from ..recording import OutputError
-from ..sampling import require_rate
+from ..recordings.outcome import Recorded
+from ..recordings.recording import OutputError
+from ..recordings.sampling import require_rate
 
 DEFAULT_RATE = 20.0
 """Hz."""

@@ -20,8 +20,8 @@ import numpy as np
 import shapely
 from shapely.geometry import Point, Polygon
 
-from ..outcome import Recorded
-from ..sampling import Array, blocks_of_instants, sample
+from ..recordings.outcome import Recorded
+from ..recordings.sampling import Array, blocks_of_instants, sample
 
 VERSION = 2
 """Of the schema, by JuPedSim's count."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from ..recorder import Event
+from ..recordings.recorder import Event
 
 Level = Literal["info", "warning", "error"]
 

@@ -45,8 +45,8 @@ from foxglove.messages import (
     Vector3,
 )
 
-from ..outcome import Recorded
-from ..recorder import Event
+from ..recordings.outcome import Recorded
+from ..recordings.recorder import Event
 from . import drawing, log, shapes, track
 from .track import nanoseconds
 

@@ -8,8 +8,8 @@ import numpy as np
 import pyarrow as pa
 from pyarrow.parquet import ParquetWriter
 
-from ..outcome import Recorded
-from ..sampling import blocks_of_instants, sample_all
+from ..recordings.outcome import Recorded
+from ..recordings.sampling import blocks_of_instants, sample_all
 
 SCHEMA = pa.schema(
     [

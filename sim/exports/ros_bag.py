@@ -21,8 +21,8 @@ from rosbags.interfaces import (
 )
 from rosbags.rosbag2 import StoragePlugin, Writer
 
-from ..outcome import Recorded
-from ..recorder import Event
+from ..recordings.outcome import Recorded
+from ..recordings.recorder import Event
 from . import drawing, log, track
 from .ros_messages import Messages
 from .track import nanoseconds

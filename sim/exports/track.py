@@ -12,9 +12,9 @@ import numpy as np
 
 from navigation import Motion
 
-from ..outcome import Recorded
-from ..recorder import Event
-from ..sampling import blocks_of_instants, sample
+from ..recordings.outcome import Recorded
+from ..recordings.recorder import Event
+from ..recordings.sampling import blocks_of_instants, sample
 
 ROUNDING = 1e-8
 """Seconds. Instants of events are rounded to less than this, instants of motions are exact."""

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from navigation import Motion
 
-from ..outcome import Recorded
+from ..recordings.outcome import Recorded
 
 Array = NDArray[np.float64]
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..outcome import Recorded
+from ..recordings.outcome import Recorded
 from .curves import Array, instants
 from .floor import draw_floor, draw_names, floor_axes, machine_outline
 from .incidents import breaches, disabled_spans

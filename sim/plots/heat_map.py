@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from floorplan import Floorplan
 from navigation import Motion
 
-from ..outcome import Recorded
+from ..recordings.outcome import Recorded
 from .curves import Array
 from .floor import draw_floor, floor_figure
 from .style import Width, styled

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from floorplan import Point
 
-from ..outcome import Recorded
+from ..recordings.outcome import Recorded
 from .curves import Span
 
 

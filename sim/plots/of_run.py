@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..outcome import Recorded
+from ..recordings.outcome import Recorded
 from .curves import Span
 from .heat_map import heat_map
 from .separation import separation

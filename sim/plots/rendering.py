@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..outcome import Recorded
-from ..recording import OutputError
+from ..recordings.outcome import Recorded
+from ..recordings.recording import OutputError
 from .curves import Span, span_of
 from .film import Film, Frame
 from .style import MissingExtraError, styled

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..recording import OutputError
+from ..recordings.recording import OutputError
 from .style import styled
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ import numpy as np
 
 from navigation import STANDING_SPEED
 
-from ..outcome import Recorded
+from ..recordings.outcome import Recorded
 from .curves import Array, Span, instants, span_of, speeds
 from .incidents import disabled_spans
 from .style import BLACK, BLUE, GREY, VERMILION, Width, explain, new_figure, styled

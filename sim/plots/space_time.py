@@ -9,7 +9,7 @@ import numpy as np
 
 from navigation import Motion
 
-from ..outcome import Recorded
+from ..recordings.outcome import Recorded
 from .curves import Array, Span, instants, span_of
 from .floor import machine_size
 from .incidents import breaches

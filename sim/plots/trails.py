@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..outcome import Recorded
+from ..recordings.outcome import Recorded
 from .curves import Span, instants, span_of
 from .floor import draw_floor, draw_names, floor_figure, machine_outline
 from .incidents import breaches

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from floorplan import InputError
 
-from ..trial import Trial
+from ..trials.trial import Trial
 from .draws import Distribution, derived_seed
 from .variables import Value, Variable
 

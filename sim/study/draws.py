@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from statistics import NormalDist
 from typing import Protocol
 
-from ..trial import Trial
+from ..trials.trial import Trial
 from .variables import Value, reordered
 
 SIGMAS = 3.0

@@ -8,7 +8,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO
 
-from ..recording import OutputError
+from ..recordings.recording import OutputError
 from .definition import Study
 from .identity import identity
 from .table import Table

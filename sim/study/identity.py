@@ -13,7 +13,7 @@ from pathlib import Path
 from shapely.geometry.base import BaseGeometry
 
 from ..controllers import find_controller
-from ..trial import Trial
+from ..trials.trial import Trial
 from .definition import Study
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from ..recordings.social_metrics import metrics
 from ..simulation import run
-from ..social_metrics import metrics
 from .definition import Row
 
 Record = dict[str, Any]

@@ -11,7 +11,7 @@ from pydantic import Field, Strict, model_validator
 import floorplan
 from floorplan import Document, Number, Pair, Positive, Problem, Strictly
 
-from ..trial import Trial
+from ..trials.trial import Trial
 from .definition import Study, StudyError
 from .draws import SIGMAS, Choice, Distribution, Normal, Shuffled, Uniform
 from .variables import Value, Variable, is_number, variable

@@ -11,8 +11,8 @@ from typing import Any
 
 from ..controllers import find_controller
 from ..rules import suggestion
-from ..rules_file import find_rules
-from ..trial import AgvMove, Job, PersonEntry, Start, Trial
+from ..trials.rules_file import find_rules
+from ..trials.trial import AgvMove, Job, PersonEntry, Start, Trial
 
 Value = str | float | tuple[float, ...]
 """One value of a variable: a name, a number, or numbers that belong together."""

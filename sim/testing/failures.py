@@ -9,12 +9,12 @@ from pathlib import Path
 import pytest
 
 from ..controllers import ControllerError
-from ..outcome import Run
+from ..pages.replay import render
+from ..pages.replay_data import replay_data
 from ..person import MindError
-from ..replay import render
-from ..replay_data import replay_data
+from ..recordings.outcome import Run
 from ..simulation import Simulation
-from ..trial import Trial
+from ..trials.trial import Trial
 
 _LONGEST_NAME = 120
 """Characters of a page's file name."""

@@ -14,8 +14,8 @@ from floorplan import Document, InputError
 
 from ..controllers import ControllerError
 from ..person import MindError
-from ..trial import Trial, TrialError
-from ..verdict import Verdict
+from ..trials.trial import Trial, TrialError
+from ..trials.verdict import Verdict
 from .failures import Failures
 
 _TOLD = (InputError, bdi.ProgramError, ControllerError, MindError)

@@ -13,10 +13,10 @@ import pytest
 import bdi
 
 from ..controllers import CONTROLLERS, find_controller
-from ..programs import EXTERNAL, load_program
 from ..rules import RULE_SETS
-from ..rules_file import find_rules
-from ..trial import Trial
+from ..trials.programs import EXTERNAL, load_program
+from ..trials.rules_file import find_rules
+from ..trials.trial import Trial
 
 FIXTURE = "_floorwalker_variation"
 """The fixture that gets a `Variation`."""

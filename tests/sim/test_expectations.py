@@ -7,10 +7,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import sim
-from sim.comparison import Comparison
-from sim.expectations import expectation_problems, verdicts
-from sim.occurrences import complement
-from sim.summary_fields import summary_fields
+from sim.trials.comparison import Comparison
+from sim.trials.expectations import expectation_problems, verdicts
+from sim.trials.occurrences import complement
+from sim.trials.summary_fields import summary_fields
 
 TRIAL = """\
 floorplan: ariac2023

@@ -11,8 +11,8 @@ import replay_sample
 
 import sim
 from sim import replay
-from sim.event_kinds import EVENT_KINDS
-from sim.replay_data import replay_data
+from sim.pages.replay_data import replay_data
+from sim.trials.event_kinds import EVENT_KINDS
 
 INSTANTS = [0.0, 2.4, 9.93, 27.0, 61.7, 69.1, 140.25, 181.0, 274.9, 275.0]
 

@@ -4,8 +4,8 @@ import pytest
 from test_command import floorwalker
 
 import sim
-from sim.replay import recording_in, render
-from sim.replay_data import replay_data
+from sim.pages.replay import recording_in, render
+from sim.pages.replay_data import replay_data
 
 TRIAL = "floorplan: ariac2023\nduration: 12\npeople: [{name: operator}]\n"
 

@@ -8,7 +8,7 @@ import pytest
 
 import sim
 from sim import replay
-from sim.replay_data import replay_data
+from sim.pages.replay_data import replay_data
 
 TRIAL = """
 floorplan: ariac2023

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 import floorplan
 import sim
 from navigation import ApproachLaw, FixedDistance, IntegralLaw, Scaled, SeparationLaw
-from sim.scene_file import read_scene, write_scene
+from sim.recordings.scene_file import read_scene, write_scene
 
 TRIAL = """
 name: busy

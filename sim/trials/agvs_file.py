@@ -9,7 +9,7 @@ from pydantic import Discriminator, Field, Strict, Tag
 
 from floorplan import Document, Lane, Number, Problem, Strictly
 
-from .rules import suggestion
+from ..rules import suggestion
 from .trial import AgvMove
 
 

@@ -13,8 +13,8 @@ from typing import Any
 
 from navigation import AnyLaw, ApproachLaw, FixedDistance, IntegralLaw, SeparationLaw
 
+from ..rules import suggestion
 from .own_law import LawError, OwnLaw
-from .rules import suggestion
 
 LAWS: dict[str, Any] = {
     "iso_ts_15066": SeparationLaw,

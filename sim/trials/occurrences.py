@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from navigation import FixedDistance, Motion, Moving, TooClose, standing, when
 
+from ..recordings.recorder import Event
+from ..rules import suggestion
 from .comparison import Comparison, is_number
 from .event_kinds import EVENT_KINDS, Form
-from .recorder import Event
-from .rules import suggestion
 
 if TYPE_CHECKING:
-    from .outcome import Run
+    from ..recordings.outcome import Run
     from .trial import Trial
 
 Interval = tuple[float, float]

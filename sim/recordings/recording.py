@@ -15,13 +15,13 @@ from typing import Any, TextIO
 
 from navigation import Motion, Piece
 
-from .body import Body
+from ..body import Body
+from ..pages.replay import render
+from ..pages.replay_data import replay_data
 from .lines import WholeLines
 from .mind_inspector import Thought
 from .outcome import Run
 from .recorder import Event, Listener, rounded
-from .replay import render
-from .replay_data import replay_data
 from .scene import Scene
 from .scene_file import write_scene
 from .trajectory import write_trajectory

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import bdi
 
-from .rules import suggestion
+from ..rules import suggestion
 
 EXTERNAL = "external"
 """The personality of a person who runs no program, but is told from outside what to do; likewise

@@ -12,15 +12,15 @@ from typing import Any
 
 from navigation import Motion, standing
 
-from .body import Body
-from .mind_inspector import Thought
-from .outcome import Recorded, Run
+from ..body import Body
+from ..recordings.mind_inspector import Thought
+from ..recordings.outcome import Recorded, Run
+from ..recordings.recorder import Event, Listener, rounded
+from ..recordings.scene import Scene
+from ..simulation import Simulation
 from .page_server import PageServer, Stream
-from .recorder import Event, Listener, rounded
 from .replay import render
 from .replay_data import piece_data, replay_data
-from .scene import Scene
-from .simulation import Simulation
 
 PERIOD = 0.1
 """Seconds of real time between two steps of a run that is watched."""

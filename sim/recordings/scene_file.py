@@ -18,8 +18,8 @@ from shapely.geometry import Polygon, mapping, shape
 from floorplan import Floorplan
 from navigation import ApproachLaw, FixedDistance, IntegralLaw, Scaled, SeparationLaw
 
-from .own_law import OwnLaw
-from .rules import Notice, RuleSet
+from ..rules import Notice, RuleSet
+from ..trials.own_law import OwnLaw
 from .scene import Figure, Pose, Scene
 
 FORMAT = "floorwalker-scene/1"

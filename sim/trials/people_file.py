@@ -12,9 +12,9 @@ from pydantic import Field, Strict, model_validator
 import bdi
 from floorplan import Document, Pair, Place, Positive, Problem, Strictly, standing_fault
 
+from ..rules import suggestion
 from .event_kinds import EVENT_KINDS
 from .programs import EXTERNAL, find_program, load_program
-from .rules import suggestion
 from .trial import PersonalityChange, PersonEntry, Start, Trial
 
 CONDITIONS = ("time", "part_placed", "order_submitted", "event")

@@ -7,11 +7,11 @@ from pathlib import Path
 import floorplan
 from floorplan import Floorplan
 
+from ..simulation import run
+from ..trials.trial import Trial
+from ..trials.trial_file import builtin_trials
 from .outcome import Recorded
 from .run_folder import load_run
-from .simulation import run
-from .trial import Trial
-from .trial_file import builtin_trials
 
 
 def run_from(source: str | Path) -> Recorded:

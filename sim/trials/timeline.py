@@ -12,6 +12,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
+from ..rules import suggestion
 from .comparison import Comparison, is_number
 from .occurrences import (
     EventPattern,
@@ -20,11 +21,10 @@ from .occurrences import (
     read_occurrence,
     read_state,
 )
-from .rules import suggestion
 from .verdict import Verdict
 
 if TYPE_CHECKING:
-    from .outcome import Run
+    from ..recordings.outcome import Run
     from .trial import Trial
 
 INSTANT = 1e-6

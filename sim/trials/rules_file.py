@@ -15,8 +15,8 @@ import floorplan
 from floorplan import Document, InputError, Positive, Problem, Strictly
 from navigation import AnyLaw, Scaled
 
+from ..rules import PAPER, RULE_SETS, Notice, RuleSet, rule_set, suggestion
 from .law_file import Terms, WrittenLawError, read_law, written_law
-from .rules import PAPER, RULE_SETS, Notice, RuleSet, rule_set, suggestion
 
 Seconds = Annotated[float, Strict(), Limits(ge=0, allow_inf_nan=False)]
 

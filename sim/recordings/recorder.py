@@ -10,7 +10,7 @@ from typing import Any, Protocol
 
 from navigation import Motion
 
-from .body import Body
+from ..body import Body
 from .mind_inspector import Thought
 from .scene import Scene
 

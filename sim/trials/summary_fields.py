@@ -6,11 +6,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
-from .social_metrics import DISTANCES, MOVEMENT, PROGRESS
+from ..recordings.social_metrics import DISTANCES, MOVEMENT, PROGRESS
 
 if TYPE_CHECKING:
-    from .ariac import Workload
-    from .outcome import Run
+    from ..ariac import Workload
+    from ..recordings.outcome import Run
     from .trial import Trial
 
 Form = Literal["number", "visits", "flag"]

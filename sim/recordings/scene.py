@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 from floorplan import Floorplan
 
-from .body import Body, Kind
-from .rules import RuleSet
-from .trial import Trial
+from ..body import Body, Kind
+from ..rules import RuleSet
+from ..trials.trial import Trial
 
 Pose = tuple[float, float, float]
 """x, y in metres, rotation in radians."""

@@ -10,8 +10,8 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
+from ..rules import suggestion
 from .comparison import Comparison
-from .rules import suggestion
 from .summary_fields import SummaryField, summary_fields
 from .timeline import read_statement
 from .verdict import Verdict
@@ -19,7 +19,7 @@ from .verdict import Verdict
 if TYPE_CHECKING:
     from floorplan import Place
 
-    from .outcome import Run
+    from ..recordings.outcome import Run
     from .trial import Trial
 
 TIMELINE = "timeline"

@@ -10,8 +10,8 @@ import yaml
 
 import floorplan
 
+from ..ariac import Workload
 from .agvs_file import written_agv
-from .ariac import Workload
 from .rules_file import written_rules
 from .trial import GantryEntry, Job, PersonEntry, Start, Trial
 

@@ -12,17 +12,17 @@ from numpy.typing import ArrayLike, NDArray
 from floorplan import Floorplan
 from navigation import Motion, is_of_speeds
 
-from .expectations import verdicts
+from ..trials.expectations import verdicts
+from ..trials.trial import Trial
+from ..trials.verdict import Verdict
 from .mind_inspector import Thought
 from .recorder import Event
 from .requirement_curve import Curve
 from .sampling import instants, sample_all
 from .scene import Scene
-from .trial import Trial
-from .verdict import Verdict
 
 if TYPE_CHECKING:
-    from .plots import RunPlots
+    from ..plots import RunPlots
 
 
 @dataclass(frozen=True)
@@ -70,7 +70,7 @@ class Recorded:
     @property
     def plot(self) -> RunPlots:
         """Pictures of it: `run.plot.separation()` and others, each a matplotlib `Figure`."""
-        from .plots import RunPlots
+        from ..plots import RunPlots
 
         return RunPlots(self)
 
@@ -83,7 +83,7 @@ class Recorded:
 
     def _repr_html_(self) -> str:
         """The run in a notebook: its figures, and the replay."""
-        from .notebook import as_html
+        from ..pages.notebook import as_html
 
         return as_html(self)
 

@@ -9,11 +9,11 @@ from typing import Any
 from floorplan import Floorplan, Lane, Obstacle
 from navigation import AnyLaw, Piece, SeparationLaw, required_at_speeds
 
-from .outcome import Recorded
-from .recorder import rounded
+from ..recordings.outcome import Recorded
+from ..recordings.recorder import rounded
+from ..recordings.requirement_curve import is_plain
+from ..rules import RuleSet
 from .replay import FORMAT
-from .requirement_curve import is_plain
-from .rules import RuleSet
 
 
 def replay_data(run: Recorded) -> dict[str, Any]:

@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 
 from navigation import Company, Courses
 
+from ..rules import suggestion
 from .recorder import Event, rounded
-from .rules import suggestion
 
 if TYPE_CHECKING:
     from .outcome import Recorded

@@ -13,19 +13,19 @@ from pydantic import Field, Strict, model_validator
 import floorplan
 from floorplan import Document, Floorplan, Number, Positive, Problem, Strictly
 
+from ..ariac import reading
+from ..controllers import ControllerError, find_controller
+from ..rules import PAPER, suggestion
 from .agvs_file import AgvKeys, agv_moves, agv_problems, yielding
-from .ariac import reading
-from .controllers import ControllerError, find_controller
 from .expectations import expectation_problems
 from .people_file import PersonKeys, people_of, person_problems
-from .rules import PAPER, suggestion
 from .rules_file import RuleKeys, build_rules
 from .trial import GantryEntry, Job, Trial, TrialError
 
 
 def builtin_trials() -> tuple[str, ...]:
     """The names of the trials that come with Floorwalker, sorted."""
-    files = resources.files(__package__).joinpath("data", "trials").iterdir()
+    files = resources.files("sim").joinpath("data", "trials").iterdir()
     return tuple(sorted(Path(f.name).stem for f in files if f.name.endswith(".yaml")))
 
 
@@ -33,7 +33,7 @@ def load(source: str | Path) -> Trial:
     """See `Trial.load`."""
     text = str(source)
     if text in builtin_trials():
-        data = resources.files(__package__).joinpath("data", "trials", f"{text}.yaml")
+        data = resources.files("sim").joinpath("data", "trials", f"{text}.yaml")
         return parse(data.read_text(encoding="utf-8"), text, Path())
     path = Path(source)
     if not path.suffix and not path.exists():

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import html
 
-from .figures import figures_in_words
-from .outcome import Recorded
+from ..recordings.figures import figures_in_words
+from ..recordings.outcome import Recorded
 from .replay import render
 from .replay_data import replay_data
 

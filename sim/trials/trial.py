@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any, Literal
 import bdi
 from floorplan import Floorplan, InputError, Problem
 
+from ..rules import PAPER, RuleSet
 from .programs import load_program
-from .rules import PAPER, RuleSet
 
 if TYPE_CHECKING:
-    from .ariac import Workload
+    from ..ariac import Workload
 
 
 class TrialError(InputError):

@@ -1,0 +1,1 @@
+"""Runs in the browser: the replay page, and one that shows a run while it goes on."""

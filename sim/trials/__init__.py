@@ -1,0 +1,1 @@
+"""Trials: their values, their files, and what is expected of their runs."""
