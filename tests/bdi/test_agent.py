@@ -291,6 +291,7 @@ def test_nested_terms_that_are_too_deep_are_told():
         agent.advance(0.0)
 
 
+@pytest.mark.slow
 def test_a_million_cycles_leave_nothing_behind():
     agent, _ = make("!go(100000). +!go(0). +!go(N) : N > 0 <- -+at(N); !!go(N-1).", print=None)
     agent.advance(0.0)

@@ -79,7 +79,7 @@ def test_figures_of_a_motion_are_those_of_dense_sampling(motion):
 def test_the_way_is_that_of_the_odometer(motion, begin, more):
     odometer, end = Odometer(motion), begin + more
     (way,) = Courses([motion], [(begin, end)]).way
-    assert way == pytest.approx(odometer.reading(end) - odometer.reading(begin), abs=1e-9)
+    assert way == pytest.approx(odometer.reading(end) - odometer.reading(begin), abs=1e-8)
 
 
 @given(motions(), motions(), st.floats(0.1, 6))

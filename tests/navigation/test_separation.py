@@ -221,7 +221,9 @@ def test_a_scaled_law_that_looks_ahead_is_judged_as_its_figures_say(cap):
     assert found == pytest.approx(changes.tolist(), abs=1.1e-3)
     assert found
     _, margin = navigation.minimum_margin(person, machine, law, 0.0, 8.0)
-    assert margin == pytest.approx((gap - required).min(), abs=1e-5)
+    # Where the cap begins the margin has a corner, which falls between two samples.
+    least = (gap - required).min()
+    assert least - 1e-3 <= margin <= least + 1e-9
 
 
 def test_a_scaled_law_of_more_than_speeds_has_no_distance_at_speeds_alone():

@@ -53,6 +53,7 @@ def test_a_message_that_is_longer_still_ends_the_connection(busy):
     require_undisturbed(busy)
 
 
+@pytest.mark.slow
 def test_ten_thousand_topics_are_too_many(busy):
     before = len(busy.exchange.topics)
     with Client(busy.url) as client:

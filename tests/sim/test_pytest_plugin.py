@@ -230,6 +230,7 @@ def test_it(run_trial):
     assert len(list((pytester.path / "pages").iterdir())) == 1
 
 
+@pytest.mark.slow
 def test_the_example_project_passes_on_several_processes(pytester, run_pytest_alone):
     shutil.copytree(EXAMPLE, pytester.path, dirs_exist_ok=True)
     result = run_pytest_alone("-n", "2")

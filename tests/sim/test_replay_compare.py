@@ -154,5 +154,5 @@ def test_what_cannot_be_shown_is_said_and_the_page_stays(open_page, recording, t
     viewer.page.keyboard.press("Escape")
     assert viewer.page.locator(".view").count() == 1
     viewer.page.keyboard.press("End")
-    assert viewer.time == 275.0
+    viewer.wait_until(lambda: viewer.time == 275.0)
     assert viewer.complaints == []

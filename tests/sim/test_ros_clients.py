@@ -54,6 +54,7 @@ def test_roslibpy_drives_the_person_at_fifty_times_the_speed():
     require_a_whole_session(*let_drive(lambda url: python("agent_roslibpy.py", url), 50.0), 50.0)
 
 
+@pytest.mark.slow
 def test_roslibpy_is_never_late_at_speed_0():
     """It acts at the instant at which it hears of something: the same run every time."""
     runs = [

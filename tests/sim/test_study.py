@@ -108,6 +108,7 @@ def test_every_row_is_what_a_run_of_its_trial_gives(study, tmp_path):
     assert not {"cpu_seconds", "realtime_factor"} & set(results.columns)
 
 
+@pytest.mark.slow
 def test_the_same_bytes_whatever_the_jobs_and_the_backend(study, tmp_path):
     written = set()
     for backend, jobs in (("sequential", 1), ("loky", 2), ("dask", 2)):
