@@ -51,7 +51,9 @@ def test_both_ends_of_a_bridge(folder):
     assert actions[0] == {"t": 0.0, "action": "move(-10.8,-3.75,0)"}
     report, notices = server.communicate(timeout=60)
     assert server.returncode == 0, notices
-    assert notices == "stands still at t = 0.0 s: there is no agent\nthe trial begins\n"
+    # Whether it had time to stand still depends on how soon the agent came.
+    alone = "stands still at t = 0.0 s: there is no agent\n"
+    assert notices.removeprefix(alone) == "the trial begins\n"
     assert "station4" in report
     require_whole(folder / "out")
 

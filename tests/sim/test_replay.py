@@ -10,7 +10,7 @@ import pytest
 import replay_sample
 
 import sim
-from sim import replay
+from sim.pages import replay
 from sim.pages.replay_data import replay_data
 from sim.trials.event_kinds import EVENT_KINDS
 

@@ -6,7 +6,7 @@ import json
 import pytest
 import replay_sample
 
-from sim import replay
+from sim.pages import replay
 
 
 @pytest.fixture(scope="module")

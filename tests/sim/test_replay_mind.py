@@ -7,7 +7,7 @@ import re
 import pytest
 
 import sim
-from sim import replay
+from sim.pages import replay
 from sim.pages.replay_data import replay_data
 
 TRIAL = """
