@@ -64,7 +64,7 @@ def _problem(error: Exception, tokens: Sequence[Token], file: str) -> Problem:
             return Problem(file, stray.line or 0, stray.column or 0, stray_message(stray))
         found = f"'{token}'"
         if token.type == "$END" or token == _END:
-            last = tokens[-1] if token.type == "$END" else tokens[-2]
+            last = tokens[-1] if token.type == "$END" or len(tokens) < 2 else tokens[-2]
             found, line, column = "the end", last.end_line or 0, last.end_column or 0
         expected = _expected(_acceptable(tokens, error.token))
         return Problem(file, line, column, f"found {found}, expected {expected}")

@@ -243,3 +243,9 @@ def test_files_that_are_no_text(tmp_path):
         bdi.parse_file(path)
     with pytest.raises(bdi.ProgramError, match="cannot be read"):
         bdi.parse_file(tmp_path)
+
+
+@pytest.mark.parametrize("text", ["", " ", "\n"])
+def test_nothing_is_no_literal(text):
+    with pytest.raises(bdi.ProgramError, match="found the end"):
+        bdi.parse_literal(text)
