@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from simpy.events import Event
 
-from navigation import Motion, State, required_at_speeds
+from navigation import Motion, State, is_of_speeds, required_at_speeds
 
 from ..drive import Steps
 from ..gantry import GantryRobot, Sighting
@@ -91,8 +91,13 @@ class Caution:
         return self.required(speed) + metres + self._human_speed * (seconds + HORIZONS[0])
 
     def required(self, robot_speed: float) -> float:
-        """The distance in metres from somebody who may walk, at this speed of the gantry's."""
-        return required_at_speeds(self._law, self._human_speed, robot_speed) + MARGIN
+        """The distance in metres from somebody who may walk, at this speed of the gantry's (m/s).
+
+        A law that looks ahead is asked for the gantry's top speed: it may be reached by then.
+        """
+        if is_of_speeds(self._law):
+            return self._law.distance(self._human_speed, robot_speed) + MARGIN
+        return self._at_top_speed + MARGIN
 
     def _share_to(self, pose: Pose) -> float:
         """At what share of its speeds it is on the way to `pose`; 0 if it isn't."""

@@ -383,6 +383,27 @@ def test_the_times_of_a_gantry_add_up():
     assert moving + handled + idle <= 275.0 + 4.0
 
 
+def test_a_law_that_looks_ahead_is_asked_for_the_top_speed(controller, tmp_path):
+    name = controller(
+        """
+import sim
+
+asked = []
+
+
+def go(gantry):
+    caution = sim.Caution(gantry)
+    asked.extend([caution.required(0.0), caution.required(1.0)])
+    yield gantry.wait(1.0)
+"""
+    )
+    text = f"duration: 2\nrules: {INTEGRAL}\ngantry: {{controller: '{name}'}}"
+    law = sim.run(trial(text, tmp_path)).trial.rules.gantry_law
+    top = navigation.required_at_speeds(law, 1.0, math.sqrt(2.0))
+    asked = __import__(name.partition(":")[0]).asked
+    assert asked[0] == asked[1] > top
+
+
 class TestTasks:
     @staticmethod
     def task(name, stage=0, **more):
