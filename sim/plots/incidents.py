@@ -2,10 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
 from floorplan import Point
 
 from ..recordings.outcome import Recorded
 from .curves import Span
+from .style import VERMILION
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 
 def breaches(run: Recorded, span: Span) -> list[tuple[float, Point]]:
@@ -17,6 +24,21 @@ def breaches(run: Recorded, span: Span) -> list[tuple[float, Point]]:
         for t, _ in intervals
         if begin <= t <= end
     )
+
+
+def mark_breaches(axes: Axes, places: Sequence[Point]) -> None:
+    """Mark where on `axes` somebody came too close."""
+    if places:
+        axes.plot(
+            *zip(*places, strict=True),
+            "v",
+            color=VERMILION,
+            markersize=4.5,
+            markeredgecolor="white",
+            markeredgewidth=0.4,
+            label="too close",
+            zorder=5,
+        )
 
 
 def disabled_spans(run: Recorded) -> list[Span]:

@@ -12,8 +12,8 @@ from navigation import Motion
 from ..recordings.outcome import Recorded
 from .curves import Array, Span, instants, span_of
 from .floor import machine_size
-from .incidents import breaches
-from .style import GREY, MACHINES, VERMILION, Width, explain, new_figure, person_colour, styled
+from .incidents import breaches, mark_breaches
+from .style import GREY, MACHINES, Width, explain, new_figure, person_colour, styled
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -37,7 +37,7 @@ def space_time(run: Recorded, *, within: Span | None = None, width: Width = "dou
             _draw_stations(axes, run, axis)
             for body in _shown(run):
                 _draw_body(axes, run, body, axis, span)
-            _mark_violations(axes, run, axis, span)
+            mark_breaches(axes, [(t, at[axis]) for t, at in breaches(run, span)])
             axes.set_ylabel(f"{'xy'[axis]} (m)")
             axes.margins(y=0.04)
         panels[1].set_xlabel("time (s)")
@@ -98,19 +98,4 @@ def _draw_stations(axes: Axes, run: Recorded, axis: int) -> None:
             size=6,
             va="center",
             color=GREY,
-        )
-
-
-def _mark_violations(axes: Axes, run: Recorded, axis: int, span: Span) -> None:
-    marks = [(t, at[axis]) for t, at in breaches(run, span)]
-    if marks:
-        axes.plot(
-            *zip(*marks, strict=True),
-            "v",
-            color=VERMILION,
-            markersize=4.5,
-            markeredgecolor="white",
-            markeredgewidth=0.4,
-            label="too close",
-            zorder=5,
         )

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 from ..recordings.outcome import Recorded
 from .curves import Span, instants, span_of
 from .floor import draw_floor, draw_names, floor_figure, machine_outline
-from .incidents import breaches
-from .style import MACHINES, VERMILION, Width, explain, person_colour, styled
+from .incidents import breaches, mark_breaches
+from .style import MACHINES, Width, explain, person_colour, styled
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -27,7 +27,7 @@ def trails(run: Recorded, *, within: Span | None = None, width: Width = "double"
         draw_names(axes, run.floorplan, width)
         for body in run.motions:
             _draw_way(axes, run, body, (begin, end))
-        _mark_violations(axes, run, (begin, end))
+        mark_breaches(axes, [at for _, at in breaches(run, (begin, end))])
         explain(figure, [axes], width)
         return figure
 
@@ -48,21 +48,6 @@ def _draw_way(axes: Axes, run: Recorded, body: str, span: Span) -> None:
             edgecolor=MACHINES[kind],
             linewidth=0.7,
             zorder=3,
-        )
-
-
-def _mark_violations(axes: Axes, run: Recorded, span: Span) -> None:
-    places = [at for _, at in breaches(run, span)]
-    if places:
-        axes.plot(
-            *zip(*places, strict=True),
-            "v",
-            color=VERMILION,
-            markersize=4.5,
-            markeredgecolor="white",
-            markeredgewidth=0.4,
-            label="too close",
-            zorder=5,
         )
 
 
