@@ -7,18 +7,19 @@ python benchmarks/competitor.py studies/competitor/results.csv docs/images/compe
 from __future__ import annotations
 
 import csv
-import random
 import statistics
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+import numpy as np
 from matplotlib.figure import Figure
+
+from sim.study.comparison import spread
 
 PERSONALITIES = ("indifferent", "antagonistic", "helpful")
 CONTROLLERS = ("oblivious", "pausing", "avoiding")
 COLOURS = {"oblivious": "#7f7f7f", "pausing": "#0072b2", "avoiding": "#d55e00"}
-RESAMPLES = 2000
 
 Row = dict[str, str]
 
@@ -37,12 +38,11 @@ MEASURES: dict[str, Callable[[Row], float]] = {
 
 
 def interval(values: Sequence[float]) -> tuple[float, float]:
-    """The 95 % confidence interval of the mean, by the percentile bootstrap."""
-    chance = random.Random(0)
-    means = sorted(
-        statistics.fmean(chance.choices(values, k=len(values))) for _ in range(RESAMPLES)
-    )
-    return means[int(0.025 * RESAMPLES)], means[int(0.975 * RESAMPLES)]
+    """The 95 % confidence interval of the mean, as in the report of a study."""
+    found = spread(np.array(values))
+    if found is None:
+        raise ValueError("there are no rows of this pair")
+    return found.low, found.high
 
 
 def chosen(rows: Sequence[Row], personality: str, controller: str) -> list[Row]:
