@@ -50,6 +50,7 @@ from .separation import (
     requirement,
 )
 from .surfaces import Box, Cylinder, Shapes, agv_box, folded_arm, torso_box
+from .track import Track
 from .walk import can_go_on, corner_speed, remaining_path, stop_walking, walk
 from .world import CollisionWorld
 
@@ -95,6 +96,7 @@ __all__ = [
     "Shapes",
     "State",
     "TooClose",
+    "Track",
     "agv_box",
     "agv_run",
     "agv_stop",

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_left, bisect_right
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -69,7 +69,7 @@ class Motion:
     instants in `jumps`, where the body was put elsewhere. `ValueError` if this does not hold.
     """
 
-    pieces: tuple[Piece, ...]
+    pieces: Sequence[Piece]
     jumps: frozenset[float] = frozenset()
 
     def __post_init__(self) -> None:
@@ -78,9 +78,9 @@ class Motion:
         for before, after in zip(self.pieces, self.pieces[1:], strict=False):
             if before.end != after.begin:
                 raise ValueError(f"a motion has a gap from t = {before.end} s to {after.begin} s")
-            gap = _gap(before, after)
-            if gap > JUMP_TOLERANCE and after.begin not in self.jumps:
-                raise ValueError(f"a motion jumps by {gap:.6g} m at t = {after.begin} s")
+            parted = gap(before, after)
+            if parted > JUMP_TOLERANCE and after.begin not in self.jumps:
+                raise ValueError(f"a motion jumps by {parted:.6g} m at t = {after.begin} s")
 
     @property
     def start(self) -> float:
@@ -131,7 +131,7 @@ class Motion:
         jumps = frozenset(t for t in self.jumps if begin < t < end)
         return Motion(tuple(pieces), jumps)
 
-    def pieces_from(self, t: float) -> tuple[Piece, ...]:
+    def pieces_from(self, t: float) -> Sequence[Piece]:
         """The pieces that are not over at `t` (seconds)."""
         return self.pieces[max(0, bisect_right(self._begins, t) - 1) :]
 
@@ -182,7 +182,7 @@ def join(motions: Iterable[Motion], *, end: float | None = None) -> Motion:
     for motion in motions:
         if pieces:
             _stand_until(pieces, motion.start)
-            if _gap(pieces[-1], motion.pieces[0]) > JUMP_TOLERANCE:
+            if gap(pieces[-1], motion.pieces[0]) > JUMP_TOLERANCE:
                 jumps.add(motion.start)
         pieces += motion.pieces
         jumps |= motion.jumps
@@ -224,7 +224,7 @@ def _state(piece: Piece, t: float, *, moving: bool) -> State:
     return State(at, velocity, (2 * ax + 6 * u * jx, 2 * ay + 6 * u * jy, 2 * ar + 6 * u * jr))
 
 
-def _gap(before: Piece, after: Piece) -> float:
+def gap(before: Piece, after: Piece) -> float:
     """The distance between the end of one piece and the beginning of the next (metres)."""
     u = before.end - before.begin
     return math.hypot(value(before.x, u) - after.x[0], value(before.y, u) - after.y[0])

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from bisect import bisect_left
 from collections.abc import Callable
 from typing import Literal
 
-from navigation import Motion, State, join
+from navigation import Motion, State, Track
 
 from .clock import Clock
+from .plans import Plans
 
 JUMP = 1e-6
 """Metres. A body that is further than this from where it was has been put there."""
@@ -24,13 +24,11 @@ class Body:
         self.name = name
         self.kind: Kind = kind
         self.motion = motion
-        self.history: list[Motion] = []
-        self.plans: list[tuple[float, Motion]] = [(clock.now, motion)]
-        """From when on (seconds) it was about to do what."""
         self.on_change: list[Callable[[], None]] = []
         self.on_jump: list[Callable[[], None]] = []
         self.on_record: Callable[[Body, Motion], None] | None = None
         self._clock = clock
+        self._track = Track()
         self._since = clock.now
 
     def __repr__(self) -> str:
@@ -46,11 +44,6 @@ class Body:
         """Where it is now: x, y in metres."""
         return self.state.at
 
-    def plan_before(self, t: float) -> Motion:
-        """What it was about to do just before `t` (seconds)."""
-        k = bisect_left(self.plans, t, key=lambda plan: plan[0])
-        return self.plans[max(0, k - 1)][1]
-
     def follow(self, motion: Motion) -> None:
         """Do this from now on, instead of what it was doing.
 
@@ -59,7 +52,6 @@ class Body:
         self.settle()
         before, after = self.at, motion.state(self._clock.now).at
         self.motion = motion
-        self.plans.append((self._clock.now, motion))
         if math.dist(before, after) > JUMP:
             for jumped in self.on_jump:
                 jumped()
@@ -67,16 +59,22 @@ class Body:
             changed()
 
     def settle(self) -> None:
-        """Put what was done until now into the history."""
+        """Add what was done until now to its track."""
         now = self._clock.now
         if now > self._since:
             done = self.motion.cut(self._since, now)
             self._since = now
-            self.history.append(done)
+            self._track.add(done)
             if self.on_record is not None:
                 self.on_record(self, done)
 
     def track(self) -> Motion:
         """All that it did so far, as one motion (it jumps where it was put elsewhere)."""
         self.settle()
-        return join(self.history) if self.history else self.motion
+        return self._track.motion() if self._track else self.motion
+
+    def remember_plans(self) -> Plans:
+        """From now on, what it was about to do at every instant, whatever came of it."""
+        plans = Plans(self._clock.now, self.motion)
+        self.on_change.append(lambda: plans.add(self._clock.now, self.motion))
+        return plans

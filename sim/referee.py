@@ -21,12 +21,15 @@ from navigation import (
     TooClose,
     first_time,
     required_at,
+    required_at_speeds,
     when,
 )
 
 from .body import Body
 from .clock import Alarm, Clock, Turn
+from .plans import Plans
 from .recordings.recorder import Record
+from .recordings.requirement_curve import is_plain
 from .rules import Notice, RuleSet
 
 Cause = Literal["person", "gantry", "agv"]
@@ -68,6 +71,10 @@ class Pair:
         """The distance that `law` requires now, metres."""
         return required_at(law, self.person.motion, self.machine.motion, self.clock.now)
 
+    def remember_plans(self) -> tuple[Plans, Plans]:
+        """From now on, what the two were about to do at every instant."""
+        return self.person.remember_plans(), self.machine.remember_plans()
+
     def cause(self) -> Cause:
         """Whose doing it is if they are too close now."""
         return self.machine.kind if self.machine.state.speed > MOVES else "person"
@@ -89,6 +96,8 @@ class SeparationWatch:
         self.pair = pair
         self.law = law
         self.intervals: list[tuple[float, float]] = []
+        self.plans = None if is_plain(law) else pair.remember_plans()
+        """What the two were about to do, where `law` asks for more than their speeds."""
         self._violated = violated
         self._since: float | None = None
         is_agv = pair.machine.kind == "agv"
@@ -108,6 +117,15 @@ class SeparationWatch:
             self._alarm.set(now)
         else:
             self._alarm.set(coming[1] if coming[1] < self.pair.horizon() else None)
+
+    def required_before(self, t: float, person: Motion, machine: Motion) -> float:
+        """The distance (m) that the law required just before `t` (seconds) of these tracks."""
+        if self.plans is None:
+            return required_at_speeds(
+                self.law, person.state_before(t).speed, machine.state_before(t).speed
+            )
+        of_person, of_machine = self.plans
+        return required_at(self.law, of_person.before(t), of_machine.before(t), t)
 
     @property
     def known(self) -> list[tuple[float, float]]:

@@ -24,7 +24,7 @@ from .proximity import ProximityWatch
 from .recordings.mind_inspector import MindInspector, Thought
 from .recordings.outcome import Run
 from .recordings.recorder import Event, Listener, Listeners, recording_to, rounded
-from .recordings.requirement_curve import is_plain, requirement_curve
+from .recordings.requirement_curve import requirement_curve
 from .recordings.scene import scene_of
 from .referee import Pair, Referee
 from .rules import suggestion
@@ -152,12 +152,11 @@ class Simulation:
             },
             thoughts=tuple(self.thoughts),
             requirements={
-                (pair.person.name, pair.machine.name): requirement_curve(
-                    watch.law, pair.person.plans, pair.machine.plans, self.clock.now
+                (watch.pair.person.name, watch.pair.machine.name): requirement_curve(
+                    watch.law, *watch.plans, self.clock.now
                 )
                 for watch in self.referee.watches
-                for pair in [watch.pair]
-                if not is_plain(watch.law)
+                if watch.plans is not None
             },
         )
 

@@ -6,13 +6,12 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from navigation import AnyLaw, Motion, minimum_separation, required_at
+from navigation import Motion, minimum_separation
 
-from .body import Body
 from .gantry import GantryRobot
 from .person import Person
 from .recordings.recorder import rounded
-from .referee import Cause, Referee
+from .referee import Cause, Referee, SeparationWatch
 from .trials.trial import Trial
 
 
@@ -34,12 +33,12 @@ def summarise(
     whose doing they were. Times and distances of people count from their start. `work`
     are the figures of orders, where there are any.
     """
+    started = {person.name: person.started_at for person in people}
     nearest = {
-        person.name: _nearest(
-            person.walker.body, gantry.body, motions, trial.rules.gantry_law, person.started_at, now
-        )
-        for person in people
-        if gantry is not None and person.started_at is not None
+        watch.pair.person.name: _nearest(watch, motions, begin, now)
+        for watch in referee.watches
+        if watch.pair.machine.kind == "gantry"
+        and (begin := started[watch.pair.person.name]) is not None
     }
     summary: dict[str, Any] = {
         "trial": trial.name,
@@ -89,18 +88,16 @@ def _gantry_figures(
 
 
 def _nearest(
-    person: Body,
-    gantry: Body,
-    motions: Mapping[str, Motion],
-    law: AnyLaw,
-    begin: float,
-    end: float,
+    watch: SeparationWatch, motions: Mapping[str, Motion], begin: float, end: float
 ) -> dict[str, float]:
-    tracks = (motions[person.name], motions[gantry.name])
+    tracks = (motions[watch.pair.person.name], motions[watch.pair.machine.name])
     time, distance = minimum_separation(*tracks, begin, end)
     # A violation ends in a jump: what counts is what they were about to do until then.
-    required = required_at(law, person.plan_before(time), gantry.plan_before(time), time)
-    return {"distance": distance, "time": time, "required": required}
+    return {
+        "distance": distance,
+        "time": time,
+        "required": watch.required_before(time, *tracks),
+    }
 
 
 def _violations(penalties: Mapping[tuple[str, Cause], int], person: str | None) -> dict[str, int]:

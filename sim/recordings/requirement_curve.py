@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from bisect import bisect_right
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 from navigation import (
     AnyLaw,
@@ -15,11 +14,10 @@ from navigation import (
     required_at,
 )
 
+from ..plans import Plans
+
 Curve = tuple[tuple[float, float], ...]
 """Points (seconds, metres) in order of time; two at one instant are a jump."""
-
-Plans = Sequence[tuple[float, Motion]]
-"""What a body was about to do, and from when on (seconds)."""
 
 EXACT = 0.01
 """Metres. How far off the lines may be."""
@@ -35,10 +33,10 @@ def is_plain(law: AnyLaw) -> bool:
 
 def requirement_curve(law: AnyLaw, person: Plans, machine: Plans, end: float) -> Curve:
     """What `law` required until `end`, of what the two were about to do at each instant."""
-    changes = sorted({t for t, _ in (*person, *machine) if t < end} | {end})
+    changes = sorted({t for t in (*person.changes, *machine.changes) if t < end} | {end})
     points: list[tuple[float, float]] = []
     for begin, until in itertools.pairwise(changes):
-        motions = (_plan(person, begin), _plan(machine, begin))
+        motions = (person.at(begin), machine.at(begin))
 
         def required(t: float, motions: tuple[Motion, Motion] = motions) -> float:
             return required_at(law, *motions, t)
@@ -48,11 +46,6 @@ def requirement_curve(law: AnyLaw, person: Plans, machine: Plans, end: float) ->
         for a, b in itertools.pairwise(sorted(cuts)):
             points += _lines(required, a, b)
     return tuple(_without_needless(points))
-
-
-def _plan(plans: Plans, t: float) -> Motion:
-    """What a body was about to do from `t` on."""
-    return plans[max(0, bisect_right(plans, t, key=lambda plan: plan[0]) - 1)][1]
 
 
 def _lines(

@@ -12,6 +12,7 @@ from pydantic import BaseModel, Field, FiniteFloat, ValidationError
 from floorplan import InputError, Problem, read_text
 from navigation import Both, Condition, Motion, Moving, Piece, TooClose, join, standing, when
 
+from ..plans import Plans
 from .mind_inspector import Thought
 from .outcome import Recorded
 from .recorder import Event
@@ -173,7 +174,7 @@ def _worked_out(
             pair, tracks = (person.name, machine), (motions[person.name], motions[machine])
             found[pair] = tuple(when(condition, *tracks, 0.0, end))
             if not is_plain(law):
-                one, other = ([(0.0, track)] for track in tracks)
+                one, other = (Plans(0.0, track) for track in tracks)
                 requirements[pair] = requirement_curve(law, one, other, end)
     return found, requirements
 
