@@ -127,6 +127,10 @@ class RosbridgeServer:
         if len(self.clients) >= MOST_CLIENTS:
             await connection.close(1013, f"{MOST_CLIENTS} clients are here already")
             return
+        # asyncio does so itself only where it opened the listening socket.
+        connection.transport.get_extra_info("socket").setsockopt(
+            socket.IPPROTO_TCP, socket.TCP_NODELAY, 1
+        )
         self._names += 1
         client = Client(
             f"client{self._names}", connection.send, lambda _: connection.transport.abort()

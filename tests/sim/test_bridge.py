@@ -3,6 +3,7 @@
 import asyncio
 import json
 import math
+import socket
 import time
 
 import pytest
@@ -240,6 +241,18 @@ def test_time_keeps_to_the_wall_clock():
         begin = time.monotonic()
         session.join()
     assert time.monotonic() - begin > 0.9
+
+
+def test_small_messages_are_not_held_back_by_the_kernel():
+    """Nagle's algorithm would hold each back until the last one is acknowledged: 40 ms later."""
+    with served(trial()) as session, Client(session.url):
+
+        def is_prompt():
+            (connection,) = session.session.server.clients.values()
+            peer = connection.transport.get_extra_info("socket")
+            return peer.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY)
+
+        assert session.do(is_prompt)
 
 
 def test_messages_can_be_throttled_and_queued():
