@@ -98,6 +98,7 @@ class Person:
             "move_away": self._move_away,
             "step_between": self._step_between,
         }
+        self._signatures = {name: inspect.signature(act) for name, act in self._actions.items()}
         self._mind: Mind | None = None
         self._percepts: Percepts | None = None
 
@@ -222,9 +223,9 @@ class Person:
             )
         try:
             arguments = [_number(argument) for argument in action.args]
-            inspect.signature(perform).bind(*arguments)
+            self._signatures[action.functor].bind(*arguments)
         except (TypeError, ValueError):
-            takes = ", ".join(inspect.signature(perform).parameters)
+            takes = ", ".join(self._signatures[action.functor].parameters)
             raise MindError(
                 f"{self.name}: the action {action} should be {action.functor}({takes})"
             ) from None

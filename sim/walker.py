@@ -26,6 +26,9 @@ from .recordings.recorder import Record
 REPORT_DELAY = 0.1
 """Seconds until somebody who is sent to where they are already says that they are there."""
 
+MOST_WAYS = 256
+"""How many ways somebody keeps in mind."""
+
 Place = tuple[float, float]
 
 
@@ -51,6 +54,8 @@ class Walker:
         self.replans = 0
         self._clock = clock
         self._planner = planner
+        self._known_ways: dict[tuple[Place, Place], list[Place]] = {}
+        self._floor_known = planner.world.changes
         self._record = record
         self._arrived = arrived
         self._arrival = Alarm(clock, self._arrive, Turn.MOTION_ENDS)
@@ -131,6 +136,19 @@ class Walker:
         return join([braking, onwards])
 
     def _path(self, start: Place, goal: Place) -> list[Place]:
+        """The way from here to there; one that they went before, if nothing has moved since."""
+        changes = self._planner.world.changes
+        if changes != self._floor_known:
+            self._floor_known = changes
+            self._known_ways.clear()
+        way = self._known_ways.get((start, goal))
+        if way is None:
+            way = self._known_ways[start, goal] = self._find_way(start, goal)
+            if len(self._known_ways) > MOST_WAYS:
+                del self._known_ways[next(iter(self._known_ways))]
+        return way
+
+    def _find_way(self, start: Place, goal: Place) -> list[Place]:
         try:
             path = self._planner.plan(start, goal)
         except PlanningError as why:
