@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+import shapely
 
 import bdi
 import sim
@@ -100,10 +101,26 @@ def test_an_agv_that_parks_in_the_way_makes_a_walker_replan(program):
     assert events(finished, "arrived")[0]["at"] == [-4.0, 4.8]
     ts = np.linspace(stopped, 60, 5000)
     agv = finished.trial.floorplan.lane("agv1").footprint(5.6)
-    import shapely
-
     points = shapely.points(finished.motions["a"].position(ts))
     assert shapely.distance(points, agv).min() >= 0.3 - 1e-9
+
+
+def test_a_way_that_was_free_before_is_not_taken_once_something_stands_on_it(program):
+    """Along y = 4.8 and back; agv1 parks there meanwhile; the second time along goes around it."""
+    finished = program(
+        "!go. +!go <- move(-4, 4.8, 0); .wait(12000); move(-14.5, 4.8, 0);"
+        " .wait(18000); move(-4, 4.8, 0).",
+        "agvs: {agv1: [{time: 25.0, to: assembly_front}]}",
+        at="[-14.5, 4.8]",
+        duration=120,
+    )
+    first, _, second = [event["t"] for event in events(finished, "arrived")]
+    motion, agv = finished.motions["a"], finished.trial.floorplan.lane("agv1").footprint(5.6)
+    ways = [motion.position(np.linspace(t - 20, t, 2000)) for t in (first, second)]
+    gaps = [shapely.distance(shapely.points(way), agv).min() for way in ways]
+    assert gaps[0] == 0.0
+    assert gaps[1] >= 0.3 - 1e-9
+    assert not events(finished, "path_blocked")
 
 
 def test_a_goal_in_a_table_is_told_and_the_action_fails(program):
