@@ -67,7 +67,7 @@ app.command(name="list")(list_all)
 def main() -> None:
     """Run the command; say what is wrong in a sentence, and exit with 1, or 2 for wrong usage."""
     try:
-        app()
+        app(prog_name="floorwalker")
     except BrokenPipeError:
         # Whoever read our output has seen enough.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

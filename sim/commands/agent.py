@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from . import completion
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
@@ -15,7 +17,12 @@ if TYPE_CHECKING:
 
 def agent(
     program: Annotated[
-        str, typer.Argument(metavar="FILE.asl", help="The program, or a built-in personality.")
+        str,
+        typer.Argument(
+            metavar="FILE.asl",
+            help="The program, or a built-in personality.",
+            autocompletion=completion.program,
+        ),
     ],
     belief: Annotated[
         list[str] | None, typer.Option(help="A further initial belief, as station(a,0,0).")

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from . import completion
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -17,10 +19,17 @@ if TYPE_CHECKING:
 def benchmark(
     floorplan: Annotated[
         list[str] | None,
-        typer.Option(help="A built-in name or a file; again for more. All built-in by default."),
+        typer.Option(
+            help="A built-in name or a file; again for more. All built-in by default.",
+            autocompletion=completion.floor,
+        ),
     ] = None,
     planner: Annotated[
-        list[str] | None, typer.Option(help="A planner's name; again for more. All by default.")
+        list[str] | None,
+        typer.Option(
+            help="A planner's name; again for more. All by default.",
+            autocompletion=completion.planner,
+        ),
     ] = None,
     queries: Annotated[int, typer.Option(min=1, help="Questions on each floor.")] = 20,
     seed: Annotated[int, typer.Option(min=0, help="Of the questions and the planners.")] = 0,

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from . import completion
 from .run import INTERRUPTED, changed, free_folder, tell_result
 
 if TYPE_CHECKING:
@@ -21,7 +22,12 @@ if TYPE_CHECKING:
 
 def bridge(
     trial: Annotated[
-        str, typer.Argument(metavar="TRIAL", help="A file, or the name of a built-in trial.")
+        str,
+        typer.Argument(
+            metavar="TRIAL",
+            help="A file, or the name of a built-in trial.",
+            autocompletion=completion.trial,
+        ),
     ] = "ariac2023",
     host: Annotated[str, typer.Option(help="Where to serve.")] = "127.0.0.1",
     port: Annotated[
@@ -45,11 +51,18 @@ def bridge(
         bool, typer.Option("--waypoints", help="As the agent, plan ways and send their corners.")
     ] = False,
     personality: Annotated[
-        str | None, typer.Option(help="Of everybody in the trial: a name, or an .asl file.")
+        str | None,
+        typer.Option(
+            help="Of everybody in the trial: a name, or an .asl file.",
+            autocompletion=completion.program,
+        ),
     ] = None,
     duration: Annotated[float | None, typer.Option(help="Seconds to simulate.")] = None,
     seed: Annotated[int | None, typer.Option(min=0, help="Seed of everything random.")] = None,
-    rules: Annotated[str | None, typer.Option(help="Rule set, by name.")] = None,
+    rules: Annotated[
+        str | None,
+        typer.Option(help="Rule set: a name, or a YAML file.", autocompletion=completion.rules),
+    ] = None,
 ) -> None:
     """Talk ROS: serve a trial over rosbridge, or be the agent of one that is served elsewhere."""
     from sim import Trial

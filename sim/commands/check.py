@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from . import completion
 from .run import tell_notices
 
 RULE_KEYS = {"based_on", "gantry_law", "agv_law", "notice", "gantry_disabled"}
@@ -19,6 +20,7 @@ def check(
         typer.Argument(
             metavar="FILE...",
             help="Floorplans, trials, studies, rule sets, .asl programs; names work too.",
+            autocompletion=completion.checked,
         ),
     ],
 ) -> None:

@@ -8,6 +8,8 @@ from typing import Annotated
 
 import typer
 
+from . import completion
+
 
 class FormatName(str, Enum):
     """What `--format` may be."""
@@ -25,6 +27,7 @@ def export(
         typer.Argument(
             metavar="DIR|TRIAL",
             help="A recording's folder; or a trial (a file or a built-in name), which is run.",
+            autocompletion=completion.trial,
         ),
     ],
     out: Annotated[

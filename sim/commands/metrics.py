@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from . import completion
+
 if TYPE_CHECKING:
     from rich.table import Table
 
@@ -15,7 +17,9 @@ def metrics(
     source: Annotated[
         str,
         typer.Argument(
-            metavar="RUN", help="The folder of a run, or a trial to be run: a file or its name."
+            metavar="RUN",
+            help="The folder of a run, or a trial to be run: a file or its name.",
+            autocompletion=completion.trial,
         ),
     ],
     radius: Annotated[

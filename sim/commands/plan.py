@@ -7,19 +7,28 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from . import completion
+
 if TYPE_CHECKING:
     from navigation import CollisionWorld
     from navigation import Path as Way
 
 
 def plan(
-    floorplan: Annotated[str, typer.Argument(help="A built-in name, or a file.")],
+    floorplan: Annotated[
+        str,
+        typer.Argument(help="A built-in name, or a file.", autocompletion=completion.floor),
+    ],
     x0: Annotated[float, typer.Argument(help="The start, in metres.")],
     y0: Annotated[float, typer.Argument()],
     x1: Annotated[float, typer.Argument(help="The goal, in metres.")],
     y1: Annotated[float, typer.Argument()],
     planner: Annotated[
-        str | None, typer.Option(help="Its name; `floorwalker list` has them all.")
+        str | None,
+        typer.Option(
+            help="Its name; `floorwalker list` has them all.",
+            autocompletion=completion.planner,
+        ),
     ] = None,
     parameter: Annotated[
         list[str] | None,

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
+from . import completion
+
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
@@ -20,7 +22,12 @@ app = typer.Typer(
 )
 
 Source = Annotated[
-    str, typer.Argument(metavar="SOURCE", help="A run's folder, or a trial (which is run).")
+    str,
+    typer.Argument(
+        metavar="SOURCE",
+        help="A run's folder, or a trial (which is run).",
+        autocompletion=completion.trial,
+    ),
 ]
 Out = Annotated[Path, typer.Option(help="The picture: its ending says which kind.")]
 Columns = Annotated[
@@ -33,7 +40,12 @@ End = Annotated[float | None, typer.Option("--to", help="Draw up to this time, s
 @app.command()
 def floorplan(
     floor: Annotated[
-        str, typer.Argument(metavar="FLOOR", help="A floorplan, a trial, or a run's folder.")
+        str,
+        typer.Argument(
+            metavar="FLOOR",
+            help="A floorplan, a trial, or a run's folder.",
+            autocompletion=completion.floor_source,
+        ),
     ],
     out: Out,
     width: Columns = "double",
@@ -49,7 +61,12 @@ def floorplan(
 @app.command(context_settings={"ignore_unknown_options": True})
 def path(
     floor: Annotated[
-        str, typer.Argument(metavar="FLOOR", help="A floorplan, a trial, or a run's folder.")
+        str,
+        typer.Argument(
+            metavar="FLOOR",
+            help="A floorplan, a trial, or a run's folder.",
+            autocompletion=completion.floor_source,
+        ),
     ],
     x0: Annotated[float, typer.Argument(help="The start, in metres.")],
     y0: Annotated[float, typer.Argument()],
@@ -114,7 +131,9 @@ def heatmap(
     sources: Annotated[
         list[str],
         typer.Argument(
-            metavar="SOURCE...", help="Runs' folders, or trials (which are run); all in one map."
+            metavar="SOURCE...",
+            help="Runs' folders, or trials (which are run); all in one map.",
+            autocompletion=completion.trial,
         ),
     ],
     out: Out,

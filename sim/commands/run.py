@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..pages.browser import open_in_browser
+from . import completion
 
 if TYPE_CHECKING:
     from sim import Recording, Run, Simulation, Trial
@@ -27,17 +28,33 @@ REPORTS = 200
 
 def run(
     trial: Annotated[
-        str, typer.Argument(metavar="TRIAL", help="A file, or the name of a built-in trial.")
+        str,
+        typer.Argument(
+            metavar="TRIAL",
+            help="A file, or the name of a built-in trial.",
+            autocompletion=completion.trial,
+        ),
     ] = "ariac2023",
     personality: Annotated[
-        str | None, typer.Option(help="Give everybody this one: a name, or an .asl file.")
+        str | None,
+        typer.Option(
+            help="Give everybody this one: a name, or an .asl file.",
+            autocompletion=completion.program,
+        ),
     ] = None,
     controller: Annotated[
-        str | None, typer.Option(help="Of the gantry: a built-in one, or package.module:name.")
+        str | None,
+        typer.Option(
+            help="Of the gantry: a built-in one, or package.module:name.",
+            autocompletion=completion.controller,
+        ),
     ] = None,
     duration: Annotated[float | None, typer.Option(help="Seconds to simulate.")] = None,
     seed: Annotated[int | None, typer.Option(min=0, help="Seed of everything random.")] = None,
-    rules: Annotated[str | None, typer.Option(help="Rule set: a name, or a YAML file.")] = None,
+    rules: Annotated[
+        str | None,
+        typer.Option(help="Rule set: a name, or a YAML file.", autocompletion=completion.rules),
+    ] = None,
     out: Annotated[
         Path | None, typer.Option(help="Folder for the recording (runs/TRIAL if not given).")
     ] = None,

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from . import completion
 from .run import INTERRUPTED
 
 if TYPE_CHECKING:
@@ -17,12 +18,19 @@ WIDTH = 120
 
 
 def study(
-    file: Annotated[str, typer.Argument(metavar="STUDY.yaml", help="A study file.")],
+    file: Annotated[
+        str,
+        typer.Argument(metavar="STUDY.yaml", help="A study file.", autocompletion=completion.study),
+    ],
     jobs: Annotated[
         int | None, typer.Option(min=1, help="Processes to run on; all cores by default.")
     ] = None,
     backend: Annotated[
-        str, typer.Option(help="Where: a joblib backend, or dask for a Dask cluster.")
+        str,
+        typer.Option(
+            help="Where: a joblib backend, or dask for a Dask cluster.",
+            autocompletion=completion.backend,
+        ),
     ] = "loky",
     out: Annotated[
         Path | None,

@@ -12,7 +12,6 @@ from pathlib import Path
 import jupedsim
 import numpy as np
 import pandas as pd
-import pedpy
 import pyarrow.parquet as pq
 import pytest
 from hypothesis import given
@@ -241,6 +240,7 @@ def test_topic_names_are_allowed_and_different(names):
 
 
 def test_pedpy_reads_people_who_only_walk(run, tmp_path):
+    pedpy = pytest.importorskip("pedpy", reason="PedPy needs Python 3.11")
     path = tmp_path / "run.sqlite"
     sim.export(run, path, rate=10.0)
     trajectory = pedpy.load_trajectory_from_jupedsim_sqlite(trajectory_file=path)

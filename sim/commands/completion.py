@@ -1,0 +1,118 @@
+"""What the shell offers when somebody types half a word and presses Tab.
+
+Names are found without loading what they name: the shell asks on every Tab.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+from importlib.util import find_spec
+from pathlib import Path
+
+CONTROLLERS = ("avoiding", "external", "oblivious", "parked", "pausing")
+RULE_SETS = ("ariac2023", "paper")
+PLANNERS = (
+    *("Roadmap", "AORRTC", "BFMT", "BITstar", "BKPIECE1", "FMT", "InformedRRTstar", "KPIECE1"),
+    *("LBKPIECE1", "PRM", "PRMstar", "RRT", "RRTConnect", "RRTstar", "SORRTstar"),
+)
+BACKENDS = ("loky", "dask", "threading", "sequential")
+YAML = (".yaml", ".yml")
+FLOORS = (*YAML, ".wkt", ".dxf")
+
+
+def trial(incomplete: str) -> list[str]:
+    """A built-in trial, or a file; among the folders, runs."""
+    return _offer(incomplete, _data("sim", "data/trials/*.yaml"), YAML)
+
+
+def study(incomplete: str) -> list[str]:
+    """A study's file."""
+    return _offer(incomplete, (), YAML)
+
+
+def floor(incomplete: str) -> list[str]:
+    """A built-in floorplan, or a file with one."""
+    return _offer(incomplete, _floors(), FLOORS)
+
+
+def program(incomplete: str) -> list[str]:
+    """A personality, or an AgentSpeak program."""
+    return _offer(incomplete, _personalities(), (".asl",))
+
+
+def rules(incomplete: str) -> list[str]:
+    """A built-in rule set, or a file with one."""
+    return _offer(incomplete, RULE_SETS, YAML)
+
+
+def controller(incomplete: str) -> list[str]:
+    """A built-in controller of the gantry; one's own is for the user to type."""
+    return _offer(incomplete, CONTROLLERS)
+
+
+def planner(incomplete: str) -> list[str]:
+    """A planner that every supported OMPL has, or our own."""
+    return _offer(incomplete, PLANNERS)
+
+
+def backend(incomplete: str) -> list[str]:
+    """Where the rows of a study can run."""
+    return _offer(incomplete, BACKENDS)
+
+
+def floor_source(incomplete: str) -> list[str]:
+    """A floorplan, a trial, or a run's folder."""
+    names = {*_floors(), *_data("sim", "data/trials/*.yaml")}
+    return _offer(incomplete, sorted(names), FLOORS)
+
+
+def checked(incomplete: str) -> list[str]:
+    """Anything that `floorwalker check` reads."""
+    names = {*_floors(), *_personalities(), *_data("sim", "data/trials/*.yaml")}
+    return _offer(incomplete, sorted(names), (*FLOORS, ".asl"))
+
+
+def _floors() -> list[str]:
+    return _data("floorplan", "data/*.yaml")
+
+
+def _personalities() -> list[str]:
+    return [name for name in _data("bdi", "programs/*.asl") if name != "patrol"]
+
+
+def _data(package: str, pattern: str) -> list[str]:
+    """The names of a package's data files; the package is not imported for it."""
+    spec = find_spec(package)
+    folders = spec.submodule_search_locations if spec is not None else None
+    return sorted(file.stem for folder in folders or () for file in Path(folder).glob(pattern))
+
+
+def _offer(incomplete: str, names: Iterable[str], endings: tuple[str, ...] = ()) -> list[str]:
+    begun = [name for name in names if name.startswith(incomplete)]
+    return [*begun, *_files(incomplete, endings)] if endings else begun
+
+
+def _files(incomplete: str, endings: tuple[str, ...], *, deeper: bool = True) -> list[str]:
+    """The folders and the files with one of `endings` that `incomplete` is the beginning of.
+
+    Where only one folder is left, what is in it is offered: shells would put a blank after the
+    folder. For the same reason names with blanks are left to be typed.
+    """
+    parent, _, beginning = incomplete.rpartition("/")
+    above = f"{parent}/" if "/" in incomplete else ""
+    try:
+        entries = sorted(os.scandir(above or "."), key=lambda entry: entry.name)
+    except OSError:
+        return []
+    found = [
+        f"{above}{entry.name}/" if entry.is_dir() else f"{above}{entry.name}"
+        for entry in entries
+        if entry.name.startswith(beginning)
+        and entry.name.startswith(".") == beginning.startswith(".")
+        and (entry.is_dir() or entry.name.endswith(endings))
+        and not any(map(str.isspace, entry.name))
+    ]
+    if deeper and len(found) == 1 and found[0].endswith("/"):
+        return _files(found[0], endings, deeper=False) or found
+    return found
