@@ -13,6 +13,7 @@ from .commands.benchmark import benchmark
 from .commands.bridge import bridge
 from .commands.check import check
 from .commands.export import export
+from .commands.interrupts import put_off_while_loading
 from .commands.list import list_all
 from .commands.metrics import metrics
 from .commands.plan import plan
@@ -67,7 +68,8 @@ app.command(name="list")(list_all)
 def main() -> None:
     """Run the command; say what is wrong in a sentence, and exit with 1, or 2 for wrong usage."""
     try:
-        app(prog_name="floorwalker")
+        with put_off_while_loading():
+            app(prog_name="floorwalker")
     except BrokenPipeError:
         # Whoever read our output has seen enough.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -1,11 +1,10 @@
-"""The rooms of the house and the direction of its imports; what a wheel contains."""
+"""The rooms of the house and the direction of its imports."""
 
 import ast
-import os
 import re
 import subprocess
 import sys
-import venv
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
@@ -19,6 +18,11 @@ PACKAGES = {
 }
 HEAVY = {"matplotlib", "pandas", "pyarrow", "ezdxf", "PIL", "foxglove", "rosbags"}
 LOADED_WHEN_USED = re.compile(r"sim/exports/(\w+_file|ros_\w+)\.py$")
+
+
+def sources(package):
+    """The files of a package, wherever it is installed."""
+    return Path(find_spec(package).origin).parent.rglob("*.py")
 
 
 def imports(path):
@@ -38,7 +42,7 @@ def imports(path):
 
 @pytest.mark.parametrize("package", PACKAGES)
 def test_imports_go_in_one_direction(package):
-    for path in (ROOT / package).rglob("*.py"):
+    for path in sources(package):
         for name, _, line in imports(path):
             top = name.partition(".")[0]
             if top in PACKAGES and top != package:
@@ -47,7 +51,7 @@ def test_imports_go_in_one_direction(package):
 
 @pytest.mark.parametrize("package", PACKAGES)
 def test_heavy_parts_are_imported_where_they_are_used(package):
-    for path in (ROOT / package).rglob("*.py"):
+    for path in sources(package):
         for name, at_top, line in imports(path):
             at_once = at_top and not LOADED_WHEN_USED.search(path.as_posix())
             assert not (at_once and name.partition(".")[0] in HEAVY), (
@@ -84,7 +88,7 @@ def test_the_help_loads_no_planner_and_no_geometry():
 
 def recorded_kinds():
     """The file, kind and fields of every event that the sources record."""
-    for file in (ROOT / "sim").rglob("*.py"):
+    for file in sources("sim"):
         for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
             if not (isinstance(node, ast.Call) and ast.unparse(node.func).endswith("record")):
                 continue
@@ -102,24 +106,3 @@ def test_every_kind_of_event_is_known():
     for file, kind, fields in found:
         assert kind in EVENT_KINDS, f"{file} records {kind}"
         assert fields <= set(EVENT_KINDS[kind]), f"{file} records {kind} with {fields}"
-
-
-@pytest.mark.slow
-def test_a_wheel_installs_and_runs_in_an_empty_environment(tmp_path):
-    source = tmp_path / "source"
-    subprocess.run(["git", "clone", "-q", str(ROOT), str(source)], check=True)
-    environment = tmp_path / "environment"
-    venv.create(environment, with_pip=True)
-    python = environment / ("Scripts" if os.name == "nt" else "bin") / "python"
-    pip = [str(python), "-m", "pip", "--quiet", "--disable-pip-version-check"]
-    subprocess.run([*pip, "wheel", "--no-deps", "-w", str(tmp_path), str(source)], check=True)
-    (wheel,) = tmp_path.glob("floorwalker-*.whl")
-    subprocess.run([*pip, "install", str(wheel)], check=True)
-    clean = {k: v for k, v in os.environ.items() if k != "PYTHONPATH"}
-    command = str(python.parent / "floorwalker")
-    for arguments in (["run", "--out", str(tmp_path / "out")], ["list"], ["--version"]):
-        done = subprocess.run(
-            [command, *arguments], cwd=tmp_path, env=clean, capture_output=True, text=True
-        )
-        assert (done.returncode, done.stderr) == (0, "")
-    assert (tmp_path / "out" / "replay.html").stat().st_size > 50_000

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from . import completion
+from .interrupts import leave_to_asyncio
 from .run import INTERRUPTED, changed, free_folder, tell_result
 
 if TYPE_CHECKING:
@@ -95,6 +96,7 @@ def _serve(trial: Trial, host: str, port: int, speed: float, hold: bool, out: Pa
         workcell = Workcell(trial, exchange, recording)
         try:
             session = Session(workcell, exchange, speed=speed, hold=hold, notice=_notice)
+            leave_to_asyncio()
             asyncio.run(_open_and_run(session, at))
         except KeyboardInterrupt:
             interrupted = True
@@ -132,6 +134,7 @@ def _be_the_agent(trial: Trial, who: int | None, url: str, waypoints: bool) -> N
         url, trial, trial.people[who], waypoints=waypoints, did=did, said=said, notice=_notice
     )
     try:
+        leave_to_asyncio()
         asyncio.run(agent.run())
     except KeyboardInterrupt:
         raise typer.Exit(INTERRUPTED) from None

@@ -35,9 +35,10 @@ def check(
 def _fault(file: str) -> str:
     """What is wrong with a file, or an empty text after saying what was read from it."""
     try:
-        typer.echo(f"{file}: {_read(file)}")
+        content = _read(file)
     except (ValueError, OSError) as why:
         return str(why)
+    typer.echo(f"{file}: {content}")
     return ""
 
 

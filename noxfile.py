@@ -1,0 +1,56 @@
+"""Checks that need other environments than the one at hand: `nox -l` lists them."""
+
+import shutil
+from pathlib import Path
+
+import nox
+
+PYTHONS = ("3.10", "3.11", "3.12", "3.13")
+PACKAGES = ("floorplan", "navigation", "bdi", "sim")
+
+nox.needs_version = ">=2024.4.15"
+nox.options.sessions = ["tests", "lowest", "coverage"]
+nox.options.error_on_missing_interpreters = False
+
+
+def _built(session: nox.Session) -> tuple[Path, Path]:
+    """A wheel, and the unpacked sdist it was built from without the packages themselves."""
+    folder = Path(session.create_tmp())
+    shutil.rmtree(folder)
+    session.install("build")
+    session.run("python", "-m", "build", "--outdir", str(folder), silent=True)
+    (sdist,) = folder.glob("*.tar.gz")
+    (wheel,) = folder.glob("*.whl")
+    shutil.unpack_archive(sdist, folder)
+    unpacked = folder / sdist.name.removesuffix(".tar.gz")
+    for package in PACKAGES:
+        shutil.rmtree(unpacked / package)
+    return wheel, unpacked
+
+
+@nox.session(python=PYTHONS)
+def tests(session: nox.Session) -> None:
+    """The tests in the sdist against the installed wheel; more arguments are pytest's."""
+    wheel, unpacked = _built(session)
+    session.install(f"{wheel}[test]")
+    with session.chdir(unpacked):
+        session.run("python", "-m", "pytest", *session.posargs)
+
+
+@nox.session(python="3.10", venv_backend="uv")
+def lowest(session: nox.Session) -> None:
+    """The same with the lowest versions of everything that pyproject.toml allows."""
+    wheel, unpacked = _built(session)
+    session.install("--resolution", "lowest-direct", f"{wheel}[test]")
+    with session.chdir(unpacked):
+        session.run("python", "-m", "pytest", *session.posargs)
+
+
+@nox.session
+def coverage(session: nox.Session) -> None:
+    """Which branches the tests take, in this process, workers and commands; fails below the bar."""
+    session.install("-e", ".[test]")
+    session.run("coverage", "erase")
+    session.run("coverage", "run", "-m", "pytest", *session.posargs)
+    session.run("coverage", "combine", "--quiet")
+    session.run("coverage", "report", "--skip-covered")

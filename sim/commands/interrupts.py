@@ -1,0 +1,56 @@
+"""Ctrl-C, put off while packages are being loaded.
+
+If it comes just then, some compiled packages print a traceback and say that another one is
+missing.
+"""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import FrameType
+
+AGAIN = 0.02
+"""After so many seconds it is tried again."""
+
+
+@contextmanager
+def put_off_while_loading() -> Iterator[None]:
+    """In this context Ctrl-C raises `KeyboardInterrupt` as ever, but never inside of an import.
+
+    Where whoever started us wants it ignored, as shells do in the background, it stays ignored.
+    """
+    usual = signal.getsignal(signal.SIGINT)
+    if usual is not signal.default_int_handler or not hasattr(signal, "setitimer"):
+        yield
+        return
+    alarm = signal.signal(signal.SIGALRM, _interrupt)
+    signal.signal(signal.SIGINT, _interrupt)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, usual)
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, alarm)
+
+
+def leave_to_asyncio() -> None:
+    """From now on Ctrl-C comes at once: asyncio ends its tasks well only if nobody has it."""
+    if signal.getsignal(signal.SIGINT) is _interrupt:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def _interrupt(_number: int, frame: FrameType | None) -> None:
+    if _is_loading(frame):
+        signal.setitimer(signal.ITIMER_REAL, AGAIN)
+    else:
+        raise KeyboardInterrupt
+
+
+def _is_loading(frame: FrameType | None) -> bool:
+    while frame is not None:
+        if frame.f_code.co_filename == "<frozen importlib._bootstrap>":
+            return True
+        frame = frame.f_back
+    return False

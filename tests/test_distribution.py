@@ -1,0 +1,87 @@
+"""What is published: a wheel and an sdist, built from the sources as they are."""
+
+import os
+import shutil
+import subprocess
+import sys
+import tarfile
+import venv
+import zipfile
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+PACKAGES = ("floorplan", "navigation", "bdi", "sim")
+FOLDERS = (*PACKAGES, "tests", "docs", "examples", "benchmarks", "fuzz")
+FILES = ("README.md", "LICENSE", "CHANGELOG.md", "MANIFEST.in", "mkdocs.yml", "noxfile.py")
+REBUILT = {".git", "build", "dist", "site", "runs"}
+
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(not (ROOT / "sim").is_dir(), reason="the sources are not there"),
+]
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory):
+    """The folder with a wheel and an sdist; the wheel is built from the sdist."""
+    pytest.importorskip("build", reason="the package build is not installed")
+    folder = tmp_path_factory.mktemp("distribution")
+    source = folder / "source"
+    shutil.copytree(ROOT, source, ignore=lambda _, names: REBUILT & set(names))
+    command = [sys.executable, "-m", "build", "--outdir", str(folder), str(source)]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return folder
+
+
+def ours(folder):
+    """What stands in a folder of the sources and is no by-product, with paths from above."""
+    for path in folder.rglob("*"):
+        if path.is_file() and path.suffix != ".pyc" and ".hypothesis" not in path.parts:
+            yield path.relative_to(folder.parent).as_posix()
+
+
+def test_the_sdist_has_all_it_takes_to_test_and_document(built):
+    (file,) = built.glob("floorwalker-*.tar.gz")
+    with tarfile.open(file) as archive:
+        names = {name.partition("/")[2] for name in archive.getnames()}
+    expected = {path for folder in FOLDERS for path in ours(ROOT / folder)}
+    assert expected | set(FILES) | {"pyproject.toml"} <= names
+    assert not [name for name in names if name.endswith(".pyc")]
+
+
+def test_the_wheel_has_the_packages_and_nothing_else(built):
+    (file,) = built.glob("floorwalker-*.whl")
+    with zipfile.ZipFile(file) as archive:
+        names = {name for name in archive.namelist() if ".dist-info/" not in name}
+        licence = [name for name in archive.namelist() if name.endswith("LICENSE")]
+    assert names == {path for package in PACKAGES for path in ours(ROOT / package)}
+    assert licence
+
+
+def test_the_readme_can_be_shown(built):
+    pytest.importorskip("twine", reason="twine is not installed")
+    files = [str(file) for file in built.glob("floorwalker-*.*")]
+    done = subprocess.run(
+        [sys.executable, "-m", "twine", "check", "--strict", *files], capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_a_wheel_installs_and_runs_in_an_empty_environment(built, tmp_path):
+    (wheel,) = built.glob("floorwalker-*.whl")
+    environment = tmp_path / "environment"
+    venv.create(environment, with_pip=True)
+    python = environment / ("Scripts" if os.name == "nt" else "bin") / "python"
+    pip = [str(python), "-m", "pip", "--quiet", "--disable-pip-version-check"]
+    subprocess.run([*pip, "install", str(wheel)], check=True)
+    clean = {k: v for k, v in os.environ.items() if k != "PYTHONPATH"}
+    command = str(python.parent / "floorwalker")
+    for arguments in (["run", "--out", str(tmp_path / "out")], ["list"], ["--version"]):
+        done = subprocess.run(
+            [command, *arguments], cwd=tmp_path, env=clean, capture_output=True, text=True
+        )
+        assert (done.returncode, done.stderr) == (0, "")
+    assert (tmp_path / "out" / "replay.html").stat().st_size > 50_000
