@@ -1,0 +1,185 @@
+"""Nothing but our own words: what every command leaves on stderr, and how it ends early."""
+
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+import typer.main
+
+from sim.cli import app
+
+ROOT = Path(__file__).resolve().parents[2]
+STRICT = ("-X", "dev", "-W", "default")
+"""The interpreter tells every warning, also about files that nobody closed."""
+
+CALLS = {
+    "agent": "agent short.asl --percepts percepts.jsonl --belief helpful --trace",
+    "benchmark": "benchmark --floorplan hall.yaml --planner RRTConnect --queries 1 --out b",
+    "bridge": "bridge short.trial.yaml --port 0 --speed 0 --out bridged",
+    "check": "check short.trial.yaml short.study.yaml short.asl hall.yaml",
+    "export": "export run --out run.mcap",
+    "list": "list",
+    "metrics": "metrics run",
+    "plan": "plan hall.yaml 1 1 9 5 --planner RRTConnect --plot way.png",
+    "plot floorplan": "plot floorplan hall.yaml --out floor.png",
+    "plot heatmap": "plot heatmap run --out heat.png",
+    "plot path": "plot path hall.yaml 1 1 9 5 --out path.svg",
+    "plot separation": "plot separation run --out separation.png",
+    "plot spacetime": "plot spacetime run --out spacetime.pdf",
+    "plot trails": "plot trails run --out trails.png",
+    "render": "render run --out film.gif --to 2 --fps 4 --width 200",
+    "replay": "replay run --out page.html --no-open",
+    "run": "run short.trial.yaml --out another",
+    "study": "study short.study.yaml --jobs 2 --out studied",
+}
+"""A call of each command, in the folder `samples`."""
+
+NOTICES = {
+    "agent": r"( +\d+\.\d{3} .*\n)+",
+    "benchmark": r"wrote b/benchmark\.csv and a log for each floor\n",
+    "bridge": r"serving ws://127\.0\.0\.1:\d+\n(stands still at t = 0\.0 s: there is no agent\n)?"
+    r"the trial begins\n",
+}
+"""What a command says on stderr as it should; the others say nothing."""
+
+FURTHER = (
+    *(f"export run --out run{ending}" for ending in (".csv", ".parquet", ".sqlite", "-bag")),
+    *("list --help", "--help", "--version", "metrics run --json"),
+)
+
+
+@pytest.fixture(scope="module")
+def samples(tmp_path_factory):
+    """A folder with a file of each kind, and a recorded run."""
+    folder = tmp_path_factory.mktemp("samples")
+    files = {
+        "short.trial.yaml": "floorplan: ariac2023\nduration: 4.0\npeople: [{name: operator, "
+        "personality: helpful}]\ngantry: {controller: pausing, at: [-2.5, 0.5, 0.0]}\n",
+        "short.study.yaml": "trials: [short.trial.yaml]\ngrid: {personality: [helpful, curious]}\n",
+        "short.asl": "+bell <- .print(hello); wave.\n",
+        "percepts.jsonl": '{"t": 1.0, "add": "bell"}\n',
+        "hall.yaml": "boundary: [[0, 0], [10, 0], [10, 6], [0, 6]]\n"
+        "obstacles:\n  press: {x: [4, 6], y: [2, 4], z: [0, 2]}\n",
+        "forever.asl": "!go.\n+!go <- .print(on); .wait(10); !go.\n",
+    }
+    for name, text in files.items():
+        (folder / name).write_text(text)
+    done = called(folder, "run short.trial.yaml --out run")
+    assert done.returncode == 0, done.stderr
+    return folder
+
+
+def command(words, options=()):
+    return [sys.executable, *options, "-m", "sim.cli", *words.split()]
+
+
+def environment():
+    paths = [str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])]
+    return {**os.environ, "PYTHONPATH": os.pathsep.join(paths)}
+
+
+def called(folder, words, options=()):
+    return subprocess.run(
+        command(words, options),
+        cwd=folder,
+        env=environment(),
+        capture_output=True,
+        text=True,
+        timeout=120,
+    )
+
+
+def every_command(group, above=()):
+    for name, one in group.commands.items():
+        if hasattr(one, "commands"):
+            yield from every_command(one, (*above, name))
+        else:
+            yield " ".join((*above, name))
+
+
+def test_every_command_is_called_below():
+    assert sorted(every_command(typer.main.get_command(app))) == sorted(CALLS)
+
+
+@pytest.mark.parametrize("name", CALLS)
+def test_commands_say_nothing_but_what_they_mean_to(name, samples):
+    done = called(samples, CALLS[name], STRICT)
+    assert re.fullmatch(NOTICES.get(name, ""), done.stderr), done.stderr
+    assert done.returncode == 0
+    assert "Warning" not in done.stdout
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("words", FURTHER)
+def test_so_do_their_variants(words, samples):
+    done = called(samples, words, STRICT)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+@pytest.mark.parametrize("name", ["agent", "check", "list", "run"])
+def test_a_reader_who_has_seen_enough_is_left_in_peace(name, samples):
+    words = {**CALLS, "run": "run short.trial.yaml"}[name]
+    reader, writer = os.pipe()
+    os.close(reader)
+    done = subprocess.run(
+        command(words.replace(" --trace", "")),
+        cwd=samples,
+        env=environment(),
+        stdout=writer,
+        stderr=subprocess.PIPE,
+        timeout=120,
+    )
+    os.close(writer)
+    assert done.stderr == b""
+
+
+def test_ctrl_c_ends_a_command_in_silence(samples):
+    process = subprocess.Popen(
+        command("agent forever.asl --until 1e9"),
+        cwd=samples,
+        env=environment(),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    )
+    process.stdout.readline()
+    process.send_signal(signal.SIGINT)
+    _, said = process.communicate(timeout=60)
+    assert (process.returncode, said) == (130, b"")
+
+
+SLOW_TO_LOAD = """
+import sys
+import time
+from pathlib import Path
+Path("loading").touch()
+try:
+    time.sleep(1.0)
+except KeyboardInterrupt:
+    print("it came inside of an import", file=sys.stderr)
+def stands(gantry):
+    yield gantry.wait(1.0)
+"""
+
+
+def test_ctrl_c_waits_for_what_is_being_loaded(tmp_path):
+    """Compiled packages print tracebacks if it comes while they are imported."""
+    (tmp_path / "heavy.py").write_text(SLOW_TO_LOAD)
+    (tmp_path / "heavy.trial.yaml").write_text(
+        "floorplan: ariac2023\nduration: 1.0e+6\ngantry: {controller: 'heavy:stands'}\n"
+    )
+    process = subprocess.Popen(
+        command("run heavy.trial.yaml"), cwd=tmp_path, env=environment(), stderr=subprocess.PIPE
+    )
+    while not (tmp_path / "loading").exists():
+        assert process.poll() is None
+        time.sleep(0.01)
+    process.send_signal(signal.SIGINT)
+    _, said = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert b"inside of an import" not in said
+    assert b"Traceback" not in said
