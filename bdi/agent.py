@@ -47,6 +47,7 @@ class Pending:
 
 
 PENDING = Pending()
+"""For `act` to answer: the outcome is not known yet."""
 
 Perform: TypeAlias = "Callable[[Literal], bool | Pending]"
 
@@ -158,6 +159,7 @@ class Agent:
 
     @property
     def percepts(self) -> list[Literal]:
+        """What is perceived now, in the order in which it came."""
         return self._percepts.current
 
     @property
@@ -293,6 +295,7 @@ class Agent:
             self.circumstance.post(Event("+", added))
 
     def disbelieve(self, literal: Literal) -> None:
+        """Takes a belief back, its own when `literal` names no source, and raises the event."""
         removed = self.beliefs.remove(with_source(literal), {})
         if removed is not None:
             self.circumstance.post(Event("-", removed))
@@ -306,6 +309,7 @@ class Agent:
             self._print(line)
 
     def warn(self, line: str, intention: Intention | None = None) -> None:
+        """Logs `line` about what went wrong, and tells `on_event` which `intention` it was."""
         _LOG.warning("%s: %s", self.name, line)
         self.note("warning", line, intention)
 
@@ -329,9 +333,11 @@ class Agent:
         self._tasks.clear()
 
     def at_next_cycle(self, task: Callable[[], None]) -> None:
+        """Has `task` done at the beginning of the next cycle."""
         self._tasks.append(task)
 
     def next_intention_number(self) -> int:
+        """A number that no intention of this agent has yet."""
         return next(self._intention_numbers)
 
     def changed(self, sort: str, literal: Literal, intention: Intention | None) -> bool:
@@ -395,6 +401,7 @@ class Agent:
         return True if isinstance(answer, Waiting) else answer
 
     def receive(self, message: Message) -> None:
+        """Puts a message into the mailbox, from which each cycle reads one."""
         self._mailbox.append(message)
 
     # ---- the cycle

@@ -35,6 +35,7 @@ class History:
         self._entries: deque[Entry] = deque(maxlen=limit)
 
     def add(self, entry: Entry) -> None:
+        """Keeps one entry more, and lets go of the oldest if there are too many."""
         self._entries.append(entry)
 
     def __iter__(self) -> Iterator[Entry]:

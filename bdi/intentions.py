@@ -118,11 +118,13 @@ class Intention:
         self.atomic = 0
 
     def push(self, means: Means) -> None:
+        """Puts a plan to be carried out on top of the stack."""
         self.stack.append(means)
         if means.plan.atomic:
             self.atomic += 1
 
     def pop(self) -> Means:
+        """Takes the plan on top off the stack."""
         means = self.stack.pop()
         if means.plan.atomic:
             self.atomic -= 1
@@ -130,13 +132,16 @@ class Intention:
 
     @property
     def top(self) -> Means:
+        """The plan at work."""
         return self.stack[-1]
 
     @property
     def is_finished(self) -> bool:
+        """Whether nothing is left to do."""
         return not self.stack
 
     def downwards(self) -> Iterator[Means]:
+        """The plans of the stack, the one at work first."""
         return reversed(self.stack)
 
     def branch(self, number: int, fork: Fork) -> Intention:

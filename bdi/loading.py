@@ -60,7 +60,7 @@ def load(name: str | Path) -> Program:
 
 
 def parse_file(path: str | Path) -> Program:
-    """Reads a program; files it includes lie in its folder or below, or are built in.
+    """Reads the program at `path`; files it includes lie in its folder or below, or are built in.
 
     Raises:
         ProgramError: the file cannot be read or has mistakes; all of them are told.

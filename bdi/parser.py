@@ -138,7 +138,7 @@ def parse_literal(source: str) -> Literal:
 
 
 def parse_term(source: str) -> Term:
-    """Any term or formula."""
+    """The term or formula in `source`; ProgramError when it is none."""
     clause = _parse_part(source, "term :- ")
     if isinstance(clause, Rule):
         return clause.body

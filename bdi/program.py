@@ -193,10 +193,12 @@ class Plan:
 
     @property
     def atomic(self) -> bool:
+        """Whether nothing else runs while the plan does: its label says `[atomic]`."""
         return self.label is not None and Literal("atomic") in self.label.annots
 
     @property
     def name(self) -> str:
+        """What its label calls it; empty without a label."""
         return "" if self.label is None else self.label.functor
 
     def __str__(self) -> str:

@@ -64,9 +64,11 @@ class Society:
         self._agents.pop(name, None)
 
     def names(self) -> list[str]:
+        """The names of all agents, in the order in which they joined."""
         return list(self._agents)
 
     def next_question(self) -> int:
+        """A number that no question has had yet."""
         return next(self._numbers)
 
     def advance(self, time: float) -> None:
@@ -81,6 +83,7 @@ class Society:
                 return
 
     def deliver(self, name: str, message: Message) -> None:
+        """Gives `message` to the agent called `name`; raises ActionError when there is none."""
         receiver = self._agents.get(name)
         if receiver is None:
             from .failure import ActionError

@@ -103,14 +103,17 @@ class Literal:
         return other
 
     def without_annots(self) -> Literal:
+        """This literal without annotations."""
         return self.with_annots(()) if self.annots else self
 
     @property
     def is_atom(self) -> bool:
+        """Whether it has no arguments or annotations, and is not negated."""
         return not (self.args or self.annots or self.negated)
 
     @property
     def is_internal_action(self) -> bool:
+        """Whether it names an internal action, as `.print` or `floor.distance` do."""
         return "." in self.functor and self.functor[0] != "'"
 
     def __str__(self) -> str:
@@ -347,6 +350,7 @@ Term: TypeAlias = (
     "float | str | Literal | Var | Nil | Cons | Arithmetic | Function"
     " | Relation | And | Or | Not | PlanTerm | BodyTerm | TriggerTerm"
 )
+"""Whatever can stand in a literal or a context; numbers and strings are Python's own."""
 List: TypeAlias = "Nil | Cons"
 
 

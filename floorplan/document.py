@@ -114,7 +114,7 @@ class Document:
 
 
 def field_name(place: Place) -> str:
-    """`("people", 0, "start")` as people write it: `people[0].start`."""
+    """`place` as people write it: `people[0].start` for `("people", 0, "start")`."""
     text = ""
     for part in place:
         text += f"[{part}]" if isinstance(part, int) else f".{part}" if text else part
@@ -122,7 +122,7 @@ def field_name(place: Place) -> str:
 
 
 def read_text(path: Path, error: type[InputError]) -> str:
-    """The text of a UTF-8 file; `error` says why it can't be read."""
+    """The text of the UTF-8 file at `path`; `error` says why it can't be read."""
     try:
         return path.read_text(encoding="utf-8")
     except FileNotFoundError:

@@ -8,8 +8,14 @@ from typing import Annotated
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, Strict, model_validator
 
 Number = Annotated[float, Strict(), Field(allow_inf_nan=False)]
+"""A field of a file: a finite number."""
+
 Positive = Annotated[float, Strict(), Field(gt=0, allow_inf_nan=False)]
+"""A field of a file: a finite number above 0."""
+
 Pair = tuple[Number, Number]
+"""A field of a file: two finite numbers."""
+
 Size = tuple[Positive, Positive]
 
 

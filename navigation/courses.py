@@ -119,6 +119,7 @@ class Courses:
         """How far each body was from the nearest of some others, by their indices.
 
         Distances are between centres, less the `radii` (metres) of both bodies if they are given.
+        For each distance (metres) of `within`, it is also told how long somebody was so near.
         """
         return [] if not bodies else _Meetings(self, bodies, within, radii).company()
 

@@ -40,7 +40,8 @@ def gantry_move(
     """The fastest move to `target` (x, y in metres, rotation in radians), to end at rest.
 
     `current` is where the gantry stands, or its `State` if it moves: position, velocity and
-    acceleration go on without a jump. The axes arrive together, and from rest go straight.
+    acceleration go on without a jump. The axes arrive together, and from rest go straight. The
+    move begins at `start` (seconds), and keeps within `limits`.
     """
     if not isinstance(current, State):
         return _along_axes(straight(current, target, limits), start)
@@ -51,7 +52,7 @@ def gantry_move(
 
 
 def gantry_stop(current: State, start: float, *, limits: GantryLimits = ARIAC_GANTRY) -> Motion:
-    """The fastest stop from `current`."""
+    """The fastest stop from `current` within `limits`; it begins at `start` (seconds)."""
     return _along_axes(to_rest(_axis_states(current), limits), start)
 
 
@@ -59,7 +60,7 @@ def agv_run(lane: Lane, current: AxisState, target: str | float, start: float = 
     """A run along `lane` from the lane position in `current` to `target`, to end at rest.
 
     `target` is a lane position in metres or the name of a location; `ValueError` if the lane has
-    no such place.
+    no such place. The run begins at `start` (seconds).
     """
     limits = AxisLimits(lane.max_speed, lane.max_acceleration)
     (phases,) = to_position([current], [AxisState(lane.lane_position(target))], [limits])
@@ -67,7 +68,7 @@ def agv_run(lane: Lane, current: AxisState, target: str | float, start: float = 
 
 
 def agv_stop(lane: Lane, current: AxisState, start: float = 0.0) -> Motion:
-    """The fastest stop on `lane` from the lane position in `current`."""
+    """The fastest stop on `lane` from the lane position in `current`, begun at `start` (s)."""
     limits = AxisLimits(lane.max_speed, lane.max_acceleration)
     (phases,) = to_rest([current], [limits])
     return _along_lane(lane, phases, start)

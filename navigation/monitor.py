@@ -182,7 +182,8 @@ def when(
 ) -> Iterator[tuple[float, float]]:
     """The maximal intervals between `begin` and `end` (seconds) in which `condition` holds.
 
-    Distances are taken between the centres on the floor, or between the surfaces of `shapes`.
+    It is a condition on the motions of `person` and `machine`. Distances are taken between the
+    centres on the floor, or between the surfaces of `shapes`.
     """
     since = begin
     for t, holds in _changes(condition, _meetings(person, machine, begin, end, shapes)):
@@ -201,7 +202,10 @@ def first_time(
     *,
     shapes: Shapes | None = None,
 ) -> float | None:
-    """The first instant between `begin` and `end` (seconds) at which `condition` holds."""
+    """The first instant between `begin` and `end` (seconds) at which `condition` holds, or None.
+
+    `person`, `machine` and `shapes` are as in `when`.
+    """
     for t, _ in _changes(condition, _meetings(person, machine, begin, end, shapes)):
         return t
     return None
@@ -251,8 +255,9 @@ def first_violation(
 ) -> float | None:
     """The first instant in [begin, end] (seconds) at which the two are closer than `law` asks.
 
-    Distances are taken between the centres on the floor, or between the surfaces of `shapes`.
-    At most `RESOLUTION` late. None if there is none.
+    The two are the motions of `person` and `machine`. Distances are taken between the centres on
+    the floor, or between the surfaces of `shapes`. At most `RESOLUTION` late.
+    None if there is none.
     """
     return first_time(TooClose(law), person, machine, begin, end, shapes=shapes)
 
@@ -266,7 +271,11 @@ def violations(
     *,
     shapes: Shapes | None = None,
 ) -> list[tuple[float, float]]:
-    """All intervals (begin, end) in seconds in which the two are closer than `law` asks."""
+    """All intervals (begin, end) in seconds in which the two are closer than `law` asks.
+
+    `person`, `machine`, `law` and `shapes` are as in `first_violation`; the intervals are cut at
+    `begin` and `end`.
+    """
     return list(when(TooClose(law), person, machine, begin, end, shapes=shapes))
 
 
@@ -278,7 +287,7 @@ def minimum_separation(
     *,
     shapes: Shapes | None = None,
 ) -> tuple[float, float]:
-    """When the two are nearest, and how near: (seconds, metres).
+    """When `person` and `machine` are nearest from `begin` to `end`: (seconds, metres).
 
     Between the centres on the floor, or between the surfaces of `shapes`. The first of several
     such instants. The distance is exact to 1e-9 m.
@@ -297,9 +306,10 @@ def minimum_margin(
 ) -> tuple[float, float]:
     """When distance − required distance is least, and how much that is: (seconds, metres).
 
-    Negative where the two are closer than `law` asks. Where the requirement jumps with a speed,
-    both sides of the jump count. The first of several such instants. Exact to 1e-9 m for every
-    law that is a `MotionLaw`, to 1e-6 m for those that only know speeds.
+    Looked for from `begin` to `end`; `person`, `machine`, `law` and `shapes` are as in
+    `first_violation`. Negative where the two are closer than `law` asks. Where the requirement
+    jumps with a speed, both sides of the jump count. The first of several such instants. Exact to
+    1e-9 m for every law that is a `MotionLaw`, to 1e-6 m for those that only know speeds.
     """
     require_sense(law)
     meetings = _meetings(person, machine, begin, end, shapes)

@@ -161,7 +161,7 @@ class Motion:
 
 
 def standing(at: tuple[float, float], *, heading: float = 0.0, start: float = 0.0) -> Motion:
-    """Standing at `at` (x, y in metres), for ever."""
+    """Standing `at` (x, y in metres), turned by `heading` (radians), from `start` (s) for ever."""
     return Motion((still((*at, heading), start, start),))
 
 
@@ -172,7 +172,7 @@ def still(at: tuple[float, float, float], begin: float, end: float) -> Piece:
 
 
 def join(motions: Iterable[Motion], *, end: float | None = None) -> Motion:
-    """Motions one after another as one: each until the next starts, the last until `end`.
+    """`motions` one after another as one: each until the next starts, the last until `end` (s).
 
     In between the body stands; where a motion starts elsewhere than the one before ended, the
     whole has a jump.

@@ -11,7 +11,7 @@ _LONG = 1e4
 
 
 def required_at(law: AnyLaw, person: Motion, machine: Motion, t: float) -> float:
-    """The distance in metres that `law` requires of two motions at `t` (seconds).
+    """The distance in metres that `law` requires of `person` and `machine` at `t` (seconds).
 
     Where a speed changes at once, it is what is required from then on.
     """
@@ -21,7 +21,10 @@ def required_at(law: AnyLaw, person: Motion, machine: Motion, t: float) -> float
 
 
 def required_at_speeds(law: AnyLaw, human_speed: float, robot_speed: float) -> float:
-    """The distance in metres that `law` requires of two who go on at these speeds (m/s)."""
+    """The distance in metres that `law` requires of two who go on at these speeds.
+
+    `human_speed` and `robot_speed` are in m/s.
+    """
     if is_of_speeds(law):
         return law.distance(human_speed, robot_speed)
     return required_at(law, _steady(human_speed), _steady(robot_speed), 0.0)

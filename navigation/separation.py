@@ -214,7 +214,10 @@ def is_of_speeds(law: AnyLaw) -> TypeGuard[Law]:
 
 
 def requirement(law: AnyLaw, encounter: Encounter, begin: float, end: float) -> Enclosure:
-    """The distance in metres that any law requires from `begin` to `end` (see `MotionLaw`)."""
+    """The distance in metres that any law requires in `encounter` from `begin` to `end`.
+
+    See `MotionLaw`.
+    """
     if isinstance(law, MotionLaw):
         return law.required(encounter, begin, end)
     b = encounter.bounds(begin, end)

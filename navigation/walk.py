@@ -55,7 +55,10 @@ def walk(
 
 
 def stop_walking(motion: Motion, t: float, *, max_acceleration: float = MAX_ACCELERATION) -> Motion:
-    """A walk broken off at `t` (seconds): it brakes at `max_acceleration` along its own path."""
+    """The walk `motion` broken off at `t` (seconds).
+
+    It brakes at `max_acceleration` (m/s²) along its own path.
+    """
     state = motion.state(t)
     braking = state.speed**2 / (2 * max_acceleration * (1 - _HAIR))
     corners = _first(remaining_path(motion, t), braking)
@@ -76,7 +79,7 @@ def stop_walking(motion: Motion, t: float, *, max_acceleration: float = MAX_ACCE
 
 
 def remaining_path(motion: Motion, t: float) -> list[Corner]:
-    """The corners of a walk that are still to come at `t`, after the place where it is then."""
+    """The corners of the walk `motion` still to come at `t` (s), after where it is then."""
     ahead = [piece for piece in motion.pieces if piece.end > t]
     corners = [motion.state(t).at]
     corners += [
@@ -93,10 +96,11 @@ def corner_speed(
     after: tuple[float, float],
     max_acceleration: float = MAX_ACCELERATION,
 ) -> float:
-    """The speed (m/s) at which a person turns at `corner` on the way between two points.
+    """The speed (m/s) at which a person turns at `corner` on the way from `before` to `after`.
 
     The corner is taken as an arc that leaves it by at most `CORNER_DEVIATION` and is no longer
-    than half of each leg; on an arc of radius r, the speed is √(a r). This is the junction
+    than half of each leg; on an arc of radius r, the speed is √(a r), where a is
+    `max_acceleration` (m/s²). This is the junction
     deviation of machine tool controllers (S. K. Jeon, "Improving Grbl: Cornering Algorithm",
     2011). Infinite where the path goes straight on, 0 where it turns back.
     """
@@ -114,7 +118,10 @@ def corner_speed(
 
 
 def can_go_on(state: State, towards: tuple[float, float], max_acceleration: float) -> bool:
-    """Whether somebody in `state` may turn towards a point without slowing down first."""
+    """Whether somebody in `state` may turn `towards` a point without slowing down first.
+
+    So it is where that takes no more than `max_acceleration` (m/s²).
+    """
     if state.speed == 0.0:
         return True
     x, y = state.at

@@ -55,6 +55,7 @@ PAPER = RuleSet(
     pause_after_violation=8.0,
     pause_after_agv=5.0,
 )
+"""The rules as the paper on the competition has them."""
 
 ARIAC2023 = RuleSet(
     name="ariac2023",
@@ -71,8 +72,10 @@ ARIAC2023 = RuleSet(
     pause_after_violation=10.0,
     pause_after_agv=5.0,
 )
+"""The rules as the competition's software had them."""
 
 RULE_SETS = {rules.name: rules for rules in (PAPER, ARIAC2023)}
+"""The built-in rule sets by name."""
 
 
 def rule_set(name: str) -> RuleSet:

@@ -1,5 +1,6 @@
 """The documents as a site: it builds without a warning, and stands alone."""
 
+import importlib
 import re
 import subprocess
 import sys
@@ -17,6 +18,10 @@ def test_the_site_builds_without_a_warning_and_asks_nobody_for_anything(tmp_path
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert "WARNING" not in done.stderr
+    for package in ("floorplan", "navigation", "bdi", "sim"):
+        reference = (tmp_path / f"api-{package}.html").read_text(encoding="utf-8")
+        explained = re.findall(r'<h2 id="[\w.]*\b(\w+)"', reference)
+        assert set(importlib.import_module(package).__all__) <= set(explained)
     built = list(tmp_path.rglob("*.html"))
     assert len(built) >= len(list(DOCS.glob("*.md")))
     for page in built:

@@ -57,6 +57,7 @@ class InternalAction:
     in_context: bool = True
 
     def check(self, name: str, count: int) -> None:
+        """Raises ActionError when `name` is called with a `count` of arguments it does not take."""
         if count < self.least or (self.most is not None and count > self.most):
             if self.least == self.most:
                 wanted = (

@@ -16,6 +16,7 @@ from .parked import parked
 from .pausing import pausing
 
 Controller = Callable[[GantryRobot], Steps]
+"""What runs the gantry: called once with it, gives a generator of things to wait for."""
 
 CONTROLLERS: dict[str, Controller] = {
     "parked": parked,

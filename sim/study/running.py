@@ -43,7 +43,8 @@ def run_study(
     Rows run on `jobs` processes (all cores by default) of a joblib `backend`; with "dask", on the
     cluster of the current `dask.distributed` client, or a local one. The results don't depend on
     either. Each row is in `results.csv` as soon as it and those before it are done, so that a
-    study which is stopped, however roughly, goes on from there when it is run again.
+    study which is stopped, however roughly, goes on from there when it is run again. How many rows
+    are done is told to `begin` before they are run, and to `progress` whenever it changes.
     `OutputError` if the folder holds another study, `WorkerError` if a worker process dies.
     """
     path = Path("studies") / study.name if out is None else Path(out)

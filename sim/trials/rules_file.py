@@ -77,7 +77,7 @@ def load_rules(path: str | Path) -> RuleSet:
 
 
 def find_rules(source: str, folder: Path = Path()) -> RuleSet:
-    """The built-in rule set of that name, or the one in a file seen from `folder`.
+    """The built-in rule set called `source`, or the one in a file seen from `folder`.
 
     `RulesError` for a file that holds none, `ValueError` if there is neither.
     """

@@ -1,0 +1,63 @@
+"""Every public name is explained, where it is defined and in the reference."""
+
+import importlib
+import inspect
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+PACKAGES = ("floorplan", "navigation", "bdi", "sim")
+NAMES = [
+    f"{package}.{name}" for package in PACKAGES for name in importlib.import_module(package).__all__
+]
+
+
+def value(name):
+    package, _, attribute = name.partition(".")
+    return getattr(importlib.import_module(package), attribute)
+
+
+def own_docstring(of):
+    """A docstring that somebody wrote: dataclasses make one of their signature."""
+    text = of.__doc__ or ""
+    made = inspect.isclass(of) and text.startswith(f"{of.__name__}(")
+    return "" if made else text.strip()
+
+
+def public_members(cls):
+    for name, member in vars(cls).items():
+        function = getattr(member, "__func__", getattr(member, "fget", member))
+        if not name.startswith("_") and inspect.isfunction(function):
+            yield f"{cls.__name__}.{name}", function
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_packages_say_what_they_are_for(package):
+    assert importlib.import_module(package).__doc__
+
+
+@pytest.mark.parametrize("name", [name for name in NAMES if inspect.isclass(value(name))])
+def test_classes_and_their_methods_have_docstrings(name):
+    assert own_docstring(value(name))
+    silent = [
+        member for member, function in public_members(value(name)) if not own_docstring(function)
+    ]
+    assert silent == []
+
+
+@pytest.mark.parametrize("name", [name for name in NAMES if inspect.isfunction(value(name))])
+def test_functions_say_what_each_parameter_is(name):
+    text = own_docstring(value(name))
+    assert text
+    parameters = inspect.signature(value(name)).parameters
+    assert [one for one in parameters if not re.search(rf"\b{one}\b", text)] == []
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_the_reference_leads_through_all_names(package):
+    page = (ROOT / "docs" / f"api-{package}.md").read_text(encoding="utf-8")
+    listed = re.findall(r"`(\w+)`", page.partition("::: ")[0])
+    assert sorted(listed) == sorted(importlib.import_module(package).__all__)
+    assert f"::: {package}\n" in page
