@@ -14,7 +14,7 @@ from .model import (
     SafeZone,
     Station,
 )
-from .problems import FloorplanError, InputError, Problem
+from .problems import FloorplanError, InputError, Problem, suggestion
 from .schema import Number, Pair, Positive, Strictly
 
 __all__ = [
@@ -45,4 +45,5 @@ __all__ = [
     "read_text",
     "read_yaml",
     "standing_fault",
+    "suggestion",
 ]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 from importlib import resources
 from pathlib import Path
@@ -13,7 +12,7 @@ from .checks import geometry_problems
 from .document import Document, parse_yaml, read_yaml
 from .dxf import load_dxf
 from .model import Axis, Floorplan, Gantry, Human, Lane, Obstacle, SafeZone, Station
-from .problems import FloorplanError, Problem
+from .problems import FloorplanError, Problem, suggestion
 from .ros_map import build_ros_map, is_ros_map
 from .schema import AgvsSchema, AxisSchema, FloorplanSchema, GantrySchema, ObstacleSchema
 from .wkt import load_wkt
@@ -48,8 +47,7 @@ def load(source: str | Path) -> Floorplan:
         known = ", ".join((*YAML_SUFFIXES, *OTHER_SUFFIXES))
         message = f"the name of a floorplan's file ends in one of {known}"
         raise FloorplanError(text, [Problem(message)])
-    near = difflib.get_close_matches(text, builtin(), 1)
-    hint = f"did you mean {near[0]!r}?" if near else f"built in are: {', '.join(builtin())}"
+    hint = suggestion(text, builtin())
     raise FloorplanError(text, [Problem(f"no such file, nor a built-in floorplan; {hint}")])
 
 

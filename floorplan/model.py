@@ -103,7 +103,7 @@ class Lane:
         low, high = self.limits
         if not low <= to <= high:
             raise ValueError(
-                f"lane position {to:g} of {self.name} is outside its limits {low:g} … {high:g}"
+                f"{self.name} can't be at {to:g} m: its lane runs from {low:g} to {high:g}"
             )
         return to
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -45,3 +46,10 @@ class InputError(ValueError):
 
 class FloorplanError(InputError):
     """A floorplan that can't be used."""
+
+
+def suggestion(name: str, known: Iterable[object]) -> str:
+    """What to say to somebody who wrote `name` and not one of `known`."""
+    names = [str(one) for one in known]
+    near = difflib.get_close_matches(name, names, 1)
+    return f"did you mean {near[0]!r}?" if near else f"there are: {', '.join(names)}"

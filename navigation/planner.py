@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import itertools
 import math
 from collections.abc import Collection, Mapping
@@ -10,7 +9,7 @@ from collections.abc import Collection, Mapping
 import numpy as np
 from numpy.typing import ArrayLike
 
-from floorplan import Point
+from floorplan import Point, suggestion
 
 from . import ground
 from .bodies import Body
@@ -217,9 +216,7 @@ def planners() -> tuple[PlannerInfo, ...]:
 def _planner(name: str) -> PlannerInfo:
     known = {info.name: info for info in planners()}
     if name not in known:
-        near = difflib.get_close_matches(name, known, 1, 0.5)
-        hint = f"did you mean {near[0]}?" if near else f"there are: {', '.join(known)}"
-        raise ValueError(f"no planner is called {name!r}; {hint}")
+        raise ValueError(f"no planner is called {name!r}; {suggestion(name, known)}")
     if known[name].refused:
         raise ValueError(f"{name} can't be used: {known[name].refused}")
     return known[name]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Collection, Iterator
 
 import numpy as np
@@ -10,7 +9,7 @@ import shapely
 from numpy.typing import ArrayLike
 from shapely.geometry import Polygon
 
-from floorplan import Floorplan, Lane, Point
+from floorplan import Floorplan, Point
 
 from . import ground, shapes
 from .bodies import Body, Disc
@@ -56,10 +55,10 @@ class CollisionWorld:
     def move_agv(self, name: str, to: float | str) -> None:
         """Put AGV `name` at lane position `to` (metres), or at a location of that name.
 
-        `KeyError` for an unknown AGV or location, `ValueError` for a position off the lane.
+        `KeyError` for an unknown AGV, `ValueError` for a place that isn't on its lane.
         """
         lane = self.plan.lane(name)
-        q = _lane_position(lane, to)
+        q = lane.lane_position(to)
         if self._agvs.get(name) == q:
             return
         self._agvs[name] = q
@@ -226,17 +225,3 @@ class CollisionWorld:
             for body in self._around(ignore)
             if body.near(a, b, radius)
         )
-
-
-def _lane_position(lane: Lane, to: float | str) -> float:
-    if isinstance(to, str):
-        if to not in lane.locations:
-            known = ", ".join(lane.locations) or "none"
-            raise KeyError(f"{lane.name} has no location {to!r} (there are: {known})")
-        return lane.locations[to]
-    low, high = lane.limits
-    if not (math.isfinite(to) and low <= to <= high):
-        raise ValueError(
-            f"{lane.name} can't be at {to:g} m: its lane runs from {low:g} to {high:g}"
-        )
-    return float(to)

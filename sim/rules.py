@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 from dataclasses import dataclass, field
 
+from floorplan import suggestion
 from navigation import AnyLaw, FixedDistance, Scaled, SeparationLaw
 
 
@@ -86,10 +86,3 @@ def rule_set(name: str) -> RuleSet:
         raise ValueError(
             f"no rule set and no file is called {name!r}; {suggestion(name, RULE_SETS)}"
         ) from None
-
-
-def suggestion(name: str, known: object) -> str:
-    """What to say to somebody who wrote `name` and not one of `known`."""
-    names = [str(one) for one in known]  # type: ignore[attr-defined]
-    near = difflib.get_close_matches(name, names, 1)
-    return f"did you mean {near[0]!r}?" if near else f"there are: {', '.join(names)}"

@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 
 import bdi
-from floorplan import Floorplan, Gantry
+from floorplan import Floorplan, Gantry, suggestion
 from navigation import CollisionWorld, PathPlanner
 
 from .agv import Agv
@@ -27,7 +27,6 @@ from .recordings.recorder import Event, Listener, Listeners, recording_to, round
 from .recordings.requirement_curve import requirement_curve
 from .recordings.scene import scene_of
 from .referee import Pair, Referee
-from .rules import suggestion
 from .summary import summarise
 from .trials.programs import EXTERNAL
 from .trials.trial import PersonEntry, Trial

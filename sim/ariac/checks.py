@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 
-from floorplan import Document, Floorplan, Place, Problem
+from floorplan import Document, Floorplan, Place, Problem, suggestion
 
-from ..rules import suggestion
 from . import layout
 from .schema import Condition, OrderEntry, TrialFile
 

@@ -8,7 +8,8 @@ from collections import deque
 from collections.abc import Awaitable, Callable
 from typing import Any
 
-from ..rules import suggestion
+from floorplan import suggestion
+
 from .client import Client, Subscription, Wish
 from .conformance import MessageError, conform
 from .message_types import (

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..rules import suggestion
+from floorplan import suggestion
 
 _MESSAGES = """
 builtin_interfaces/Time: int32 sec, uint32 nanosec

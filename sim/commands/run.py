@@ -77,6 +77,7 @@ def run(
         raise typer.BadParameter(f"must be more than 0, not {speed:g}", param_hint="--speed")
     chosen = changed(Trial.load(trial), personality, duration, seed, rules, controller)
     tell_notices(chosen)
+    _tell_who_waits(chosen)
     recording = Recording(out if out is not None else free_folder(chosen.name))
     try:
         if watch:
@@ -107,6 +108,19 @@ def tell_notices(trial: Trial) -> None:
     if len(trial.notices) > MOST_NOTICES:
         typer.echo(
             f"{trial.name}: … and {len(trial.notices) - MOST_NOTICES} notices more", err=True
+        )
+
+
+def _tell_who_waits(trial: Trial) -> None:
+    """Say who does nothing here because they are driven from outside."""
+    waiting = [person.name for person in trial.people if person.personality == "external"]
+    if trial.floorplan.gantry is not None and trial.gantry.controller == "external":
+        waiting.append("the gantry")
+    if waiting:
+        typer.echo(
+            f"{trial.name}: {' and '.join(waiting)} can only be driven from outside, and"
+            " nobody does; `floorwalker bridge` serves the trial to those who would",
+            err=True,
         )
 
 

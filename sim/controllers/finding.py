@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
+from floorplan import suggestion
+
 from ..drive import Steps
 from ..gantry import GantryRobot
-from ..rules import suggestion
 from ..trials.own_code import OwnCodeError, find_own
 from .avoiding import avoiding
 from .external import external

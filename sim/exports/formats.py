@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import shutil
 import sqlite3
 import tempfile
@@ -12,6 +11,8 @@ from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 from typing import cast
+
+from floorplan import suggestion
 
 from ..recordings.outcome import Recorded
 from ..recordings.recording import OutputError
@@ -107,9 +108,7 @@ def export(
 
 def _by_name(name: str) -> Format:
     if name not in FORMATS:
-        near = difflib.get_close_matches(name, FORMATS, 1)
-        hint = f"did you mean {near[0]!r}?" if near else f"there are: {', '.join(FORMATS)}"
-        raise ValueError(f"no format is called {name!r}; {hint}")
+        raise ValueError(f"no format is called {name!r}; {suggestion(name, FORMATS)}")
     return FORMATS[name]
 
 

@@ -12,9 +12,9 @@ import math
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
+from floorplan import suggestion
 from navigation import Company, Courses
 
-from ..rules import suggestion
 from .recorder import Event, rounded
 
 if TYPE_CHECKING:

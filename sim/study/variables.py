@@ -9,8 +9,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from floorplan import suggestion
+
 from ..controllers import find_controller
-from ..rules import suggestion
 from ..trials.rules_file import find_rules
 from ..trials.trial import AgvMove, Job, PersonEntry, Start, Trial
 

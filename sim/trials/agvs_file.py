@@ -7,9 +7,8 @@ from typing import Annotated, Any
 
 from pydantic import Discriminator, Field, Strict, Tag
 
-from floorplan import Document, Lane, Number, Problem, Strictly
+from floorplan import Document, Lane, Number, Problem, Strictly, suggestion
 
-from ..rules import suggestion
 from .trial import AgvMove
 
 

@@ -10,7 +10,8 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from ..rules import suggestion
+from floorplan import suggestion
+
 from .comparison import Comparison
 from .summary_fields import SummaryField, summary_fields
 from .timeline import read_statement

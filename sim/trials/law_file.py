@@ -11,9 +11,9 @@ from dataclasses import MISSING, Field, fields
 from pathlib import Path
 from typing import Any
 
+from floorplan import suggestion
 from navigation import AnyLaw, ApproachLaw, FixedDistance, IntegralLaw, SeparationLaw
 
-from ..rules import suggestion
 from .own_law import LawError, OwnLaw
 
 LAWS: dict[str, Any] = {

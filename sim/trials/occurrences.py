@@ -6,10 +6,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
+from floorplan import suggestion
 from navigation import FixedDistance, Motion, Moving, TooClose, standing, when
 
 from ..recordings.recorder import Event
-from ..rules import suggestion
 from .comparison import Comparison, is_number
 from .event_kinds import EVENT_KINDS, Form
 

@@ -10,9 +10,8 @@ from typing import Annotated
 from pydantic import Field, Strict, model_validator
 
 import bdi
-from floorplan import Document, Pair, Place, Positive, Problem, Strictly, standing_fault
+from floorplan import Document, Pair, Place, Positive, Problem, Strictly, standing_fault, suggestion
 
-from ..rules import suggestion
 from .event_kinds import EVENT_KINDS
 from .programs import EXTERNAL, find_program, load_program
 from .trial import PersonalityChange, PersonEntry, Start, Trial

@@ -5,8 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import bdi
-
-from ..rules import suggestion
+from floorplan import suggestion
 
 EXTERNAL = "external"
 """The personality of a person who runs no program, but is told from outside what to do; likewise

@@ -12,7 +12,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
-from ..rules import suggestion
+from floorplan import suggestion
+
 from .comparison import Comparison, is_number
 from .occurrences import (
     EventPattern,

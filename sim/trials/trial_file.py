@@ -11,11 +11,11 @@ from typing import Annotated, Any
 from pydantic import Field, Strict, model_validator
 
 import floorplan
-from floorplan import Document, Floorplan, Number, Positive, Problem, Strictly
+from floorplan import Document, Floorplan, Number, Positive, Problem, Strictly, suggestion
 
 from ..ariac import reading
 from ..controllers import ControllerError, find_controller
-from ..rules import PAPER, suggestion
+from ..rules import PAPER
 from .agvs_file import AgvKeys, agv_moves, agv_problems, yielding
 from .expectations import expectation_problems
 from .people_file import PersonKeys, people_of, person_problems

@@ -121,7 +121,7 @@ def test_aliases_that_multiply_are_refused():
     [
         ("ariac", "did you mean 'ariac2023'?"),
         ("nowhere.yaml", "there is no such file"),
-        ("nonsense", "built in are: ariac2023"),
+        ("nonsense", "there are: ariac2023"),
     ],
 )
 def test_a_floorplan_that_is_not_there(source, message):

@@ -74,7 +74,7 @@ def test_agvs_know_the_assembly_stations(ariac):
     assert ariac.lane("agv4").lane_position("as3") == 5.6
     with pytest.raises(ValueError, match="agv1 has no location 'as3'"):
         ariac.lane("agv1").lane_position("as3")
-    with pytest.raises(ValueError, match="outside its limits 0 … 18"):
+    with pytest.raises(ValueError, match="its lane runs from 0 to 18"):
         ariac.lane("agv1").lane_position(18.5)
 
 

@@ -260,7 +260,7 @@ def test_senseless_questions_are_refused(world):
         planner.plan((-15, -10), (0, 0, 0))
     with pytest.raises(ValueError, match="a radius must be positive"):
         PathPlanner(world, 0.0)
-    with pytest.raises(ValueError, match="no planner is called 'RTConnect'; did you mean RRTC"):
+    with pytest.raises(ValueError, match="no planner is called 'RTConnect'; did you mean 'RRTC"):
         planner.plan((-15, -10), (-5, 3.75), planner="RTConnect")
     with pytest.raises(ValueError, match="Roadmap has no parameters, found range"):
         planner.plan((-15, -10), (-5, 3.75), parameters={"range": 1.0})

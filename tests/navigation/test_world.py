@@ -116,7 +116,7 @@ def test_agvs_stand_where_they_were_put(world, plan):
 def test_agvs_keep_to_their_lanes(world):
     with pytest.raises(ValueError, match=r"agv1 can't be at 18\.5 m: its lane runs from 0 to 18"):
         world.move_agv("agv1", 18.5)
-    with pytest.raises(KeyError, match="agv1 has no location 'moon'"):
+    with pytest.raises(ValueError, match="agv1 has no location 'moon'"):
         world.move_agv("agv1", "moon")
     with pytest.raises(KeyError, match="no AGV called 'agv9'"):
         world.move_agv("agv9", 0.0)

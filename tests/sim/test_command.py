@@ -148,6 +148,24 @@ def test_the_same_trial_gives_the_same_bytes_in_any_process(trial, tmp_path):
     assert summaries[0] == summaries[1] == summaries[2]
 
 
+def test_who_waits_for_somebody_outside_is_said(tmp_path):
+    done = floorwalker(
+        "run",
+        "--personality",
+        "external",
+        "--controller",
+        "external",
+        "--duration",
+        "1",
+        cwd=tmp_path,
+    )
+    assert done.returncode == 0
+    assert done.stderr == (
+        "ariac2023: operator and the gantry can only be driven from outside, and nobody does;"
+        " `floorwalker bridge` serves the trial to those who would\n"
+    )
+
+
 def test_an_expectation_that_is_not_met_is_said_and_exits_1(tmp_path):
     path = tmp_path / "t.trial.yaml"
     path.write_text(

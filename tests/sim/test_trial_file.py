@@ -79,7 +79,7 @@ def test_every_builtin_trial_loads(name):
         (("{move: [-2.5, 0.5, 0.0]}", "{pick: bin1}"), "a job is one of"),
         (("agv1:", "agv9:"), "no AGV is called 'agv9'"),
         (("to: assembly_front", "to: moon"), "agv1 has no location 'moon'"),
-        (("to: 2.5", "to: 25"), "outside its limits"),
+        (("to: 2.5", "to: 25"), "its lane runs from 0 to 18"),
         (("time: 40.0", "time: 4.0"), "put moves in order"),
         (("penalties: 0", "penaltys: 0"), "did you mean 'penalties'?"),
         (("penalties: 0", "penalties: many"), "expected a number or a comparison"),
