@@ -322,7 +322,7 @@ class Builder(Transformer_NonRecursive[Token, Any]):
         return value
 
     def string(self, meta: Meta, token: Token) -> str:
-        return token[1:-1].replace("\\n", "\n").replace('\\"', '"')
+        return string_value(token)
 
     def positive_literal(
         self, meta: Meta, name: Token, args: tuple[Term, ...] | None, annots: List | None
@@ -407,6 +407,11 @@ class Builder(Transformer_NonRecursive[Token, Any]):
         self, meta: Meta, label: Literal | None, trigger: Trigger, body: Body
     ) -> PlanTerm:
         return PlanTerm(self.plan(meta, label, trigger, None, body))
+
+
+def string_value(token: str) -> str:
+    """What a string in quotes stands for."""
+    return token[1:-1].replace("\\n", "\n").replace('\\"', '"')
 
 
 def _anonymous(token: Token) -> str:

@@ -6,6 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 
+MOST_SHOWN = 20
+"""An error's text has this many problems, and how many more there are."""
+
+LONGEST = 600
+"""Characters of one problem that an error's text has."""
+
+
 @dataclass(frozen=True)
 class Problem:
     """One thing wrong, and where. Lines and columns count from 1; 0 when there is none."""
@@ -16,8 +23,13 @@ class Problem:
     message: str
 
     def __str__(self) -> str:
-        place = [self.file, *(str(n) for n in (self.line, self.column) if n)]
-        return f"{':'.join(place)}: {self.message}"
+        place = [clipped(self.file), *(str(n) for n in (self.line, self.column) if n)]
+        return f"{':'.join(place)}: {clipped(self.message)}"
+
+
+def clipped(text: str) -> str:
+    """A text of a length that people read: names and terms may be endless."""
+    return text if len(text) <= LONGEST else f"{text[: LONGEST - 1]}…"
 
 
 class ProgramError(ValueError):
@@ -25,7 +37,10 @@ class ProgramError(ValueError):
 
     def __init__(self, problems: Sequence[Problem]) -> None:
         self.problems = tuple(problems)
-        super().__init__("\n".join(map(str, self.problems)))
+        lines = [str(problem) for problem in self.problems[:MOST_SHOWN]]
+        if len(self.problems) > MOST_SHOWN:
+            lines.append(f"and {len(self.problems) - MOST_SHOWN:,} more")
+        super().__init__("\n".join(lines))
 
 
 class EndlessProgramError(ProgramError):

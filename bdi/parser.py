@@ -11,6 +11,7 @@ from lark.exceptions import UnexpectedInput, UnexpectedToken, VisitError
 
 from .builder import Builder, Clause, Directive, RefusedError, stray_message
 from .errors import Problem, ProgramError
+from .facts import plain_fact
 from .program import Belief, Goal, Place, Plan, Program, Rule, TriggerTerm
 from .terms import Literal, Term
 from .tokens import clauses, grammar, tokenize
@@ -108,7 +109,7 @@ def read_clauses(source: str, file: str) -> tuple[list[Clause], list[Problem]]:
     problems: list[Problem] = []
     for tokens in clauses(tokenize(source)):
         try:
-            found.append(_parse_clause(tokens, file))
+            found.append(plain_fact(tokens, file) or _parse_clause(tokens, file))
         except (UnexpectedInput, VisitError, RecursionError) as error:
             problems.append(_problem(error, tokens, file))
     return found, problems

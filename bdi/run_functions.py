@@ -10,8 +10,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
-from .program import Program
-from .terms import Function
+from .program import Belief, Program
+from .terms import Function, Literal
 from .transform import transformed
 
 
@@ -21,6 +21,8 @@ def with_run_functions(program: Program, functions: Mapping[str, Callable[..., f
 
     def change(part: Any) -> Any:
         nonlocal found
+        if isinstance(part, Belief) and _is_plain(part.belief):
+            return part
         if isinstance(part, Function) and part.name in functions:
             found = True
             args = transformed(part.args, change)
@@ -33,3 +35,11 @@ def with_run_functions(program: Program, functions: Mapping[str, Callable[..., f
         plans=transformed(program.plans, change),
     )
     return changed if found else program
+
+
+def _is_plain(belief: Literal) -> bool:
+    """Whether a belief is of numbers, strings and names alone, as most of many are."""
+    return not belief.annots and all(
+        isinstance(arg, float | str) or (isinstance(arg, Literal) and arg.is_atom)
+        for arg in belief.args
+    )

@@ -9,6 +9,9 @@ from dataclasses import dataclass
 MOST_SHOWN = 20
 """An error's text has this many problems, and how many more there are."""
 
+LONGEST = 600
+"""Characters of one problem that an error's text has."""
+
 
 @dataclass(frozen=True)
 class Problem:
@@ -20,8 +23,14 @@ class Problem:
 
     def __str__(self) -> str:
         place = [f"line {self.line}"] if self.line is not None else []
-        place += [self.field] if self.field else []
-        return f"{', '.join(place)}: {self.message}" if place else self.message
+        place += [_clipped(self.field)] if self.field else []
+        message = _clipped(self.message)
+        return f"{', '.join(place)}: {message}" if place else message
+
+
+def _clipped(text: str) -> str:
+    """A text of a length that people read: what files hold may be endless."""
+    return text if len(text) <= LONGEST else f"{text[: LONGEST - 1]}…"
 
 
 class InputError(ValueError):

@@ -1,142 +1,184 @@
-"""Everything that reads a file, as functions of bytes that end well or with an error for the user.
+"""Everything that reads a file or a foreign text, as functions of bytes.
 
-A crash is any other exception. What a reader accepts is not looked at.
+Each ends well or with an error for the user. A crash is any other exception. What is accepted is
+used a little, too: a file that is read and can't be worked with afterwards is no better.
 """
 
 from __future__ import annotations
 
+import io
+import shutil
 import tempfile
 from collections.abc import Callable
-from contextlib import suppress
+from dataclasses import dataclass
+from functools import cache, partial
 from pathlib import Path
 
 import bdi
 import floorplan
 import sim
+from sim.commands.percept_script import read_percepts
+from sim.pages.replay import recording_in
 
-TOLD = (floorplan.InputError, bdi.ProgramError, sim.ControllerError)
-"""What a user is told: one message that names the file."""
+from . import bridges, recordings
+from .mutations import Form
+from .told import told
 
-FLOOR = b"""boundary: [[0, 0], [9, 0], [9, 9], [0, 9]]
-obstacles:
-  table: {x: [3, 5], y: [3, 5], z: [0, 1]}
-  post: {center: [7, 7], radius: 0.2, z: [0, 3]}
-stations: {a: [1, 1], b: [8, 8]}
-safe_zone: {at: [1, 8], heading: 0.0}
-"""
-TRIAL = b"""floorplan: ariac2023
-duration: 20.0
-seed: 3
-rules: paper
-people:
-  - {name: ada, personality: helpful, start: {time: 1.0}, at: [-10, 0], beliefs: ["calm"]}
-gantry:
-  controller: oblivious
-  at: [-5.0, 2.5, 0.0]
-  jobs: [{pick: bin2, place: agv1, part: purple pump}, {move: [-3, 0, 0]}, {wait: 2}]
-agvs: {agv1: [{time: 3.0, to: assembly_front}]}
-expect: {penalties: 0, minimum_separation: ">= 1.0"}
-"""
-WKT = b"POLYGON ((0 0, 9 0, 9 9, 0 9, 0 0), (3 3, 5 3, 5 5, 3 5, 3 3))"
-ROS_MAP = b"""image: map.pgm
-resolution: 0.5
-origin: [-1.0, -1.0, 0.1]
-negate: 0
-occupied_thresh: 0.65
-free_thresh: 0.2
-"""
-IMAGE = b"P2\n6 6\n255\n" + b"0 0 0 0 0 0\n" + b"0 254 254 254 254 0\n" * 4 + b"0 0 0 0 0 0\n"
-DXF = b"""0\nSECTION\n2\nENTITIES\n0\nLWPOLYLINE\n8\nboundary\n90\n4\n70\n1
-10\n0.0\n20\n0.0\n10\n9.0\n20\n0.0\n10\n9.0\n20\n9.0\n10\n0.0\n20\n9.0\n0\nENDSEC\n0\nEOF\n"""
-PROGRAM = b"""// A program with some of everything.
-at(home)[source(self)]. far(X) :- dist(X, D) & D > 2 & not near(X).
-!patrol(1).
-@p1[atomic] +!patrol(N) : N < 10 & far(_) <- ?at(P); .concat("a", P, S); !patrol(N+1).
-+!patrol(N) <- if (N > 3) { -+at(away) } else { move(1.5, -2, [a, b|T]) }; .wait(1000).
--!patrol(N)[error(E)] <- .print("failed ", E); .findall(X, at(X), L); for (.member(M, L)) { x(M) }.
-+human_start : true <- .drop_all_desires; !!patrol(0).
-"""
+SAMPLES = Path(__file__).parent / "samples"
 
 
-def trial(data: bytes) -> None:
-    """A trial file."""
-    _in_file("t.trial.yaml", data, sim.Trial.load)
+@dataclass(frozen=True)
+class Reader:
+    """Something that reads: `read(data)` does, as if it stood in a file.
+
+    `samples()` are files that it accepts; `form` is what they are made of.
+    """
+
+    read: Callable[[bytes], None]
+    samples: Callable[[], tuple[bytes, ...]]
+    form: Form
 
 
-def yaml_floor(data: bytes) -> None:
-    """A floorplan in YAML."""
-    _in_file("f.yaml", data, floorplan.load)
+def _trial(path: Path) -> None:
+    trial = sim.Trial.load(path)
+    trial.to_yaml(path.parent)
 
 
-def wkt(data: bytes) -> None:
-    """A floor in WKT."""
-    _in_file("f.wkt", data, floorplan.load)
+def _short_trial(path: Path) -> None:
+    trial = sim.Trial.load(path)
+    simulation = sim.Simulation(trial)
+    simulation.advance(min(trial.duration, 3.0))
+    recordings.use(simulation.finish())
 
 
-def dxf(data: bytes) -> None:
-    """A drawing."""
-    _in_file("f.dxf", data, floorplan.load)
+def _program(path: Path) -> None:
+    program = bdi.parse_file(path)
+    bdi.parse(str(program), folder=path.parent)
+    bdi.Agent(program, act=lambda action: True, print=lambda line: None)
 
 
-def ros_map(data: bytes) -> None:
-    """The YAML of a ROS map."""
-    _in_file("f.yaml", data, floorplan.load, ("map.pgm", IMAGE))
-
-
-def ros_image(data: bytes) -> None:
-    """The image of a ROS map."""
-    _in_file(
-        "map.pgm", data, lambda path: floorplan.load(path.parent / "f.yaml"), ("f.yaml", ROS_MAP)
+def _running_program(path: Path) -> None:
+    agent = bdi.Agent(
+        bdi.parse_file(path),
+        act=lambda action: bool(str(action)),
+        print=lambda line: None,
+        on_event=lambda entry: None,
+        society=bdi.Society(),
+        max_cycles=2000,
     )
+    agent.advance(0.0)
+    agent.add_percept("human_start")
+    agent.advance(5.0)
+    for intention in agent.intentions:
+        str(intention)
 
 
-def program(data: bytes) -> None:
-    """A program in AgentSpeak, read and loaded into an agent."""
-
-    def read(path: Path) -> None:
-        bdi.Agent(bdi.parse_file(path), act=lambda term: True, print=lambda text: None)
-
-    _in_file("p.asl", data, read)
+def _literal(path: Path) -> None:
+    text = path.read_bytes().decode("utf-8", "replace")
+    for parse in (bdi.parse_literal, bdi.parse_term):
+        with told():
+            bdi.parse(f"{parse(text)}.") if parse is bdi.parse_literal else str(parse(text))
 
 
-READERS: dict[str, tuple[Callable[[bytes], None], bytes]] = {
-    "trial": (trial, TRIAL),
-    "floorplan": (yaml_floor, FLOOR),
-    "wkt": (wkt, WKT),
-    "dxf": (dxf, DXF),
-    "ros_map": (ros_map, ROS_MAP),
-    "ros_image": (ros_image, IMAGE),
-    "program": (program, PROGRAM),
-}
-"""By name: the reader, and a file that it accepts."""
+def _study(path: Path) -> None:
+    study = sim.Study.load(path)
+    if len(study) <= 1000:
+        study.row(len(study) - 1).trial.to_yaml(path.parent)
 
 
-def recording_of(folder: Path) -> dict[str, bytes]:
-    """The files of a short recording, made in `folder`."""
-    recording = sim.Recording(folder)
-    text = "floorplan: ariac2023\nduration: 3.0\npeople: [{name: ada}]\n"
-    recording.finish(sim.run(sim.Trial.parse(text), recording))
-    names = ("scene.json", "summary.json", "events.jsonl", "motions.jsonl", "violations.jsonl")
-    return {name: (folder / name).read_bytes() for name in names}
+def _page(path: Path) -> None:
+    recording_in(path.read_text(encoding="utf-8", errors="replace"))
 
 
-def recording(files: dict[str, bytes], name: str, data: bytes) -> None:
-    """A recording in which the file `name` holds `data`."""
-    with tempfile.TemporaryDirectory() as folder:
-        for other, content in files.items():
-            (Path(folder) / other).write_bytes(data if other == name else content)
-        with suppress(TOLD):
-            sim.load_run(folder)
+def _include(path: Path) -> None:
+    bdi.parse_file(path.parent / "everything.asl")
+
+
+def _map_image(path: Path) -> None:
+    floorplan.load(path.parent / "map.yaml")
+
+
+def _file(
+    name: str,
+    read: Callable[[Path], object],
+    form: Form,
+    *samples: str,
+    others: tuple[type[Exception], ...] = (),
+) -> Reader:
+    """The reader of a file called `name` that lies beside all the samples."""
+    contents = tuple((SAMPLES / sample).read_bytes() for sample in samples)
+    return Reader(partial(_in_file, name, read, others), lambda: contents, form)
 
 
 def _in_file(
-    name: str,
-    data: bytes,
-    read: Callable[[Path], object],
-    *others: tuple[str, bytes],
+    name: str, read: Callable[[Path], object], others: tuple[type[Exception], ...], data: bytes
 ) -> None:
-    with tempfile.TemporaryDirectory() as folder:
-        for other, content in ((name, data), *others):
-            (Path(folder) / other).write_bytes(content)
-        with suppress(TOLD):
-            read(Path(folder) / name)
+    path = Path(_folder().name) / name
+    before = path.read_bytes() if path.exists() else None
+    path.write_bytes(data)
+    try:
+        with told(*others):
+            read(path)
+    finally:
+        if before is None:
+            path.unlink()
+        else:
+            path.write_bytes(before)
+
+
+@cache
+def _folder() -> tempfile.TemporaryDirectory[str]:
+    """A folder with all the samples in it, there until the process ends."""
+    folder = tempfile.TemporaryDirectory(prefix="fuzz-")
+    shutil.copytree(SAMPLES, folder.name, dirs_exist_ok=True)
+    return folder
+
+
+def _png() -> tuple[bytes, ...]:
+    from PIL import Image
+
+    picture = io.BytesIO()
+    with Image.open(SAMPLES / "map.pgm") as image:
+        image.save(picture, "PNG")
+    return (picture.getvalue(),)
+
+
+def _recording(name: str) -> Reader:
+    folder = recordings.RunFolder(name)
+    return Reader(folder, lambda: (folder.sample(),), "lines" if name[-1] == "l" else "json")
+
+
+def _results(name: str) -> Reader:
+    folder = recordings.ResultsFolder(name, SAMPLES / "one.study.yaml")
+    return Reader(folder, lambda: (folder.sample(),), "json" if name[-1] == "n" else "words")
+
+
+READERS: dict[str, Reader] = {
+    "trial": _file("t.trial.yaml", _trial, "yaml", "work.trial.yaml", "laws.trial.yaml"),
+    "expectations": _file("t.trial.yaml", _trial, "yaml", "expectations.trial.yaml"),
+    "run": _file("t.trial.yaml", _short_trial, "yaml", "short.trial.yaml", "laws.trial.yaml"),
+    "ariac": _file("t.yaml", _trial, "yaml", "everything.ariac.yaml"),
+    "rules": _file("r.yaml", sim.load_rules, "yaml", "ours.rules.yaml"),
+    "study": _file("s.study.yaml", _study, "yaml", "many.study.yaml"),
+    "floorplan": _file("f.yaml", floorplan.load, "yaml", "floor.yaml"),
+    "wkt": _file("f.wkt", floorplan.load, "words", "holes.wkt", "parts.wkt"),
+    "dxf": _file("f.dxf", floorplan.load, "words", "floor.dxf"),
+    "ros_map": _file("f.yaml", floorplan.load, "yaml", "map.yaml"),
+    "pgm": _file("map.pgm", _map_image, "words", "map.pgm"),
+    "png": Reader(partial(_in_file, "map.pgm", _map_image, ()), _png, "bytes"),
+    "program": _file("p.asl", _program, "words", "everything.asl", "running.asl"),
+    "running_program": _file("p.asl", _running_program, "words", "running.asl"),
+    "include": _file("other.asl", _include, "words", "other.asl"),
+    "literal": _file("l.txt", _literal, "words", "literals.txt"),
+    "percepts": _file("p.jsonl", read_percepts, "lines", "percepts.jsonl", others=(ValueError,)),
+    **{name: _recording(name) for name in recordings.RUN_FILES},
+    "page": Reader(
+        partial(_in_file, "p.html", _page, (ValueError,)), lambda: (recordings.page(),), "words"
+    ),
+    **{name: _results(name) for name in recordings.STUDY_FILES},
+    "bridge_server": Reader(
+        bridges.Server(), lambda: (bridges.messages(bridges.TO_SERVER),), "lines"
+    ),
+    "bridge_agent": Reader(bridges.Agent(), lambda: (bridges.messages(bridges.TO_AGENT),), "lines"),
+}
+"""By name."""

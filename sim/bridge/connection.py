@@ -181,7 +181,7 @@ class Connection:
             self._told(str(operation.get("msg")))
 
     def _hear(self, topic: Any, message: Any) -> None:
-        if topic not in self._heard:
+        if not isinstance(topic, str) or topic not in self._heard:
             return
         type_, heard = self._heard[topic]
         try:

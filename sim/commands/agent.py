@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 
     import bdi
 
+    from .percept_script import Change
+
 
 def agent(
     program: Annotated[
@@ -48,6 +50,8 @@ def agent(
 
     import bdi
 
+    from .percept_script import literal, read_percepts
+
     def show(**entry: object) -> None:
         print(json.dumps({"t": round(person.now, 9), **entry}, ensure_ascii=False))
 
@@ -58,8 +62,8 @@ def agent(
     def follow(entry: bdi.Entry) -> None:
         print(entry, file=sys.stderr)
 
-    script = [] if percepts is None else _read_script(percepts)
-    beliefs = [_literal(text, "--belief") for text in belief or []]
+    script = [] if percepts is None else read_percepts(percepts)
+    beliefs = [literal(text, "--belief") for text in belief or []]
     person = bdi.Agent(
         bdi.load(program),
         beliefs=beliefs,
@@ -73,8 +77,9 @@ def agent(
     for time, changes in _instants(script):
         if until is not None and time > until:
             break
-        for add, percept in changes:
-            (person.add_percept if add else person.remove_percept)(percept)
+        for change in changes:
+            perceive = person.add_percept if change.added else person.remove_percept
+            perceive(change.percept)
         person.advance(time)
     if until is not None:
         person.advance(until)
@@ -97,56 +102,9 @@ def _run_out(person: bdi.Agent) -> None:
     )
 
 
-def _read_script(path: Path) -> list[tuple[float, bool, bdi.Literal]]:
-    """The lines of a script of percepts: time, whether added, and what."""
-    import json
-    import math
-
-    try:
-        lines = path.read_text(encoding="utf-8").splitlines()
-    except OSError as error:
-        raise ValueError(f"{path}: cannot be read: {error.strerror}") from None
-    except UnicodeDecodeError:
-        raise ValueError(f"{path}: it is not UTF-8 text") from None
-    script: list[tuple[float, bool, bdi.Literal]] = []
-    for number, line in enumerate(lines, 1):
-        if not line.strip():
-            continue
-        place = f"{path}:{number}"
-        try:
-            entry = json.loads(line)
-        except (json.JSONDecodeError, RecursionError):
-            raise ValueError(f"{place}: not a line of JSON: {line[:60]}") from None
-        changes = [key for key in ("add", "remove") if isinstance(entry, dict) and key in entry]
-        if len(changes) != 1 or set(entry) != {"t", changes[0]}:
-            raise ValueError(f'{place}: a line has "t" and either "add" or "remove"')
-        time, what = entry["t"], entry[changes[0]]
-        if isinstance(time, bool) or not isinstance(time, int | float) or not math.isfinite(time):
-            raise ValueError(f'{place}: "t" is a number of seconds, not {json.dumps(time)}')
-        if time < 0:
-            raise ValueError(f'{place}: "t" is {time:g}, and the run begins at 0')
-        if script and time < script[-1][0]:
-            raise ValueError(f"{place}: {time:g} s comes after {script[-1][0]:g} s")
-        if not isinstance(what, str):
-            raise ValueError(f'{place}: "{changes[0]}" is a literal in quotes')
-        script.append((float(time), changes[0] == "add", _literal(what, place)))
-    return script
-
-
-def _literal(text: str, place: str) -> bdi.Literal:
-    import bdi
-
-    try:
-        return bdi.parse_literal(text)
-    except bdi.ProgramError as error:
-        raise ValueError(f"{place}: {text}: {error.problems[0].message}") from None
-
-
-def _instants(
-    script: list[tuple[float, bool, bdi.Literal]],
-) -> Iterator[tuple[float, list[tuple[bool, bdi.Literal]]]]:
+def _instants(script: list[Change]) -> Iterator[tuple[float, list[Change]]]:
     """What changes at each time of a script, in order."""
     from itertools import groupby
 
-    for time, lines in groupby(script, key=lambda line: line[0]):
-        yield time, [(add, percept) for _, add, percept in lines]
+    for time, changes in groupby(script, key=lambda change: change.time):
+        yield time, list(changes)

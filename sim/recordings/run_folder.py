@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
 
-from pydantic import BaseModel, Field, FiniteFloat, ValidationError
+from pydantic import BaseModel, Field, FiniteFloat, ValidationError, model_validator
 
 from floorplan import InputError, Problem, read_text
 from navigation import Both, Condition, Motion, Moving, Piece, TooClose, join, standing, when
 
 from ..plans import Plans
+from ..trials.comparison import is_number
+from ..trials.event_kinds import EVENT_KINDS, Form
 from .mind_inspector import Thought
 from .outcome import Recorded
 from .recorder import Event
 from .requirement_curve import Curve, is_plain, requirement_curve
 from .scene import Pose, Scene
 from .scene_file import ForeignLaw, SceneError, read_scene
+from .strict_json import parse_json
 
 Violations = dict[tuple[str, str], tuple[tuple[float, float], ...]]
 
@@ -38,10 +40,27 @@ class _Event(BaseModel, extra="allow"):
     t: FiniteFloat
     kind: str
 
+    @model_validator(mode="after")
+    def _fields_of_its_kind(self) -> _Event:
+        forms = EVENT_KINDS.get(self.kind, {})
+        for name, value in (self.model_extra or {}).items():
+            if name in forms and not _has_form(value, forms[name]):
+                raise ValueError(f"{name} of {self.kind} can't be {str(value)[:60]!r}")
+        return self
+
+
+class _Intention(BaseModel):
+    stack: list[str]
+    at: str
+
 
 class _Thought(BaseModel, extra="allow"):
     t: FiniteFloat
     person: str
+    steps: list[list[str]] = []
+    believes: list[str] = []
+    forgets: list[str] = []
+    intends: list[_Intention] = []
 
 
 class _Motion(BaseModel):
@@ -107,7 +126,7 @@ def _summary(path: Path) -> dict[str, Any] | None:
     if not path.exists():
         return None
     try:
-        summary = json.loads(read_text(path, RecordingError))
+        summary = parse_json(read_text(path, RecordingError))
     except ValueError as why:
         if isinstance(why, RecordingError):
             raise
@@ -121,10 +140,22 @@ def _events(path: Path, broken_off: bool) -> tuple[Event, ...]:
     return tuple(event.model_dump() for _, event in _lines(path, _Event, broken_off))
 
 
+def _has_form(value: object, form: Form) -> bool:
+    """Whether a field of an event holds what it should; where there is nothing to say, None."""
+    if form == "point":
+        is_pair = isinstance(value, list) and len(value) == 2
+        return is_pair and all(map(is_number, value))  # type: ignore[arg-type]
+    if form == "number":
+        return value is None or is_number(value)
+    if form in ("flag", "list"):
+        return isinstance(value, bool if form == "flag" else list)
+    return value is None or isinstance(value, str)
+
+
 def _thoughts(path: Path, broken_off: bool) -> tuple[Thought, ...]:
     if not path.exists():
         return ()
-    return tuple(thought.model_dump() for _, thought in _lines(path, _Thought, broken_off))
+    return tuple(thought.model_dump(exclude_unset=True) for _, thought in _lines(path, _Thought, broken_off))
 
 
 def _motions(path: Path, scene: Scene, broken_off: bool) -> dict[str, Motion]:
@@ -191,9 +222,19 @@ def _lines(path: Path, form: type[_Line], broken_off: bool) -> Iterator[tuple[in
         lines.append(rest)
     for number, line in enumerate(lines, 1):
         try:
-            yield number, form.model_validate_json(line)
+            yield number, _read_line(form, line)
         except ValidationError as misfits:
             first = misfits.errors()[0]
             field = ".".join(str(part) for part in first["loc"])
-            message = first["msg"][:1].lower() + first["msg"][1:]
-            raise RecordingError(str(path), [Problem(message, field, number)]) from None
+            said = str(first.get("ctx", {}).get("error", first["msg"]))
+            problem = Problem(said[:1].lower() + said[1:], field, number)
+            raise RecordingError(str(path), [problem]) from None
+        except ValueError as why:
+            raise RecordingError(str(path), [Problem(f"is not JSON: {why}", line=number)]) from None
+
+
+def _read_line(form: type[_Line], line: str) -> _Line:
+    """A line as `form`; what the form does not know is JSON as well."""
+    if form.model_config.get("extra") == "allow":
+        return form.model_validate(parse_json(line))
+    return form.model_validate_json(line)

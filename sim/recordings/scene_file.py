@@ -21,6 +21,7 @@ from navigation import ApproachLaw, FixedDistance, IntegralLaw, Scaled, Separati
 from ..rules import Notice, RuleSet
 from ..trials.own_law import OwnLaw
 from .scene import Figure, Pose, Scene
+from .strict_json import parse_json
 
 FORMAT = "floorwalker-scene/1"
 """What `format` says, so that a reader can tell a file it does not know."""
@@ -68,11 +69,11 @@ def write_scene(scene: Scene) -> str:
 def read_scene(text: str) -> Scene:
     """The scene in `text`; `SceneError` says why there is none."""
     try:
-        data = json.loads(text, object_hook=_polygon)
-    except json.JSONDecodeError as why:
-        raise SceneError(f"line {why.lineno} is not JSON: {why.msg}") from None
-    except RecursionError:
-        raise SceneError("is nested too deeply") from None
+        data = parse_json(text, object_hook=_polygon)
+    except SceneError:
+        raise
+    except ValueError as why:
+        raise SceneError(f"is not JSON: {why}") from None
     found = data.get("format") if isinstance(data, dict) else None
     if found != FORMAT:
         raise SceneError(f"expected the format {FORMAT!r}, found {found!r}")

@@ -65,7 +65,7 @@ def metrics(run: Recorded, *, radii: Mapping[str, float] | None = None) -> dict[
             raise ValueError(f"the radius of {name} must be at least 0 m, not {radius}")
     people = [person.name for person in run.scene.people]
     begins = dict.fromkeys(people, run.duration)
-    begins |= {e["person"]: e["t"] for e in run.events if e["kind"] == "human_started"}
+    begins |= {e.get("person"): e["t"] for e in run.events if e["kind"] == "human_started"}
     spans = [(min(begins.get(name, 0.0), run.duration), run.duration) for name in names]
     courses = Courses([run.motions[name] for name in names], spans)
     movements = dict(zip(names, _movements(courses), strict=True))
@@ -104,7 +104,7 @@ def _progress(person: str, run: Recorded) -> dict[str, Any]:
     mine = [event for event in run.events if event.get("person") == person]
     goals = [event for event in mine if event["kind"] == "goal"]
     times = [leg for leg in _legs(mine) if leg is not None]
-    last = goals[-1]["at"] if goals else None
+    last = goals[-1].get("at") if goals else None
     left = math.dist(run.motions[person].position(run.duration), last) if last else None
     mean = math.fsum(times) / len(times) if times else None
     return dict(zip(PROGRESS, (len(goals), len(times), mean, left), strict=True))

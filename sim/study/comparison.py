@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .definition import Study
-from .table import Cell
+from .table import Cell, TableError
 
 CONFIDENCE = 0.95
 """The share of studies like this one whose interval would hold the true mean."""
@@ -47,6 +47,8 @@ class Measure:
         found = [column for key, column in columns.items() if pattern.fullmatch(key)]
         if not found:
             return None
+        if any(isinstance(value, str) for column in found for value in column):
+            raise TableError(f"the results have a text where {self.column} should be a number")
         figures = np.array([[math.nan if v is None else float(v) for v in c] for c in found])
         there = ~np.isnan(figures)
         return np.where(there.any(axis=0), np.nansum(figures, axis=0), math.nan)

@@ -9,9 +9,10 @@ from pathlib import Path
 from typing import IO
 
 from ..recordings.recording import OutputError
+from .comparison import factors
 from .definition import Study
 from .identity import identity
-from .table import Table
+from .table import Table, TableError
 
 RESULTS = "results.csv"
 """One line for each row."""
@@ -37,6 +38,9 @@ class StudyFolder:
             self._identify()
             self._take()
             self.table = Table(self.path / RESULTS)
+            if lacking := [name for name in factors(self._study) if not self.table.has(name)]:
+                self.table.close()
+                raise TableError(f"{self.path / RESULTS} has no column {lacking[0]!r}")
         return self
 
     def __exit__(self, *_: object) -> None:

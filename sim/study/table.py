@@ -13,13 +13,20 @@ from .measuring import Record
 Cell = str | float | None
 """A text, a number, or nothing."""
 
+DIGITS = 19
+"""A whole number of so many characters may not fit into 64 bits; it is taken for a float."""
+
+
+class TableError(ValueError):
+    """A file that holds no results, or damaged ones."""
+
 
 class Table:
     """The CSV file at `path`, opened to be gone on with.
 
     Every line is on disk as soon as it is added. A last line that was not written to its end is
     taken off again. When a record brings a column that no record before had, the file is written
-    anew with that column, and takes the old one's place at once.
+    anew with that column, and takes the old one's place at once. `TableError` if it is damaged.
     """
 
     def __init__(self, path: Path) -> None:
@@ -29,11 +36,14 @@ class Table:
         """How many lines there are, without that of the columns' names."""
         if path.exists():
             _take_off_torn_line(path)
-            with _reading(path) as file:
-                lines = csv.reader(file)
-                self._columns = next(lines, [])
-                self.rows = sum(1 for _ in lines)
+            lines = _lines(path)
+            self._columns = next(lines, [])
+            self.rows = sum(1 for _ in lines)
         self._file = path.open("a", encoding="utf-8", newline="")
+
+    def has(self, column: str) -> bool:
+        """Whether there is such a column, or room for one since there are no rows."""
+        return not self.rows or column in self._columns
 
     def add(self, record: Record) -> None:
         """Write `record` as the next line."""
@@ -55,21 +65,22 @@ class Table:
         lack = [""] * (len(columns) - len(self._columns))
         with wider.open("w", encoding="utf-8", newline="") as file:
             file.write(_line(columns))
-            with _reading(self._path) as old:
-                lines = csv.reader(old)
-                next(lines, None)
-                file.writelines(_line([*line, *lack]) for line in lines)
+            lines = _lines(self._path)
+            next(lines, None)
+            file.writelines(_line([*line, *lack]) for line in lines)
         wider.replace(self._path)
         self._columns = columns
         self._file = self._path.open("a", encoding="utf-8", newline="")
 
 
 def read_table(path: Path) -> dict[str, list[Cell]]:
-    """The columns of a table by name. A column is of numbers if all that it has are numbers."""
-    with _reading(path) as file:
-        lines = csv.reader(file)
-        names = next(lines, [])
-        columns = list(zip(*lines, strict=True)) or [()] * len(names)
+    """The columns of a table by name. A column is of numbers if all that it has are numbers.
+
+    `TableError` if the table is damaged.
+    """
+    lines = _lines(path)
+    names = next(lines, [])
+    columns = list(zip(*lines, strict=True)) or [()] * len(names)
     return {name: _typed(column) for name, column in zip(names, columns, strict=True)}
 
 
@@ -83,7 +94,7 @@ def _typed(column: Iterable[str]) -> list[Cell]:
 
 def _number(text: str) -> float:
     try:
-        return int(text)
+        return int(text) if len(text) < DIGITS else float(text)
     except ValueError:
         return float(text)
 
@@ -98,8 +109,42 @@ def _line(values: Iterable[str]) -> str:
     return text.getvalue()
 
 
-def _reading(path: Path) -> io.TextIOWrapper:
-    return path.open(encoding="utf-8", newline="")
+def _lines(path: Path) -> Iterator[list[str]]:
+    """The cells of each line: first the columns' names, then row after row, from 0 on."""
+    names: list[str] | None = None
+    number = 1
+    with path.open(encoding="utf-8", newline="") as file:
+        lines = csv.reader(file)
+        try:
+            for row, cells in enumerate(lines, -1):
+                number = lines.line_num
+                if names is None:
+                    names = cells
+                    _check_names(path, names)
+                elif len(cells) != len(names):
+                    message = f"it has {len(cells)} cells where there are {len(names)} columns"
+                    raise _damaged(path, number, message)
+                elif cells[0] != str(row):
+                    raise _damaged(path, number, f"it is row {row}, not {cells[0][:20]!r}")
+                yield cells
+        except csv.Error as why:
+            raise _damaged(path, lines.line_num, f"it is not CSV: {why}") from None
+        except UnicodeDecodeError:
+            raise _damaged(path, number + 1, "it is not UTF-8 text") from None
+
+
+def _damaged(path: Path, line: int, message: str) -> TableError:
+    return TableError(
+        f"{path}, line {line}: {message}; mend it, or give another folder with --out"
+    )
+
+
+def _check_names(path: Path, names: list[str]) -> None:
+    if names[:1] != ["row"] or "error" not in names:
+        raise _damaged(path, 1, "the columns row and error are missing: these are no results")
+    for name in names:
+        if names.count(name) > 1:
+            raise _damaged(path, 1, f"the column {name[:60]!r} is there twice")
 
 
 def _take_off_torn_line(path: Path) -> None:

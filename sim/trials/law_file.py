@@ -88,6 +88,10 @@ def _check_term(law: str, term: str, value: object, known: Mapping[str, Field[An
         return
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise WrittenLawError(f"expected a number, found {value!r}", law, term)
+    try:
+        float(value)
+    except OverflowError:
+        raise WrittenLawError("the number is too large", law, term) from None
 
 
 def written_law(law: AnyLaw) -> Terms:

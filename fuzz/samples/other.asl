@@ -1,0 +1,3 @@
+limit(3.5).
+close(X) :- limit(L) & X <= L.
++limit(X) <- .print("limit is ", X).

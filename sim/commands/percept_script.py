@@ -1,0 +1,72 @@
+"""A script of percepts: what an agent that runs alone perceives, and when."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import NamedTuple
+
+import bdi
+
+
+class Change(NamedTuple):
+    """From `time` (seconds) on, `percept` is perceived (`added`) or no longer."""
+
+    time: float
+    added: bool
+    percept: bdi.Literal
+
+
+def read_percepts(path: Path) -> list[Change]:
+    """The script in the file at `path`, one `{"t": …, "add": …}` or `{"t": …, "remove": …}` a line.
+
+    `ValueError` names the line that is none.
+    """
+    try:
+        text = path.read_text(encoding="utf-8")
+    except OSError as error:
+        raise ValueError(f"{path}: cannot be read: {error.strerror}") from None
+    except UnicodeDecodeError:
+        raise ValueError(f"{path}: it is not UTF-8 text") from None
+    script: list[Change] = []
+    for number, line in enumerate(text.splitlines(), 1):
+        if line.strip():
+            earliest = script[-1].time if script else 0.0
+            script.append(_change(line, f"{path}:{number}", earliest))
+    return script
+
+
+def _change(line: str, place: str, earliest: float) -> Change:
+    try:
+        entry = json.loads(line)
+    except (json.JSONDecodeError, RecursionError):
+        raise ValueError(f"{place}: not a line of JSON: {line[:60]}") from None
+    changes = [key for key in ("add", "remove") if isinstance(entry, dict) and key in entry]
+    if len(changes) != 1 or set(entry) != {"t", changes[0]}:
+        raise ValueError(f'{place}: a line has "t" and either "add" or "remove"')
+    time, what = entry["t"], entry[changes[0]]
+    if isinstance(time, bool) or not isinstance(time, int | float) or not _is_finite(time):
+        raise ValueError(f'{place}: "t" is a number of seconds, not {json.dumps(time)[:60]}')
+    if time < 0:
+        raise ValueError(f'{place}: "t" is {time:g}, and the run begins at 0')
+    if time < earliest:
+        raise ValueError(f"{place}: {time:g} s comes after {earliest:g} s")
+    if not isinstance(what, str):
+        raise ValueError(f'{place}: "{changes[0]}" is a literal in quotes')
+    return Change(float(time), changes[0] == "add", literal(what, place))
+
+
+def _is_finite(number: float) -> bool:
+    try:
+        return math.isfinite(number)
+    except OverflowError:
+        return False
+
+
+def literal(text: str, place: str) -> bdi.Literal:
+    """The literal in `text`, which stands at `place`; `ValueError` if it is none."""
+    try:
+        return bdi.parse_literal(text)
+    except bdi.ProgramError as error:
+        raise ValueError(f"{place}: {text[:100]}: {error.problems[0].message[:300]}") from None

@@ -1,0 +1,42 @@
+"""JSON as it is defined: Python's own parser also takes NaN, infinities and numbers without end."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable
+from typing import Any, NoReturn
+
+
+def parse_json(text: str, object_hook: Callable[[dict[str, Any]], Any] | None = None) -> Any:
+    """What stands in `text`; `ValueError` says why it is no JSON, or asks for too much.
+
+    `object_hook` makes something else of an object, as that of `json.loads`.
+    """
+    try:
+        return json.loads(
+            text,
+            object_hook=object_hook,
+            parse_constant=_refuse,
+            parse_float=_finite,
+            parse_int=_integer,
+        )
+    except RecursionError:
+        raise ValueError("it is nested too deeply") from None
+
+
+def _refuse(constant: str) -> NoReturn:
+    raise ValueError(f"{constant} is no number in JSON")
+
+
+def _finite(number: str) -> float:
+    value = float(number)
+    if math.isinf(value):
+        raise ValueError(f"the number {number[:20]} is too large")
+    return value
+
+
+def _integer(number: str) -> int:
+    if len(number) > 300:
+        raise ValueError(f"the number {number[:20]}… is too large")
+    return int(number)
