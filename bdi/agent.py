@@ -76,6 +76,8 @@ class Agent:
         actions: further internal actions, by name (see `InternalActions`).
         society: the agents it can send messages to.
         max_cycles: how many cycles one instant may take before the agent is stopped.
+        max_goals: how many goals one cycle may try to prove: by default seconds of work,
+            where a handful is usual.
         max_depth: how many plans an intention may hold.
 
     Raises:
@@ -96,6 +98,7 @@ class Agent:
         actions: Mapping[str, InternalAction] | None = None,
         society: Society | None = None,
         max_cycles: int = 3_000_000,
+        max_goals: int = 1_000_000,
         max_depth: int = 200_000,
     ) -> None:
         self.program = program
@@ -106,7 +109,7 @@ class Agent:
         self.beliefs = BeliefBase()
         self.plans = PlanLibrary()
         self.circumstance = Circumstance()
-        self.logic = Logic(self.beliefs, self.names, self._call_in_query)
+        self.logic = Logic(self.beliefs, self.names, self._call_in_query, max_goals)
         self.alarms = Alarms()
         self.society = society
         self.clock = _clock(start)
@@ -131,7 +134,7 @@ class Agent:
         extra = tuple(Belief(_as_literal(belief)) for belief in beliefs)
         try:
             self.add_program(replace(program, beliefs=extra + program.beliefs))
-        except RecursionError:
+        except (RecursionError, TooDeepError):
             message = "a formula or a term is nested too deeply"
             raise ProgramError([Problem(program.source, 0, 0, message)]) from None
         if society is not None:
@@ -409,6 +412,7 @@ class Agent:
     def _run_instant(self) -> None:
         cycles = 0
         circumstance = self.circumstance
+        self.logic.begin_instant()
         while (circumstance.running and circumstance.atomic is None) or self._has_work():
             cycles += 1
             if cycles > self._max_cycles:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-
 MOST_SHOWN = 20
 """An error's text has this many problems, and how many more there are."""
 

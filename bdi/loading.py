@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from .internal_actions import InternalAction
 
 
-MAX_TEXT = 2_000_000
+MAX_TEXT = 4_000_000
 """A longer program (in characters) is refused: it would take minutes to read."""
 
 _TOO_LONG = f"is longer than {MAX_TEXT:,} characters, which is more than anybody writes"
@@ -106,6 +106,13 @@ def _parse(source: str, name: str, folder: Path | None) -> Program:
 
 def find_included(name: str, folder: Path | None) -> Path | str:
     """The file an include means, or why there is none."""
+    try:
+        return _find_included(name, folder)
+    except (OSError, ValueError):
+        return f"'{name}' is no name of a file"
+
+
+def _find_included(name: str, folder: Path | None) -> Path | str:
     if folder is not None:
         inside = folder.resolve()
         path = (inside / name).resolve()
@@ -113,9 +120,8 @@ def find_included(name: str, folder: Path | None) -> Path | str:
             return f"'{name}' is outside the program's folder {folder}"
         if path.is_file():
             return path
-    built_in = _built_in() / name
-    if "/" not in name and "\\" not in name and built_in.is_file():
-        return built_in
+    if name in {file.name for file in _built_in().iterdir()}:
+        return _built_in() / name
     where = "and none is built in" if folder is None else f"in {folder}, and none is built in"
     return f"there is no file '{name}' {where}"
 

@@ -51,8 +51,8 @@ State: TypeAlias = "tuple[Unifier, Goals]"
 
 MAX_CHOICES = 250_000
 
-#: How many goals may be tried in one reasoning cycle: seconds of work, where a handful is usual.
-MAX_GOALS = 1_000_000
+CYCLES = 20
+"""So many cycles of one instant may try all the goals that a cycle may try."""
 
 
 class _Commit:
@@ -80,26 +80,38 @@ class _Return:
 
 
 class Logic:
-    """Answers formulas from a belief base; `call` runs an internal action."""
+    """Answers formulas from a belief base; `call` runs an internal action.
+
+    `max_goals` may be tried in one reasoning cycle.
+    """
 
     def __init__(
         self,
         beliefs: BeliefBase,
         names: Names,
         call: Callable[[Literal, Unifier], Answer],
+        max_goals: int,
     ) -> None:
         self.beliefs = beliefs
         self.names = names
         self._call = call
-        self.goals_left = MAX_GOALS
+        self._max_goals = max_goals
+        self._left_at_this_instant = CYCLES * max_goals
+        self._allowed = self.goals_left = max_goals
+
+    def begin_instant(self) -> None:
+        """What may be tried begins anew."""
+        self._left_at_this_instant = CYCLES * self._max_goals
 
     def begin_cycle(self) -> None:
-        """What may be tried begins anew."""
-        self.goals_left = MAX_GOALS
+        """What may be tried in a cycle begins anew, as far as the instant allows."""
+        self._left_at_this_instant -= self._allowed - self.goals_left
+        self._allowed = self.goals_left = min(self._max_goals, self._left_at_this_instant)
 
     def give_up(self, formula: Term) -> None:
         """Raises TooDeepError: `formula` came after more goals than may be tried in one cycle."""
-        raise TooDeepError(f"more than {MAX_GOALS:,} goals were tried at once, at last {formula}")
+        tried = self._max_goals if self._allowed == self._max_goals else CYCLES * self._max_goals
+        raise TooDeepError(f"more than {tried:,} goals were tried at once, at last {formula}")
 
     def first(self, formula: Term, u: Unifier) -> Unifier | None:
         """The first solution, or None. `u` stays as it is."""
@@ -135,6 +147,8 @@ class Logic:
                     break
                 following = next(choice, None)
                 if following is not None:
+                    # An internal action may have more answers than there are goals.
+                    self.goals_left -= 1
                     u, goals = following
                     break
                 choices.pop()

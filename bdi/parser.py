@@ -10,11 +10,11 @@ from lark import Lark, Token, Tree
 from lark.exceptions import UnexpectedInput, UnexpectedToken, VisitError
 
 from .builder import Builder, Clause, Directive, RefusedError, stray_message
-from .errors import Problem, ProgramError
+from .errors import Problem, ProgramError, TooDeepError
 from .facts import plain_fact
 from .program import Belief, Goal, Place, Plan, Program, Rule, TriggerTerm
 from .terms import Literal, Term
-from .tokens import clauses, grammar, tokenize
+from .tokens import clauses, grammar, nesting, tokenize
 
 _NAMES = {
     "ATOM": "a name",
@@ -35,6 +35,9 @@ _KINDS = (
 
 _OPERATORS = frozenset({"'*'", "'**'", "'+'", "'-'", "'/'", "'div'", "'mod'"})
 
+MOST_NESTED = 60
+"""How many brackets may stand within each other, and branches after `elif`."""
+
 #: Stands for the full stop after a part of a clause.
 _END = "the end"
 
@@ -43,6 +46,8 @@ _END = "the end"
 
 
 def _parse_clause(tokens: Sequence[Token], file: str) -> Any:
+    if nesting(tokens) > MOST_NESTED:
+        raise TooDeepError(f"brackets within brackets, more than {MOST_NESTED} deep")
     parser = grammar().parse_interactive()
     for token in tokens:
         parser.feed_token(token)
@@ -55,8 +60,12 @@ def _problem(error: Exception, tokens: Sequence[Token], file: str) -> Problem:
     if isinstance(error, VisitError) and isinstance(error.orig_exc, RefusedError):
         refused = error.orig_exc
         return Problem(file, refused.line, refused.column, refused.message)
-    if isinstance(error, RecursionError):
-        return Problem(file, tokens[0].line or 0, tokens[0].column or 0, "too deeply nested")
+    if isinstance(error, VisitError):
+        # A term that must not be made, or that could not be told of.
+        error = TooDeepError(str(error.orig_exc))
+    if isinstance(error, RecursionError | TooDeepError):
+        what = "too deeply nested" if isinstance(error, RecursionError) else str(error)
+        return Problem(file, tokens[0].line or 0, tokens[0].column or 0, what)
     if isinstance(error, UnexpectedToken):
         token = error.token
         line, column = token.line or 0, token.column or 0
@@ -110,19 +119,19 @@ def read_clauses(source: str, file: str) -> tuple[list[Clause], list[Problem]]:
     for tokens in clauses(tokenize(source)):
         try:
             found.append(plain_fact(tokens, file) or _parse_clause(tokens, file))
-        except (UnexpectedInput, VisitError, RecursionError) as error:
+        except (UnexpectedInput, VisitError, RecursionError, TooDeepError) as error:
             problems.append(_problem(error, tokens, file))
     return found, problems
 
 
 def _parse_part(source: str, before: str = "") -> Any:
     """The clause that a part of one makes with `before` before it and a full stop after it."""
-    first = tokenize(before) if before else []
+    first = list(tokenize(before)) if before else []
     previous = str(first[-1]) if first else ""
     tokens = [*first, *tokenize(source, previous), Token("DOT", _END)]
     try:
         return _parse_clause(tokens, source)
-    except (UnexpectedInput, VisitError, RecursionError) as error:
+    except (UnexpectedInput, VisitError, RecursionError, TooDeepError) as error:
         raise ProgramError([_problem(error, tokens, source)]) from None
 
 

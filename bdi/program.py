@@ -266,6 +266,14 @@ class TriggerTerm:
     def ground(self) -> bool:
         return is_ground(self.literal)
 
+    @property
+    def size(self) -> int:
+        return self.literal.size
+
+    @property
+    def depth(self) -> int:
+        return self.literal.depth
+
     def substituted(self, substitution: Callable[[Term], Term]) -> TriggerTerm:
         literal = substitution(self.literal)
         return TriggerTerm(self.kind, literal) if isinstance(literal, Literal | Var) else self
@@ -280,6 +288,8 @@ class BodyTerm:
 
     body: Body
     ground = True
+    size = 1
+    depth = 1
 
     def substituted(self, substitution: Callable[[Term], Term]) -> BodyTerm:
         return self
@@ -303,6 +313,8 @@ class PlanTerm:
 
     plan: Plan
     ground = True
+    size = 1
+    depth = 1
 
     def substituted(self, substitution: Callable[[Term], Term]) -> PlanTerm:
         return self

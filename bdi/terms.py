@@ -3,6 +3,10 @@
 Numbers are Python floats and strings are Python strs; everything else is one
 of the classes below. Terms are values: nothing changes one after it is made.
 `ground` says that substitution leaves a term as it is.
+
+Terms share their parts: `X = f(Y, Y), Y = f(Z, Z)` … doubles with every step what there is to
+print and to compare, and takes no time to make. So every term knows its `size`, in parts counted
+as often as they stand in it, and its `depth`; one that is too large or too deep is not made.
 """
 
 from __future__ import annotations
@@ -10,10 +14,19 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator
 from decimal import Decimal
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, NoReturn, TypeAlias
+
+from .errors import TooDeepError
 
 if TYPE_CHECKING:
     from .program import BodyTerm, PlanTerm, TriggerTerm
+
+
+MAX_SIZE = 1_000_000
+"""How many parts a term may have: seconds to print."""
+
+MAX_DEPTH = 150
+"""How many terms may stand within each other; it takes some calls to go one deeper."""
 
 
 class Var:
@@ -21,6 +34,8 @@ class Var:
 
     __slots__ = ("fresh", "name")
     ground = False
+    size = 1
+    depth = 0
 
     def __init__(self, name: str, fresh: bool = False) -> None:
         self.name = name
@@ -42,11 +57,12 @@ class Var:
 class AnnotatedVar(Var):
     """A variable with annotations, as in `+!Goal[source(Sender)]`."""
 
-    __slots__ = ("annots",)
+    __slots__ = ("annots", "depth", "size")
 
     def __init__(self, name: str, annots: tuple[Term, ...]) -> None:
         super().__init__(name)
         self.annots = annots
+        self.size, self.depth = _measure(annots)
 
     def __str__(self) -> str:
         return super().__str__() + annots_text(self.annots)
@@ -64,7 +80,9 @@ class Literal:
     `annots` are sorted in standard order and without doubles.
     """
 
-    __slots__ = ("_hash", "annots", "args", "functor", "ground", "key", "negated")
+    __slots__ = (
+        *("_hash", "annots", "args", "depth", "functor", "ground", "key", "negated", "size"),
+    )
 
     def __init__(
         self,
@@ -79,8 +97,31 @@ class Literal:
         self.negated = negated
         #: What beliefs and plans are filed under: functor, arity, strong negation.
         self.key = (functor, len(args), negated)
-        self.ground = _all_ground(args) and _all_ground(annots)
         self._hash: int | None = None
+        self.ground = True
+        self.size = 1
+        self.depth = 0
+        if args:
+            self._weigh(args)
+        if annots:
+            self._weigh(annots)
+
+    def _weigh(self, terms: tuple[Term, ...]) -> None:
+        """Take the terms within it into account."""
+        for term in terms:
+            cls = term.__class__
+            if cls is float:
+                continue
+            if cls is str:
+                self.size += len(term) >> 6  # type: ignore[arg-type]
+                continue
+            if not term.ground:  # type: ignore[union-attr]
+                self.ground = False
+            self.size += term.size  # type: ignore[union-attr]
+            if term.depth >= self.depth:  # type: ignore[union-attr]
+                self.depth = term.depth + 1  # type: ignore[union-attr]
+        if self.size > MAX_SIZE or self.depth > MAX_DEPTH:
+            _refuse(self.size)
 
     def with_args(self, args: tuple[Term, ...]) -> Literal:
         """This literal, whose annotations are ground, with as many other arguments."""
@@ -90,16 +131,20 @@ class Literal:
         other.annots = self.annots
         other.negated = self.negated
         other.key = self.key
-        other.ground = _all_ground(args)
         other._hash = None
+        other.ground = True
+        other.size = 1
+        other.depth = 0
+        if args:
+            other._weigh(args)
         return other
 
     def with_annots(self, annots: tuple[Term, ...]) -> Literal:
         """This literal with these annotations, which are sorted and without doubles."""
         other = self.with_args(self.args)
         other.annots = annots
-        if other.ground and not _all_ground(annots):
-            other.ground = False
+        if annots:
+            other._weigh(annots)
         return other
 
     def without_annots(self) -> Literal:
@@ -149,6 +194,8 @@ class Nil:
 
     __slots__ = ()
     ground = True
+    size = 1
+    depth = 0
 
     def __iter__(self) -> Iterator[Term]:
         return iter(())
@@ -174,12 +221,19 @@ EMPTY = Nil()
 class Cons:
     """A list that has elements: a head and a tail, which is a list or a variable."""
 
-    __slots__ = ("ground", "head", "tail")
+    __slots__ = ("depth", "ground", "head", "size", "tail")
 
     def __init__(self, head: Term, tail: Term) -> None:
         self.head = head
         self.tail = tail
         self.ground = is_ground(head) and is_ground(tail)
+        self.size, self.depth = _measure((head,))
+        if not isinstance(tail, float | str):
+            # The elements of a list stand side by side: its tail is no deeper than it.
+            self.size += tail.size
+            self.depth = max(self.depth, tail.depth)
+            if self.size > MAX_SIZE:
+                _refuse(self.size)
 
     def cells(self) -> Iterator[Cons]:
         cell: Term = self
@@ -228,13 +282,14 @@ class Cons:
 class Arithmetic:
     """An operation that waits for its operands' values: `N-1`; `right` is None for a sign."""
 
-    __slots__ = ("left", "operator", "right")
+    __slots__ = ("depth", "left", "operator", "right", "size")
     ground = False
 
     def __init__(self, operator: str, left: Term, right: Term | None = None) -> None:
         self.operator = operator
         self.left = left
         self.right = right
+        self.size, self.depth = _measure((left,) if right is None else (left, right))
 
     def __str__(self) -> str:
         if self.right is None:
@@ -260,7 +315,7 @@ class Function:
     `calculate` is there for a function of the run, as `math.random`.
     """
 
-    __slots__ = ("args", "calculate", "name")
+    __slots__ = ("args", "calculate", "depth", "name", "size")
     ground = False
 
     def __init__(
@@ -269,6 +324,7 @@ class Function:
         self.name = name
         self.args = args
         self.calculate = calculate
+        self.size, self.depth = _measure(args)
 
     def __str__(self) -> str:
         return f"{self.name}({','.join(map(text, self.args))})" if self.args else self.name
@@ -283,13 +339,14 @@ class Function:
 class _Binary:
     """What the formulas of two operands have in common."""
 
-    __slots__ = ("ground", "left", "right")
+    __slots__ = ("depth", "ground", "left", "right", "size")
     symbol = ""
 
     def __init__(self, left: Term, right: Term) -> None:
         self.left = left
         self.right = right
         self.ground = is_ground(left) and is_ground(right)
+        self.size, self.depth = _measure((left, right))
 
     def __str__(self) -> str:
         return f"({text(self.left)} {self.symbol} {text(self.right)})"
@@ -330,11 +387,12 @@ class Or(_Binary):
 class Not:
     """Negation as failure."""
 
-    __slots__ = ("formula", "ground")
+    __slots__ = ("depth", "formula", "ground", "size")
 
     def __init__(self, formula: Term) -> None:
         self.formula = formula
         self.ground = is_ground(formula)
+        self.size, self.depth = _measure((formula,))
 
     def __str__(self) -> str:
         return f"not ({text(self.formula)})"
@@ -359,11 +417,24 @@ def is_ground(term: Term) -> bool:
     return isinstance(term, float | str) or term.ground
 
 
-def _all_ground(terms: tuple[Term, ...]) -> bool:
+def _measure(terms: tuple[Term, ...]) -> tuple[int, int]:
+    """Size and depth of a term of these; TooDeepError if it must not be made."""
+    size, depth = 1, 0
     for term in terms:
-        if term.__class__ is not float and term.__class__ is not str and not term.ground:  # type: ignore[union-attr]
-            return False
-    return True
+        if isinstance(term, str):
+            size += len(term) >> 6
+        elif not isinstance(term, float):
+            size += term.size
+            depth = max(depth, term.depth + 1)
+    if size > MAX_SIZE or depth > MAX_DEPTH:
+        _refuse(size)
+    return size, depth
+
+
+def _refuse(size: int) -> NoReturn:
+    if size > MAX_SIZE:
+        raise TooDeepError(f"a term of more than {MAX_SIZE:,} parts")
+    raise TooDeepError(f"terms within terms, more than {MAX_DEPTH} deep")
 
 
 TRUE = Literal("true")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import cache
 from importlib.resources import files
 
@@ -11,6 +11,8 @@ from lark import Lark, Token
 #: What a trigger or a body formula may follow; a sign after one of these is an UPDATE.
 _BEFORE_A_STEP = frozenset({"<-", ";", "{", "}", "|||", "|&|"})
 _UPDATES = frozenset({"++", "+<", "+>", "--", "-+"})
+_OPENING = frozenset({"LPAR", "LSQB", "LBRACE"})
+_CLOSING = frozenset({"RPAR", "RSQB", "RBRACE"})
 
 
 @cache
@@ -20,42 +22,40 @@ def grammar() -> Lark:
     return Lark(source, start="clause", parser="lalr", lexer="basic", propagate_positions=True)
 
 
-def tokenize(source: str, previous: str = "") -> list[Token]:
+def tokenize(source: str, previous: str = "") -> Iterator[Token]:
     """The tokens of a text; characters that belong to none become STRAY tokens.
 
     `previous` is the token before the text, where it is not the beginning.
     """
     reading = grammar().parse_interactive(source)
     tokens = reading.lexer_thread.lex(reading.parser_state)  # type: ignore[no-untyped-call]
-    return list(_with_updates(list(tokens), previous))
+    return _with_updates(tokens, previous)
 
 
-def _with_updates(tokens: list[Token], previous: str) -> Iterator[Token]:
+def _with_updates(tokens: Iterator[Token], previous: str) -> Iterator[Token]:
     """Joins the signs that begin a trigger or a body formula to one UPDATE token."""
     in_label = False
     depth = 0
-    position = 0
-    while position < len(tokens):
-        token = tokens[position]
+    following = next(tokens, None)
+    while following is not None:
+        token, following = following, next(tokens, None)
         if token.value == "@" and token.type != "STRING":
             in_label, depth = True, 0
         depth += {"[": 1, "]": -1}.get(token.value, 0)
         begins_step = previous == "" or previous in _BEFORE_A_STEP or (in_label and depth == 0)
         if token.type in ("PLUS", "MINUS") and begins_step:
-            following = tokens[position + 1] if position + 1 < len(tokens) else None
             both = token.value + (following.value if following is not None else "")
             if both in _UPDATES:
-                position += 1
+                following = next(tokens, None)
             else:
                 both = token.value
             token = Token.new_borrow_pos("UPDATE", both, token)
             in_label = False
         yield token
         previous = "" if token.type == "DOT" else token.value
-        position += 1
 
 
-def clauses(tokens: list[Token]) -> Iterator[list[Token]]:
+def clauses(tokens: Iterator[Token]) -> Iterator[list[Token]]:
     """The tokens of one clause after another; a wrong one ends at its full stop, too."""
     clause: list[Token] = []
     braces = 0
@@ -71,3 +71,15 @@ def clauses(tokens: list[Token]) -> Iterator[list[Token]]:
             clause, braces = [], 0
     if clause:
         yield clause
+
+
+def nesting(tokens: Sequence[Token]) -> int:
+    """How many brackets of a clause stand within each other; an `elif` is within its `if`."""
+    deepest = depth = 0
+    for token in tokens:
+        if token.type in _OPENING:
+            depth += 1
+            deepest = max(deepest, depth)
+        elif token.type in _CLOSING:
+            depth -= 1
+    return deepest + sum(token.type == "ELIF" for token in tokens)

@@ -11,9 +11,13 @@ import sys
 import tempfile
 from pathlib import Path
 from random import Random
+from typing import TYPE_CHECKING
 
 from .hunt import hunt
 from .mutations import damaged
+
+if TYPE_CHECKING:
+    from .readers import Reader
 
 
 def main() -> None:
@@ -29,9 +33,9 @@ def main() -> None:
         import atheris
 
         with atheris.instrument_imports(include=["bdi", "floorplan", "sim", "yaml", "lark"]):
-            from .readers import READERS, Reader
+            from .readers import READERS
     else:
-        from .readers import READERS, Reader
+        from .readers import READERS
     if asked.reader not in ("all", *READERS):
         parser.error(f"no reader is called {asked.reader}; there are: {', '.join(READERS)}")
     chosen = [asked.reader] if asked.reader in READERS else list(READERS)

@@ -15,7 +15,19 @@ Form = Literal["yaml", "json", "lines", "words", "bytes"]
 
 ODD = (
     *(b"", b"\0", b"\xff\xfe", b"\xef\xbb\xbf", b"\xed\xa0\x80", b"\r", b"\t", b"\n", b" ", b"%"),
-    *(b"[" * 60, b"{" * 60, b"(" * 60, b"]", b"}", b")", b"&a", b"*a", b"<<:", b"!!bool ", b"---\n"),
+    *(
+        b"[" * 60,
+        b"{" * 60,
+        b"(" * 60,
+        b"]",
+        b"}",
+        b")",
+        b"&a",
+        b"*a",
+        b"<<:",
+        b"!!bool ",
+        b"---\n",
+    ),
     *(b"-", b"0", b"1e999", b".nan", b".inf", b"-1", b"9" * 400, b"1e-320", b"null", b"~", b"true"),
     *(b"NaN", b"Infinity", b'"', b"'", b"\\", b":", b",", b".", b"#", b"//", b"/*", b"_", b"X"),
     *(b"[source(X)]", b":- ", b"<- ", b"+!", b"-!", b"not ", b'{ include("p.asl") }', b".include("),
@@ -24,7 +36,25 @@ ODD = (
 WORD = re.compile(r'"(?:[^"\\\n]|\\.)*"|\.?\w[\w.]*|\s+|[-+<>=:&|!*/]+|.', re.S)
 SIGNS = (
     *("(", ")", "[", "]", "{", "}", ",", ";", ".", ":", ":-", "<-", "&", "|", "|&|", "|||", "not "),
-    *("+", "-", "-+", "++", "--", "!", "!!", "?", "+!", "-!", "@", "~", "=", "==", "\\==", "=..", "<"),
+    *(
+        "+",
+        "-",
+        "-+",
+        "++",
+        "--",
+        "!",
+        "!!",
+        "?",
+        "+!",
+        "-!",
+        "@",
+        "~",
+        "=",
+        "==",
+        "\\==",
+        "=..",
+        "<",
+    ),
     *("*", "/", "**", " div ", " mod ", "_", "X", "Self", "true", "false", "[source(self)]", "//"),
     *("if (true) {", "} else {", "while (", "for (", '{ include("other.asl") }', ".print", ".wait"),
     *(".findall", ".range", ".concat", ".nth", ".substring", ".add_plan", ".send", ".fork", "\n"),
@@ -127,7 +157,9 @@ def _words(data: bytes, draw: Random) -> bytes:
             there = draw.randint(0, len(words))
             words[there:there] = words[at:to]
         else:
-            opened, closed = draw.choice((("(", ")"), ("[", "]"), ("f(", ")"), ("{ ", " }"), ("-", "")))
+            opened, closed = draw.choice(
+                (("(", ")"), ("[", "]"), ("f(", ")"), ("{ ", " }"), ("-", ""))
+            )
             depth = draw.choice((1, 2, 30, 500, 20_000))
             words[at:to] = [opened * depth, *words[at:to], closed * depth]
     return "".join(words).encode("utf-8", "surrogatepass")

@@ -65,6 +65,7 @@ def _running_program(path: Path) -> None:
         on_event=lambda entry: None,
         society=bdi.Society(),
         max_cycles=2000,
+        max_goals=3000,
     )
     agent.advance(0.0)
     agent.add_percept("human_start")

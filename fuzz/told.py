@@ -1,4 +1,4 @@
-"""What is no crash: an error that says to the user, in a message of a fair length, what is wrong."""
+"""What is no crash: an error that tells the user, in a message of a fair length, what is wrong."""
 
 from __future__ import annotations
 

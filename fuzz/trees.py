@@ -21,7 +21,19 @@ ODD_TEXTS: tuple[str, ...] = (
     *("\u2028", "\ufeff", "\ud800", "a\nb", "line\r\n", "../x", "../../etc/passwd", "/", ".", "~"),
     *("null", "true", "yes", "1", "1e3", "-1", "nan", ".inf", "0x10", "1:30", "2023-01-01", "="),
     *("<<", "*", "&a", "!!int", "%", "{}", "[]", "'", '"', "\\", "{{", "</script>", "<!--", "$(x)"),
-    *(">= 1", "< nan", ">= 1e999", "== =", "!= ", "X", "_", "f(X)", ".print(1)", "a:b", "os:getcwd"),
+    *(
+        ">= 1",
+        "< nan",
+        ">= 1e999",
+        "== =",
+        "!= ",
+        "X",
+        "_",
+        "f(X)",
+        ".print(1)",
+        "a:b",
+        "os:getcwd",
+    ),
     *("ariac2023", "paper", "external", "parked", "helpful", "a" * 5000 + ".asl", "pi/0", "-pi/2"),
 )
 ODD_STRUCTURES: tuple[Any, ...] = ([], {}, [[]], [{}], {"": None}, [None], [0.0, 0.0], [1e308] * 3)
@@ -106,7 +118,9 @@ def _odd(draw: Random, tree: Any) -> Any:
         return draw.choice(ODD_TEXTS)
     if kind == 6:
         return copy.deepcopy(draw.choice(ODD_STRUCTURES))
-    return DEEP if draw.random() < 0.2 else [draw.uniform(-20, 20) for _ in range(draw.randint(0, 5))]
+    return (
+        DEEP if draw.random() < 0.2 else [draw.uniform(-20, 20) for _ in range(draw.randint(0, 5))]
+    )
 
 
 def _like(value: Any, draw: Random) -> Any:

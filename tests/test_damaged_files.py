@@ -115,8 +115,8 @@ def test_a_formula_too_deep_to_follow_is_told():
 
 
 def test_a_program_too_long_to_read_is_told():
-    with pytest.raises(bdi.ProgramError, match="longer than 2,000,000 characters"):
-        bdi.parse("// " + "x" * 3_000_000)
+    with pytest.raises(bdi.ProgramError, match="longer than 4,000,000 characters"):
+        bdi.parse("// " + "x" * 5_000_000)
 
 
 def test_texts_and_lists_do_not_grow_without_end():

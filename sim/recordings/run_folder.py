@@ -143,8 +143,7 @@ def _events(path: Path, broken_off: bool) -> tuple[Event, ...]:
 def _has_form(value: object, form: Form) -> bool:
     """Whether a field of an event holds what it should; where there is nothing to say, None."""
     if form == "point":
-        is_pair = isinstance(value, list) and len(value) == 2
-        return is_pair and all(map(is_number, value))  # type: ignore[arg-type]
+        return isinstance(value, list) and len(value) == 2 and all(map(is_number, value))
     if form == "number":
         return value is None or is_number(value)
     if form in ("flag", "list"):
@@ -155,7 +154,9 @@ def _has_form(value: object, form: Form) -> bool:
 def _thoughts(path: Path, broken_off: bool) -> tuple[Thought, ...]:
     if not path.exists():
         return ()
-    return tuple(thought.model_dump(exclude_unset=True) for _, thought in _lines(path, _Thought, broken_off))
+    return tuple(
+        thought.model_dump(exclude_unset=True) for _, thought in _lines(path, _Thought, broken_off)
+    )
 
 
 def _motions(path: Path, scene: Scene, broken_off: bool) -> dict[str, Motion]:

@@ -65,7 +65,11 @@ def metrics(run: Recorded, *, radii: Mapping[str, float] | None = None) -> dict[
             raise ValueError(f"the radius of {name} must be at least 0 m, not {radius}")
     people = [person.name for person in run.scene.people]
     begins = dict.fromkeys(people, run.duration)
-    begins |= {e.get("person"): e["t"] for e in run.events if e["kind"] == "human_started"}
+    begins |= {
+        event["person"]: event["t"]
+        for event in run.events
+        if event["kind"] == "human_started" and "person" in event
+    }
     spans = [(min(begins.get(name, 0.0), run.duration), run.duration) for name in names]
     courses = Courses([run.motions[name] for name in names], spans)
     movements = dict(zip(names, _movements(courses), strict=True))

@@ -134,9 +134,7 @@ def _lines(path: Path) -> Iterator[list[str]]:
 
 
 def _damaged(path: Path, line: int, message: str) -> TableError:
-    return TableError(
-        f"{path}, line {line}: {message}; mend it, or give another folder with --out"
-    )
+    return TableError(f"{path}, line {line}: {message}; mend it, or give another folder with --out")
 
 
 def _check_names(path: Path, names: list[str]) -> None:
