@@ -436,12 +436,21 @@ class Agent:
 
     def _here(self, message: str) -> Problem:
         """What is wrong with the plan that is at work."""
-        for intention in self.circumstance.intentions():
+        circumstance = self.circumstance
+        selected, event = circumstance.selected, circumstance.selected_event
+        events = circumstance.all_events()
+        intentions = circumstance.intentions()
+        if selected is not None and selected.stack:
+            intentions = iter((selected,))
+        elif event is not None:
+            # Its plans were being looked for.
+            events, intentions = [event], iter(())
+        for intention in intentions:
             means = intention.top
             place = means.place
             what = f"{means.plan.plan.trigger}: {message}"
             return Problem(place.file, place.line, place.column, what)
-        for event in self.circumstance.all_events():
+        for event in events:
             for plan in self.plans.candidates(event.sort, event.literal):
                 place = plan.plan.place
                 what = f"{plan.plan.trigger}: {message}"

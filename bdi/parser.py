@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, TypeAlias
 
 from lark import Lark, Token, Tree
@@ -35,8 +36,8 @@ _KINDS = (
 
 _OPERATORS = frozenset({"'*'", "'**'", "'+'", "'-'", "'/'", "'div'", "'mod'"})
 
-MOST_NESTED = 60
-"""How many brackets may stand within each other, and branches after `elif`."""
+MOST_NESTED = MappingProxyType({"{}": 60, "(){}[]": 250})
+"""How many of which brackets may stand within each other; branches after `elif` count."""
 
 #: Stands for the full stop after a part of a clause.
 _END = "the end"
@@ -45,9 +46,11 @@ _END = "the end"
 # ---- reading clauses
 
 
-def _parse_clause(tokens: Sequence[Token], file: str) -> Any:
-    if nesting(tokens) > MOST_NESTED:
-        raise TooDeepError(f"brackets within brackets, more than {MOST_NESTED} deep")
+def parse_clause(tokens: Sequence[Token], file: str) -> Any:
+    """The clause that the grammar makes of tokens; lark's errors, or TooDeepError."""
+    for brackets, most in MOST_NESTED.items():
+        if len(tokens) > most and nesting(tokens, brackets) > most:
+            raise TooDeepError(f"brackets within brackets, more than {most} deep")
     parser = grammar().parse_interactive()
     for token in tokens:
         parser.feed_token(token)
@@ -118,7 +121,7 @@ def read_clauses(source: str, file: str) -> tuple[list[Clause], list[Problem]]:
     problems: list[Problem] = []
     for tokens in clauses(tokenize(source)):
         try:
-            found.append(plain_fact(tokens, file) or _parse_clause(tokens, file))
+            found.append(plain_fact(tokens, file) or parse_clause(tokens, file))
         except (UnexpectedInput, VisitError, RecursionError, TooDeepError) as error:
             problems.append(_problem(error, tokens, file))
     return found, problems
@@ -130,7 +133,7 @@ def _parse_part(source: str, before: str = "") -> Any:
     previous = str(first[-1]) if first else ""
     tokens = [*first, *tokenize(source, previous), Token("DOT", _END)]
     try:
-        return _parse_clause(tokens, source)
+        return parse_clause(tokens, source)
     except (UnexpectedInput, VisitError, RecursionError, TooDeepError) as error:
         raise ProgramError([_problem(error, tokens, source)]) from None
 

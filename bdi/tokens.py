@@ -11,8 +11,6 @@ from lark import Lark, Token
 #: What a trigger or a body formula may follow; a sign after one of these is an UPDATE.
 _BEFORE_A_STEP = frozenset({"<-", ";", "{", "}", "|||", "|&|"})
 _UPDATES = frozenset({"++", "+<", "+>", "--", "-+"})
-_OPENING = frozenset({"LPAR", "LSQB", "LBRACE"})
-_CLOSING = frozenset({"RPAR", "RSQB", "RBRACE"})
 
 
 @cache
@@ -73,13 +71,16 @@ def clauses(tokens: Iterator[Token]) -> Iterator[list[Token]]:
         yield clause
 
 
-def nesting(tokens: Sequence[Token]) -> int:
-    """How many brackets of a clause stand within each other; an `elif` is within its `if`."""
+def nesting(tokens: Sequence[Token], brackets: str) -> int:
+    """How many of these brackets stand within each other in a clause; `elif` opens one, too."""
+    opening, closing = brackets[::2], brackets[1::2]
     deepest = depth = 0
     for token in tokens:
-        if token.type in _OPENING:
+        if token.type == "STRING":
+            continue
+        if token.value in opening or token.type == "ELIF":
             depth += 1
             deepest = max(deepest, depth)
-        elif token.type in _CLOSING:
+        elif token.value in closing:
             depth -= 1
-    return deepest + sum(token.type == "ELIF" for token in tokens)
+    return deepest

@@ -176,7 +176,7 @@ def _distribution(name: str, entry: _Draw) -> Distribution:
     if entry.word is not None:
         usual = "shuffled" if name == "job_order" else "uniform, normal or choice with values"
         raise ValueError(f"expected {usual}, found {entry.word!r}")
-    given = entry.model_fields_set - {"within"}
+    given = [one for one in (entry.uniform, entry.normal, entry.choice) if one is not None]
     if len(given) != 1 or (entry.within is not None and entry.normal is None):
         raise ValueError("give one of uniform, choice, or normal (with within, if you like)")
     if entry.uniform is not None:
