@@ -128,6 +128,8 @@ def _like(value: Any, draw: Random) -> Any:
     if isinstance(value, bool):
         return draw.choice((not value, 0, 1, "yes"))
     if isinstance(value, int | float):
+        if abs(value) > 1e15 or value != value:
+            return draw.choice(ODD_NUMBERS)
         near = (value + 1, -value, value * 1e3, value + 1e-9, float(value), str(value), int(value))
         return draw.choice((*near, draw.uniform(-25, 25), *ODD_NUMBERS))
     if isinstance(value, str):
