@@ -227,7 +227,7 @@ def _lines(path: Path, form: type[_Line], broken_off: bool) -> Iterator[tuple[in
         except ValidationError as misfits:
             first = misfits.errors()[0]
             field = ".".join(str(part) for part in first["loc"])
-            said = str(first.get("ctx", {}).get("error", first["msg"]))
+            said = first["msg"].removeprefix("Value error, ")
             problem = Problem(said[:1].lower() + said[1:], field, number)
             raise RecordingError(str(path), [problem]) from None
         except ValueError as why:
