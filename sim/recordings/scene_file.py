@@ -72,6 +72,8 @@ def read_scene(text: str) -> Scene:
         data = parse_json(text, object_hook=_polygon)
     except SceneError:
         raise
+    except json.JSONDecodeError as why:
+        raise SceneError(f"line {why.lineno} is not JSON: {why.msg}") from None
     except ValueError as why:
         raise SceneError(f"is not JSON: {why}") from None
     found = data.get("format") if isinstance(data, dict) else None
