@@ -62,8 +62,8 @@ class Bends:
     def __len__(self) -> int:
         return len(self.point)
 
-    def take(self, keep: NDArray[np.bool_]) -> Bends:
-        """Those of the bends that are marked in `keep` (N,)."""
+    def take(self, keep: NDArray[np.bool_] | NDArray[np.intp]) -> Bends:
+        """Those of the bends that are marked in `keep` (N,), or that it has the numbers of."""
         return Bends(
             self.point[keep],
             self.before[keep],
@@ -144,7 +144,8 @@ def grown(edges: list[Floats], radius: float, step: float) -> shapely.Geometry:
     """The room on the left of `edges` that is closer to them than `radius` metres."""
     strips = [_strips(ring, radius) for ring in edges]
     sectors = _sectors(corners(edges), radius, step)
-    return shapely.union_all(np.concatenate([*strips, sectors]))
+    # Most floors are many small things far apart: those that don't touch need no overlay.
+    return shapely.disjoint_subset_union_all(np.concatenate([*strips, sectors]))
 
 
 def around_disc(centre: tuple[float, float], radius: float, step: float) -> Polygon:
@@ -182,14 +183,19 @@ def _strips(ring: Floats, radius: float) -> NDArray[np.object_]:
 
 
 def _sectors(around: Corners, radius: float, step: float) -> NDArray[np.object_]:
-    sectors = []
-    for centre, begin, turn in zip(around.centre, around.begin, around.turn, strict=True):
-        one = Corners(centre[None], np.zeros(1), np.array([begin]), np.array([turn]))
-        first = centre + radius * _unit(np.array([begin + _OVERLAP]))
-        last = centre + radius * _unit(np.array([begin - turn - _OVERLAP]))
-        arc = bends(one, radius, step).point
-        sectors.append(Polygon(np.concatenate([centre[None], first, arc, last])))
-    return np.array(sectors, dtype=object)
+    count = len(around.turn)
+    arc = bends(Corners(around.centre, np.zeros(count), around.begin, around.turn), radius, step)
+    first = around.centre + radius * _unit(around.begin + _OVERLAP)
+    last = around.centre + radius * _unit(around.begin - around.turn - _OVERLAP)
+    points = np.concatenate([around.centre, first, arc.point, last])
+    numbers = np.arange(count)
+    of = np.concatenate([numbers, numbers, arc.corner, numbers])
+    # The points of one sector follow each other, in the order they have above.
+    order = np.argsort(of, kind="stable")
+    sectors: NDArray[np.object_] = shapely.polygons(
+        shapely.linearrings(points[order], indices=of[order])
+    )
+    return sectors
 
 
 def _unit(angle: Floats) -> Floats:

@@ -12,7 +12,7 @@ polyhedral obstacles", Communications of the ACM 22 (1979).
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 import shapely
@@ -23,19 +23,17 @@ from floorplan import Point
 from .bodies import Body
 from .corners import Bends, Corners, Floats, bends, corners, edges_of_room
 from .freespace import STEP
-from .search import BodyBends, Ends, Search
+from .search import BodyBends, Ends, Link, Search
+from .sight import AllInSight, Ints, Sight
 
 HAIR = 1e-4
 """Metres. How much more than its radius a disc keeps from everything where a way bends."""
 
 MOST_DISTANCES = 800
-"""The distances between all bends are worked out beforehand up to this many."""
+"""A network of up to this many bends is made at once, with the distances between all of them.
 
-MOST_BENDS = 30_000
-"""A network of more bends is refused: each is compared with all others, for minutes."""
-
-_ROWS = 256
-"""How many bends are compared with all the others at a time."""
+In a larger one, bends are linked when a search comes to them.
+"""
 
 
 class Roadmap:
@@ -52,12 +50,18 @@ class Roadmap:
         self._edges = floor.boundary
         shapely.prepare(self._floor)
         shapely.prepare(self._edges)
-        around = corners(edges_of_room(floor))
-        _require_few(len(around.turn))
-        self.bends = self._standing_bends(around)
-        _require_few(len(self.bends))
-        self.links = self._network()
-        self._between = _all_distances(self.links) if len(self.bends) <= MOST_DISTANCES else None
+        edges = edges_of_room(floor)
+        self.bends = self._standing_bends(corners(edges))
+        self._links: dict[int, list[Link]] = {}
+        self._between: Floats | None = None
+        self._sight: Sight | AllInSight
+        if len(self.bends) <= MOST_DISTANCES:
+            self._sight = AllInSight(len(self.bends))
+            network = self._network()
+            self._links = dict(enumerate(network))
+            self._between = _all_distances(network)
+        else:
+            self._sight = Sight(edges, self.bends, radius)
         self._bodies: dict[str, BodyBends] = {}
 
     def ends(self, start: Point, goal: Point) -> Ends:
@@ -87,7 +91,7 @@ class Roadmap:
         near: NDArray[np.bool_] = shapely.dwithin(self._edges, lines, self.radius + HAIR / 2)
         return ~near
 
-    def distances_to(self, goal: Point, last: list[tuple[int, float]]) -> Floats:
+    def distances_to(self, goal: Point, last: list[Link]) -> Floats:
         """No more than the way (metres) from each bend to `goal`.
 
         `last` has the bends from which a way leaves the network, and how far it is from there.
@@ -102,17 +106,33 @@ class Roadmap:
         nearest: Floats = (self._between[:, to] + np.array(far)).min(axis=1)
         return nearest
 
-    def _links_from(self, places: Floats) -> list[list[tuple[int, float]]]:
+    def links_of(self, bend: int, soon: Iterable[int] = ()) -> list[Link]:
+        """The bends that the one of number `bend` is linked to, and how far they are (metres).
+
+        Bends that will `soon` be asked for, too, are linked in one go with it.
+        """
+        known = self._links.get(bend)
+        if known is None:
+            fresh = np.array([bend, *{k for k in soon if k not in self._links and k != bend}])
+            self._links.update(zip(fresh.tolist(), self._links_of_some(fresh), strict=True))
+            known = self._links[bend]
+        return known
+
+    def _links_from(self, places: Floats) -> list[list[Link]]:
         """The bends that each of `places` (N, 2) sees and could pass on from, and how far (m)."""
-        along = self.bends.point[None] - places[:, None]
-        length = np.hypot(along[..., 0], along[..., 1])
+        of, to = self._sight.around(places)
+        along = self.bends.point[to] - places[of]
+        length = np.hypot(along[:, 0], along[:, 1])
+        there = self.bends.take(to)
         # From between the arc and the bends drawn around it, a bend is seen but not grazed.
-        candidates = self.bends.graze(along) | (length <= self.bends.reach * 1.01)
-        of, to = np.nonzero(candidates)
+        passable = there.graze(along) | (length <= there.reach * 1.01)
+        of, to, length = of[passable], to[passable], length[passable]
         seen = self.visible(places[of], self.bends.point[to])
-        links: list[list[tuple[int, float]]] = [[] for _ in places]
-        for i, j in zip(of[seen].tolist(), to[seen].tolist(), strict=True):
-            links[i].append((j, float(length[i, j])))
+        links: list[list[Link]] = [[] for _ in places]
+        for i, j, far in zip(
+            of[seen].tolist(), to[seen].tolist(), length[seen].tolist(), strict=True
+        ):
+            links[i].append((j, far))
         return links
 
     def _standing_bends(self, around: Corners) -> Bends:
@@ -134,58 +154,71 @@ class Roadmap:
         both: NDArray[np.bool_] = inside & clear
         return both
 
-    def _network(self) -> list[list[tuple[int, float]]]:
+    def _network(self) -> list[list[Link]]:
+        """The links of all bends."""
+        one, other = np.triu_indices(len(self.bends), 1)
+        grazing = self._graze_both(self.bends, one, other)
+        one, other = one[grazing], other[grazing]
         place = self.bends.point
-        links: list[list[tuple[int, float]]] = [[] for _ in place]
-        for first in range(0, len(place), _ROWS):
-            rows = slice(first, first + _ROWS)
-            along = place[None] - place[rows, None]
-            there = self.bends.graze(along)
-            part = self.bends.take(np.arange(len(place)) // _ROWS == first // _ROWS)
-            here = part.graze(along.swapaxes(0, 1)).T
-            one, other = np.nonzero(there & here)
-            one += first
-            one, other = one[one < other], other[one < other]
-            seen = self.visible(place[one], place[other])
-            for i, j in zip(one[seen].tolist(), other[seen].tolist(), strict=True):
-                length = math.dist(place[i], place[j])
-                links[i].append((j, length))
-                links[j].append((i, length))
+        seen = self.visible(place[one], place[other])
+        links: list[list[Link]] = [[] for _ in place]
+        for i, j in zip(one[seen].tolist(), other[seen].tolist(), strict=True):
+            length = math.dist(place[i], place[j])
+            links[i].append((j, length))
+            links[j].append((i, length))
         return links
+
+    def _links_of_some(self, bends: Ints) -> list[list[Link]]:
+        """The links of those of these numbers alone."""
+        here, place = self.bends.take(bends), self.bends.point
+        of, to = self._sight.beyond(here)
+        one, other = bends[of], to
+        worth = (one != other) & self._graze_both(here, of, to)
+        of, one, other = of[worth], one[worth], other[worth]
+        # A line is looked at in the same direction from either end: links go both ways.
+        seen = self.visible(place[np.minimum(one, other)], place[np.maximum(one, other)])
+        links: list[list[Link]] = [[] for _ in bends]
+        for k, i, j in zip(
+            of[seen].tolist(), one[seen].tolist(), other[seen].tolist(), strict=True
+        ):
+            links[k].append((j, math.dist(place[i], place[j])))
+        return links
+
+    def _graze_both(self, bends: Bends, of: Ints, to: Ints) -> NDArray[np.bool_]:
+        """Whether the lines from some of `bends` to some of the floor's graze both corners."""
+        along = self.bends.point[to] - bends.point[of]
+        both: NDArray[np.bool_] = bends.take(of).graze(along) & self.bends.take(to).graze(along)
+        return both
 
     def _around(self, body: Body) -> BodyBends:
         known = self._bodies.get(body.name)
         if known is not None and known.body is body:
             return known
         around = self._standing_bends(body.corners)
-        along = self.bends.point[None] - around.point[:, None]
-        candidates = self.bends.graze(along) & around.graze(along.swapaxes(0, 1)).T
-        of, to = np.nonzero(candidates)
+        of, to = self._sight.beyond(around)
+        grazing = self._graze_both(around, of, to)
+        of, to = of[grazing], to[grazing]
+        along = self.bends.point[to] - around.point[of]
         seen = self.visible(around.point[of], self.bends.point[to])
-        links: list[list[tuple[int, float]]] = [[] for _ in around.point]
-        for i, j in zip(of[seen].tolist(), to[seen].tolist(), strict=True):
-            links[i].append((j, math.hypot(*along[i, j])))
+        links: list[list[Link]] = [[] for _ in around.point]
+        for i, j, way in zip(
+            of[seen].tolist(), to[seen].tolist(), along[seen].tolist(), strict=True
+        ):
+            links[i].append((j, math.hypot(*way)))
         fresh = BodyBends(body, around, links)
         self._bodies[body.name] = fresh
         return fresh
 
 
-def _require_few(count: int) -> None:
-    """`ValueError` if these are too many bends, or corners, each of which has one at least."""
-    if count > MOST_BENDS:
-        raise ValueError(
-            f"the floor has too many corners to plan on ({count:,}, and bends around them; at most"
-            f" {MOST_BENDS:,}); draw its obstacles more simply, or join those that stand together"
-        )
-
-
-def _all_distances(links: list[list[tuple[int, float]]]) -> Floats:
+def _all_distances(links: list[list[Link]]) -> Floats:
     """The shortest distances in the network by Floyd and Warshall's algorithm, (N, N) metres."""
     far = np.full((len(links), len(links)), math.inf)
+    over = np.empty_like(far)
     np.fill_diagonal(far, 0.0)
     for here, to in enumerate(links):
         for there, length in to:
             far[here, there] = length
     for k in range(len(links)):
-        np.minimum(far, far[:, k, None] + far[k], out=far)
+        np.add(far[:, k, None], far[k], out=over)
+        np.minimum(far, over, out=far)
     return far

@@ -5,7 +5,7 @@ from __future__ import annotations
 import heapq
 import itertools
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -19,8 +19,18 @@ from .corners import Bends, Floats
 if TYPE_CHECKING:
     from .roadmap import Roadmap
 
+Link = tuple[int, float]
+"""The number of a place, and how far it is (metres)."""
+
+_Entry = tuple[float, float, int, int]
+"""How long a way is at least, how far it is to its last place but one link, and that link."""
+
 PATIENCE = 200
 """After so many links a search asks whether there is a way at all."""
+
+
+_SOON = 32
+"""So many places from the top of the queue are told to the roadmap as needed soon."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,7 +39,7 @@ class BodyBends:
 
     body: Body
     bends: Bends
-    links: list[list[tuple[int, float]]]
+    links: list[list[Link]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +48,7 @@ class Ends:
 
     start: Point
     goal: Point
-    from_start: list[tuple[int, float]]
+    from_start: list[Link]
     to_goal: dict[int, float]
     straight: bool
     """Whether only bodies may stand between them."""
@@ -65,15 +75,15 @@ class Search:
         )
         self._start = self._fixed + len(extra) - 2
         self._goal = self._start + 1
-        self._floor_links = roadmap.links
+        self._roadmap = roadmap
         self._points = roadmap.bends.point
         self._extra = [(float(x), float(y)) for x, y in extra]
-        self._links: list[list[tuple[int, float]]] = [[] for _ in extra]
+        self._links: list[list[Link]] = [[] for _ in extra]
         self._links[-2] += ends.from_start
         self._to_goal = dict(ends.to_goal)
         if ends.straight:
             self._to_goal[self._start] = math.dist(ends.start, ends.goal)
-        self._back: dict[int, list[tuple[int, float]]] = {}
+        self._back: dict[int, list[Link]] = {}
         if around:
             self._link_bodies(roadmap, around, extra)
         self._left = self._bounds(roadmap, ends.goal)
@@ -121,7 +131,7 @@ class Search:
         best = {self._start: 0.0}
         before: dict[int, int] = {}
         left = self._left
-        queue: list[tuple[float, float, int, int]] = []
+        queue: list[_Entry] = []
         self._expand(self._start, 0.0, best, queue)
         taken = 0
         while queue:
@@ -146,10 +156,10 @@ class Search:
         here: int,
         so_far: float,
         best: dict[int, float],
-        queue: list[tuple[float, float, int, int]],
+        queue: list[_Entry],
     ) -> None:
         left = self._left
-        for there, length in self._links_of(here):
+        for there, length in self._links_of(here, queue):
             then = so_far + length
             if then < best.get(there, math.inf):
                 heapq.heappush(queue, (then + left[there], then, here, there))
@@ -157,12 +167,15 @@ class Search:
             then = so_far + self._to_goal[here]
             heapq.heappush(queue, (then, then, here, self._goal))
 
-    def _links_of(self, here: int) -> list[tuple[int, float]]:
+    def _links_of(self, here: int, queue: list[_Entry]) -> list[Link]:
         if here >= self._fixed:
             return self._links[here - self._fixed]
-        if here in self._back:
-            return self._floor_links[here] + self._back[here]
-        return self._floor_links[here]
+        links = self._roadmap.links_of(here, self._next(queue))
+        return links + self._back[here] if here in self._back else links
+
+    def _next(self, queue: list[_Entry]) -> Iterator[int]:
+        """The floor's bends that will be taken soon: a heap has those not far from its top."""
+        return (there for _, _, _, there in queue[:_SOON] if there < self._fixed)
 
     def _point(self, index: int) -> Point:
         if index >= self._fixed:
