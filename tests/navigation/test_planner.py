@@ -347,16 +347,3 @@ def test_nothing_is_printed_at_exit():
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout == ""
     assert done.stderr == ""
-
-
-@pytest.mark.slow
-def test_a_floor_with_too_many_corners_is_refused():
-    tables = "".join(
-        f"  o{k}: {{center: [{5 + k % 100 * 10}, {5 + k // 100 * 10}], size: [1, 1], z: [0, 1]}}\n"
-        for k in range(10_000)
-    )
-    square = "boundary: [[0, 0], [1000, 0], [1000, 1000], [0, 1000]]\n"
-    plan = floorplan.parse(f"{square}obstacles:\n{tables}")
-    planner = PathPlanner(CollisionWorld(plan), 0.3)
-    with pytest.raises(ValueError, match="too many corners to plan on"):
-        planner.roadmap()
