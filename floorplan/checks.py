@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+import numpy as np
+import shapely
 from shapely.geometry import Point, Polygon
 from shapely.validation import explain_validity
 
@@ -18,11 +20,12 @@ def geometry_problems(plan: Floorplan, document: Document) -> Iterator[Problem]:
     if fault:
         yield document.problem(fault, "boundary")
     whole = not fault
-    for obstacle in plan.obstacles:
-        fault = polygon_fault(obstacle.footprint)
-        if fault:
-            whole = False
-            yield document.problem(fault, "obstacles", obstacle.name)
+    footprints = [obstacle.footprint for obstacle in plan.obstacles]
+    sound = shapely.is_valid(footprints) & (shapely.area(footprints) > 0)
+    for index in np.flatnonzero(~sound):
+        obstacle = plan.obstacles[index]
+        whole = False
+        yield document.problem(polygon_fault(obstacle.footprint), "obstacles", obstacle.name)
     for name in plan.patrol:
         if name not in {station.name for station in plan.stations}:
             yield document.problem(f"no station is called {name!r}", "patrol")
@@ -54,11 +57,9 @@ def standing_fault(plan: Floorplan, at: tuple[float, float], radius: float | Non
     point, place = Point(at), f"({at[0]:g}, {at[1]:g})"
     if not plan.boundary.contains(point):
         return f"{place} is outside the boundary"
-    gaps = [
-        (obstacle.footprint.distance(point), f"obstacle {obstacle.name!r}")
-        for obstacle in plan.obstacles
-        if obstacle.overlaps(0.0, plan.human.height)
-    ]
+    there = [o for o in plan.obstacles if o.overlaps(0.0, plan.human.height)]
+    far = shapely.distance([o.footprint for o in there], point).tolist()
+    gaps = [(gap, f"obstacle {o.name!r}") for gap, o in zip(far, there, strict=True)]
     gaps.append((plan.boundary.exterior.distance(point), "the boundary"))
     gap, name = min(gaps)
     if gap >= radius:

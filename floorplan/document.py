@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import gc
 import re
-from collections.abc import Hashable
+from collections.abc import Hashable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
@@ -150,14 +152,15 @@ def parse_yaml(text: str, file: str, error: type[InputError]) -> Document:
     loader = None
     try:
         loader = safe_loader(text)
-        node = loader.get_single_node()
-        if node is None:
-            return Document(file, None, {(): 1})
-        lines: dict[Place, int] = {}
-        problems = _survey(node, (), lines, frozenset())
-        if problems:
-            raise error(file, problems)
-        return Document(file, loader.construct_document(node), lines)
+        with _no_garbage():
+            node = loader.get_single_node()
+            if node is None:
+                return Document(file, None, {(): 1})
+            lines: dict[Place, int] = {}
+            problems = _survey(node, (), lines, frozenset())
+            if problems:
+                raise error(file, problems)
+            return Document(file, loader.construct_document(node), lines)
     except InputError:
         raise
     except yaml.MarkedYAMLError as why:
@@ -177,6 +180,19 @@ def parse_yaml(text: str, file: str, error: type[InputError]) -> Document:
     finally:
         if loader is not None:
             loader.dispose()
+
+
+@contextmanager
+def _no_garbage() -> Iterator[None]:
+    """Let Python look for no garbage: among the many nodes of a long document there is none yet,
+    and to look again and again takes as long as all the rest."""
+    looking = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if looking:
+            gc.enable()
 
 
 def _survey(

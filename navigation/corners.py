@@ -112,11 +112,19 @@ def edges_of_solid(solid: shapely.Geometry) -> list[Floats]:
 
 def corners(edges: list[Floats]) -> Corners:
     """The corners at which solid things stick out into the room on the left of `edges`."""
-    found = [_ring_corners(ring) for ring in edges]
-    centre = np.concatenate([np.empty((0, 2)), *(c for c, _, _ in found)])
-    begin = np.concatenate([np.empty(0), *(b for _, b, _ in found)])
-    turn = np.concatenate([np.empty(0), *(t for _, _, t in found)])
-    return Corners(centre, np.zeros(len(centre)), begin, turn)
+    begin, end = _sides(edges)
+    along = end - begin
+    heading = np.arctan2(along[:, 1], along[:, 0])
+    # The corner at begin[k] lies between the side k and the one before it in its ring.
+    before = np.arange(len(heading)) - 1
+    count = np.array([len(ring) - 1 for ring in edges], dtype=int)
+    before[np.cumsum(count) - count] = np.cumsum(count) - 1
+    arriving, leaving = heading[before], heading
+    turn = (arriving - leaving + math.pi) % (2 * math.pi) - math.pi
+    bent = turn > _STRAIGHT
+    return Corners(
+        begin[bent], np.zeros(np.count_nonzero(bent)), arriving[bent] + math.pi / 2, turn[bent]
+    )
 
 
 def round_corner(centre: tuple[float, float], radius: float) -> Corners:
@@ -142,10 +150,10 @@ def bends(around: Corners, radius: float, step: float) -> Bends:
 
 def grown(edges: list[Floats], radius: float, step: float) -> shapely.Geometry:
     """The room on the left of `edges` that is closer to them than `radius` metres."""
-    strips = [_strips(ring, radius) for ring in edges]
+    strips = _strips(edges, radius)
     sectors = _sectors(corners(edges), radius, step)
     # Most floors are many small things far apart: those that don't touch need no overlay.
-    return shapely.disjoint_subset_union_all(np.concatenate([*strips, sectors]))
+    return shapely.disjoint_subset_union_all(np.concatenate([strips, sectors]))
 
 
 def around_disc(centre: tuple[float, float], radius: float, step: float) -> Polygon:
@@ -163,21 +171,19 @@ def _rings(polygons: shapely.Geometry) -> list[Floats]:
     return rings
 
 
-def _ring_corners(ring: Floats) -> tuple[Floats, Floats, Floats]:
-    along = np.diff(ring, axis=0)
-    heading = np.arctan2(along[:, 1], along[:, 0])
-    # The corner at ring[k] lies between the sides k - 1 and k.
-    arriving, leaving = np.roll(heading, 1), heading
-    turn = (arriving - leaving + math.pi) % (2 * math.pi) - math.pi
-    bent = turn > _STRAIGHT
-    return ring[:-1][bent], arriving[bent] + math.pi / 2, turn[bent]
+def _sides(edges: list[Floats]) -> tuple[Floats, Floats]:
+    """Where all sides of the rings begin and end, (N, 2) metres each."""
+    none = np.empty((0, 2))
+    begin = np.concatenate([none, *(ring[:-1] for ring in edges)])
+    end = np.concatenate([none, *(ring[1:] for ring in edges)])
+    return begin, end
 
 
-def _strips(ring: Floats, radius: float) -> NDArray[np.object_]:
-    along = np.diff(ring, axis=0)
+def _strips(edges: list[Floats], radius: float) -> NDArray[np.object_]:
+    a, b = _sides(edges)
+    along = b - a
     left = np.column_stack([-along[:, 1], along[:, 0]])
     left *= radius / np.hypot(along[:, 0], along[:, 1])[:, None]
-    a, b = ring[:-1], ring[1:]
     strips: NDArray[np.object_] = shapely.polygons(np.stack([a, b, b + left, a + left], axis=1))
     return strips
 
