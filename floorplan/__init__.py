@@ -1,7 +1,7 @@
 """Where things are: the floor, and what stands on it."""
 
 from .checks import standing_fault
-from .document import Document, Place, field_name, parse_yaml, read_text, read_yaml
+from .document import Document, Place, field_name, is_there, parse_yaml, read_text, read_yaml
 from .loading import build, builtin, load, parse
 from .model import (
     Axis,
@@ -39,6 +39,7 @@ __all__ = [
     "build",
     "builtin",
     "field_name",
+    "is_there",
     "load",
     "parse",
     "parse_yaml",

@@ -123,6 +123,14 @@ def field_name(place: Place) -> str:
     return text
 
 
+def is_there(path: Path) -> bool:
+    """Whether there is something at `path`; at one that no file can have, there isn't."""
+    try:
+        return path.exists()
+    except (OSError, ValueError):
+        return False
+
+
 def read_text(path: Path, error: type[InputError]) -> str:
     """The text of the UTF-8 file at `path`; `error` says why it can't be read."""
     try:
@@ -133,6 +141,8 @@ def read_text(path: Path, error: type[InputError]) -> str:
         raise error(str(path), [Problem(f"is not UTF-8 text (byte {why.start})")]) from None
     except OSError as why:
         raise error(str(path), [Problem(f"can't be read: {why.strerror}")]) from None
+    except ValueError:
+        raise error(str(path), [Problem("there is no such file")]) from None
 
 
 def read_yaml(path: Path, error: type[InputError]) -> Document:

@@ -9,7 +9,7 @@ from pathlib import Path
 from shapely.geometry import Polygon, box
 
 from .checks import geometry_problems
-from .document import Document, parse_yaml, read_yaml
+from .document import Document, is_there, parse_yaml, read_yaml
 from .dxf import load_dxf
 from .model import Axis, Floorplan, Gantry, Human, Lane, Obstacle, SafeZone, Station
 from .problems import FloorplanError, Problem, suggestion
@@ -43,7 +43,7 @@ def load(source: str | Path) -> Floorplan:
         return build_ros_map(document) if is_ros_map(document) else build(document)
     if suffix in OTHER_SUFFIXES:
         return OTHER_SUFFIXES[suffix](path)
-    if path.exists():
+    if is_there(path):
         known = ", ".join((*YAML_SUFFIXES, *OTHER_SUFFIXES))
         message = f"the name of a floorplan's file ends in one of {known}"
         raise FloorplanError(text, [Problem(message)])

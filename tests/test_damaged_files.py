@@ -3,8 +3,10 @@
 import ast
 import os
 import re
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -152,6 +154,33 @@ def test_damaged_results_of_a_study_are_told(tmp_path, old, new, told):
         return
     with pytest.raises(ValueError, match=told):
         sim.run_study(study, tmp_path / "out", jobs=1)
+
+
+@pytest.mark.parametrize(
+    "trial",
+    [
+        f"floorplan: {'x' * 300}.yaml",
+        'floorplan: "a\\0.yaml"',
+        f"floorplan: ariac2023\nrules: {'x' * 300}",
+        f"floorplan: ariac2023\npeople: [{{name: ada, personality: {'x' * 300}}}]",
+        'floorplan: ariac2023\npeople: [{name: ada, personality: "a\\0"}]',
+        f"floorplan: ariac2023\nariac: {'x' * 300}",
+    ],
+)
+def test_a_name_that_no_file_can_have_is_told(trial):
+    with pytest.raises(sim.TrialError, match="<text>: line "):
+        sim.Trial.parse(trial)
+
+
+def test_an_include_of_a_name_that_no_file_can_have_is_told(tmp_path):
+    with pytest.raises(bdi.ProgramError, match="is no name of a file"):
+        bdi.parse(f'{{ include("{"x" * 300}") }}', folder=tmp_path)
+
+
+def test_a_distribution_of_nothing_is_told():
+    text = "trials: [ariac2023]\nrandom: {max_speed: {normal: null}}"
+    with pytest.raises(sim.StudyError, match=r"line 2, random\.max_speed: give one of uniform"):
+        sim.Study.parse(text)
 
 
 def test_a_law_with_a_number_too_large_for_a_float_is_told(tmp_path):
@@ -386,10 +415,16 @@ main()
 """
 
 
-@pytest.mark.parametrize("room", [2000, 12_000, 100_000])
-def test_a_recording_on_a_full_disk_stays_whole(tmp_path, room):
+BRIDGE = ["bridge", "--port", "0", "--speed", "200"]
+
+
+@pytest.mark.parametrize(
+    ("room", "command"),
+    [(2000, ["run"]), (12_000, ["run"]), (100_000, ["run"]), (12_000, BRIDGE)],
+)
+def test_a_recording_on_a_full_disk_stays_whole(tmp_path, room, command):
     """A limit on the size of files stands for the disk."""
-    arguments = [str(room), "run", "--duration", "60", "--out", "out"]
+    arguments = [str(room), *command, "--duration", "60", "--out", "out"]
     done = subprocess.run(
         [sys.executable, "-c", FULL_DISK, *arguments],
         cwd=tmp_path,
@@ -399,8 +434,10 @@ def test_a_recording_on_a_full_disk_stays_whole(tmp_path, room):
         timeout=120,
     )
     assert done.returncode == 1
-    assert done.stderr.startswith("floorwalker: can't go on writing to out: ")
-    assert len(done.stderr.splitlines()) == 1
+    *notices, told = done.stderr.splitlines()
+    assert told.startswith("floorwalker: can't go on writing to out: ")
+    assert all(notice.startswith(("serving", "the trial begins")) for notice in notices)
+    assert len(notices) == (0 if command == ["run"] else 2)
     out = tmp_path / "out"
     assert not (out / "replay.html").exists()
     assert not list(out.glob("*.part"))
@@ -408,3 +445,25 @@ def test_a_recording_on_a_full_disk_stays_whole(tmp_path, room):
         assert lines.read_bytes()[-1:] in (b"", b"\n"), lines.name
     if (out / "scene.json").exists():
         assert 0 <= sim.load_run(out).duration <= 60
+
+
+@pytest.mark.parametrize("command", [["run"], BRIDGE])
+def test_a_terminated_run_is_kept_whole(tmp_path, command):
+    arguments = [*command, "--duration", "2000000", "--out", "out"]
+    process = subprocess.Popen(
+        [sys.executable, "-m", "sim.cli", *arguments],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    )
+    events = tmp_path / "out" / "events.jsonl"
+    deadline = time.monotonic() + 60
+    while not (events.exists() and events.stat().st_size > 100):
+        assert time.monotonic() < deadline and process.poll() is None
+        time.sleep(0.05)
+    process.send_signal(signal.SIGTERM)
+    _, told = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert b"what happened is kept" in told and b"Traceback" not in told
+    assert sim.load_run(tmp_path / "out").summary["interrupted"]

@@ -1,4 +1,4 @@
-"""Ctrl-C, put off while packages are being loaded.
+"""Ctrl-C, put off while packages are being loaded; and SIGTERM, which is taken for it.
 
 If it comes just then, some compiled packages print a traceback and say that another one is
 missing.
@@ -19,6 +19,7 @@ AGAIN = 0.02
 def put_off_while_loading() -> Iterator[None]:
     """In this context Ctrl-C raises `KeyboardInterrupt` as ever, but never inside of an import.
 
+    So does SIGTERM, which would leave files unfinished and worker processes alone otherwise.
     Where whoever started us wants it ignored, as shells do in the background, it stays ignored.
     """
     usual = signal.getsignal(signal.SIGINT)
@@ -27,10 +28,12 @@ def put_off_while_loading() -> Iterator[None]:
         return
     alarm = signal.signal(signal.SIGALRM, _interrupt)
     signal.signal(signal.SIGINT, _interrupt)
+    terminate = signal.signal(signal.SIGTERM, _as_interrupt)
     try:
         yield
     finally:
         signal.signal(signal.SIGINT, usual)
+        signal.signal(signal.SIGTERM, terminate)
         signal.setitimer(signal.ITIMER_REAL, 0)
         signal.signal(signal.SIGALRM, alarm)
 
@@ -46,6 +49,10 @@ def _interrupt(_number: int, frame: FrameType | None) -> None:
         signal.setitimer(signal.ITIMER_REAL, AGAIN)
     else:
         raise KeyboardInterrupt
+
+
+def _as_interrupt(_number: int, _frame: FrameType | None) -> None:
+    signal.raise_signal(signal.SIGINT)
 
 
 def _is_loading(frame: FrameType | None) -> bool:

@@ -59,7 +59,12 @@ class StudyFolder:
                     f"{self.path} holds results, but no {IDENTITY} that tells of what;"
                     " give another folder with --out"
                 )
-            path.write_text(json.dumps(now, indent=2) + "\n", encoding="utf-8")
+            unfinished = path.with_name(f"{IDENTITY}.part")
+            try:
+                unfinished.write_text(json.dumps(now, indent=2) + "\n", encoding="utf-8")
+                unfinished.replace(path)
+            finally:
+                unfinished.unlink(missing_ok=True)
             return
         known = _known(path)
         changed = [name for name in {**known, **now} if known.get(name) != now.get(name)]

@@ -11,10 +11,11 @@ from pydantic import Field, Strict, model_validator
 import floorplan
 from floorplan import Document, Number, Pair, Positive, Problem, Strictly
 
+from ..trials.comparison import is_number
 from ..trials.trial import Trial
 from .definition import Study, StudyError
 from .draws import SIGMAS, Choice, Distribution, Normal, Shuffled, Uniform
-from .variables import Value, Variable, is_number, variable
+from .variables import Value, Variable, variable
 
 MOST_ROWS = 1_000_000
 """A study of more rows than this is refused: it is more likely a slip."""
@@ -97,7 +98,7 @@ class _Reader:
         for k, source in enumerate(sources):
             try:
                 path = self._folder / source
-                trial = Trial.load(path if path.suffix or path.exists() else source)
+                trial = Trial.load(path if path.suffix or floorplan.is_there(path) else source)
             except (ValueError, OSError) as why:
                 self._problem(str(why), "trials", k)
                 continue

@@ -63,12 +63,15 @@ class Table:
         self._file.close()
         wider = self._path.with_name(self._path.name + ".wider")
         lack = [""] * (len(columns) - len(self._columns))
-        with wider.open("w", encoding="utf-8", newline="") as file:
-            file.write(_line(columns))
-            lines = _lines(self._path)
-            next(lines, None)
-            file.writelines(_line([*line, *lack]) for line in lines)
-        wider.replace(self._path)
+        try:
+            with wider.open("w", encoding="utf-8", newline="") as file:
+                file.write(_line(columns))
+                lines = _lines(self._path)
+                next(lines, None)
+                file.writelines(_line([*line, *lack]) for line in lines)
+            wider.replace(self._path)
+        finally:
+            wider.unlink(missing_ok=True)
         self._columns = columns
         self._file = self._path.open("a", encoding="utf-8", newline="")
 

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from floorplan import suggestion
+from floorplan import is_there, suggestion
 
 from ..controllers import find_controller
+from ..trials.comparison import is_number
 from ..trials.rules_file import find_rules
 from ..trials.trial import AgvMove, Job, PersonEntry, Start, Trial
 
@@ -185,14 +185,9 @@ def _people(trial: Trial, whose: str, change: Callable[[PersonEntry], PersonEntr
 def _seen_from(trial_folder: Path, folder: Path, name: str) -> str:
     """The file `name` beside the study as it is seen from the trial, or `name` itself."""
     path = folder / name
-    if path.is_file() and trial_folder.resolve() != folder.resolve():
+    if is_there(path) and path.is_file() and trial_folder.resolve() != folder.resolve():
         return Path(os.path.relpath(path, trial_folder)).as_posix()
     return name
-
-
-def is_number(value: object) -> bool:
-    """Whether `value` is a finite number."""
-    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
 
 
 def _text(value: Any) -> str:

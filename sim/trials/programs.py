@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import bdi
-from floorplan import suggestion
+from floorplan import is_there, suggestion
 
 EXTERNAL = "external"
 """The personality of a person who runs no program, but is told from outside what to do; likewise
@@ -20,7 +20,7 @@ def find_program(personality: str, folder: Path) -> str | Path:
     if personality in bdi.programs():
         return personality
     path = folder / personality
-    if path.is_file():
+    if is_there(path) and path.is_file():
         return path
     known = (*bdi.programs(), EXTERNAL)
     raise FileNotFoundError(

@@ -82,7 +82,7 @@ def find_rules(source: str, folder: Path = Path()) -> RuleSet:
     `RulesError` for a file that holds none, `ValueError` if there is neither.
     """
     path = folder / source
-    if source not in RULE_SETS and path.is_file():
+    if source not in RULE_SETS and floorplan.is_there(path) and path.is_file():
         return load_rules(path)
     return rule_set(source)
 

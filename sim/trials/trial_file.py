@@ -36,7 +36,7 @@ def load(source: str | Path) -> Trial:
         data = resources.files("sim").joinpath("data", "trials", f"{text}.yaml")
         return parse(data.read_text(encoding="utf-8"), text, Path())
     path = Path(source)
-    if not path.suffix and not path.exists():
+    if not path.suffix and not floorplan.is_there(path):
         message = f"no such file, nor a built-in trial; {suggestion(text, builtin_trials())}"
         raise TrialError(text, [Problem(message)])
     return _build(floorplan.read_yaml(path, TrialError), path.parent)
@@ -131,7 +131,7 @@ def _build(document: Document, folder: Path) -> Trial:
 def _with_orders(trial: Trial, schema: _Trial, name: str, document: Document) -> Trial:
     """The trial with the orders, parts and challenges of an ARIAC trial file."""
     path = trial.folder / name
-    if not path.exists():
+    if not floorplan.is_there(path):
         raise TrialError(document.file, [document.problem(f"no such file: {name!r}", "ariac")])
     orders = floorplan.read_yaml(path, TrialError)
     workload, notices = reading.read_workload(orders, trial.floorplan)
@@ -151,7 +151,7 @@ def _floorplan(name: str, folder: Path, document: Document) -> Floorplan:
     if name in floorplan.builtin():
         return floorplan.load(name)
     path = folder / name
-    if not path.exists():
+    if not floorplan.is_there(path):
         message = (
             f"no such file, nor a built-in floorplan: {name!r};"
             f" {suggestion(name, floorplan.builtin())}"

@@ -160,6 +160,26 @@ def test_a_killed_study_goes_on_and_ends_with_the_same_bytes(study, folder):
         assert (folder / "killed" / name).read_bytes() == (folder / "whole" / name).read_bytes()
 
 
+def test_a_study_that_is_terminated_leaves_no_workers_behind(folder):
+    (folder / "s.study.yaml").write_text(STUDY.replace("repeat: 4", "repeat: 4000"))
+    process = command(folder, "--out", "stopped", "--jobs", "2", start_new_session=True)
+    results = folder / "stopped" / "results.csv"
+    deadline = time.monotonic() + 60
+    while not (results.exists() and results.read_bytes().count(b"\n") > 3):
+        assert time.monotonic() < deadline and process.poll() is None
+        time.sleep(0.01)
+    process.send_signal(signal.SIGTERM)
+    code, out, err = finished(process)
+    assert (code, out) == (130, "")
+    assert err == "Stopped; what is done is kept in stopped: run the same command to go on.\n"
+    deadline = time.monotonic() + 30
+    with pytest.raises(ProcessLookupError):
+        while time.monotonic() < deadline:
+            os.killpg(process.pid, 0)
+            time.sleep(0.1)
+    assert read_table(results)["row"][:3] == [0, 1, 2]
+
+
 @pytest.mark.parametrize("backend", ["loky", pytest.param("dask", marks=pytest.mark.slow)])
 def test_ctrl_c_says_how_to_go_on(folder, backend):
     (folder / "s.study.yaml").write_text(STUDY.replace("repeat: 4", "repeat: 4000"))
@@ -226,12 +246,15 @@ def test_a_full_disk_is_told_and_what_was_written_is_gone_on_with(study, tmp_pat
     resource = pytest.importorskip("resource")
     sim.run_study(study, tmp_path / "whole", jobs=1)
     limits = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (1500, limits[1]))
-    try:
-        with pytest.raises(sim.OutputError, match=r"can't write to .*full: File too large"):
-            sim.run_study(study, tmp_path / "full", jobs=1)
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    for room in (100, 400, 1500):
+        resource.setrlimit(resource.RLIMIT_FSIZE, (room, limits[1]))
+        try:
+            with pytest.raises(sim.OutputError, match=r"can't write to .*full: File too large"):
+                sim.run_study(study, tmp_path / "full", jobs=1)
+        finally:
+            resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+        left = {path.name for path in (tmp_path / "full").iterdir()}
+        assert left <= {"study.json", "results.csv"}
     sim.run_study(study, tmp_path / "full", jobs=1)
     whole, full = (tmp_path / name / "results.csv" for name in ("whole", "full"))
     assert full.read_bytes() == whole.read_bytes()
