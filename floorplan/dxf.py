@@ -30,6 +30,9 @@ BOUNDARY = "boundary"
 SAGITTA = 1e-3
 """Metres. How far a drawn arc may be from the corners that stand for it."""
 
+DAMAGED = (ArithmeticError, AttributeError, LookupError, TypeError, ValueError)
+"""So ezdxf ends, too, where a drawing holds something else than it promises."""
+
 _OUTLINES = ("LWPOLYLINE", "POLYLINE", "CIRCLE")
 _SILENT = ("TEXT", "MTEXT", "DIMENSION", "LEADER", "MULTILEADER", "POINT", "HATCH", "VIEWPORT")
 
@@ -96,7 +99,7 @@ def _drawing(path: Path) -> Drawing:
             return readfile(path)
     except FileNotFoundError:
         raise FloorplanError(str(path), [Problem("there is no such file")]) from None
-    except (DXFError, UnicodeDecodeError) as why:
+    except (DXFError, *DAMAGED) as why:
         raise FloorplanError(str(path), [Problem(f"is not a DXF drawing: {why}")]) from None
     except OSError as why:
         # ezdxf says this without a system's reason of a file that it does not recognise.

@@ -138,6 +138,7 @@ def test_a_damaged_line_of_a_recording_is_told(recorded, name, old, new, told):
         ("row,", "row,row,", "line 1: the column 'row' is there twice"),
         ("penalties\n", "penalties\n", None),
         ("\n0,0.9,0,,0\n", '\n0,0.9,0,,"many"\n', "a text where penalties should be a number"),
+        ("\n0,0.9,0,,0\n", "\n0,0.9,0,,1e999\n", "a text where penalties should be a number"),
         ("max_speed", "speed", "has no column 'max_speed'"),
     ],
 )
@@ -213,6 +214,13 @@ def test_a_thing_that_ezdxf_does_not_know_has_no_layer(tmp_path):
     path = tmp_path / "floor.dxf"
     path.write_bytes((SAMPLES / "floor.dxf").read_bytes().replace(b"LWPOLYLINE", b"LWPOLY"))
     with pytest.raises(floorplan.FloorplanError, match="2 LWPOLY can't be read as outlines"):
+        floorplan.load(path)
+
+
+def test_a_drawing_with_an_endless_number_is_told(tmp_path):
+    path = tmp_path / "floor.dxf"
+    path.write_bytes((SAMPLES / "floor.dxf").read_bytes().replace(b"\n90\n4\n", b"\n90\n-inf\n"))
+    with pytest.raises(floorplan.FloorplanError, match="is not a DXF drawing"):
         floorplan.load(path)
 
 

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import csv
 import io
+import math
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -96,10 +98,13 @@ def _typed(column: Iterable[str]) -> list[Cell]:
 
 
 def _number(text: str) -> float:
-    try:
-        return int(text) if len(text) < DIGITS else float(text)
-    except ValueError:
-        return float(text)
+    if len(text) < DIGITS:
+        with suppress(ValueError):
+            return int(text)
+    value = float(text)
+    if not math.isfinite(value):
+        raise ValueError(f"{text} is no figure")
+    return value
 
 
 def _text(value: Any) -> str:
