@@ -1,9 +1,13 @@
-"""A browser for the tests of pages, where there is one."""
+"""The command in this process, and a browser for the tests of pages, where there is one."""
 
 import shutil
+import subprocess
+import sys
 
 import pytest
 from replay_viewer import Viewer
+
+from sim.cli import main
 
 CHROMIUM = ("chromium", "chromium-browser", "google-chrome")
 ARGUMENTS = [
@@ -15,6 +19,22 @@ ARGUMENTS = [
     "--disable-component-update",
     "--disable-sync",
 ]
+
+
+@pytest.fixture
+def floorwalker(capfd, monkeypatch):
+    """Runs the command here, in the folder `cwd`: a process of its own takes long to get ready."""
+
+    def called(*words, cwd="."):
+        capfd.readouterr()
+        with monkeypatch.context() as now:
+            now.chdir(cwd)
+            now.setattr(sys, "argv", ["floorwalker", *map(str, words)])
+            with pytest.raises(SystemExit) as ended:
+                main()
+        return subprocess.CompletedProcess(words, ended.value.code or 0, *capfd.readouterr())
+
+    return called
 
 
 @pytest.fixture(scope="module")

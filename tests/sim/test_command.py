@@ -18,7 +18,7 @@ import sim
 TIMING = ("cpu_seconds", "realtime_factor")
 
 
-def floorwalker(*arguments, cwd, env=None):
+def in_a_process(*arguments, cwd, env=None):
     command = [sys.executable, "-m", "sim.cli", *map(str, arguments)]
     return subprocess.run(
         command, cwd=cwd, capture_output=True, text=True, timeout=120, env=environment(env)
@@ -35,7 +35,7 @@ def environment(extra=None):
 def recorded(tmp_path_factory):
     """The main job, run once: the finished process and its folder."""
     folder = tmp_path_factory.mktemp("main")
-    done = floorwalker("run", cwd=folder)
+    done = in_a_process("run", cwd=folder)
     return done, folder / "runs" / "ariac2023"
 
 
@@ -111,7 +111,7 @@ def test_the_trajectory_is_the_sampled_run(recorded):
     assert [float(row["t"]) for row in mine] == pytest.approx(samples["t"], abs=1e-9)
 
 
-def test_a_second_run_gets_a_folder_of_its_own(recorded):
+def test_a_second_run_gets_a_folder_of_its_own(recorded, floorwalker):
     folder = recorded[1].parent
     again = floorwalker("run", "--duration", "5", cwd=folder.parent)
     assert again.returncode == 0
@@ -125,7 +125,7 @@ def test_a_second_run_gets_a_folder_of_its_own(recorded):
 def test_the_same_trial_gives_the_same_bytes_in_any_process(trial, tmp_path):
     for name, hash_seed in (("a", "1"), ("b", "2")):
         env = {"PYTHONHASHSEED": hash_seed}
-        done = floorwalker("run", trial, "--out", tmp_path / name, cwd=tmp_path, env=env)
+        done = in_a_process("run", trial, "--out", tmp_path / name, cwd=tmp_path, env=env)
         assert done.returncode == 0, done.stderr
     run = sim.run(sim.Trial.load("scene_antagonistic"))  # something else before
     assert run.events
@@ -148,7 +148,7 @@ def test_the_same_trial_gives_the_same_bytes_in_any_process(trial, tmp_path):
     assert summaries[0] == summaries[1] == summaries[2]
 
 
-def test_who_waits_for_somebody_outside_is_said(tmp_path):
+def test_who_waits_for_somebody_outside_is_said(tmp_path, floorwalker):
     done = floorwalker(
         "run",
         "--personality",
@@ -166,7 +166,7 @@ def test_who_waits_for_somebody_outside_is_said(tmp_path):
     )
 
 
-def test_an_expectation_that_is_not_met_is_said_and_exits_1(tmp_path):
+def test_an_expectation_that_is_not_met_is_said_and_exits_1(tmp_path, floorwalker):
     path = tmp_path / "t.trial.yaml"
     path.write_text(
         "floorplan: ariac2023\nduration: 30\npeople: [{name: a}]\n"
@@ -202,7 +202,7 @@ BAD = {
 
 
 @pytest.mark.parametrize("name", BAD)
-def test_bad_files_get_one_clear_message(name, tmp_path):
+def test_bad_files_get_one_clear_message(name, tmp_path, floorwalker):
     text, message = BAD[name]
     if text is not None:
         (tmp_path / name).write_text(text)
@@ -232,7 +232,7 @@ def test_bad_files_get_one_clear_message(name, tmp_path):
         (["check"], 2, "FILE..."),
     ],
 )
-def test_wrong_usage_is_told(arguments, code, message, tmp_path):
+def test_wrong_usage_is_told(arguments, code, message, tmp_path, floorwalker):
     done = floorwalker(*arguments, cwd=tmp_path)
     assert done.returncode == code
     assert message in done.stderr
@@ -240,7 +240,7 @@ def test_wrong_usage_is_told(arguments, code, message, tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_check_says_what_it_read(tmp_path):
+def test_check_says_what_it_read(tmp_path, floorwalker):
     done = floorwalker("check", "ariac2023", "scene_helpful", "helpful", "warehouse", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert done.stderr == ""
@@ -251,7 +251,7 @@ def test_check_says_what_it_read(tmp_path):
     assert "and no gantry" in lines[3]
 
 
-def test_list_names_everything(tmp_path):
+def test_list_names_everything(tmp_path, floorwalker):
     done = floorwalker("list", cwd=tmp_path)
     assert done.returncode == 0
     assert done.stderr == ""
@@ -287,7 +287,7 @@ def test_an_interrupted_run_keeps_what_happened(tmp_path):
 
 
 def test_help_and_version(tmp_path):
-    done = floorwalker("--help", cwd=tmp_path)
+    done = in_a_process("--help", cwd=tmp_path)
     assert done.returncode == 0
     for command in ("run", "plan", "check", "agent", "benchmark", "export", "list"):
         assert command in done.stdout

@@ -7,6 +7,7 @@ import shutil
 import sqlite3
 import subprocess
 import sys
+from functools import partial
 from pathlib import Path
 
 import jupedsim
@@ -389,19 +390,8 @@ def test_a_full_disk_is_told_and_nothing_half_is_left(tmp_path):
     assert left == sorted(["t.yaml", *(f"whole{ending}" for ending in ENDINGS)])
 
 
-def test_the_command_exports_recordings_and_trials(tmp_path):
-    def floorwalker(*arguments):
-        command = [sys.executable, "-m", "sim.cli", *map(str, arguments)]
-        root = Path(__file__).resolve().parents[2]
-        return subprocess.run(
-            command,
-            cwd=tmp_path,
-            env={"PYTHONPATH": str(root), "PATH": ""},
-            capture_output=True,
-            text=True,
-            timeout=120,
-        )
-
+def test_the_command_exports_recordings_and_trials(tmp_path, floorwalker):
+    floorwalker = partial(floorwalker, cwd=tmp_path)
     (tmp_path / "busy.trial.yaml").write_text(TRIAL)
     assert floorwalker("run", "busy.trial.yaml", "--out", "rec").returncode == 0
     done = floorwalker("export", "rec", "--out", "a.csv", "--rate", "5")

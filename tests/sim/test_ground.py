@@ -21,7 +21,7 @@ def digest(trial):
     run = sim.run(trial)
     cost = ("cpu_seconds", "realtime_factor")
     summary = {key: value for key, value in run.summary.items() if key not in cost}
-    pieces = {name: motion.pieces for name, motion in run.motions.items()}
+    pieces = {name: list(motion.pieces) for name, motion in run.motions.items()}
     return hashlib.sha256(json.dumps([summary, run.events, pieces]).encode()).hexdigest()
 
 

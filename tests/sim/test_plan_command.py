@@ -1,21 +1,21 @@
 import csv
 import json
-import subprocess
-import sys
 
 import pytest
 
 
-def floorwalker(*words, ok=True):
-    done = subprocess.run(
-        [sys.executable, "-m", "sim.cli", *map(str, words)], capture_output=True, text=True
-    )
-    if ok:
-        assert done.returncode == 0, done.stderr
-    return done
+@pytest.fixture
+def floorwalker(floorwalker):
+    def called(*words, ok=True):
+        done = floorwalker(*words)
+        if ok:
+            assert done.returncode == 0, done.stderr
+        return done
+
+    return called
 
 
-def test_a_way_in_words():
+def test_a_way_in_words(floorwalker):
     done = floorwalker("plan", "ariac2023", -15, -10, -5, 3.75)
     lines = done.stdout.splitlines()
     assert lines[0].startswith("17.002 m by Roadmap, 0.997 m clear")
@@ -24,7 +24,7 @@ def test_a_way_in_words():
     assert done.stderr == ""
 
 
-def test_a_way_as_json_with_options():
+def test_a_way_as_json_with_options(floorwalker):
     done = floorwalker(
         *("plan", "ariac2023", -11.3, 6, -11.3, 3.5, "--json", "--radius", 0.25),
         *("--planner", "RRTConnect", "--parameter", "range=2", "--seed", 3, "--agv", "agv1=9.0"),
@@ -40,7 +40,7 @@ def test_a_way_as_json_with_options():
     assert done.stderr == ""
 
 
-def test_no_way_is_one_sentence_and_exit_1():
+def test_no_way_is_one_sentence_and_exit_1(floorwalker):
     done = floorwalker("plan", "ariac2023", -15, -10, -7.5, 3, ok=False)
     assert done.returncode == 1
     assert done.stdout == ""
@@ -50,27 +50,27 @@ def test_no_way_is_one_sentence_and_exit_1():
 @pytest.mark.parametrize(
     ("words", "why"),
     [
-        (("--planner", "RTConnect"), "did you mean RRTConnect?"),
+        (("--planner", "RTConnect"), "did you mean 'RRTConnect'?"),
         (("--parameter", "range=1"), "Roadmap has no parameters, found range"),
         (("--agv", "agv9=1"), "no AGV called 'agv9'"),
         (("--agv", "agv1=99"), "its lane runs from 0 to 18"),
         (("--radius", "-1"), "a radius must be positive"),
     ],
 )
-def test_senseless_input_is_exit_1(words, why):
+def test_senseless_input_is_exit_1(words, why, floorwalker):
     done = floorwalker("plan", "ariac2023", -15, -10, -5, 3.75, *words, ok=False)
     assert done.returncode == 1
     assert why in done.stderr
     assert "Traceback" not in done.stderr
 
 
-def test_wrong_usage_is_exit_2():
+def test_wrong_usage_is_exit_2(floorwalker):
     assert floorwalker("plan", "ariac2023", -15, -10, ok=False).returncode == 2
     wrong = floorwalker("plan", "ariac2023", -15, -10, -5, 3.75, "--agv", "agv1", ok=False)
     assert wrong.returncode == 2
 
 
-def test_a_plot(tmp_path):
+def test_a_plot(tmp_path, floorwalker):
     pytest.importorskip("matplotlib")
     floorwalker("plan", "ariac2023", -15, -10, -5, 3.75, "--plot", tmp_path / "way.svg")
     assert (tmp_path / "way.svg").read_text().startswith("<?xml")
@@ -81,7 +81,7 @@ def test_a_plot(tmp_path):
     assert "way.txt2" in wrong.stderr
 
 
-def test_benchmark_writes_tables_logs_and_plots(tmp_path):
+def test_benchmark_writes_tables_logs_and_plots(tmp_path, floorwalker):
     done = floorwalker(
         *("benchmark", "--floorplan", "ariac2023", "--queries", 4, "--out", tmp_path),
         *("--planner", "Roadmap", "--planner", "RRTConnect"),
