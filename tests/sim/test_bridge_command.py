@@ -77,7 +77,7 @@ def test_a_run_that_is_interrupted_is_kept(folder):
     assert "what happened is kept" in notices[-1]
 
 
-def test_what_is_wrong_is_told_and_leaves_no_folder_behind(folder):
+def test_what_is_wrong_is_told_and_leaves_no_folder_behind(folder, floorwalker):
     with relay() as url:
         taken = url.rpartition(":")[2]
         for arguments, code, told in (
@@ -88,10 +88,10 @@ def test_what_is_wrong_is_told_and_leaves_no_folder_behind(folder):
             (["--connect", "ws://127.0.0.1:1"], 1, "can't connect to ws://127.0.0.1:1"),
             (["--connect", "nonsense"], 1, "nonsense is no address"),
         ):
-            found, output, notices = run(folder, *arguments)
-            assert (found, output) == (code, ""), notices
-            assert told in notices
-            assert "Traceback" not in notices
+            done = floorwalker("bridge", *arguments, cwd=folder)
+            assert (done.returncode, done.stdout) == (code, ""), done.stderr
+            assert told in done.stderr
+            assert "Traceback" not in done.stderr
     assert [path.name for path in folder.iterdir()] == ["outside.yaml"]
 
 
