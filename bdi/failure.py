@@ -53,6 +53,10 @@ def find_failure_event(agent: Agent, intention: Intention, event: Event) -> Even
     return found
 
 
+DEAR = 10
+"""A goal below that is looked at, failure after failure, counts as so many goals."""
+
+
 def _search(
     agent: Agent, intention: Intention, sort: str, literal: Literal
 ) -> tuple[Event | None, int]:
@@ -68,6 +72,7 @@ def _search(
             position += 1
             depth -= 1
             while position < len(below) and unify(means.literal, literal, dict(means.u)):
+                agent.logic.spend(DEAR, literal)
                 means = below[position]
                 position += 1
                 depth -= 1

@@ -108,6 +108,12 @@ class Logic:
         self._left_at_this_instant -= self._allowed - self.goals_left
         self._allowed = self.goals_left = min(self._max_goals, self._left_at_this_instant)
 
+    def spend(self, goals: int, formula: Term) -> None:
+        """So many goals were tried for `formula`; raises as `give_up` when it was too many."""
+        self.goals_left -= goals
+        if self.goals_left < 0:
+            self.give_up(formula)
+
     def give_up(self, formula: Term) -> None:
         """Raises TooDeepError: `formula` came after more goals than may be tried in one cycle."""
         tried = self._max_goals if self._allowed == self._max_goals else CYCLES * self._max_goals

@@ -24,6 +24,9 @@ SLOW = 5.0
 TOO_SLOW = 30
 """Seconds of CPU time after which a case is broken off."""
 
+LONGEST = 200_000
+"""Bytes of a case: what is longer only takes longer."""
+
 STUCK = 300
 """Seconds of the wall clock after which the process ends, where nothing else helps."""
 
@@ -35,7 +38,7 @@ class EndlessError(BaseException):
 def case(reader: Reader, number: int, seed: object) -> bytes:
     """The damaged file of that number: the same each time."""
     draw = Random(f"{seed} {number}")
-    return damaged(draw.choice(reader.samples()), draw, reader.form)
+    return damaged(draw.choice(reader.samples()), draw, reader.form)[:LONGEST]
 
 
 def hunt(name: str, reader: Reader, cases: int, seed: int) -> int:
