@@ -156,10 +156,9 @@ class Roadmap:
 
     def _network(self) -> list[list[Link]]:
         """The links of all bends."""
-        one, other = np.triu_indices(len(self.bends), 1)
-        grazing = self._graze_both(self.bends, one, other)
-        one, other = one[grazing], other[grazing]
         place = self.bends.point
+        there = self.bends.graze(place[None] - place[:, None])
+        one, other = np.nonzero(np.triu(there & there.T, 1))
         seen = self.visible(place[one], place[other])
         links: list[list[Link]] = [[] for _ in place]
         for i, j in zip(one[seen].tolist(), other[seen].tolist(), strict=True):
@@ -213,12 +212,10 @@ class Roadmap:
 def _all_distances(links: list[list[Link]]) -> Floats:
     """The shortest distances in the network by Floyd and Warshall's algorithm, (N, N) metres."""
     far = np.full((len(links), len(links)), math.inf)
-    over = np.empty_like(far)
     np.fill_diagonal(far, 0.0)
     for here, to in enumerate(links):
         for there, length in to:
             far[here, there] = length
     for k in range(len(links)):
-        np.add(far[:, k, None], far[k], out=over)
-        np.minimum(far, over, out=far)
+        np.minimum(far, far[:, k, None] + far[k], out=far)
     return far
