@@ -112,6 +112,8 @@ def recorded(tmp_path):
     [
         ("scene.json", "-22.0", "9" * 400, r"scene.json: is not JSON: the number 9{20}… is too"),
         ("scene.json", "-22.0", "-1e999", "scene.json: is not JSON: the number -1e999 is too"),
+        ("scene.json", '"agv_law":{', '"agv_law":0,"x":{', "scene.json: rules: "),
+        ("motions.jsonl", '"pieces": [[0.0', '"pieces": [[1e300', "line 1, pieces"),
         ("summary.json", '"penalties": 0', '"penalties": NaN', "summary.json: is not JSON: NaN"),
         ("summary.json", "{", "[" * 100_000, "summary.json: is not JSON: it is nested too deeply"),
         ("events.jsonl", '"at": [', '"at": [1, ', "line 3: at of goal can't be"),

@@ -20,13 +20,15 @@ from .recorder import Event
 from .requirement_curve import Curve, is_plain, requirement_curve
 from .scene import Pose, Scene
 from .scene_file import ForeignLaw, SceneError, read_scene
-from .strict_json import parse_json
+from .strict_json import LARGEST, parse_json
 
 Violations = dict[tuple[str, str], tuple[tuple[float, float], ...]]
 
 Requirements = dict[tuple[str, str], Curve]
 
-_Cubic = tuple[FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat]
+_Number = Annotated[float, Field(ge=-LARGEST, le=LARGEST, allow_inf_nan=False)]
+
+_Cubic = tuple[_Number, _Number, _Number, _Number]
 
 
 _Line = TypeVar("_Line", bound=BaseModel)
@@ -65,15 +67,13 @@ class _Thought(BaseModel, extra="allow"):
 
 class _Motion(BaseModel):
     body: str
-    pieces: Annotated[
-        list[tuple[FiniteFloat, FiniteFloat, _Cubic, _Cubic, _Cubic]], Field(min_length=1)
-    ]
+    pieces: Annotated[list[tuple[_Number, _Number, _Cubic, _Cubic, _Cubic]], Field(min_length=1)]
 
 
 class _Violation(BaseModel):
     person: str
     machine: str = Field(alias="with")
-    intervals: tuple[tuple[FiniteFloat, FiniteFloat], ...]
+    intervals: tuple[tuple[_Number, _Number], ...]
     required: Curve | None = None
 
 

@@ -42,8 +42,8 @@ class ForeignLaw:
     name: str
 
     def distance(self, human_speed: float, robot_speed: float) -> float:
-        """`ValueError`: nobody here knows."""
-        raise ValueError(
+        """`SceneError`: nobody here knows."""
+        raise SceneError(
             f"the recording was made with a law of its own, {self.name}, which it does not hold;"
             " use the trial instead of the recording"
         )
@@ -130,9 +130,19 @@ def _polygon(data: dict[str, Any]) -> Any:
 def _rules(data: dict[str, Any]) -> RuleSet:
     try:
         notice = Notice(**_terms(data["notice"]))
-        return RuleSet(**(_terms(data) | {"notice": notice}))
+        rules = RuleSet(**(_terms(data) | {"notice": notice}))
     except (AttributeError, KeyError, TypeError, ValueError) as why:
         raise SceneError(f"rules: {why}") from None
+    laws = (rules.gantry_law, rules.agv_law, notice.law)
+    if not (isinstance(notice.law, Scaled) and all(map(_is_law, laws))):
+        raise SceneError("rules: a law is none")
+    return rules
+
+
+def _is_law(law: object) -> bool:
+    if isinstance(law, Scaled):
+        return _is_law(law.law)
+    return isinstance(law, (ForeignLaw, *_LAWS.values()))
 
 
 def _terms(data: dict[str, Any]) -> dict[str, Any]:
