@@ -73,6 +73,7 @@ def test_a_run_that_is_interrupted_is_kept(folder):
     assert server.wait(30) == 130
     listening.join(10)
     server.stdout.close()
+    server.stderr.close()
     require_whole(folder / "out")
     assert "what happened is kept" in notices[-1]
 

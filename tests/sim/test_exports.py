@@ -63,7 +63,7 @@ def at_nanosecond(run, body, nanoseconds):
 def test_csv_is_the_run_at_any_rate(run, tmp_path, rate):
     path = tmp_path / "run.csv"
     sim.export(run, path, rate=rate)
-    rows = list(csv.DictReader(path.open()))
+    rows = list(csv.DictReader(path.read_text().splitlines()))
     assert len(rows) == len(run.motions) * (int(45.0 * rate) + 1)
     for k, row in enumerate(rows):
         t = k // len(run.motions) / rate

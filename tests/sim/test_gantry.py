@@ -216,7 +216,8 @@ def test_the_command_keeps_the_recording_of_a_run_that_fails(controller):
     assert done.returncode == 1
     assert "line 3): division by zero" in done.stderr
     assert "Traceback" not in done.stderr
-    kept = [json.loads(line) for line in (folder / "out" / "events.jsonl").open()]
+    events = (folder / "out" / "events.jsonl").read_text()
+    kept = [json.loads(line) for line in events.splitlines()]
     assert kept[0]["kind"] == "trial_started"
     assert kept[-1]["t"] == 30.0
     summary = json.loads((folder / "out" / "summary.json").read_text())
