@@ -1,0 +1,306 @@
+"""Internal actions, functions and the order of terms, a formula at a time."""
+
+import re
+
+import pytest
+
+import bdi
+
+
+def said(body, rest="", limit=50):
+    """What a goal with this body prints, and how it fails, if it does."""
+    lines = []
+    program = bdi.parse(
+        f"!go.\n+!go <- {body}.\n-!go[error(E), error_msg(M)] <- .print(E, ': ', M).\n{rest}"
+    )
+    agent = bdi.Agent(program, act=lambda action: True, print=lines.append)
+    agent.advance(0.0)
+    for _ in range(limit):
+        if agent.next_wakeup is None:
+            break
+        agent.advance(agent.next_wakeup)
+    return lines
+
+
+def value(expression):
+    (line,) = said(f"X = {expression}; .print(X)")
+    return line
+
+
+@pytest.mark.parametrize(
+    ("expression", "result"),
+    [
+        ("1/0", "Infinity"),
+        ("0/0", "NaN"),
+        ("-1/0", "-Infinity"),
+        ("7 div 2", "3"),
+        ("-7 div 2", "-3"),
+        ("7 div 0", "NaN"),
+        ("-7 mod 3", "-1"),
+        ("7 mod 0", "NaN"),
+        ("2 ** 10", "1024"),
+        ("0 ** -1", "Infinity"),
+        ("(-8) ** 0.5", "NaN"),
+        ("10 ** 400", "Infinity"),
+        ("(-10) ** 401", "-Infinity"),
+        ("math.round(2.5)", "3"),
+        ("math.round(-2.5)", "-2"),
+        ("math.round(1/0)", "Infinity"),
+        ("math.sqrt(-1)", "NaN"),
+        ("math.log(0)", "-Infinity"),
+        ("math.log(-1)", "NaN"),
+        ("math.floor(a)", "NaN"),
+        ("math.max([3, 8, 5])", "8"),
+        ("math.min(3, 8)", "3"),
+        ("math.max([])", "NaN"),
+        ("math.max([a, 1])", "NaN"),
+        ("math.sum([1, 2, 3.5])", "6.5"),
+        ("math.median([1, 5, 3])", "3"),
+        ("math.std_dev([2, 4])", "1"),
+        ('.length("four")', "4"),
+        (".length(7)", "NaN"),
+    ],
+)
+def test_arithmetic_is_that_of_java(expression, result):
+    assert value(expression) == result
+
+
+HOLDS = """
+.length([a, b], 2)             .length("abc", 3)              .member(b, [a, b])
+.concat([a], [b, c], [a, b, c])
+.concat("a", 1, b, "a1b")      .concat(a, b, ab)              .nth(1, [a, b], b)
+.max([2, b, "s", 3], b)        .min([2, b, "s", 3], 2)        .reverse("abc", "cba")
+.reverse([1, 2], [2, 1])       .delete(1, [a, b, c], [a, c])  .delete(0, 2, [a, b, c], [c])
+.delete(a, [a, b, a], [b])     .delete(1, 2, "abc", "ac")     .delete(1, "abc", "ac")
+.delete(5, "abc", "abc")       .delete("b", "abcb", "ac")
+.union([b, a], [a, c], [a, b, c])
+.intersection([a, b], [b, c], [b])                            .difference([a, b], [b], [a])
+.prefix([a], [a, b])           .suffix([b], [a, b])           .sublist([b], [a, b, c])
+.range(2, 1, 3)                not .range(4, 1, 3)            .empty([])
+not .empty([a])                .empty("")                     not .empty(7)
+.substring("an", "banana")     .substring("an", "banana", 3)  .substring("an", "banana", 1, 3)
+not .substring("x", "banana")  .replace("a-b", "(a)-(b)", "$2+$1", "b+a")
+.term2string(p(1), "p(1)")     not .term2string(p(1), "p(2)")  .upper_case(ab, "AB")
+.lower_case("AB", "ab")        .random([a], R) & R == a                not .random([], X)
+.string("a")                   .number(1)                     .atom(a)
+.list([a])                     .literal(p(1))                 .structure(p(1))
+.structure([a])                .ground(p(1))                  not .ground(p(X))
+not .atom(p(1))                .count(.member(X, [a, b]), 2)  .count(a, [a, b, a], 2)
+.sort([c, a, b], [a, b, c])    .sort([2, 10, 1], [1, 2, 10])  .date(2023, 1, 1)
+.time(0, 0, 0)                 .time(0, 0, 0, 0)              .belief(here(1))
+not .belief(derived(1))        .my_name(N) & .atom(N)                .intend(go)
+.desire(go)                    not .intend(stay)              not .desire(stay)
+p(1) < p(2)                    p(2) < p(1, 1)                 ~a(1) > a(1)
+[a, b] < [a, c]                [b] < [a, a]                   1 < a
+[a] < a                        X > a                          X + 1 \\== Y * 1
+(X + 1) \\== (X + 2)           not (p(X) = q(X))              [H|T] = [a, b]
+p(X, X) = p(Y, a)              a[x, y] = A[y]                 [a|T] = [a, b, c]
+"""
+
+
+def formulas(table):
+    for line in table.strip().splitlines():
+        yield from filter(None, (part.strip() for part in re.split(r" {2,}", line)))
+
+
+@pytest.mark.parametrize("formula", list(formulas(HOLDS)))
+def test_it_holds(formula):
+    lines = said(
+        f"if ({formula}) {{ .print(holds) }} else {{ .print(fails) }}",
+        "here(1). derived(X) :- here(X).",
+    )
+    assert lines == ["holds"]
+
+
+@pytest.mark.parametrize(
+    ("formula", "solutions"),
+    [
+        (".member(X, [a, b])", "[a,b]"),
+        (".range(X, 1, 5, 2)", "[1,3,5]"),
+        (".range(X, 3, 1, -1)", "[3,2,1]"),
+        (".prefix(X, [a, b])", "[[a,b],[a],[]]"),
+        (".suffix(X, [a, b])", "[[a,b],[b],[]]"),
+        (".sublist(X, [a, b])", "[[a,b],[a],[b],[]]"),
+        ('.substring("an", "banana", X)', "[1,3]"),
+        (".belief(here(X))", "[1,2]"),
+        (".random([a], X, 3)", "[a,a,a]"),
+        ("here(X) | X = 3", "[1,2,3]"),
+        ("here(X) & X > 1", "[2]"),
+        ('.term2string(X, "p(1)")', "[p(1)]"),
+        ("p(1)[a] =.. X", "[[default,p,[1],[a]]]"),
+    ],
+)
+def test_solutions_come_in_order(formula, solutions):
+    assert said(f".findall(X, {formula}, L); .print(L)", "here(1). here(2).") == [solutions]
+
+
+@pytest.mark.parametrize(
+    ("action", "told"),
+    [
+        (".length(7, X)", "first argument must be a list or a string"),
+        (".concat([a], b, X)", "arg[1] is not a list"),
+        (".concat([a], [b], c)", "is not a list nor a variable"),
+        (".nth(0, a, X)", "second argument should be a list"),
+        (".sort(a, X)", "first argument must be a list"),
+        (".range(X, 1, b)", "third parameter ('b') must be a number"),
+        (".range(X, 1, 3, 0)", "a step of 0 leads nowhere"),
+        (".delete(a, b, X)", "Incorrect use of the internal action '.delete'"),
+        (".replace(a, b, c, X)", "must be strings"),
+        ('.replace("a", "(", "b", X)', "is no regular expression"),
+        (".term2string(X, Y)", "invalid case of term2string"),
+        ('.term2string(X, "p(")', "expected"),
+        (".random(a)", "first argument must be a variable"),
+        (".random([a], b)", "second argument must be a variable"),
+        (".wait([a])", "nothing to wait for"),
+        ('.wait("+")', ""),
+        ('.at("soon", {+!a})', "did not parse"),
+        ('.at("now + 1 s", 3)', "is no event"),
+        (".add_plan(7)", "can not be used as a plan"),
+        ('.add_plan("+!x <- .nosuch.")', "nosuch"),
+        ('.add_plan("+!x <- ")', ""),
+        (".include(7)", "first argument must be a string"),
+        ('.include("nowhere.asl")', "nowhere.asl"),
+        (".relevant_plans(7, P)", "must follow the syntax of a trigger"),
+        (".intend(X)", "which goal?"),
+        (".drop_intention(7)", "must be a literal"),
+    ],
+)
+def test_what_is_wrong_is_told(action, told):
+    lines = said(action)
+    assert len(lines) == 1
+    assert told in lines[0]
+
+
+def test_log_prints_or_warns():
+    assert said(".log(info, a, 1); .log(fine, b); .log(warning, c)") == ["a1"]
+
+
+def test_seeds_repeat_random_numbers():
+    first, second = said(
+        ".set_random_seed(7); .random(X); .shuffle([1, 2, 3, 4, 5, 6], L); .print(X, L);"
+        ".set_random_seed(7); .random(Y); .shuffle([1, 2, 3, 4, 5, 6], M); .print(Y, M)"
+    )
+    assert first == second
+
+
+def test_events_are_announced():
+    lines = said(
+        '.at("now + 2 minutes", {+!ring}); .wait(119000); .print(before); .wait(2000);'
+        " .print(after)",
+        '+!ring <- .time(H, M, S); .print(H, ":", M, ":", S).',
+    )
+    assert lines == ["before", "0:2:0", "after"]
+
+
+def test_plans_come_and_go():
+    assert said(
+        '.add_plan("@late +!greet <- .print(hello)."); !greet;'
+        ' .add_plan("+!greet <- .print(first).", self, begin); !greet;'
+        " .relevant_plans({+!greet}, _, L); .length(L, N); .print(N);"
+        " .remove_plan(late); .relevant_plans({+!greet}, _, K); .length(K, O); .print(O)"
+    ) == ["hello", "first", "2", "1"]
+
+
+def test_a_plan_can_suspend_itself():
+    lines = said(
+        "!!work; .wait(10); .print(goes_on); .resume(work); .wait(10); .print(done)",
+        "+!work <- .print(waits); .suspend; .print(resumed).",
+    )
+    assert lines == ["waits", "goes_on", "resumed", "done"]
+
+
+def test_a_goal_can_suspend_itself_by_name():
+    lines = said(
+        "!!work; .wait(10); .print(goes_on); .resume(work); .wait(10); .print(done)",
+        "+!work <- .print(waits); .suspend(work); .print(resumed).",
+    )
+    assert lines == ["waits", "goes_on", "resumed", "done"]
+
+
+def test_a_goal_can_be_suspended_before_it_is_begun():
+    lines = said(
+        "!!work; .suspend(work); .wait(50); .print(later); .resume(work); .wait(10); .print(done)",
+        "+!work <- .print(works).",
+    )
+    assert lines == ["later", "works", "done"]
+
+
+def test_running_intentions_can_be_suspended():
+    lines = said(
+        "!!count(0); !!nothing; .suspend(count(_)); .wait(5); .print(resumes);"
+        " .resume(count(_)); .wait(5); .print(done)",
+        "+!count(N) : N < 50 <- !count(N + 1). +!count(N) <- .print(N). +!nothing.",
+    )
+    assert lines == ["resumes", "50", "done"]
+
+
+@pytest.mark.parametrize(
+    ("how", "lines"),
+    [
+        ("succeed_goal", ["end"]),
+        ("fail_goal", ["failed", "end"]),
+        ("drop_event", ["end"]),
+        ("drop_desire", ["end"]),
+        ("drop_intention", ["works", "end"]),
+        ("suspend", ["end", "works"]),
+    ],
+)
+def test_goals_that_wait_to_be_begun_can_be_ended(how, lines):
+    """No event is dealt with while an atomic plan runs: that of `work` is still in the queue."""
+    heard = said(
+        "!quiet; .wait(10); .print(end); .resume(work)",
+        f"@quiet[atomic] +!quiet <- !!work; .{how}(work)."
+        " +!work <- .print(works). -!work <- .print(failed).",
+    )
+    assert heard == lines
+
+
+@pytest.mark.parametrize(
+    ("how", "lines"),
+    [
+        ("succeed_goal", ["on", "end"]),
+        ("fail_goal", ["failed", "end"]),
+        ("drop_intention", ["end"]),
+    ],
+)
+def test_goals_that_wait_for_an_action_can_be_ended(how, lines):
+    """The environment never says what became of the action."""
+    heard = []
+    agent = bdi.Agent(
+        bdi.parse(
+            f"!outer. !go. +!go <- .wait(10); .{how}(work); .wait(10); .print(end)."
+            "+!outer <- !work; .print(on). -!outer <- .print(failed). +!work <- press; .print(no)."
+        ),
+        act=lambda action: bdi.PENDING,
+        print=heard.append,
+    )
+    for t in (0.0, 0.1, 0.2):
+        agent.advance(t)
+    assert heard == lines
+
+
+def test_an_intention_describes_itself():
+    (line,) = said('.current_intention(intention(N, [im(_, T, _, _)|_])); .print(N, " ", T)')
+    assert line.split(" ")[0].isdigit()
+    assert "+!go" in line
+
+
+def test_formulas_of_every_kind_are_copied_with_new_variables():
+    rules = (
+        "twice(X, Y) :- Y = X + X. longest(L, N) :- N = math.max(L). "
+        "either(X) :- X = 1 | X = 2. other(X) :- not X = 1 & X \\== 2. "
+        "with(X, A) :- here(X)[A|_]. here(5)[seen]. "
+    )
+    body = (
+        "?twice(2, A); ?longest([1, 7], B); .findall(X, either(X), C); ?other(3); ?here(5)[seen];"
+        ' .print(A, " ", B, " ", C)'
+    )
+    assert said(body, rules) == ["4 7 [1,2]"]
+
+
+def test_beliefs_keep_their_sources_apart():
+    assert said(
+        "+here(1)[source(bob)]; +here(1); -here(1)[source(bob)]; ?here(1)[source(self)];"
+        " .count(here(_)[source(bob)], N); .print(N); -+here(2);"
+        " .findall(X, here(X), L); .print(L); .abolish(here(_)); .count(here(_), M); .print(M)"
+    ) == ["0", "[2]", "0"]
