@@ -183,6 +183,8 @@ def unify(one: Term, other: Term, u: Unifier) -> bool:
 def _bind(var: Var, value: Term, u: Unifier) -> bool:
     if value.__class__ is Arithmetic or value.__class__ is Function:
         value = substitute(value, u)
+    if value.__class__ is Var and value.name == var.name:
+        return True
     if value.__class__ is Var and not value.fresh and var.fresh:
         u[value.name] = var
     else:

@@ -1,0 +1,122 @@
+"""Terms of every kind: written and read, compared, unified, renamed, put in order."""
+
+from itertools import pairwise
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import bdi
+from bdi.order import compare, standard_order
+from bdi.terms import is_ground
+from bdi.unify import Names, rename, substitute, unify, variable_names
+
+ATOMS = st.sampled_from(["a", "b", "1", "2.5", '"s"', "X", "Y", "[]", "~p(1)"])
+
+
+def compound(inner):
+    pairs = st.tuples(inner, inner)
+    return st.one_of(
+        inner.map("p({})".format),
+        pairs.map("q({0[0]},{0[1]})".format),
+        pairs.map("r({0[0]})[{0[1]}]".format),
+        pairs.map("[{0[0]},{0[1]}]".format),
+        inner.map("[{}|Tail]".format),
+        inner.map("A[{}]".format),
+        inner.map("s[{}|Others]".format),
+    )
+
+
+VALUES = st.recursive(ATOMS, compound, max_leaves=6)
+NUMBERS = st.sampled_from(["(X + 1)", "(X * Y)", "(-X)", "math.max([X,1])", "math.abs(X)"])
+FORMULAS = st.recursive(
+    st.one_of(
+        st.tuples(VALUES, st.sampled_from(["<", "==", "="]), VALUES).map(" ".join),
+        NUMBERS.map("{} > 3".format),
+    ).map("({})".format),
+    lambda inner: st.one_of(
+        inner.map("(not {})".format),
+        st.tuples(inner, st.sampled_from(["&", "|"]), inner).map(" ".join).map("({})".format),
+    ),
+    max_leaves=4,
+)
+TERMS = st.one_of(VALUES, NUMBERS, FORMULAS, FORMULAS.map("f({})".format)).map(bdi.parse_term)
+
+
+@given(TERMS)
+def test_what_is_written_is_read_again(term):
+    again = bdi.parse_term(bdi.text(term))
+    assert again == term
+    assert hash(again) == hash(term)
+    assert compare(again, term) == 0
+
+
+@given(TERMS)
+def test_a_term_can_be_made_equal_to_its_copies(term):
+    assert unify(term, bdi.parse_term(bdi.text(term)), {})
+    copy = rename(term, Names(), {})
+    assert len(variable_names(copy)) == len(variable_names(term))
+    assert not set(variable_names(copy)) & set(variable_names(term))
+
+
+@given(TERMS)
+def test_only_variables_are_bound(term):
+    values = dict.fromkeys(variable_names(term), 3.0)
+    bound = substitute(term, values)
+    assert substitute(bound, values) == bound
+    if is_ground(term):
+        assert bound == term
+
+
+@given(TERMS, TERMS)
+def test_the_order_has_two_directions(one, other):
+    assert compare(one, other) == -compare(other, one)
+
+
+@given(st.lists(TERMS.filter(is_ground), max_size=6))
+def test_ground_terms_can_be_sorted(terms):
+    ordered = sorted(terms, key=standard_order)
+    assert all(compare(one, other) <= 0 for one, other in pairwise(ordered))
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "unifies"),
+    [
+        ("X + 1", "X + 1", True),
+        ("X + 1", "X + 2", False),
+        ("f(1 + 2)", "f(3)", True),
+        ("f(3)", "f(X + 1)", False),
+        ("f(math.max([1, 4]))", "f(4)", True),
+        ("(p(X) & q)", "(p(1) & q)", True),
+        ("(p & q)", "(p | q)", False),
+        ("(not p(X))", "(not p(2))", True),
+        ("A[x]", "p[x, y]", True),
+        ("p[x, y]", "A[x]", True),
+        ("A[z]", "p[x, y]", False),
+        ("A[x]", "B[x]", True),
+        ("A[x]", "1", False),
+        ("p(A[x], A)", "p(A[y], q)", True),  # looked for the end of A for ever
+        ("[1, 2|T]", "[1, 2, 3]", True),
+        ("[1, X]", "[1]", False),
+        ("p[x|R]", "p[x, y, z]", True),
+        ('"s"', "s", False),
+    ],
+)
+def test_unification(one, other, unifies):
+    assert unify(bdi.parse_term(one), bdi.parse_term(other), {}) is unifies
+
+
+@pytest.mark.parametrize(
+    ("value", "made"), [(True, "true"), (False, "false"), ([1, "s"], '[1,"s"]'), (2, "2")]
+)
+def test_python_values_become_terms(value, made):
+    actions = bdi.InternalActions()
+
+    @actions.add("my.value", least=1, most=1)
+    def my_value(call, result):
+        return call.unify(result, value)
+
+    said = []
+    program = bdi.parse("!go. +!go <- my.value(X); .term2string(X, S); .print(S).")
+    bdi.Agent(program, actions=actions, act=lambda action: True, print=said.append).advance(0.0)
+    assert said == [made]
