@@ -1,7 +1,7 @@
 """`floorwalker replay`, as a user types it."""
 
 import pytest
-from test_command import floorwalker
+from test_command import in_a_process
 
 import sim
 from sim.pages.replay import recording_in, render
@@ -25,14 +25,14 @@ def folder(tmp_path_factory):
 
 
 def test_the_page_of_a_run_is_named(folder):
-    done = floorwalker("replay", "whole", "--no-open", cwd=folder)
+    done = in_a_process("replay", "whole", "--no-open", cwd=folder)
     assert (done.returncode, done.stderr) == (0, "")
     assert done.stdout == "whole/replay.html\n"
 
 
 def test_a_run_that_was_broken_off_gets_its_page(folder):
     assert not (folder / "broken" / "replay.html").exists()
-    done = floorwalker("replay", "broken", "--no-open", cwd=folder)
+    done = in_a_process("replay", "broken", "--no-open", cwd=folder)
     assert (done.returncode, done.stderr) == (0, "")
     recording = recording_in((folder / "broken" / "replay.html").read_text(encoding="utf-8"))
     assert recording["events"][0]["kind"] == "trial_started"
@@ -50,7 +50,7 @@ def test_a_recording_can_be_taken_out_of_its_page(folder):
 def test_two_runs_make_one_page(folder, tmp_path):
     file = tmp_path / "both.html"
     page = folder / "whole" / "replay.html"
-    done = floorwalker("replay", "broken", page, "--out", file, "--no-open", cwd=folder)
+    done = in_a_process("replay", "broken", page, "--out", file, "--no-open", cwd=folder)
     assert (done.returncode, done.stdout) == (0, f"{file}\n")
     html = file.read_text(encoding="utf-8")
     assert html.count('type="application/json"') == 2
@@ -70,7 +70,7 @@ def test_two_runs_make_one_page(folder, tmp_path):
 )
 def test_what_is_no_run_is_said(tmp_path, make, message):
     make(tmp_path / "thing")
-    done = floorwalker("replay", "thing", "--no-open", cwd=tmp_path)
+    done = in_a_process("replay", "thing", "--no-open", cwd=tmp_path)
     assert done.returncode == 1
     assert done.stdout == ""
     assert done.stderr.startswith("floorwalker: thing")
@@ -91,7 +91,7 @@ def page(recording):
     ],
 )
 def test_a_speed_that_makes_no_sense_leaves_nothing_behind(tmp_path, options, message):
-    done = floorwalker("run", "--out", "run", *options, cwd=tmp_path)
+    done = in_a_process("run", "--out", "run", *options, cwd=tmp_path)
     assert done.returncode == 2
     assert message in done.stderr
     assert list(tmp_path.iterdir()) == []
