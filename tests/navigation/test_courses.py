@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 import navigation
@@ -53,6 +53,13 @@ def sampled(motion):
     return speed, acceleration, spin
 
 
+def gaps(own, others, begin, times):
+    """The distances at `times` from each of the others; the first is there from `begin` on."""
+    apart = np.array([np.hypot(*(own.position(times) - o.position(times)).T) for o in others])
+    apart[0, begin > times] = np.inf
+    return apart
+
+
 def turns_on_the_spot(motion):
     return sum(
         abs(math.remainder(b.rotation[0] - motion.state_before(b.begin).position[2], math.tau))
@@ -96,23 +103,32 @@ def test_distances_are_those_of_the_monitor(a, b, metres):
     assert company.maximum >= apart.max() - 1e-9
 
 
+def jumping(*places):
+    """Standing at each of some places on x in turn, a second at each."""
+    stands = [navigation.standing((x, 0.0), start=float(t)) for t, x in enumerate(places)]
+    return navigation.join(stands, end=float(len(places)))
+
+
 @settings(max_examples=40)
 @given(motions(), st.lists(motions(), min_size=2, max_size=3), st.floats(0, 4), st.floats(0, 0.5))
+@example(jumping(0.0), [jumping(1.0, 5.0), jumping(8.0)], 0.9998, 0.0)
 def test_the_nearest_of_several_is_that_of_dense_sampling(own, others, begin, radius):
     everybody = [own, *others]
     spans = [(0.0, END), (begin, END), *[(0.0, END)] * (len(others) - 1)]
     courses = Courses(everybody, spans)
     radii = [radius, *[0.1] * len(others)]
     (company,) = courses.company([(0, range(1, len(everybody)))], [1.0, 3.0], radii)
-    apart = np.array(
-        [np.hypot(*(own.position(TIMES) - o.position(TIMES)).T) - radius - 0.1 for o in others]
-    )
-    apart[0, begin > TIMES] = np.inf
+    apart = gaps(own, others, begin, TIMES) - radius - 0.1
     nearest = apart.min(0)
+    # What lasts for less than a sample counts as well: between a jump and `begin` or the end.
+    changes = [t for m in everybody for t in m.jumps if t < END]
+    before = [t - 1e-9 for t in (*changes, END)]
+    instants = np.array([*TIMES, begin, *changes, *before])
+    extremes = gaps(own, others, begin, instants) - radius - 0.1
     assert company.time == END
     assert company.mean == pytest.approx(nearest.mean(), abs=2e-2)
-    assert company.minimum == pytest.approx(nearest.min(), abs=2e-2)
-    assert company.maximum == pytest.approx(apart[np.isfinite(apart)].max(), abs=2e-2)
+    assert company.minimum == pytest.approx(extremes.min(), abs=2e-2)
+    assert company.maximum == pytest.approx(extremes[np.isfinite(extremes)].max(), abs=2e-2)
     for metres, seconds in zip([1.0, 3.0], company.within, strict=True):
         assert seconds == pytest.approx((nearest < metres).mean() * END, abs=0.02)
 
