@@ -70,15 +70,23 @@ def main() -> None:
     try:
         with put_off_while_loading():
             app(prog_name="floorwalker")
-    except BrokenPipeError:
-        # Whoever read our output has seen enough.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        sys.exit(0)
     except Exception as why:
         if not _is_told(why):
             raise
         typer.echo(f"floorwalker: {why}", err=True)
         sys.exit(1)
+    finally:
+        _drop_what_nobody_reads()
+
+
+def _drop_what_nobody_reads() -> None:
+    """Let Python have nothing left to write as it ends, if our reader has seen enough."""
+    output = sys.__stdout__
+    try:
+        if output is not None:
+            output.flush()
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
 
 
 def _is_told(why: Exception) -> bool:

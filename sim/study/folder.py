@@ -37,18 +37,25 @@ class StudyFolder:
             self.path.mkdir(parents=True, exist_ok=True)
             self._identify()
             self._take()
-            self.table = Table(self.path / RESULTS)
-            if lacking := [name for name in factors(self._study) if not self.table.has(name)]:
-                self.table.close()
-                raise TableError(f"{self.path / RESULTS} has no column {lacking[0]!r}")
+            try:
+                self.table = self._open_table()
+            except BaseException:
+                self._release()
+                raise
         return self
 
     def __exit__(self, *_: object) -> None:
         # What could not be written has been told already; closing would tell it again.
         with suppress(OSError):
             self.table.close()
-        if self._lock is not None:
-            self._lock.close()
+        self._release()
+
+    def _open_table(self) -> Table:
+        table = Table(self.path / RESULTS)
+        if lacking := [name for name in factors(self._study) if not table.has(name)]:
+            table.close()
+            raise TableError(f"{self.path / RESULTS} has no column {lacking[0]!r}")
+        return table
 
     def _identify(self) -> None:
         """Write down which study this is, or refuse the folder of another one."""
@@ -86,6 +93,10 @@ class StudyFolder:
         except OSError:
             self._lock.close()
             raise OutputError(f"another process works on {self.path} already") from None
+
+    def _release(self) -> None:
+        if self._lock is not None:
+            self._lock.close()
 
 
 def save_trial(study: Study, number: int, folder: str | Path) -> Path:
