@@ -91,9 +91,11 @@ def recording_to(listener: Listener, now: Callable[[], float]) -> Record:
 def rounded(value: Any) -> Any:
     """The same data with its floats rounded to `DECIMALS`, and no negative zero."""
     if isinstance(value, float):
-        return round(value, DECIMALS) + 0.0
+        short = round(value, DECIMALS) + 0.0
+        # Thousands of events name the same places: the same number need be there but once.
+        return value if value == short != 0.0 else short
     if isinstance(value, dict):
         return {key: rounded(inner) for key, inner in value.items()}
     if isinstance(value, list | tuple):
-        return [rounded(inner) for inner in value]
+        return list(map(rounded, value))
     return value
