@@ -295,7 +295,7 @@ LATER = "".join(f"X{n} = f(X{n + 1}, X{n + 1}); " for n in range(40))
 @pytest.mark.slow
 def test_a_term_that_doubles_when_it_is_printed_is_told():
     agent = bdi.Agent(bdi.parse(f"!g. +!g <- {LATER} .print(X0).", "p.asl"))
-    with pytest.raises(bdi.EndlessProgramError, match=r"p\.asl:1:5: \+!g: a term of more than"):
+    with pytest.raises(bdi.EndlessProgramError, match=r"p\.asl:1:\d+: \+!g: a term of more than"):
         agent.advance(1.0)
 
 

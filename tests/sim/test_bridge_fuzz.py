@@ -168,6 +168,9 @@ def test_a_minute_of_nonsense(tmp_path):
         reader.join(10)
     finally:
         server.kill()
+        server.wait()
+        server.stdout.close()
+        server.stderr.close()
     assert not [line for line in notices if "Traceback" in line or "Error" in line]
     require_whole(tmp_path / "out")
 

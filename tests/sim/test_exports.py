@@ -7,6 +7,7 @@ import shutil
 import sqlite3
 import subprocess
 import sys
+from contextlib import closing
 from functools import partial
 from pathlib import Path
 
@@ -257,10 +258,10 @@ def test_pedpy_reads_people_who_only_walk(run, tmp_path):
         speed_calculation=pedpy.SpeedCalculation.BORDER_SINGLE_SIDED,
     )
     assert speeds.speed.max() < run.floorplan.human.max_speed + 1e-6
-    database = sqlite3.connect(path)
-    (text,) = database.execute(
-        "SELECT value FROM metadata WHERE key = 'floorwalker_agents'"
-    ).fetchone()
+    with closing(sqlite3.connect(path)) as database:
+        (text,) = database.execute(
+            "SELECT value FROM metadata WHERE key = 'floorwalker_agents'"
+        ).fetchone()
     agents = {agent["id"]: agent["person"] for agent in json.loads(text)}
     assert set(agents.values()) == {"ada", "ben-2"}
     for row in trajectory.data.itertuples():
