@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from . import completion
+from .arguments import Duration, RecordingFolder, Rules, Seed, TrialName
 from .interrupts import leave_to_asyncio
 from .run import INTERRUPTED, changed, free_folder, tell_result
 
@@ -22,14 +23,7 @@ if TYPE_CHECKING:
 
 
 def bridge(
-    trial: Annotated[
-        str,
-        typer.Argument(
-            metavar="TRIAL",
-            help="A file, or the name of a built-in trial.",
-            autocompletion=completion.trial,
-        ),
-    ] = "ariac2023",
+    trial: TrialName = "ariac2023",
     host: Annotated[str, typer.Option(help="Where to serve.")] = "127.0.0.1",
     port: Annotated[
         int, typer.Option(min=0, max=65535, help="Likewise; 0 for any that is free.")
@@ -41,9 +35,7 @@ def bridge(
     hold: Annotated[
         bool, typer.Option("--hold", help="Begin only when /ariac/start_competition is called.")
     ] = False,
-    out: Annotated[
-        Path | None, typer.Option(help="Folder for the recording (runs/TRIAL if not given).")
-    ] = None,
+    out: RecordingFolder = None,
     connect: Annotated[
         str | None,
         typer.Option(metavar="URL", help="Serve nothing; be the agent at this rosbridge instead."),
@@ -58,12 +50,9 @@ def bridge(
             autocompletion=completion.program,
         ),
     ] = None,
-    duration: Annotated[float | None, typer.Option(help="Seconds to simulate.")] = None,
-    seed: Annotated[int | None, typer.Option(min=0, help="Seed of everything random.")] = None,
-    rules: Annotated[
-        str | None,
-        typer.Option(help="Rule set: a name, or a YAML file.", autocompletion=completion.rules),
-    ] = None,
+    duration: Duration = None,
+    seed: Seed = None,
+    rules: Rules = None,
 ) -> None:
     """Talk ROS: serve a trial over rosbridge, or be the agent of one that is served elsewhere."""
     from sim import Trial

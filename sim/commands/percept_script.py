@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import json
-import math
 from pathlib import Path
 from typing import NamedTuple
 
 import bdi
+
+from ..trials.comparison import is_number
 
 
 class Change(NamedTuple):
@@ -46,7 +47,7 @@ def _change(line: str, place: str, earliest: float) -> Change:
     if len(changes) != 1 or set(entry) != {"t", changes[0]}:
         raise ValueError(f'{place}: a line has "t" and either "add" or "remove"')
     time, what = entry["t"], entry[changes[0]]
-    if isinstance(time, bool) or not isinstance(time, int | float) or not _is_finite(time):
+    if not is_number(time):
         raise ValueError(f'{place}: "t" is a number of seconds, not {json.dumps(time)[:60]}')
     if time < 0:
         raise ValueError(f'{place}: "t" is {time:g}, and the run begins at 0')
@@ -55,13 +56,6 @@ def _change(line: str, place: str, earliest: float) -> Change:
     if not isinstance(what, str):
         raise ValueError(f'{place}: "{changes[0]}" is a literal in quotes')
     return Change(float(time), changes[0] == "add", literal(what, place))
-
-
-def _is_finite(number: float) -> bool:
-    try:
-        return math.isfinite(number)
-    except OverflowError:
-        return False
 
 
 def literal(text: str, place: str) -> bdi.Literal:

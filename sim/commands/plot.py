@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from . import completion
+from .arguments import Floor, Source
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -21,14 +22,6 @@ app = typer.Typer(
     rich_markup_mode=None,
 )
 
-Source = Annotated[
-    str,
-    typer.Argument(
-        metavar="SOURCE",
-        help="A run's folder, or a trial (which is run).",
-        autocompletion=completion.trial,
-    ),
-]
 Out = Annotated[Path, typer.Option(help="The picture: its ending says which kind.")]
 Columns = Annotated[
     Literal["single", "double"], typer.Option(help="How many columns of a paper it takes.")
@@ -39,14 +32,7 @@ End = Annotated[float | None, typer.Option("--to", help="Draw up to this time, s
 
 @app.command()
 def floorplan(
-    floor: Annotated[
-        str,
-        typer.Argument(
-            metavar="FLOOR",
-            help="A floorplan, a trial, or a run's folder.",
-            autocompletion=completion.floor_source,
-        ),
-    ],
+    floor: Floor,
     out: Out,
     width: Columns = "double",
 ) -> None:
@@ -60,14 +46,7 @@ def floorplan(
 
 @app.command(context_settings={"ignore_unknown_options": True})
 def path(
-    floor: Annotated[
-        str,
-        typer.Argument(
-            metavar="FLOOR",
-            help="A floorplan, a trial, or a run's folder.",
-            autocompletion=completion.floor_source,
-        ),
-    ],
+    floor: Floor,
     x0: Annotated[float, typer.Argument(help="The start, in metres.")],
     y0: Annotated[float, typer.Argument()],
     x1: Annotated[float, typer.Argument(help="The goal, in metres.")],

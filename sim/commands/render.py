@@ -8,18 +8,11 @@ from typing import Annotated
 
 import typer
 
-from . import completion
+from .arguments import Source
 
 
 def render(
-    source: Annotated[
-        str,
-        typer.Argument(
-            metavar="SOURCE",
-            help="A run's folder, or a trial (which is run).",
-            autocompletion=completion.trial,
-        ),
-    ],
+    source: Source,
     out: Annotated[Path, typer.Option(help="The film: .gif, or .mp4 where ffmpeg is installed.")],
     speed: Annotated[float, typer.Option(help="How much faster than in reality.")] = 8.0,
     fps: Annotated[int, typer.Option(help="Pictures a second.")] = 20,

@@ -12,6 +12,7 @@ import typer
 
 from ..pages.browser import open_in_browser
 from . import completion
+from .arguments import Duration, RecordingFolder, Rules, Seed, TrialName
 
 if TYPE_CHECKING:
     from sim import Recording, Run, Simulation, Trial
@@ -27,14 +28,7 @@ REPORTS = 200
 
 
 def run(
-    trial: Annotated[
-        str,
-        typer.Argument(
-            metavar="TRIAL",
-            help="A file, or the name of a built-in trial.",
-            autocompletion=completion.trial,
-        ),
-    ] = "ariac2023",
+    trial: TrialName = "ariac2023",
     personality: Annotated[
         str | None,
         typer.Option(
@@ -49,15 +43,10 @@ def run(
             autocompletion=completion.controller,
         ),
     ] = None,
-    duration: Annotated[float | None, typer.Option(help="Seconds to simulate.")] = None,
-    seed: Annotated[int | None, typer.Option(min=0, help="Seed of everything random.")] = None,
-    rules: Annotated[
-        str | None,
-        typer.Option(help="Rule set: a name, or a YAML file.", autocompletion=completion.rules),
-    ] = None,
-    out: Annotated[
-        Path | None, typer.Option(help="Folder for the recording (runs/TRIAL if not given).")
-    ] = None,
+    duration: Duration = None,
+    seed: Seed = None,
+    rules: Rules = None,
+    out: RecordingFolder = None,
     watch: Annotated[
         bool, typer.Option("--watch", help="Show it in the browser while it goes on.")
     ] = False,
@@ -113,7 +102,9 @@ def tell_notices(trial: Trial) -> None:
 
 def _tell_who_waits(trial: Trial) -> None:
     """Say who does nothing here because they are driven from outside."""
-    waiting = [person.name for person in trial.people if person.personality == "external"]
+    from ..trials.programs import EXTERNAL
+
+    waiting = [person.name for person in trial.people if person.personality == EXTERNAL]
     if trial.floorplan.gantry is not None and trial.gantry.controller == "external":
         waiting.append("the gantry")
     if waiting:

@@ -1,0 +1,44 @@
+"""Arguments and options that several commands take."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from . import completion
+
+TrialName = Annotated[
+    str,
+    typer.Argument(
+        metavar="TRIAL",
+        help="A file, or the name of a built-in trial.",
+        autocompletion=completion.trial,
+    ),
+]
+Source = Annotated[
+    str,
+    typer.Argument(
+        metavar="SOURCE",
+        help="A run's folder, or a trial (which is run).",
+        autocompletion=completion.trial,
+    ),
+]
+Floor = Annotated[
+    str,
+    typer.Argument(
+        metavar="FLOOR",
+        help="A floorplan, a trial, or a run's folder.",
+        autocompletion=completion.floor_source,
+    ),
+]
+Duration = Annotated[float | None, typer.Option(help="Seconds to simulate.")]
+Seed = Annotated[int | None, typer.Option(min=0, help="Seed of everything random.")]
+Rules = Annotated[
+    str | None,
+    typer.Option(help="Rule set: a name, or a YAML file.", autocompletion=completion.rules),
+]
+RecordingFolder = Annotated[
+    Path | None, typer.Option(help="Folder for the recording (runs/TRIAL if not given).")
+]
