@@ -1,4 +1,4 @@
-"""`python -m fuzz READER [--cases N] [--seed N]`: feed damaged files to a reader.
+"""`python -m fuzz READER [--cases N] [--first N] [--seed N]`: feed damaged files to a reader.
 
 With `--guided`, atheris looks for inputs that reach new code (`pip install atheris`); what follows
 `--` goes to libFuzzer.
@@ -25,6 +25,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m fuzz", description=__doc__)
     parser.add_argument("reader", help="a name in readers.py, or all")
     parser.add_argument("--cases", type=int, default=10_000)
+    parser.add_argument("--first", type=int, default=0, help="number of the first case")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--guided", action="store_true")
     own, libfuzzer = _split(sys.argv[1:])
@@ -41,7 +42,8 @@ def main() -> None:
     chosen = [asked.reader] if asked.reader in READERS else list(READERS)
     if asked.guided:
         _guided(READERS[chosen[0]], libfuzzer)
-    found = [hunt(name, READERS[name], asked.cases, asked.seed) for name in chosen]
+    cases = range(asked.first, asked.first + asked.cases)
+    found = [hunt(name, READERS[name], cases, asked.seed) for name in chosen]
     sys.exit(1 if any(found) else 0)
 
 

@@ -41,12 +41,12 @@ def case(reader: Reader, number: int, seed: object) -> bytes:
     return damaged(draw.choice(reader.samples()), draw, reader.form)[:LONGEST]
 
 
-def hunt(name: str, reader: Reader, cases: int, seed: int) -> int:
-    """Tell every kind of crash that `cases` damaged files lead to; how many kinds there are."""
+def hunt(name: str, reader: Reader, cases: range, seed: int) -> int:
+    """Tell every kind of crash that damaged files of these numbers lead to; how many there are."""
     crashes: Counter[str] = Counter()
     reader.read(reader.samples()[0])
     begin = time.process_time()
-    for number in range(cases):
+    for number in cases:
         data = case(reader, number, seed)
         before = time.process_time()
         try:
@@ -61,7 +61,7 @@ def hunt(name: str, reader: Reader, cases: int, seed: int) -> int:
         if time.process_time() - before > SLOW:
             _tell(f"{name}, case {number}: {time.process_time() - before:.1f} s", data)
     seconds = time.process_time() - begin
-    print(f"{name}: {cases:,} cases, {seconds:.0f} s of CPU time, {crashes.total()} crashes")
+    print(f"{name}: {len(cases):,} cases from {cases.start:,} on, {seconds:.0f} s of CPU time, {crashes.total()} crashes")
     for where, count in crashes.most_common():
         print(f"  {count} × {where}")
     return len(crashes)

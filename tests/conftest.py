@@ -1,6 +1,7 @@
 """What all tests share: the real data beside the repository, and how hypothesis runs."""
 
 import os
+import signal
 from importlib.metadata import entry_points
 from pathlib import Path
 
@@ -18,6 +19,10 @@ pytest_plugins = ["pytester"]
 if "floorwalker" not in entry_points(group="pytest11").names:
     # The sources are used without being installed anew: pytest does not know the plugin yet.
     pytest_plugins.append("sim.pytest_plugin")
+
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    # Shells start what runs in the background deaf to Ctrl-C, which commands would inherit.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 SHARED = Path(__file__).resolve().parents[2] / "shared" / "data"
 
