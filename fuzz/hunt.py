@@ -61,7 +61,8 @@ def hunt(name: str, reader: Reader, cases: range, seed: int) -> int:
         if time.process_time() - before > SLOW:
             _tell(f"{name}, case {number}: {time.process_time() - before:.1f} s", data)
     seconds = time.process_time() - begin
-    print(f"{name}: {len(cases):,} cases from {cases.start:,} on, {seconds:.0f} s of CPU time, {crashes.total()} crashes")
+    asked = f"{len(cases):,} cases from {cases.start:,} on"
+    print(f"{name}: {asked}, {seconds:.0f} s of CPU time, {crashes.total()} crashes")
     for where, count in crashes.most_common():
         print(f"  {count} × {where}")
     return len(crashes)
