@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Sequence
+from functools import lru_cache
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, TypeAlias
@@ -115,8 +116,29 @@ def _expected(names: Collection[str]) -> str:
     return f"{', '.join(words[:-1])} or {words[-1]}"
 
 
-def read_clauses(source: str, file: str) -> tuple[list[Clause], list[Problem]]:
+REMEMBERED = 50_000
+"""Characters up to which a text's clauses are remembered: many people share a few programs."""
+
+
+class _UnsoundError(Exception):
+    """A text has clauses that cannot be read."""
+
+    def __init__(self, found: Sequence[Clause], problems: Sequence[Problem]) -> None:
+        self.found = found
+        self.problems = problems
+        super().__init__()
+
+
+def read_clauses(source: str, file: str) -> tuple[Sequence[Clause], Sequence[Problem]]:
     """The clauses of a text, in order, and what is wrong with those that cannot be read."""
+    read = _remembered_clauses if len(source) <= REMEMBERED else _sound_clauses
+    try:
+        return read(source, file), ()
+    except _UnsoundError as unsound:
+        return unsound.found, unsound.problems
+
+
+def _sound_clauses(source: str, file: str) -> tuple[Clause, ...]:
     found: list[Clause] = []
     problems: list[Problem] = []
     for tokens in clauses(tokenize(source)):
@@ -124,7 +146,12 @@ def read_clauses(source: str, file: str) -> tuple[list[Clause], list[Problem]]:
             found.append(plain_fact(tokens, file) or parse_clause(tokens, file))
         except (UnexpectedInput, VisitError, RecursionError, TooDeepError) as error:
             problems.append(_problem(error, tokens, file))
-    return found, problems
+    if problems:
+        raise _UnsoundError(found, problems)
+    return tuple(found)
+
+
+_remembered_clauses = lru_cache(maxsize=64)(_sound_clauses)
 
 
 def _parse_part(source: str, before: str = "") -> Any:
@@ -184,7 +211,8 @@ def parse_clauses(
     source: str, file: str, include: Include, including: tuple[str, ...] = ()
 ) -> tuple[list[Clause], list[Problem]]:
     """The clauses of a text with those of the files it includes in their places."""
-    clauses_here, problems = read_clauses(source, file)
+    clauses_here, wrong_here = read_clauses(source, file)
+    problems = list(wrong_here)
     result: list[Clause] = []
     for clause in clauses_here:
         if not isinstance(clause, Directive):

@@ -14,6 +14,8 @@ from collections.abc import Mapping
 from importlib.resources import files
 from typing import Any
 
+from ..recordings.strict_json import parse_json
+
 FORMAT = "floorwalker-replay/1"
 """What `recording["format"]` says, so that a page can tell a recording it does not know."""
 
@@ -78,8 +80,8 @@ def recording_in(page: str) -> dict[str, Any]:
     if found is None:
         raise ValueError("is no replay page: it holds no recording")
     try:
-        recording = json.loads(found[1])
-    except json.JSONDecodeError as why:
+        recording = parse_json(found[1])
+    except ValueError as why:
         raise ValueError(f"the recording in it is damaged: {why}") from None
     _check_format(recording)
     return dict(recording)

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import IO
 
 from ..recordings.recording import OutputError
+from ..recordings.strict_json import parse_json
 from .comparison import factors
 from .definition import Study
 from .identity import identity
@@ -125,7 +126,7 @@ def writing_to(path: Path) -> Iterator[None]:
 
 def _known(path: Path) -> dict[str, str]:
     try:
-        found = json.loads(path.read_text(encoding="utf-8"))
+        found = parse_json(path.read_text(encoding="utf-8"))
     except ValueError:
         found = None
     return found if isinstance(found, dict) else {IDENTITY: "unreadable"}

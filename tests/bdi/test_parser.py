@@ -249,3 +249,23 @@ def test_files_that_are_no_text(tmp_path):
 def test_nothing_is_no_literal(text):
     with pytest.raises(bdi.ProgramError, match="found the end"):
         bdi.parse_literal(text)
+
+
+def test_files_with_the_same_text_keep_their_own_places_and_changes_are_seen(tmp_path):
+    one, other = tmp_path / "one.asl", tmp_path / "other.asl"
+    for path in (one, other):
+        path.write_text("!walk.\n+!walk <- wait.\n")
+    assert {plan.place.file for plan in bdi.parse_file(one).plans} == {str(one)}
+    assert {plan.place.file for plan in bdi.parse_file(other).plans} == {str(other)}
+    one.write_text("!rest.\n")
+    assert [str(goal) for goal in bdi.parse_file(one).goals] == ["!rest"]
+
+
+def test_a_text_that_is_wrong_is_told_of_each_time():
+    told = []
+    for _ in range(2):
+        with pytest.raises(bdi.ProgramError) as refused:
+            bdi.parse("!walk.\n+!walk <- .\n+!rest <- ?.\n", "p.asl")
+        told.append(str(refused.value))
+    assert told[0] == told[1]
+    assert told[0].count("p.asl:") == 2

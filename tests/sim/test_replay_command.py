@@ -65,6 +65,7 @@ def test_two_runs_make_one_page(folder, tmp_path):
         (lambda path: path.write_text("<p>Hello"), "is no replay page: it holds no recording"),
         (lambda path: path.write_bytes(b"\xff\xfe\x00"), "it is not UTF-8 text"),
         (lambda path: path.write_text(page('{"format": 1')), "the recording in it is damaged"),
+        (lambda path: path.write_text(page("[" * 100_000)), "damaged: it is nested too deeply"),
         (lambda path: path.write_text(page('{"format": "x"}')), "floorwalker-replay/1"),
     ],
 )

@@ -237,9 +237,10 @@ def test_a_folder_that_cannot_be_used_is_refused(study, tmp_path):
     with pytest.raises(sim.OutputError, match=r"holds results, but no study\.json"):
         sim.run_study(study, tmp_path / "old")
     (tmp_path / "torn").mkdir()
-    (tmp_path / "torn" / "study.json").write_text('{"flo')
-    with pytest.raises(sim.OutputError, match=r"study\.json"):
-        sim.run_study(study, tmp_path / "torn")
+    for damaged in ('{"flo', '{"floorwalker": ' + "[" * 100_000):
+        (tmp_path / "torn" / "study.json").write_text(damaged)
+        with pytest.raises(sim.OutputError, match=r"study\.json"):
+            sim.run_study(study, tmp_path / "torn")
 
 
 def test_a_full_disk_is_told_and_what_was_written_is_gone_on_with(study, tmp_path):
