@@ -21,6 +21,9 @@ RESULTS = "results.csv"
 IDENTITY = "study.json"
 """What the results were made from."""
 
+LONGEST = 500
+"""Characters of what is told to have changed: a damaged file may hold anything."""
+
 
 class StudyFolder:
     """The folder of one study, made if it isn't there; use it in a `with` statement.
@@ -77,8 +80,10 @@ class StudyFolder:
         known = _known(path)
         changed = [name for name in {**known, **now} if known.get(name) != now.get(name)]
         if changed:
+            told = ", ".join(changed)
+            told = told if len(told) <= LONGEST else f"{told[:LONGEST]}…"
             raise OutputError(
-                f"{self.path} holds results of another study (changed since: {', '.join(changed)});"
+                f"{self.path} holds results of another study (changed since: {told});"
                 " give another folder with --out"
             )
 

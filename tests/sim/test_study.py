@@ -237,10 +237,12 @@ def test_a_folder_that_cannot_be_used_is_refused(study, tmp_path):
     with pytest.raises(sim.OutputError, match=r"holds results, but no study\.json"):
         sim.run_study(study, tmp_path / "old")
     (tmp_path / "torn").mkdir()
-    for damaged in ('{"flo', '{"floorwalker": ' + "[" * 100_000):
+    endless = json.dumps({"floorwalker" * 10_000: "x"})
+    for damaged in ('{"flo', '{"floorwalker": ' + "[" * 100_000, endless):
         (tmp_path / "torn" / "study.json").write_text(damaged)
-        with pytest.raises(sim.OutputError, match=r"study\.json"):
+        with pytest.raises(sim.OutputError, match=r"study\.json|changed since: floorwalker") as why:
             sim.run_study(study, tmp_path / "torn")
+        assert len(str(why.value)) < 1000
 
 
 def test_a_full_disk_is_told_and_what_was_written_is_gone_on_with(study, tmp_path):
