@@ -351,7 +351,8 @@ def _call(agent: Agent, intention: Intention, means: Means, action: Literal) -> 
         return
     if isinstance(answer, dict):
         means.u = dict(answer)
-    agent.move_on(intention, means)
+    # An action that achieves a goal of its own intention takes this plan off it, too.
+    agent.move_on(intention, intention.top if intention.stack else means)
 
 
 class Waiting:

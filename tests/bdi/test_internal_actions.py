@@ -128,6 +128,15 @@ def test_it_holds(formula):
         ("here(X) & X > 1", "[2]"),
         ('.term2string(X, "p(1)")', "[p(1)]"),
         ("p(1)[a] =.. X", "[[default,p,[1],[a]]]"),
+        ("p(1)[a] =.. [F, A, N] & X = N", "[[a]]"),
+        ("X =.. [default, p, [1, 2], [a]]", "[p(1,2)[a]]"),
+        ('X =.. ["p", [1]]', "[p(1)]"),
+        ("X =.. [p]", "[p]"),
+        ("X =.. [3, [1]]", "[]"),
+        ("X =.. [p, 1]", "[]"),
+        ("3 =.. X", "[]"),
+        ("here(1)[source(self)|R] & X = R", "[[]]"),
+        ("here(1)[seen|R] & X = R", "[]"),
     ],
 )
 def test_solutions_come_in_order(formula, solutions):
@@ -163,6 +172,12 @@ def test_solutions_come_in_order(formula, solutions):
         (".relevant_plans(7, P)", "must follow the syntax of a trigger"),
         (".intend(X)", "which goal?"),
         (".drop_intention(7)", "must be a literal"),
+        (".abolish(7)", "must be a literal or variable"),
+        (".asserta(7)", "must be a literal"),
+        (".length(a, b, c)", "2 arguments are expected."),
+        (".abolish(a, b)", "One argument is expected."),
+        (".random(a, b, c, d)", "From 1 to 3 arguments are expected."),
+        (".fail_goal(7)", "must be a literal"),
     ],
 )
 def test_what_is_wrong_is_told(action, told):
@@ -304,3 +319,60 @@ def test_beliefs_keep_their_sources_apart():
         " .count(here(_)[source(bob)], N); .print(N); -+here(2);"
         " .findall(X, here(X), L); .print(L); .abolish(here(_)); .count(here(_), M); .print(M)"
     ) == ["0", "[2]", "0"]
+
+
+@pytest.mark.parametrize(
+    ("condition", "time"),
+    [
+        ("1 < 2", 0.0),
+        ("a", 0.0),
+        ("not k", 0.0),
+        ("a | b", 0.0),
+        ("k | b", 1.0),
+        ("a & b", 1.0),
+        ("not k & b", 1.0),
+        ("b & not k", 1.0),
+        ("a & c(X) & X > 3", 3.0),
+        ("c(X) & not X < 3", 3.0),
+        ("1 > 2", None),
+        ("not a", None),
+    ],
+)
+def test_a_wait_ends_as_soon_as_its_condition_holds(condition, time):
+    """`a` holds all the time, `b` from 1 s on, `c(2)` from 2 s, and `c(5)` from 3 s."""
+    met = []
+    agent = bdi.Agent(
+        bdi.parse(f"a. !go. +!go <- .wait({condition}, 4000); .print(met). -!go."),
+        print=lambda line: met.append(agent.now),
+    )
+    agent.advance(0.0)
+    for instant, percept in ((1.0, "b"), (2.0, "c(2)"), (3.0, "c(5)")):
+        agent.advance(instant)
+        agent.add_percept(percept)
+        agent.advance(instant)
+    agent.advance(10.0)
+    assert met == ([] if time is None else [time])
+
+
+def test_a_wait_that_times_out_while_suspended_fails_when_it_is_resumed():
+    assert said(
+        "!!work; .wait(10); .suspend(work); .wait(500); .print(late); .resume(work); .wait(20);"
+        " .print(end)",
+        "+!work <- .wait({+nothing}, 100); .print(never). -!work <- .print(failed).",
+    ) == ["late", "failed", "end"]
+
+
+def test_beliefs_in_front_and_gone():
+    assert said(
+        "+f(1); .asserta(f(2)); .findall(X, f(X), L); .print(L); .perceive; .abolish(f(_));"
+        " .count(f(_), N); .print(N)"
+    ) == ["[2,1]", "0"]
+
+
+def test_the_name_of_an_action_has_a_dot_and_is_taken_once():
+    actions = bdi.InternalActions()
+    with pytest.raises(ValueError, match="has a dot in it"):
+        actions.add("distance")
+    actions.add("floor.distance")(lambda call: True)
+    with pytest.raises(ValueError, match=r"there is an internal action 'floor\.distance' already"):
+        actions.add("floor.distance")

@@ -97,3 +97,87 @@ def test_mail_wakes_up():
     assert agents["bob"].next_wakeup is None
     society.deliver("bob", bdi.Message("ann", "tell", bdi.parse_literal("hi")))
     assert agents["bob"].next_wakeup == 1.0
+
+
+@pytest.mark.parametrize(
+    ("message", "told"),
+    [
+        ("send(bob, shout, x)", "wrong_arguments: ... tell, untell, achieve, unachieve, askOne"),
+        ("send(dan, tell, x)", "unknown_receiver: there is no agent 'dan'"),
+        ("send([bob], askOne, at(X), A)", "wrong_arguments: ... one question goes to one agent"),
+        (
+            "send(bob, askOne, at(X), at(7))",
+            "ask_failed: the answer at(3)[source(bob)] is not what",
+        ),
+        ("broadcast(shout, x)", "wrong_arguments: ... first argument must be one of tell, untell"),
+    ],
+)
+def test_what_cannot_be_sent_or_was_not_expected_fails(message, told):
+    society, _, log = make(
+        {
+            "ann": f"""!go. +!go <- .{message}; .print(no).
+                -!go[error(E), error_msg(M)] <- .concat(E, ": ", M, T); .print(T).""",
+            "bob": "at(3).",
+        }
+    )
+    society.advance(1.0)
+    ((name, line),) = log
+    begin, _, end = told.partition(" ... ")
+    assert name == "ann"
+    assert line.startswith(begin)
+    assert end in line
+
+
+def test_messages_to_many_to_oneself_and_of_what_nobody_can_do():
+    society, _, log = make(
+        {
+            "ann": """!go. +!go <- .all_names(L); .print(L);
+                .send([bob, cyd, ann], achieve, sing(1)); .wait(10);
+                .send(bob, achieve, 3); .send(bob, tell, "text"); .send(bob, tell, X); .wait(10);
+                .send(bob, askOne, at(_)); .wait(10); .print(on).
+                +!sing(N)[source(S)] <- .print(S).""",
+            "bob": "at(1). +!sing(N)[source(S)] <- .print(S).",
+            "cyd": "+!sing(N)[source(S)] <- .print(S).",
+        }
+    )
+    society.advance(1.0)
+    assert log == [
+        ("ann", "[ann,bob,cyd]"),
+        ("ann", "self"),
+        ("bob", "ann"),
+        ("cyd", "ann"),
+        ("ann", "on"),
+    ]
+
+
+def test_an_answer_that_nobody_waits_for_any_more_is_nothing():
+    society, _, log = make(
+        {
+            "ann": """!go. +!go <- !ask |&| !drop. +!ask <- .send(bob, askOne, at(_), A); .print(A).
+                +!drop <- .drop_intention(ask); .print(dropped).""",
+            "bob": "at(3).",
+        }
+    )
+    society.advance(1.0)
+    assert log == [("ann", "dropped")]
+
+
+def test_alone_there_is_nobody_to_send_to():
+    lines = []
+    agent = bdi.Agent(
+        bdi.parse("""!go. +!go <- .broadcast(tell, x); .all_names(L); .print(L);
+                .send(bob, tell, x).
+            -!go[error_msg(M)] <- .print(M)."""),
+        print=lines.append,
+    )
+    agent.advance(0.0)
+    assert lines == ["[human]", "human is alone: there is nobody to send to"]
+
+
+def test_a_name_is_taken_once():
+    society, _, _ = make({"ann": "a."})
+    with pytest.raises(ValueError, match="two agents have the name 'ann'"):
+        bdi.Agent(bdi.parse("b."), name="ann", society=society)
+    society.leave("ann")
+    society.leave("nobody")
+    assert [agent.name for agent in society] == []

@@ -1,0 +1,103 @@
+"""What runs side by side: how it joins, fails and is ended."""
+
+import pytest
+
+import bdi
+
+TWO = "+!c <- !a |&| !b; .print(joined).\n"
+ONE = "+!c <- !a ||| !b; .print(joined).\n"
+
+
+def said(plans):
+    """What `!c` and what comes after it print, within a second."""
+    lines = []
+    program = bdi.parse(f"!go.\n+!go <- !c; .print(after).\n{plans}")
+    bdi.Agent(program, print=lines.append).advance(1.0)
+    return lines
+
+
+@pytest.mark.parametrize(
+    ("plans", "lines"),
+    [
+        (TWO + "+!a <- .wait(20); .print(a). +!b <- .wait(10); .print(b).", "b a joined after"),
+        (ONE + "+!a <- .wait(20); .print(a). +!b <- .wait(10); .print(b).", "b joined after"),
+        (
+            "+!c <- !a |&| !b |&| !d; .print(joined). +!a <- .wait(30); .print(a)."
+            " +!b <- .print(b). +!d <- .wait(10); .print(d).",
+            "b d a joined after",
+        ),
+    ],
+)
+def test_branches_join(plans, lines):
+    assert said(plans) == lines.split()
+
+
+@pytest.mark.parametrize(
+    ("plans", "lines"),
+    [
+        # All are needed: the first that fails takes the others with it, and the goal.
+        (TWO + "+!a <- .wait(10); .fail. +!b <- .wait(20); .print(b).", ""),
+        (TWO + "+!a <- .wait(10); !nobody. +!b <- .wait(20); .print(b).", ""),
+        (
+            TWO + "+!a <- .wait(10); .fail. +!b <- .wait(20); .print(b). -!c <- .print(failed).",
+            "failed after",
+        ),
+        # A failure that is dealt with inside of a branch is none for the others.
+        (
+            TWO + "+!a <- .wait(10); .fail. -!a <- .print(mended). +!b <- .wait(20); .print(b).",
+            "mended b joined after",
+        ),
+        # One is enough: a branch that fails just ends.
+        (ONE + "+!a <- .wait(10); .fail. +!b <- .wait(20); .print(b).", "b joined after"),
+        (
+            ONE + "+!a <- .wait(10); .fail. +!b <- .wait(20); .fail. -!c <- .print(failed).",
+            "",
+        ),
+    ],
+)
+def test_branches_fail(plans, lines):
+    assert said(plans) == lines.split()
+
+
+@pytest.mark.parametrize(
+    ("plans", "lines"),
+    [
+        (TWO + "+!a <- .wait(10); .succeed_goal(c); .print(no). +!b <- .wait(50).", "after"),
+        (TWO + "+!b <- .wait(10); .succeed_goal(c); .print(no). +!a <- .wait(50).", "after"),
+        (TWO + "+!a <- .wait(10); .succeed_goal(c); .print(no). +!b <- .print(b).", "b after"),
+        (
+            TWO + "+!a <- .wait(10); .succeed_goal(a); .print(no). +!b <- .wait(50); .print(b).",
+            "b joined after",
+        ),
+        (
+            TWO + "+!a <- .wait(10); .fail_goal(c); .print(no). +!b <- .wait(50); .print(no)."
+            " -!c <- .print(failed).",
+            "failed after",
+        ),
+        (
+            TWO + "+!a <- .wait(50); .print(no). +!b <- .wait(50); .print(no)."
+            " !other. +!other <- .wait(10); .succeed_goal(c); .print(taken).",
+            "after taken",
+        ),
+        (
+            TWO + "+!a <- .wait(50); .print(no). +!b <- .wait(50); .print(no)."
+            " !other. +!other <- .wait(10); .drop_intention(c); .print(dropped).",
+            "dropped",
+        ),
+    ],
+)
+def test_a_goal_in_branches_is_ended_from_one_of_them_or_from_elsewhere(plans, lines):
+    assert said(plans) == lines.split()
+
+
+@pytest.mark.parametrize(
+    "plans",
+    [
+        "+!c <- .succeed_goal(c); .print(no).",
+        "+!c <- !d; .print(no). +!d <- .succeed_goal(c); .print(no).",
+        "+!c <- !d; .print(no). +!d <- .wait(10); .succeed_goal(c); .print(no).",
+        "@atomic[atomic] +!c <- .succeed_goal(c); .print(no).",
+    ],
+)
+def test_an_intention_goes_on_after_a_goal_of_its_own_that_it_says_is_achieved(plans):
+    assert said(plans) == ["after"]
