@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 
 import bdi
 import floorplan
+import navigation
 import sim
 from bdi.facts import plain_fact
 from bdi.parser import parse_clause
@@ -80,10 +81,11 @@ READ_OTHERWISE = {
 
 def test_every_module_that_reads_is_known():
     found = set()
-    for package in ("bdi", "floorplan", "navigation", "sim"):
-        for path in (ROOT / package).rglob("*.py"):
+    for package in (bdi, floorplan, navigation, sim):
+        folder = Path(package.__file__).parent
+        for path in folder.rglob("*.py"):
             if any(map(_reads, ast.walk(ast.parse(path.read_text(encoding="utf-8"))))):
-                found.add(path.relative_to(ROOT).as_posix())
+                found.add(path.relative_to(folder.parent).as_posix())
     assert found == READ_BY.keys() | READ_OTHERWISE.keys()
     assert {name for names in READ_BY.values() for name in names} <= READERS.keys()
 

@@ -46,6 +46,13 @@ def everything_is_loaded():
 
 
 @pytest.fixture
+def pytester(pytester):
+    """A folder that is nobody else's: the temporary ones may lie inside of another project."""
+    pytester.makeini("[pytest]\n")
+    return pytester
+
+
+@pytest.fixture
 def run_pytest(pytester, everything_is_loaded):
     """Run pytest in a folder of its own, in this process."""
     return lambda *options: pytester.runpytest_inprocess(*PLUGIN, "--strict-markers", *options)
