@@ -39,6 +39,17 @@ class Viewer:
             self.page.wait_for_timeout(20)
         pytest.fail("waited for what did not come")
 
+    def still(self, locator):
+        """A screenshot of something that has come to rest: two in a row are the same."""
+        shots = [locator.screenshot()]
+
+        def same():
+            shots.append(locator.screenshot())
+            return shots[-1] == shots[-2]
+
+        self.wait_until(same)
+        return shots[-1]
+
     @property
     def time(self):
         return self.page.evaluate("window.floorwalker.time")

@@ -439,7 +439,7 @@ def test_two_fingers_zoom_the_floor(open_page, recording):
     )
     viewer.settle()
     floor = viewer.page.locator(".view canvas")
-    whole = floor.screenshot()
+    whole = viewer.still(floor)
     box = floor.bounding_box()
     x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
     fingers = viewer.context.new_cdp_session(viewer.page)
