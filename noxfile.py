@@ -53,7 +53,16 @@ def coverage(session: nox.Session) -> None:
     """Which lines and branches the tests take, in this process, workers and commands."""
     session.install("-e", ".[test]")
     session.run("coverage", "erase")
-    session.run("coverage", "run", "-m", "pytest", *session.posargs)
+    # On a full disk there is no room for what is measured, either.
+    left_out = (
+        "--deselect",
+        "tests/test_damaged_files.py::test_a_recording_on_a_full_disk_stays_whole",
+    )
+    session.run("coverage", "run", "-m", "pytest", *left_out, *session.posargs)
     session.run("coverage", "combine", "--quiet")
     for package in PACKAGES:
         session.run("coverage", "report", "--skip-covered", f"--include={package}/*")
+    for package in PACKAGES:
+        session.run(
+            "coverage", "report", "--fail-under=90", "--format=total", f"--include={package}/*"
+        )

@@ -95,6 +95,50 @@ def test_what_makes_no_sense_is_said(change, message):
     assert any(message in problem for problem in problems(ROOM.replace(*change)))
 
 
+MACHINES = """\
+agvs:
+  size: [1.0, 0.6]
+  height: 1.2
+  max_speed: 2.0
+  max_acceleration: 2.0
+  limits: [0.0, 5.0]
+  locations: {home: 0.0, away: 5.0}
+  start: home
+  lanes:
+    agv1: {origin: [2, 2], heading: 0.0, serves: {door: home}}
+gantry:
+  x: {range: [1, 8], max_speed: 1.0, max_acceleration: 0.5}
+  y: {range: [1, 8], max_speed: 1.0, max_acceleration: 0.5}
+  start: [4, 4, 0]
+  torso: {size: [1.05, 0.95], z: [1.24, 2.71]}
+  arm: {mount: [0.51, 0.0], reach: 0.9, bottom: 1.1}
+  rail_height: 2.9
+  tray_height: 0.8
+safe_zone: {at: [1, 7], heading: 0.0}
+"""
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (("away: 5.0", "away: 6.0"), "agvs.locations.away: 6 is outside the lane's limits 0 … 5"),
+        (("start: home", "start: hmoe"), "starts at 'hmoe', which is no location (there are: home"),
+        (("{door: home}", "{door: hmoe}"), "agvs.lanes.agv1.serves.door: 'hmoe' is no location"),
+        (("start: [4, 4, 0]", "start: [4, 9, 0]"), "gantry.start: "),
+        (("at: [1, 7]", "at: [5, 4]"), "safe_zone.at: (5, 4) is inside obstacle 'table'"),
+    ],
+)
+def test_machines_that_make_no_sense_are_said(change, message):
+    assert floorplan.parse(ROOM + MACHINES).gantry.start == (4, 4, 0)
+    assert message in "\n".join(problems(ROOM + MACHINES.replace(*change)))
+
+
+def test_footprints_that_enclose_nothing_are_said_by_name():
+    bow_tie = "bow: {polygon: [[1, 1], [2, 2], [2, 1], [1, 2]], z: [0, 1]}\n"
+    text = ROOM.replace("stations", f"  {bow_tie}stations")
+    assert any("obstacles.bow: is not a simple polygon" in problem for problem in problems(text))
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [

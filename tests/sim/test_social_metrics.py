@@ -21,6 +21,9 @@ agvs: {agv2: [{time: 30.0, to: as1}]}
 """
 
 
+CAPTURED = {"capture_output": True, "text": True}
+
+
 @pytest.fixture(scope="module")
 def run():
     return sim.run(sim.Trial.parse(TRIAL))
@@ -119,10 +122,16 @@ def test_the_command_says_the_same_of_a_recording(run, figures, tmp_path):
     recording = sim.Recording(tmp_path / "run")
     recording.finish(sim.run(sim.Trial.load(trial), recording))
     command = [sys.executable, "-m", "sim.cli", "metrics", str(tmp_path / "run")]
-    done = subprocess.run([*command, "--json"], capture_output=True, text=True, check=True)
+    done = subprocess.run([*command, "--json"], **CAPTURED, check=True)
     assert done.stderr == ""
     read = json.loads(done.stdout)
     assert read == figures
-    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    done = subprocess.run(command, **CAPTURED, check=True)
     assert "ada – gantry" in done.stdout
     assert "gantry – nearest" in done.stdout
+    done = subprocess.run([*command, "--json", "--radius", "gantry=1.5"], **CAPTURED, check=True)
+    assert json.loads(done.stdout) == sim.metrics(run, radii={"gantry": 1.5})
+    for wrong in ("gantry", "gantry=wide", "gantry=nan", "=1"):
+        done = subprocess.run([*command, "--radius", wrong], **CAPTURED)
+        assert done.returncode == 2
+        assert "expected BODY=METRES" in done.stderr
