@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from dataclasses import replace
 from functools import partial
@@ -112,8 +113,13 @@ class Simulation:
         raise ValueError(f"nobody is called {name!r}; {suggestion(name, names)}")
 
     def advance(self, until: float) -> None:
-        """Let everything happen that happens before `until` (seconds)."""
-        if not self.over:
+        """Let everything happen that happens before `until` (seconds), if that is still to come.
+
+        `ValueError` if it is no time.
+        """
+        if math.isnan(until):
+            raise ValueError("a simulation can't be advanced to nan: give seconds")
+        if until > self.clock.now and not self.over:
             self.clock.run(min(until, self.trial.duration))
 
     def finish(self) -> Run:

@@ -14,6 +14,7 @@ import sim
 from sim import ariac
 from sim.ariac import layout
 from sim.bridge import Exchange, Workcell
+from sim.recordings.figures import figures_in_words
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 COLORS = ("blue", "green", "orange")
@@ -339,3 +340,24 @@ def test_a_bridged_trial_ends_with_its_orders_too():
     while not cell.is_over:
         cell.advance(cell.now + 7.0)
     assert cell.now == pytest.approx(cell.simulation.finish().summary["orders"]["A"]["submitted"])
+
+
+def test_what_became_of_orders_in_words():
+    orders = (
+        kitting("A", q1="blue battery"),
+        kitting("B", agv=2, q1="green sensor"),
+        kitting("C", agv=3, q1="blue battery", at=50.0),
+        kitting("D", agv=4, q1="blue battery", at=1000.0),
+    )
+    simulation = sim.Simulation(alone(trial_of(*orders, bins=BINS)))
+    simulation.advance(60.0)
+    summary = simulation.finish().summary
+    said = dict(figures_in_words(summary))
+    took = summary["orders"]["B"]["time"]
+    assert said["score"] == "0 of 28"
+    assert [said[f"order {name}"] for name in "ABCD"] == [
+        "kitting: not submitted",
+        f"kitting: 0 of 7, after {took:.1f} s (without green sensor)",
+        "kitting: not submitted",
+        "kitting: not announced",
+    ]

@@ -262,3 +262,14 @@ def test_the_rules_of_the_competition():
     assert events(finished, "gantry_enabled")[0]["t"] == pytest.approx(violation["t"] + 15.0)
     after = [event for event in events(finished, "goal") if event["t"] > violation["t"] + 1e-6]
     assert after[0]["t"] == pytest.approx(violation["t"] + 10.0)
+
+
+def test_a_simulation_goes_on_to_times_that_are_still_to_come():
+    trial = sim.Trial.parse(ALONE.format(duration=20) + "people: [{name: ada}]\n")
+    simulation = sim.Simulation(trial)
+    for until in (0.0, 5.0, 5.0, 2.0, 12.5, math.inf, 30.0):
+        simulation.advance(until)
+    assert simulation.over
+    assert simulation.finish().events == sim.run(trial).events
+    with pytest.raises(ValueError, match="give seconds"):
+        simulation.advance(math.nan)
