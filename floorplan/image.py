@@ -15,7 +15,7 @@ from .problems import FloorplanError, Problem
 MOST_CELLS = 200_000_000
 """Images with more pixels are refused."""
 
-_PGM_HEADER = re.compile(rb"(P[25])" + rb"(?:\s+|#[^\n]*\n)+(\d+)" * 3 + rb"(?:#[^\n]*\n)?\s")
+_PGM_HEADER = re.compile(rb"(P[25])" + rb"(?:\s|#[^\n]*\n)+(\d{1,20})" * 3 + rb"(?:#[^\n]*\n)?\s")
 
 
 @dataclass(frozen=True)
@@ -38,6 +38,8 @@ def read_image(path: Path) -> GreyImage:
         raise FloorplanError(str(path), [Problem("there is no such image")]) from None
     except OSError as why:
         raise FloorplanError(str(path), [Problem(f"can't be read: {why.strerror}")]) from None
+    except ValueError:
+        raise FloorplanError(repr(str(path)), [Problem("is no name of a file")]) from None
     return _read_pgm(data, path) if data[:2] in (b"P2", b"P5") else _read_other(path)
 
 
@@ -62,6 +64,9 @@ def _read_pgm(data: bytes, path: Path) -> GreyImage:
         except ValueError:
             message = "is not a PGM image: something in it is no number"
             raise FloorplanError(str(path), [Problem(message)]) from None
+        if not ((values >= 0) & (values <= top)).all():
+            message = f"is not a PGM image: a number in it is not from 0 to {top}"
+            raise FloorplanError(str(path), [Problem(message)])
     if len(values) < width * height:
         message = f"is cut short: {len(values)} of {width * height} pixels"
         raise FloorplanError(str(path), [Problem(message)])

@@ -39,7 +39,7 @@ class RosMapSchema(BaseModel):
     model_config = ConfigDict(extra="ignore", frozen=True)
 
     image: Annotated[str, Field(min_length=1)]
-    resolution: Positive
+    resolution: Annotated[Positive, Field(ge=1e-4, le=1000)]
     origin: tuple[Number, Number, Number]
     negate: Literal[0, 1] | bool
     occupied_thresh: Share

@@ -7,11 +7,15 @@ from typing import Annotated
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, Strict, model_validator
 
-Number = Annotated[float, Strict(), Field(allow_inf_nan=False)]
-"""A field of a file: a finite number."""
+LARGEST = 1e9
+"""No figure of a floor or a trial is larger, in metres or seconds: beyond, steps of a millimetre
+are soon lost to rounding."""
 
-Positive = Annotated[float, Strict(), Field(gt=0, allow_inf_nan=False)]
-"""A field of a file: a finite number above 0."""
+Number = Annotated[float, Strict(), Field(ge=-LARGEST, le=LARGEST, allow_inf_nan=False)]
+"""A field of a file: a number of at most 1e9, or at least -1e9."""
+
+Positive = Annotated[float, Strict(), Field(gt=0, le=LARGEST, allow_inf_nan=False)]
+"""A field of a file: a number above 0 and of at most 1e9."""
 
 Pair = tuple[Number, Number]
 """A field of a file: two finite numbers."""

@@ -18,6 +18,7 @@ from .document import read_text
 from .flat import from_area
 from .model import Floorplan
 from .problems import FloorplanError, Problem
+from .schema import LARGEST
 
 
 def load_wkt(path: Path) -> Floorplan:
@@ -28,7 +29,7 @@ def load_wkt(path: Path) -> Floorplan:
 def parse_wkt(text: str, *, file: str = "<text>") -> Floorplan:
     """The floorplan in `text`; errors call it `file`."""
     try:
-        with np.errstate(invalid="ignore"):  # what is not finite is told below
+        with np.errstate(invalid="ignore", over="ignore"):  # what is too large is told below
             geometry = shapely.from_wkt(text.strip())
     except shapely.GEOSException as why:
         reason = re.sub(r"^ParseException: ", "", str(why)).strip()
@@ -65,7 +66,7 @@ def _problems(geometry: shapely.Geometry) -> Iterator[Problem]:
             yield Problem(f"expected a POLYGON, found a {kind}; only areas can be walked on", place)
         elif part.is_empty:
             yield Problem("is empty", place)
-        elif not np.isfinite(shapely.get_coordinates(part)).all():
-            yield Problem("has coordinates that are not finite numbers", place)
+        elif not (np.abs(shapely.get_coordinates(part)) <= LARGEST).all():
+            yield Problem(f"has coordinates that are not numbers of at most {LARGEST:g} m", place)
         elif fault := polygon_fault(part):
             yield Problem(fault, place)

@@ -6,6 +6,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import MISSING, Field, fields
 from pathlib import Path
@@ -23,6 +24,9 @@ LAWS: dict[str, Any] = {
     "fixed": FixedDistance,
 }
 """The laws that files name."""
+
+LARGEST = 1e9
+"""No term of a law is larger: its distances could not be recorded."""
 
 Terms = dict[str, Any]
 """A law as it is written: its name, and with it its terms."""
@@ -88,10 +92,8 @@ def _check_term(law: str, term: str, value: object, known: Mapping[str, Field[An
         return
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise WrittenLawError(f"expected a number, found {value!r}", law, term)
-    try:
-        float(value)
-    except OverflowError:
-        raise WrittenLawError("the number is too large", law, term) from None
+    if math.inf > abs(value) > LARGEST:
+        raise WrittenLawError("the number is too large", law, term)
 
 
 def written_law(law: AnyLaw) -> Terms:

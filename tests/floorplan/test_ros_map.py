@@ -142,7 +142,7 @@ def test_missing_keys_are_named(load, key):
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
-        ("resolution: 0.5", "resolution: -1.0", "line 2, resolution: expected more than 0"),
+        ("resolution: 0.5", "resolution: -1.0", "line 2, resolution: expected at least 0.0001"),
         ("[-1.0, 2.0, 0.0]", "[-1.0, 2.0]", "origin"),
         ("free_thresh: 0.196", "free_thresh: 0.9", "free_thresh (0.9) must not be above"),
         ("free_thresh: 0.196", "free_thresh: 25", "free_thresh"),
@@ -150,6 +150,11 @@ def test_missing_keys_are_named(load, key):
         ("image: map.pgm", "image: other.pgm", "other.pgm: there is no such image"),
         ("image: map.pgm", "image: map.yaml", "map.yaml: is not an image"),
         ("free_thresh: 0.196", "free_thresh: 0.0", "no cell of map.pgm is free"),
+        ("image: map.pgm", 'image: "a\\0b"', "is no name of a file"),
+        ("image: map.pgm", f"image: {'x' * 20_000}", "can't be read: File name too long"),
+        ("resolution: 0.5", "resolution: 1.0e+308", "resolution: expected at most 1000"),
+        ("resolution: 0.5", "resolution: 1.0e-300", "resolution: expected at least 0.0001"),
+        ("[-1.0, 2.0", "[1.0e+30, 2.0", "origin[0]: expected at most 1e+09"),
         ("negate: 0", "negate: 0\nmode: colourful", "line 5, mode: expected 'trinary', 'scale'"),
     ],
 )
@@ -157,14 +162,18 @@ def test_what_is_wrong_is_said(load, old, new, words):
     with pytest.raises(floorplan.FloorplanError) as wrong:
         load(room(), YAML.replace(old, new))
     assert words in str(wrong.value)
+    assert len(str(wrong.value)) < 2000
 
 
 @pytest.mark.parametrize(
     ("data", "words"),
     [
         (b"P5\n12 8\n255\n\x00\x00", "is cut short: 2 of 96 pixels"),
+        (b"P5" + b"\n" * 100 + b"6& 6\n255\n", "its header is broken"),
+        (b"P5\n" + b"1" * 9000 + b" 1\n255\n", "its header is broken"),
         (b"P5\ntwelve 8\n255\n", "its header is broken"),
         (b"P2\n2 1\n255\n7 x\n", "something in it is no number"),
+        (b"P2\n2 1\n255\n7 1e300\n", "a number in it is not from 0 to 255"),
         (b"P5\n0 8\n255\n", "has no pixels"),
         (b"P5\n99999999 99999999\n255\n", "at most 200,000,000 can be read"),
         (b"P5\n1 1\n99999\nx", "its white is 99999"),
