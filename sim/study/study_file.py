@@ -95,7 +95,12 @@ class _Reader:
 
     def trials(self, sources: list[str]) -> tuple[Trial, ...]:
         trials: list[Trial] = []
+        seen: set[str] = set()
         for k, source in enumerate(sources):
+            if source in seen:
+                self._problem(f"{source!r} stands twice", "trials", k)
+                continue
+            seen.add(source)
             try:
                 path = self._folder / source
                 trial = Trial.load(path if path.suffix or floorplan.is_there(path) else source)

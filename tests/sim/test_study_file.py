@@ -207,7 +207,8 @@ def test_draws_follow_their_distributions():
     [
         (("trials: [ariac2023, busy.trial.yaml]", "trials: []"), "line 1, trials: expected a list"),
         (("trials: [ariac2023, ", "trials: [ariac, "), "line 1, trials[0]: ariac: no such file"),
-        (("trials: [ariac2023, ", "trials: [busy.trial.yaml, "), "another trial is called 'busy'"),
+        (("trials: [ariac2023, ", "trials: [busy.trial.yaml, "), "'busy.trial.yaml' stands twice"),
+        (("[ariac2023, ", "[./busy.trial.yaml, "), "another trial is called 'busy'"),
         (("busy.trial.yaml", "none.trial.yaml"), "there is no such file"),
         (("grid:", "girds:"), "girds: unknown key (known are: grid"),
         (("[indifferent, helpful]", "[]"), "line 3, grid.personality: has no values"),
