@@ -15,7 +15,7 @@ nox.options.error_on_missing_interpreters = False
 
 def _built(session: nox.Session) -> tuple[Path, Path]:
     """A wheel, and the unpacked sdist it was built from without the packages themselves."""
-    folder = Path(session.create_tmp())
+    folder = Path(session.create_tmp()).resolve()
     shutil.rmtree(folder)
     session.install("build")
     session.run("python", "-m", "build", "--outdir", str(folder), silent=True)

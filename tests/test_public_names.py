@@ -4,6 +4,7 @@ import importlib
 import inspect
 import re
 from pathlib import Path
+from typing import get_origin
 
 import pytest
 
@@ -17,6 +18,11 @@ NAMES = [
 def value(name):
     package, _, attribute = name.partition(".")
     return getattr(importlib.import_module(package), attribute)
+
+
+def is_class(of):
+    """Whether it is a class: on Python 3.10 `dict[str, Any]` says of itself that it is."""
+    return inspect.isclass(of) and get_origin(of) is None
 
 
 def own_docstring(of):
@@ -38,7 +44,7 @@ def test_packages_say_what_they_are_for(package):
     assert importlib.import_module(package).__doc__
 
 
-@pytest.mark.parametrize("name", [name for name in NAMES if inspect.isclass(value(name))])
+@pytest.mark.parametrize("name", [name for name in NAMES if is_class(value(name))])
 def test_classes_and_their_methods_have_docstrings(name):
     assert own_docstring(value(name))
     silent = [
