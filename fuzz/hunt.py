@@ -6,6 +6,7 @@ import faulthandler
 import signal
 import time
 import traceback
+import warnings
 from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -74,7 +75,7 @@ def _tell(what: str, data: bytes) -> None:
 
 @contextmanager
 def _limited() -> Iterator[None]:
-    """Break off what needs too much time or memory in this context."""
+    """Break off what needs too much time in this context; warnings are errors, too."""
 
     def stop(number: int, frame: FrameType | None) -> None:
         raise EndlessError(f"more than {TOO_SLOW} s")
@@ -83,7 +84,10 @@ def _limited() -> Iterator[None]:
     signal.setitimer(signal.ITIMER_PROF, TOO_SLOW)
     faulthandler.dump_traceback_later(STUCK, exit=True)
     try:
-        yield
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            warnings.simplefilter("ignore", ResourceWarning)
+            yield
     finally:
         signal.setitimer(signal.ITIMER_PROF, 0)
         faulthandler.cancel_dump_traceback_later()
