@@ -15,7 +15,7 @@ from typing import Annotated, Literal
 import numpy as np
 import shapely
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Field, Strict, model_validator
 from shapely.geometry import Polygon
 
 from .document import Document
@@ -23,14 +23,16 @@ from .flat import from_area
 from .image import GreyImage, read_image
 from .model import Floorplan
 from .problems import FloorplanError, Problem
-from .schema import Number, Positive
+from .schema import Number
 from .trace import trace
 
 TOLERANCE = 0.45
 """Cells. How far outlines may move when they are simplified: less than half a cell from either
 side leaves every wall closed, and a door of two cells more than one cell wide."""
 
-Share = Annotated[Number, Field(ge=0, le=1)]
+# Old versions of pydantic take fields for optional whose limits stand in two places.
+Share = Annotated[float, Strict(), Field(ge=0, le=1, allow_inf_nan=False)]
+Resolution = Annotated[float, Strict(), Field(ge=1e-4, le=1000, allow_inf_nan=False)]
 
 
 class RosMapSchema(BaseModel):
@@ -39,7 +41,7 @@ class RosMapSchema(BaseModel):
     model_config = ConfigDict(extra="ignore", frozen=True)
 
     image: Annotated[str, Field(min_length=1)]
-    resolution: Annotated[Positive, Field(ge=1e-4, le=1000)]
+    resolution: Resolution
     origin: tuple[Number, Number, Number]
     negate: Literal[0, 1] | bool
     occupied_thresh: Share

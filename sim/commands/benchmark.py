@@ -60,13 +60,10 @@ def benchmark(
 def _measure(
     plans: Sequence[Floorplan], names: list[str], queries: int, seed: int, radius: float | None
 ) -> list[Attempt]:
-    from rich.console import Console
-    from rich.progress import Progress
-
     from navigation.benchmark import benchmark as measure
+    from sim.commands.bars import progress_bars
 
-    console = Console(stderr=True)
-    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
+    with progress_bars() as bar:
         task = bar.add_task("", total=len(plans) * len(names) * queries)
 
         def progress(floor: str, name: str) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import Annotated
 
@@ -23,17 +22,14 @@ def render(
     ] = None,
 ) -> None:
     """Film a run: a GIF, or an MP4."""
-    from rich.console import Console
-    from rich.progress import Progress
-
     from sim import plots
+    from sim.commands.bars import progress_bars
     from sim.recordings.sources import run_from
 
     plots.require_renderable(out)
     run = run_from(source)
     within = (begin, float("inf") if end is None else end)
-    console = Console(stderr=True)
-    with Progress(console=console, transient=True, disable=not sys.stderr.isatty()) as progress:
+    with progress_bars() as progress:
         bar = progress.add_task("filming", total=1.0)
         plots.render(
             run,

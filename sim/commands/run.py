@@ -192,15 +192,14 @@ def _watched(trial: Trial, recording: Recording, speed: float, *, opened: bool) 
 
 def _advance(simulation: Simulation) -> bool:
     """Run to the end, with a progress bar on a terminal; whether Ctrl-C came before."""
-    from rich.console import Console
-    from rich.progress import Progress
+    from sim.commands.bars import progress_bars
 
     duration = simulation.trial.duration
     try:
         if not sys.stderr.isatty():
             simulation.advance(duration)
             return False
-        with Progress(console=Console(stderr=True), transient=True) as progress:
+        with progress_bars() as progress:
             bar = progress.add_task("simulating", total=duration)
             for k in range(1, REPORTS + 1):
                 simulation.advance(duration * k / REPORTS)

@@ -67,18 +67,11 @@ def study(
 
 def _run(chosen: Study, folder: Path, jobs: int | None, backend: str) -> StudyResults:
     """Run the study, with a progress bar and an estimate on a terminal."""
-    from rich.console import Console
-    from rich.progress import (
-        BarColumn,
-        MofNCompleteColumn,
-        Progress,
-        TextColumn,
-        TimeRemainingColumn,
-    )
+    from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
 
+    from sim.commands.bars import progress_bars
     from sim.study import run_study
 
-    console = Console(stderr=True)
     shown = (
         TextColumn("{task.description}"),
         BarColumn(),
@@ -87,7 +80,7 @@ def _run(chosen: Study, folder: Path, jobs: int | None, backend: str) -> StudyRe
         TimeRemainingColumn(),
         TextColumn("left"),
     )
-    with Progress(*shown, console=console, transient=True, disable=not console.is_terminal) as bars:
+    with progress_bars(*shown) as bars:
         bar = bars.add_task(chosen.name, total=len(chosen))
 
         def begin(done: int) -> None:
