@@ -26,7 +26,7 @@ LAWS: dict[str, Any] = {
 """The laws that files name."""
 
 LARGEST = 1e9
-"""No term of a law is larger: its distances could not be recorded."""
+"""No figure of a rule set is larger: the distances could not be recorded."""
 
 Terms = dict[str, Any]
 """A law as it is written: its name, and with it its terms."""

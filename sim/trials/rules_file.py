@@ -16,9 +16,9 @@ from floorplan import Document, InputError, Positive, Problem, Strictly, suggest
 from navigation import AnyLaw, Scaled
 
 from ..rules import PAPER, RULE_SETS, Notice, RuleSet, rule_set
-from .law_file import Terms, WrittenLawError, read_law, written_law
+from .law_file import LARGEST, Terms, WrittenLawError, read_law, written_law
 
-Seconds = Annotated[float, Strict(), Limits(ge=0, allow_inf_nan=False)]
+Seconds = Annotated[float, Strict(), Limits(ge=0, le=LARGEST, allow_inf_nan=False)]
 
 
 class RulesError(InputError):
@@ -29,7 +29,7 @@ class NoticeKeys(Strictly):
     """When people notice the gantry; what is left out is as in the rule set it is based on."""
 
     law: Terms | None = None
-    factor: Annotated[float, Strict(), Limits(gt=0, allow_inf_nan=False)] | None = None
+    factor: Positive | None = None
     cap: Positive | None = None
     every: Positive | None = None
     parting: Positive | None = None
