@@ -12,10 +12,10 @@ LARGEST = 1e9
 are soon lost to rounding."""
 
 Number = Annotated[float, Strict(), Field(ge=-LARGEST, le=LARGEST, allow_inf_nan=False)]
-"""A field of a file: a number of at most 1e9, or at least -1e9."""
+"""A field of a file: a number from -1e9 to 1e9."""
 
 Positive = Annotated[float, Strict(), Field(gt=0, le=LARGEST, allow_inf_nan=False)]
-"""A field of a file: a number above 0 and of at most 1e9."""
+"""A field of a file: a number above 0, up to 1e9."""
 
 Pair = tuple[Number, Number]
 """A field of a file: two finite numbers."""
