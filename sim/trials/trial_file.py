@@ -103,7 +103,7 @@ def _build(document: Document, folder: Path) -> Trial:
     rules, rule_problems = build_rules(schema.rules, document, folder, "rules")
     trial = Trial(
         floorplan=plan,
-        name=schema.name or Path(document.file).name.split(".")[0],
+        name=Path(document.file).name.split(".")[0] if schema.name is None else schema.name,
         duration=schema.duration,
         seed=schema.seed,
         rules=rules,

@@ -100,3 +100,10 @@ def test_a_trial_on_a_floor_of_no_file_is_refused():
     with pytest.raises(ValueError, match="floorplan 'mine' came from no file"):
         sim.Trial(floor).to_yaml()
     assert "floorplan: ariac2023\n" in sim.Trial(FLOOR).to_yaml()
+
+
+def test_a_name_may_be_empty():
+    trial = sim.Trial.parse("name: ''\nfloorplan: ariac2023\n", file="hall.yaml")
+    assert trial.name == ""
+    assert sim.Trial.parse(trial.to_yaml(), file="hall.yaml").name == ""
+    assert sim.Trial.parse("floorplan: ariac2023\n", file="hall.yaml").name == "hall"
