@@ -120,25 +120,13 @@ REMEMBERED = 50_000
 """Characters up to which a text's clauses are remembered: many people share a few programs."""
 
 
-class _UnsoundError(Exception):
-    """A text has clauses that cannot be read."""
-
-    def __init__(self, found: Sequence[Clause], problems: Sequence[Problem]) -> None:
-        self.found = found
-        self.problems = problems
-        super().__init__()
-
-
-def read_clauses(source: str, file: str) -> tuple[Sequence[Clause], Sequence[Problem]]:
+def read_clauses(source: str, file: str) -> tuple[tuple[Clause, ...], tuple[Problem, ...]]:
     """The clauses of a text, in order, and what is wrong with those that cannot be read."""
-    read = _remembered_clauses if len(source) <= REMEMBERED else _sound_clauses
-    try:
-        return read(source, file), ()
-    except _UnsoundError as unsound:
-        return unsound.found, unsound.problems
+    read = _remembered_clauses if len(source) <= REMEMBERED else _read_clauses
+    return read(source, file)
 
 
-def _sound_clauses(source: str, file: str) -> tuple[Clause, ...]:
+def _read_clauses(source: str, file: str) -> tuple[tuple[Clause, ...], tuple[Problem, ...]]:
     found: list[Clause] = []
     problems: list[Problem] = []
     for tokens in clauses(tokenize(source)):
@@ -146,12 +134,10 @@ def _sound_clauses(source: str, file: str) -> tuple[Clause, ...]:
             found.append(plain_fact(tokens, file) or parse_clause(tokens, file))
         except (UnexpectedInput, VisitError, RecursionError, TooDeepError) as error:
             problems.append(_problem(error, tokens, file))
-    if problems:
-        raise _UnsoundError(found, problems)
-    return tuple(found)
+    return tuple(found), tuple(problems)
 
 
-_remembered_clauses = lru_cache(maxsize=64)(_sound_clauses)
+_remembered_clauses = lru_cache(maxsize=64)(_read_clauses)
 
 
 def _parse_part(source: str, before: str = "") -> Any:

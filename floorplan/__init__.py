@@ -15,9 +15,10 @@ from .model import (
     Station,
 )
 from .problems import FloorplanError, InputError, Problem, suggestion
-from .schema import Number, Pair, Positive, Strictly
+from .schema import LARGEST, Number, Pair, Positive, Strictly
 
 __all__ = [
+    "LARGEST",
     "Axis",
     "Document",
     "Floorplan",

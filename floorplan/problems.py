@@ -40,14 +40,14 @@ class InputError(ValueError):
         self.file = file
         self.problems = tuple(problems)
         lines = [str(problem) for problem in self.problems]
-        shown_file = _clipped(file)
+        place = _clipped(file)
         if len(lines) == 1:
-            text = f"{shown_file}: {lines[0]}"
+            text = f"{place}: {lines[0]}"
         else:
             shown = lines[:MOST_SHOWN]
             if len(lines) > MOST_SHOWN:
                 shown.append(f"and {len(lines) - MOST_SHOWN:,} more")
-            text = "\n  ".join([f"{shown_file}: {len(lines):,} problems", *shown])
+            text = "\n  ".join([f"{place}: {len(lines):,} problems", *shown])
         super().__init__(text)
 
     def __reduce__(self) -> tuple[type[InputError], tuple[str, tuple[Problem, ...]]]:

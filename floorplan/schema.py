@@ -8,8 +8,8 @@ from typing import Annotated
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, Strict, model_validator
 
 LARGEST = 1e9
-"""No figure of a floor or a trial is larger, in metres or seconds: beyond, steps of a millimetre
-are soon lost to rounding."""
+"""No figure of a floor, a trial or a rule set is larger, in its unit: beyond, steps of a millimetre
+or a millisecond are soon lost to rounding, and in the end distances can't be recorded."""
 
 Number = Annotated[float, Strict(), Field(ge=-LARGEST, le=LARGEST, allow_inf_nan=False)]
 """A field of a file: a number from -1e9 to 1e9."""
@@ -18,7 +18,7 @@ Positive = Annotated[float, Strict(), Field(gt=0, le=LARGEST, allow_inf_nan=Fals
 """A field of a file: a number above 0, up to 1e9."""
 
 Pair = tuple[Number, Number]
-"""A field of a file: two finite numbers."""
+"""A field of a file: two numbers from -1e9 to 1e9."""
 
 Size = tuple[Positive, Positive]
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -105,7 +104,7 @@ def _tell_who_waits(trial: Trial) -> None:
     from ..trials.programs import EXTERNAL
 
     waiting = [person.name for person in trial.people if person.personality == EXTERNAL]
-    if trial.floorplan.gantry is not None and trial.gantry.controller == "external":
+    if trial.floorplan.gantry is not None and trial.gantry.controller == EXTERNAL:
         waiting.append("the gantry")
     if waiting:
         typer.echo(
@@ -196,9 +195,6 @@ def _advance(simulation: Simulation) -> bool:
 
     duration = simulation.trial.duration
     try:
-        if not sys.stderr.isatty():
-            simulation.advance(duration)
-            return False
         with progress_bars() as progress:
             bar = progress.add_task("simulating", total=duration)
             for k in range(1, REPORTS + 1):

@@ -12,7 +12,7 @@ from dataclasses import MISSING, Field, fields
 from pathlib import Path
 from typing import Any
 
-from floorplan import suggestion
+from floorplan import LARGEST, suggestion
 from navigation import AnyLaw, ApproachLaw, FixedDistance, IntegralLaw, SeparationLaw
 
 from .own_law import LawError, OwnLaw
@@ -24,9 +24,6 @@ LAWS: dict[str, Any] = {
     "fixed": FixedDistance,
 }
 """The laws that files name."""
-
-LARGEST = 1e9
-"""No figure of a rule set is larger: the distances could not be recorded."""
 
 Terms = dict[str, Any]
 """A law as it is written: its name, and with it its terms."""

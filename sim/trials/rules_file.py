@@ -12,11 +12,11 @@ from pydantic import Field as Limits
 from pydantic import Strict, model_validator
 
 import floorplan
-from floorplan import Document, InputError, Positive, Problem, Strictly, suggestion
+from floorplan import LARGEST, Document, InputError, Positive, Problem, Strictly, suggestion
 from navigation import AnyLaw, Scaled
 
 from ..rules import PAPER, RULE_SETS, Notice, RuleSet, rule_set
-from .law_file import LARGEST, Terms, WrittenLawError, read_law, written_law
+from .law_file import Terms, WrittenLawError, read_law, written_law
 
 Seconds = Annotated[float, Strict(), Limits(ge=0, le=LARGEST, allow_inf_nan=False)]
 
