@@ -65,8 +65,9 @@ class State(NamedTuple):
 class Motion:
     """A function of continuous time: piecewise cubic, still before `start` and after `end`.
 
-    `pieces` follow each other without a gap in time. The position is continuous, except at the
-    instants in `jumps`, where the body was put elsewhere. `ValueError` if this does not hold.
+    `pieces` run forwards and follow each other without a gap in time. The position is continuous,
+    except at the instants in `jumps`, where the body was put elsewhere. `ValueError` if this does
+    not hold.
     """
 
     pieces: Sequence[Piece]
@@ -75,6 +76,9 @@ class Motion:
     def __post_init__(self) -> None:
         if not self.pieces:
             raise ValueError("a motion needs at least one piece")
+        for begin, end, *_ in self.pieces:
+            if end < begin:
+                raise ValueError(f"a motion ends at t = {end} s, before it begins at {begin} s")
         for before, after in zip(self.pieces, self.pieces[1:], strict=False):
             if before.end != after.begin:
                 raise ValueError(f"a motion has a gap from t = {before.end} s to {after.begin} s")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
 
@@ -166,10 +166,20 @@ def _motions(path: Path, scene: Scene, broken_off: bool) -> dict[str, Motion]:
             message = f"no body of the scene is called {motion.body!r}"
             raise RecordingError(str(path), [Problem(message, "body", line)])
         try:
-            done[motion.body].append(Motion(tuple(Piece(*piece) for piece in motion.pieces)))
+            done[motion.body].append(_motion(Piece(*piece) for piece in motion.pieces))
         except ValueError as why:
             raise RecordingError(str(path), [Problem(str(why), line=line)]) from None
     return {body: _joined(pieces, scene.starts[body]) for body, pieces in done.items()}
+
+
+def _motion(pieces: Iterable[Piece]) -> Motion:
+    motion = Motion(tuple(pieces))
+    for begin, end, *cubics in motion.pieces:
+        u = end - begin
+        for a, b, c, d in cubics:
+            if abs(a) + u * (abs(b) + u * (abs(c) + u * abs(d))) > LARGEST:
+                raise ValueError(f"a motion goes further than {LARGEST:g} m")
+    return motion
 
 
 def _joined(motions: list[Motion], start: Pose) -> Motion:

@@ -142,6 +142,16 @@ def test_a_run_of_nobody_comes_back(tmp_path):
             ),
             "line 1: a motion has a gap",
         ),
+        (
+            "motions.jsonl",
+            lambda text: json.dumps({"body": "ada", "pieces": [[2, 1, *[[0] * 4] * 3]]}),
+            "line 1: a motion ends at t = 1.0 s, before it begins at 2.0 s",
+        ),
+        (
+            "motions.jsonl",
+            lambda text: json.dumps({"body": "ada", "pieces": [[0, 1e20, *[[0, 0, 1, 0]] * 3]]}),
+            "line 1: a motion goes further than 1e.30",
+        ),
         ("motions.jsonl", lambda text: '{"body": "ada", "pieces": 3', "line 1: .*JSON"),
         ("summary.json", lambda text: text[:-30], "is not JSON"),
         ("summary.json", lambda text: "[]", "is not a summary"),
