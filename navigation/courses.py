@@ -277,7 +277,7 @@ def _variation(cubics: Array, durations: Array) -> Array:
     a, b, c = 3 * cubics[..., 3], 2 * cubics[..., 2], cubics[..., 1]
     root = np.sqrt(np.maximum(b * b - 4 * a * c, 0.0))
     q = -(b + np.copysign(root, b)) / 2
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
         turns = np.sort(np.nan_to_num([q / a, c / q], posinf=0.0, neginf=0.0), axis=0)
     between = [np.zeros_like(durations + a), *np.clip(turns, 0.0, durations), durations + 0.0 * a]
     values = [c * u + cubics[..., 2] * u**2 + cubics[..., 3] * u**3 for u in between]

@@ -141,6 +141,13 @@ def test_a_teleport_is_no_way_and_no_turn():
     assert courses.time_not_moving(0.001, 0.01)[0] == 6.0
 
 
+@pytest.mark.parametrize("tiny", [0.0, 5e-324, -5e-324])
+def test_a_turn_with_the_least_of_bends_is_steady(tiny):
+    still = (0.0, 0.0, 0.0, 0.0)
+    motion = Motion((Piece(0.0, 2.0, still, still, (0.0, 0.25, tiny, tiny)),))
+    assert Courses([motion], [(0.0, 2.0)]).turning[0] == 0.5
+
+
 def test_figures_that_can_be_worked_out_by_hand():
     """4 m at 1 m/s and 2 m/s², past somebody who stands 0.5 m beside the middle of the way."""
     walk = navigation.walk([(0, 0), (4, 0)], max_speed=1.0, max_acceleration=2.0)

@@ -448,8 +448,13 @@ def test_two_fingers_zoom_the_floor(open_page, recording):
         fingers.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
     fingers.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
     viewer.wait_until(lambda: viewer.differ(whole, floor.screenshot()))
-    viewer.page.locator("#fit").tap()
-    viewer.wait_until(lambda: not viewer.differ(whole, floor.screenshot()))
+
+    def is_whole():
+        # A browser takes a tap right after a gesture for the end of it: tap until it is one.
+        viewer.page.locator("#fit").tap()
+        return not viewer.differ(whole, floor.screenshot())
+
+    viewer.wait_until(is_whole)
 
 
 def test_every_control_has_a_name(viewer):
