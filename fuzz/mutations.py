@@ -160,7 +160,7 @@ def _words(data: bytes, draw: Random) -> bytes:
             opened, closed = draw.choice(
                 (("(", ")"), ("[", "]"), ("f(", ")"), ("{ ", " }"), ("-", ""))
             )
-            depth = draw.choice((1, 2, 30, 500, 20_000))
+            depth = 20_000 if draw.random() < 0.03 else draw.choice((1, 2, 30, 500))
             words[at:to] = [opened * depth, *words[at:to], closed * depth]
     return "".join(words).encode("utf-8", "surrogatepass")
 
