@@ -11,6 +11,7 @@ import html
 import json
 import re
 from collections.abc import Mapping
+from functools import cache
 from importlib.resources import files
 from typing import Any
 
@@ -87,6 +88,7 @@ def recording_in(page: str) -> dict[str, Any]:
     return dict(recording)
 
 
+@cache
 def _part(name: str) -> str:
     return (files("sim") / "data" / "replay" / name).read_text(encoding="utf-8")
 
