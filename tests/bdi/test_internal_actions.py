@@ -3,23 +3,9 @@
 import re
 
 import pytest
+from goals import said
 
 import bdi
-
-
-def said(body, rest="", limit=50):
-    """What a goal with this body prints, and how it fails, if it does."""
-    lines = []
-    program = bdi.parse(
-        f"!go.\n+!go <- {body}.\n-!go[error(E), error_msg(M)] <- .print(E, ': ', M).\n{rest}"
-    )
-    agent = bdi.Agent(program, act=lambda action: True, print=lines.append)
-    agent.advance(0.0)
-    for _ in range(limit):
-        if agent.next_wakeup is None:
-            break
-        agent.advance(agent.next_wakeup)
-    return lines
 
 
 def value(expression):

@@ -1,23 +1,13 @@
 """Plans that come and go while an agent runs."""
 
 import pytest
+from goals import said
 
 import bdi
 
 WORK = "@old +!work <- .print(old).\n@new +!work <- .print(new).\n"
 ANY = "@own +!work <- .print(own).\n"
 NO_PLAN = "no_relevant: Found a goal for which there is no relevant plan: +!work[source(self)]"
-
-
-def said(body, plans=""):
-    """What a goal with this body prints, and how it fails, if it does."""
-    lines = []
-    program = bdi.parse(f"""!go.
-        +!go <- {body}.
-        -!go[error(E), error_msg(M)] <- .concat(E, ": ", M, T); .print(T).
-        {plans}""")
-    bdi.Agent(program, print=lines.append).advance(0.0)
-    return lines
 
 
 @pytest.mark.parametrize(
