@@ -55,6 +55,10 @@ class TrialItem(pytest.Item):
         if run.unmet:
             raise UnmetError
 
+    def teardown(self) -> None:
+        """Let go of the run: its report has been made."""
+        self._failures.runs.clear()
+
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
         """What was expected, what happened instead and when, and where the replay page is."""
         if isinstance(excinfo.value, UnmetError):

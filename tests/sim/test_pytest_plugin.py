@@ -260,6 +260,21 @@ def test_nothing_is_loaded():
     run_pytest_alone().assert_outcomes(passed=1)
 
 
+def test_runs_that_passed_are_let_go(pytester, run_pytest_alone):
+    write(pytester, one__trial__yaml=PASSES, two__trial__yaml=PASSES)
+    pytester.makepyfile(
+        test_what_is_left="""
+        import gc
+        import sim
+
+        def test_nothing_is_left():
+            gc.collect()
+            assert not [thing for thing in gc.get_objects() if isinstance(thing, sim.Run)]
+        """
+    )
+    run_pytest_alone().assert_outcomes(passed=3)
+
+
 def test_it_is_an_entry_point():
     if sys.version_info >= (3, 11):
         import tomllib
