@@ -30,7 +30,16 @@ if TYPE_CHECKING:
     from .tasks import Handling, Step, Task, Tasks
     from .trials.own_law import LawError, OwnLaw
     from .trials.rules_file import RulesError, find_rules, load_rules
-    from .trials.trial import AgvMove, GantryEntry, Job, PersonEntry, Start, Trial, TrialError
+    from .trials.trial import (
+        AgvMove,
+        GantryEntry,
+        Job,
+        PersonalityChange,
+        PersonEntry,
+        Start,
+        Trial,
+        TrialError,
+    )
     from .trials.trial_file import builtin_trials
     from .trials.verdict import Verdict
 
@@ -59,6 +68,7 @@ _HOMES = {
         "AgvMove",
         "GantryEntry",
         "Job",
+        "PersonalityChange",
         "PersonEntry",
         "Start",
         "Trial",
@@ -95,6 +105,7 @@ __all__ = [
     "OwnLaw",
     "Percepts",
     "PersonEntry",
+    "PersonalityChange",
     "Recorded",
     "Recording",
     "RecordingError",

@@ -29,6 +29,7 @@ from .recordings.requirement_curve import requirement_curve
 from .recordings.scene import scene_of
 from .referee import Pair, Referee
 from .summary import summarise
+from .trials.checks import check
 from .trials.programs import EXTERNAL
 from .trials.trial import PersonEntry, Trial
 from .triggers import Triggers
@@ -40,11 +41,12 @@ class Simulation:
     """One trial, run step by step.
 
     `listeners` are told of events and motions as they happen. `advance` as far as you like,
-    then `finish` for the `Run`.
+    then `finish` for the `Run`. `TrialError` if there is something in the trial that can't be.
     """
 
     def __init__(self, trial: Trial, *listeners: Listener) -> None:
         self._cpu_begin = time.process_time()
+        check(trial)
         self.trial = trial
         self.clock = Clock(0.0)
         self.events: list[Event] = []
@@ -364,7 +366,8 @@ class Simulation:
 def run(trial: Trial, *listeners: Listener) -> Run:
     """Run `trial` to its end; `listeners` are told of events and motions as they happen.
 
-    Raises `ControllerError` or `MindError` when the user's own programs go wrong.
+    Raises `TrialError` if there is something in the trial that can't be, `ControllerError` or
+    `MindError` when the user's own programs go wrong.
     """
     simulation = Simulation(trial, *listeners)
     simulation.advance(trial.duration)

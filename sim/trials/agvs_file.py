@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Annotated, Any
 
 from pydantic import Discriminator, Field, Strict, Tag
 
-from floorplan import Document, Lane, Number, Problem, Strictly, suggestion
+from floorplan import Number, Strictly
 
 from .trial import AgvMove
 
@@ -49,24 +49,3 @@ def written_agv(moves: tuple[AgvMove, ...], yields: bool) -> Any:
     """An AGV as a file has it."""
     written = [{"time": move.time, "to": move.to} for move in moves]
     return {"yield": True, "moves": written} if yields else written
-
-
-def agv_problems(
-    agvs: Mapping[str, AgvKeys], lanes: Mapping[str, Lane], document: Document
-) -> Iterator[Problem]:
-    """What is wrong with the AGVs on these lanes, beyond keys and types."""
-    for name, keys in agvs.items():
-        if name not in lanes:
-            message = f"no AGV is called {name!r}; {suggestion(name, lanes)}"
-            yield document.problem(message, "agvs", name)
-            continue
-        place = ("agvs", name) if isinstance(keys, list) else ("agvs", name, "moves")
-        moves = agv_moves(keys)
-        for k, move in enumerate(moves):
-            try:
-                lanes[name].lane_position(move.to)
-            except ValueError as why:
-                yield document.problem(str(why), *place, k, "to")
-            if k and move.time < moves[k - 1].time:
-                message = f"{move.time:g} s is before the move above it; put moves in order"
-                yield document.problem(message, *place, k, "time")

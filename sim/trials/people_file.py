@@ -1,8 +1,8 @@
-"""The people of a trial file: their keys and values, and what can be wrong with them."""
+"""The people of a trial file: their keys and values."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from functools import cache, partial
 from pathlib import Path
 from typing import Annotated
@@ -10,11 +10,11 @@ from typing import Annotated
 from pydantic import Field, Strict, model_validator
 
 import bdi
-from floorplan import Document, Pair, Place, Positive, Problem, Strictly, standing_fault, suggestion
+from floorplan import Pair, Positive, Strictly
 
-from .event_kinds import EVENT_KINDS
-from .programs import EXTERNAL, find_program, load_program
-from .trial import PersonalityChange, PersonEntry, Start, Trial
+from .checks import NAME
+from .programs import load_program
+from .trial import PersonalityChange, PersonEntry, Start
 
 CONDITIONS = ("time", "part_placed", "order_submitted", "event")
 
@@ -64,7 +64,7 @@ class _ChangeKeys(Strictly):
 class PersonKeys(Strictly):
     """One person."""
 
-    name: Annotated[str, Field(min_length=1, pattern=r"^[A-Za-z][A-Za-z0-9_-]*$")]
+    name: Annotated[str, Field(pattern=f"^{NAME}$")]
     personality: str = "indifferent"
     start: StartKeys = StartKeys(time=0.0)
     changes: list[_ChangeKeys] = []
@@ -104,60 +104,8 @@ def _person(keys: PersonKeys, program_of: Callable[[str], bdi.Program | None]) -
     )
 
 
-def person_problems(
-    person: PersonEntry, trial: Trial, document: Document, k: int
-) -> Iterator[Problem]:
-    """What is wrong with the person at index `k`, beyond keys and types."""
-    yield from _personality_problems(person, trial, document, k)
-    plan = trial.floorplan
-    if person.at is not None:
-        if fault := standing_fault(plan, person.at, person.radius):
-            yield document.problem(fault, "people", k, "at")
-    elif plan.safe_zone is None:
-        message = "the floorplan has no safe zone to start in; give at: [x, y]"
-        yield document.problem(message, "people", k)
-    elif fault := standing_fault(plan, plan.safe_zone.position, person.radius):
-        yield document.problem(f"in the safe zone, {fault}", "people", k)
-    for j, belief in enumerate(person.beliefs):
-        try:
-            bdi.parse_literal(belief)
-        except bdi.ProgramError as why:
-            yield document.problem(f"is not a belief: {why}", "people", k, "beliefs", j)
-
-
 def _program(personality: str, folder: Path) -> bdi.Program | None:
     try:
         return load_program(personality, folder)
     except FileNotFoundError:
-        return None  # `person_problems` tells, together with everything else
-
-
-def _personality_problems(
-    person: PersonEntry, trial: Trial, document: Document, k: int
-) -> Iterator[Problem]:
-    named: list[tuple[str, Place]] = [(person.personality, ("personality",))]
-    named += [
-        (change.personality, ("changes", j, "personality"))
-        for j, change in enumerate(person.changes)
-    ]
-    external = [personality == EXTERNAL for personality, _ in named]
-    if any(external) and len(named) > 1:
-        message = f"nobody changes to or from {EXTERNAL!r}"
-        yield document.problem(message, "people", k, "changes")
-    for personality, place in named:
-        try:
-            if personality != EXTERNAL:
-                find_program(personality, trial.folder)
-        except FileNotFoundError as why:
-            yield document.problem(str(why), "people", k, *place)
-    waits: list[tuple[Start, Place]] = [(person.start, ("start",))]
-    waits += [(change.when, ("changes", j, "when")) for j, change in enumerate(person.changes)]
-    for start, place in waits:
-        if start.event is not None and start.event not in EVENT_KINDS:
-            hint = suggestion(start.event, EVENT_KINDS)
-            message = f"no kind of event is called {start.event!r}; {hint}"
-            yield document.problem(message, "people", k, *place, "event")
-        names = [somebody.name for somebody in trial.people]
-        if start.person is not None and start.person not in names:
-            message = f"nobody is called {start.person!r}; {suggestion(start.person, names)}"
-            yield document.problem(message, "people", k, *place, "person")
+        return None  # told together with everything else that is wrong

@@ -26,7 +26,8 @@ class Start:
 
     `part_placed` holds the fields a placed part must have (part, agv), `order_submitted` the
     order's name, `event` the kind of an event; it must happen for the `count`th time. Events
-    that name a person count if that is `person`, or who waits if none is given.
+    that name a person count if that is `person`, or who waits if none is given. The `time` is None
+    where something else is waited for.
     """
 
     time: float | None = 0.0
@@ -35,6 +36,11 @@ class Start:
     event: str | None = None
     count: int = 1
     person: str | None = None
+
+    def __post_init__(self) -> None:
+        waits = (self.part_placed, self.order_submitted, self.event) != (None, None, None)
+        if waits and self.time == 0.0:
+            object.__setattr__(self, "time", None)
 
 
 @dataclass(frozen=True)

@@ -11,14 +11,14 @@ from typing import Annotated, Any
 from pydantic import Field, Strict, model_validator
 
 import floorplan
-from floorplan import Document, Floorplan, Number, Positive, Problem, Strictly, suggestion
+from floorplan import Document, Floorplan, Number, Place, Positive, Problem, Strictly, suggestion
 
 from ..ariac import reading
 from ..controllers import ControllerError, find_controller
 from ..rules import PAPER
-from .agvs_file import AgvKeys, agv_moves, agv_problems, yielding
-from .expectations import expectation_problems
-from .people_file import PersonKeys, people_of, person_problems
+from .agvs_file import AgvKeys, agv_moves, yielding
+from .checks import faults
+from .people_file import PersonKeys, people_of
 from .rules_file import RuleKeys, build_rules
 from .trial import GantryEntry, Job, Trial, TrialError
 
@@ -162,45 +162,18 @@ def _floorplan(name: str, folder: Path, document: Document) -> Floorplan:
 
 def _problems(trial: Trial, schema: _Trial, document: Document) -> Iterator[Problem]:
     """What keys and types can't tell: whether the things a trial names are there."""
-    plan = trial.floorplan
-    taken: set[str] = {"gantry", *(lane.name for lane in plan.lanes)}
-    for k, person in enumerate(trial.people):
-        yield from person_problems(person, trial, document, k)
-        if person.name in taken:
-            message = f"another body is called {person.name!r} already"
-            yield document.problem(message, "people", k, "name")
-        taken.add(person.name)
-    yield from _gantry_problems(trial, document)
-    yield from agv_problems(schema.agvs, {lane.name: lane for lane in plan.lanes}, document)
-    for message, place in expectation_problems(trial):
-        yield document.problem(message, "expect", *place)
+    for message, place in faults(trial):
+        yield document.problem(message, *_in_file(place, schema))
+    if trial.floorplan.gantry is not None:
+        try:
+            find_controller(trial.gantry.controller, trial.folder)
+        except ControllerError as why:
+            yield document.problem(str(why), "gantry", "controller")
 
 
-def _gantry_problems(trial: Trial, document: Document) -> Iterator[Problem]:
-    gantry, entry = trial.floorplan.gantry, trial.gantry
-    if gantry is None:
-        if "gantry" in document.data:
-            yield document.problem("the floorplan has no gantry", "gantry")
-        return
-    if entry.at is not None:
-        for fault in gantry.faults(entry.at):
-            yield document.problem(fault, "gantry", "at")
-    try:
-        find_controller(entry.controller, trial.folder)
-    except ControllerError as why:
-        yield document.problem(str(why), "gantry", "controller")
-    for k, job in enumerate(entry.jobs):
-        if job.kind == "move":
-            for fault in gantry.faults(job.target):
-                yield document.problem(fault, "gantry", "jobs", k, "move")
-        for key, place in (("pick", job.pick), ("place", job.place)):
-            if job.kind == "pick_place" and not _known_place(place, trial.floorplan):
-                message = f"no obstacle, station or AGV is called {place!r}"
-                yield document.problem(message, "gantry", "jobs", k, key)
-
-
-def _known_place(name: str, plan: Floorplan) -> bool:
-    names = [obstacle.name for obstacle in plan.obstacles]
-    names += [station.name for station in plan.stations]
-    names += [lane.name for lane in plan.lanes]
-    return name in names
+def _in_file(place: Place, schema: _Trial) -> Place:
+    """Where something stands in the file: the moves of an AGV may have a key of their own."""
+    match place:
+        case ("agvs", name, int(k), key) if not isinstance(schema.agvs[str(name)], list):
+            return ("agvs", name, "moves", k, key)
+    return place

@@ -1,0 +1,181 @@
+"""What can't be in a trial, however it was made: figures out of range, and names of nothing."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from typing import TypeAlias
+
+import bdi
+from floorplan import (
+    LARGEST,
+    Gantry,
+    Lane,
+    Place,
+    Problem,
+    field_name,
+    standing_fault,
+    suggestion,
+)
+
+from .event_kinds import EVENT_KINDS
+from .expectations import expectation_problems
+from .programs import EXTERNAL, find_program
+from .trial import GantryEntry, Job, PersonalityChange, PersonEntry, Start, Trial, TrialError
+
+NAME = r"[A-Za-z][A-Za-z0-9_-]*"
+"""What people may be called."""
+
+Fault: TypeAlias = tuple[str, Place]
+"""What is wrong, and the keys at which it stands in a trial file."""
+
+
+def check(trial: Trial) -> None:
+    """`TrialError` with everything about `trial` that can't be."""
+    problems = [Problem(message, field_name(place)) for message, place in faults(trial)]
+    if problems:
+        raise TrialError(f"trial {trial.name!r}", problems)
+
+
+def faults(trial: Trial) -> Iterator[Fault]:
+    """Everything about `trial` that can't be; its controller is not looked for."""
+    yield from _size(trial.duration, "duration")
+    if not isinstance(trial.seed, int) or trial.seed < 0:
+        yield f"must be a whole number from 0 on, not {trial.seed!r}", ("seed",)
+    taken = {"gantry", *(lane.name for lane in trial.floorplan.lanes)}
+    for k, person in enumerate(trial.people):
+        yield from _below(_person_faults(person, trial), "people", k)
+        if person.name in taken:
+            yield f"another body is called {person.name!r} already", ("people", k, "name")
+        taken.add(person.name)
+    yield from _below(_gantry_faults(trial), "gantry")
+    yield from _below(_agv_faults(trial), "agvs")
+    yield from _below(expectation_problems(trial), "expect")
+
+
+def _below(found: Iterable[Fault], *place: str | int) -> Iterator[Fault]:
+    for message, rest in found:
+        yield message, (*place, *rest)
+
+
+def _size(value: float | None, *place: str | int) -> Iterator[Fault]:
+    if value is not None and not 0 < value <= LARGEST:
+        yield f"must be more than 0 and at most {LARGEST:g}, not {value!r}", place
+
+
+def _time(value: float, *place: str | int) -> Iterator[Fault]:
+    if not 0 <= value <= LARGEST:
+        yield f"must be a time from 0 to {LARGEST:g} s, not {value!r}", place
+
+
+# ---- people
+
+
+def _person_faults(person: PersonEntry, trial: Trial) -> Iterator[Fault]:
+    if not re.fullmatch(NAME, person.name):
+        message = f"must begin with a letter, and have letters, digits, _ and -: {person.name!r}"
+        yield message, ("name",)
+    yield from _personality_faults(person, trial)
+    yield from _start_faults(person.start, trial, "start")
+    for k, change in enumerate(person.changes):
+        yield from _start_faults(change.when, trial, "changes", k, "when")
+    for name in ("radius", "max_speed", "max_acceleration"):
+        yield from _size(getattr(person, name), name)
+    yield from _place_faults(person, trial)
+    for k, belief in enumerate(person.beliefs):
+        try:
+            bdi.parse_literal(belief)
+        except bdi.ProgramError as why:
+            yield f"is not a belief: {why}", ("beliefs", k)
+
+
+def _personality_faults(person: PersonEntry, trial: Trial) -> Iterator[Fault]:
+    named: list[tuple[PersonEntry | PersonalityChange, Place]] = [(person, ("personality",))]
+    named += [(change, ("changes", k, "personality")) for k, change in enumerate(person.changes)]
+    if len(named) > 1 and any(one.personality == EXTERNAL for one, _ in named):
+        yield f"nobody changes to or from {EXTERNAL!r}", ("changes",)
+    for one, place in named:
+        try:
+            if one.program is None and one.personality != EXTERNAL:
+                find_program(one.personality, trial.folder)
+        except FileNotFoundError as why:
+            yield str(why), place
+
+
+def _start_faults(start: Start, trial: Trial, *place: str | int) -> Iterator[Fault]:
+    others = (start.part_placed, start.order_submitted, start.event)
+    if sum(one is not None for one in (start.time, *others)) != 1:
+        yield "must be one of time, part_placed, order_submitted, event", place
+    if start.time is not None:
+        yield from _time(start.time, *place, "time")
+    if start.count < 1:
+        yield f"must be 1 or more, not {start.count!r}", (*place, "count")
+    if start.event is not None and start.event not in EVENT_KINDS:
+        hint = suggestion(start.event, EVENT_KINDS)
+        yield f"no kind of event is called {start.event!r}; {hint}", (*place, "event")
+    names = [somebody.name for somebody in trial.people]
+    if start.person is not None and start.person not in names:
+        message = f"nobody is called {start.person!r}; {suggestion(start.person, names)}"
+        yield message, (*place, "person")
+
+
+def _place_faults(person: PersonEntry, trial: Trial) -> Iterator[Fault]:
+    plan = trial.floorplan
+    if person.at is not None:
+        if fault := standing_fault(plan, person.at, person.radius):
+            yield fault, ("at",)
+    elif plan.safe_zone is None:
+        yield "the floorplan has no safe zone to start in; give at: [x, y]", ()
+    elif fault := standing_fault(plan, plan.safe_zone.position, person.radius):
+        yield f"in the safe zone, {fault}", ()
+
+
+# ---- machines
+
+
+def _gantry_faults(trial: Trial) -> Iterator[Fault]:
+    gantry, entry = trial.floorplan.gantry, trial.gantry
+    if gantry is None:
+        if entry != GantryEntry():
+            yield "the floorplan has no gantry", ()
+        return
+    if entry.at is not None:
+        for fault in gantry.faults(entry.at):
+            yield fault, ("at",)
+    plan = trial.floorplan
+    groups = (plan.obstacles, plan.stations, plan.lanes)
+    places = {thing.name for group in groups for thing in group}
+    for k, job in enumerate(entry.jobs):
+        yield from _below(_job_faults(job, gantry, places), "jobs", k)
+
+
+def _job_faults(job: Job, gantry: Gantry, places: set[str]) -> Iterator[Fault]:
+    if job.kind == "move":
+        for fault in gantry.faults(job.target):
+            yield fault, ("move",)
+    elif job.kind == "wait":
+        yield from _size(job.seconds, "wait")
+    elif job.kind == "pick_place":
+        for key, place in (("pick", job.pick), ("place", job.place)):
+            if place not in places:
+                yield f"no obstacle, station or AGV is called {place!r}", (key,)
+    elif job.kind != "submit":
+        yield f"a job is one of move, wait, pick_place, submit, not {job.kind!r}", ()
+
+
+def _agv_faults(trial: Trial) -> Iterator[Fault]:
+    lanes: Mapping[str, Lane] = {lane.name: lane for lane in trial.floorplan.lanes}
+    for name in (*trial.agvs, *sorted(trial.yielding - {*trial.agvs})):
+        if name not in lanes:
+            yield f"no AGV is called {name!r}; {suggestion(name, lanes)}", (name,)
+            continue
+        moves = trial.agvs.get(name, ())
+        for k, move in enumerate(moves):
+            try:
+                lanes[name].lane_position(move.to)
+            except ValueError as why:
+                yield str(why), (name, k, "to")
+            yield from _time(move.time, name, k, "time")
+            if k and move.time < moves[k - 1].time:
+                message = f"{move.time:g} s is before the move above it; put moves in order"
+                yield message, (name, k, "time")

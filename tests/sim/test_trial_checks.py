@@ -1,0 +1,111 @@
+"""Trials made in Python are held to what holds for trial files."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+import bdi
+import floorplan
+import sim
+
+FLOOR = floorplan.load("ariac2023")
+SHOP = floorplan.load("warehouse")
+NAN = float("nan")
+
+
+def ada(**given):
+    return {"people": (sim.PersonEntry("ada", **given),)}
+
+
+def jobs(*given):
+    return {"gantry": sim.GantryEntry("oblivious", jobs=given)}
+
+
+def moves(*given, agv="agv1"):
+    return {"agvs": {agv: tuple(sim.AgvMove(time, to) for time, to in given)}}
+
+
+def changes(personality, time=5.0):
+    return ada(changes=(sim.PersonalityChange(sim.Start(time), personality),))
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"duration": -1.0}, "duration: must be more than 0 and at most 1e.09, not -1.0"),
+        ({"duration": 0.0}, "duration: must be"),
+        ({"duration": NAN}, "duration: must be .* not nan"),
+        ({"duration": 1e10}, "duration: must be"),
+        ({"seed": -1}, "seed: must be a whole number from 0 on, not -1"),
+        ({"seed": "1"}, "seed: must be a whole number from 0 on, not '1'"),
+        (ada(at=(100.0, 1.0)), r"people\[0\].at: \(100, 1\) is outside the boundary"),
+        (ada(at=(NAN, 1.0)), r"people\[0\].at: .*outside"),
+        (ada(at=(-7.3, 3.0)), r"people\[0\].at: .*inside obstacle 'assembly_table1'"),
+        (ada(radius=-0.1), r"people\[0\].radius: must be more than 0"),
+        (ada(radius=5.0), r"people\[0\]: in the safe zone, .* does not fit"),
+        (ada(max_speed=0.0), r"people\[0\].max_speed: must be more than 0"),
+        (ada(max_acceleration=NAN), r"people\[0\].max_acceleration: must be more than 0"),
+        (ada(personality="hepful"), r"people\[0\].personality: .*did you mean 'helpful'"),
+        (ada(beliefs=("tired", "tall(")), r"people\[0\].beliefs\[1\]: is not a belief"),
+        (ada(start=sim.Start(-1.0)), r"people\[0\].start.time: must be a time"),
+        (ada(start=sim.Start(NAN)), r"people\[0\].start.time: must be a time .* not nan"),
+        (ada(start=sim.Start(None)), r"people\[0\].start: must be one of time, part_placed"),
+        (ada(start=sim.Start(5.0, event="notice")), r"people\[0\].start: must be one of"),
+        (ada(start=sim.Start(event="notiec")), r"start.event: .*did you mean 'notice'"),
+        (ada(start=sim.Start(event="notice", count=0)), r"start.count: must be 1 or more"),
+        (ada(start=sim.Start(event="notice", person="eve")), "start.person: nobody is called"),
+        (changes("hepful"), r"changes\[0\].personality: .*did you mean 'helpful'"),
+        (changes("external"), r"people\[0\].changes: nobody changes to or from 'external'"),
+        (changes("helpful", -3.0), r"changes\[0\].when.time: must be a time"),
+        ({"people": (sim.PersonEntry("ada"),) * 2}, r"people\[1\].name: another body"),
+        ({"people": (sim.PersonEntry("agv2"),)}, r"people\[0\].name: another body"),
+        ({"people": (sim.PersonEntry(""),)}, r"people\[0\].name: must begin with a letter"),
+        ({"people": (sim.PersonEntry("a\n"),)}, r"people\[0\].name: must begin with a letter"),
+        ({"gantry": sim.GantryEntry(at=(9.0, 0.0, 0.0))}, "gantry.at: x = 9 is outside"),
+        (jobs(sim.Job("dance")), r"gantry.jobs\[0\]: a job is one of .* not 'dance'"),
+        (jobs(sim.Job("wait", seconds=-1.0)), r"gantry.jobs\[0\].wait: must be more than 0"),
+        (jobs(sim.Job("move", target=(9.0, 0.0, 0.0))), r"jobs\[0\].move: x = 9 is outside"),
+        (jobs(sim.Job("pick_place", pick="bin1", place="bni2")), r"jobs\[0\].place: .*'bni2'"),
+        (moves((1.0, "as1"), agv="agv7"), "agvs.agv7: no AGV is called 'agv7'"),
+        (moves((1.0, "as9")), r"agvs.agv1\[0\].to: agv1 has no location 'as9'"),
+        (moves((1.0, 500.0)), r"agvs.agv1\[0\].to: agv1 can't be at 500 m"),
+        (moves((NAN, "as1")), r"agvs.agv1\[0\].time: must be a time"),
+        (moves((5.0, "as1"), (1.0, "kitting")), r"agvs.agv1\[1\].time: 1 s is before"),
+        ({"yielding": frozenset({"agv7"})}, "agvs.agv7: no AGV is called 'agv7'"),
+        ({"expect": {"penaltes": 0}}, "expect.penaltes: .*did you mean 'penalties'"),
+        ({"floorplan": SHOP, **jobs()}, "gantry: the floorplan has no gantry"),
+        (
+            {"floorplan": replace(FLOOR, safe_zone=None), **ada()},
+            r"people\[0\]: the floorplan has no safe zone to start in",
+        ),
+    ],
+)
+def test_what_can_not_be_is_told_before_anything_runs(given, message):
+    trial = sim.Trial(**{"floorplan": FLOOR, "name": "mine", "duration": 10.0, **given})
+    with pytest.raises(sim.TrialError, match=message) as told:
+        sim.Simulation(trial)
+    assert str(told.value).startswith("trial 'mine': ")
+    assert len(told.value.problems) == 1
+
+
+def test_everything_is_told_at_once():
+    trial = sim.Trial(FLOOR, duration=-1.0, **ada(at=(99.0, 0.0)), expect={"nothing": 1})
+    with pytest.raises(sim.TrialError, match="3 problems"):
+        sim.run(trial)
+
+
+def test_a_program_that_was_read_need_not_be_found():
+    program = bdi.parse("!rest. +!rest <- .print(resting).")
+    person = sim.PersonEntry("ada", personality="of my own", program=program)
+    run = sim.run(sim.Trial(FLOOR, duration=1.0, people=(person,)))
+    assert [e["text"] for e in run.events if e["kind"] == "said"] == ["resting"]
+
+
+def test_who_waits_for_an_event_does_not_start_at_once():
+    start = sim.Start(event="job_done")
+    assert start == sim.Start(None, event="job_done")
+    trial = sim.Trial(FLOOR, duration=10.0, **ada(start=start), **jobs(sim.Job("wait", seconds=4)))
+    run = sim.run(trial)
+    assert [e["t"] for e in run.events if e["kind"] == "human_started"] == [4.0]
+    assert sim.Trial.parse(trial.to_yaml()) == replace(trial, folder=Path())
