@@ -8,6 +8,7 @@ caller: `advance(t)` runs cycles until nothing is left to do at t.
 from __future__ import annotations
 
 import logging
+import math
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
@@ -57,6 +58,8 @@ _SECOND = 1e9
 
 def _clock(seconds: float) -> int:
     """Nanoseconds: in these times add up exactly, and 0.1 + 0.2 is 0.3."""
+    if not math.isfinite(seconds):
+        raise ValueError(f"a time is a number of seconds, not {seconds}")
     return round(seconds * _SECOND)
 
 
@@ -216,7 +219,7 @@ class Agent:
         and outcomes that came since the last call count at `time`.
 
         Raises:
-            ValueError: the time is before `now`.
+            ValueError: the time is before `now`, or no number of seconds.
             EndlessProgramError: a plan goes on for ever at one instant.
         """
         target = _clock(time)

@@ -1,6 +1,7 @@
 """The agent from outside: time, percepts, actions, and a look inside."""
 
 import gc
+import math
 import random
 
 import pytest
@@ -75,6 +76,15 @@ def test_time_goes_forward():
     agent.advance(2.0)
     with pytest.raises(ValueError, match="forward"):
         agent.advance(1.0)
+
+
+@pytest.mark.parametrize("time", [math.nan, math.inf, -math.inf])
+def test_a_time_is_a_number_of_seconds(time):
+    program = bdi.parse("")
+    with pytest.raises(ValueError, match=f"a number of seconds, not {time}"):
+        bdi.Agent(program).advance(time)
+    with pytest.raises(ValueError, match=f"a number of seconds, not {time}"):
+        bdi.Agent(program, start=time)
 
 
 def test_percepts_count_at_the_time_of_the_next_advance():
