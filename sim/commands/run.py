@@ -122,8 +122,9 @@ def changed(
     rules: str | None,
     controller: str | None = None,
 ) -> Trial:
-    """The trial with what the options say instead."""
+    """The trial with what the options say instead; `TrialError` if it can't be run so."""
     from sim import find_controller, find_rules
+    from sim.trials.checks import check
 
     if personality is not None:
         path = Path(personality)
@@ -141,6 +142,7 @@ def changed(
         trial = replace(trial, seed=seed)
     if rules is not None:
         trial = replace(trial, rules=find_rules(rules))
+    check(trial)
     return trial
 
 

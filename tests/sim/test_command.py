@@ -226,6 +226,7 @@ def test_bad_files_get_one_clear_message(name, tmp_path, floorwalker):
         (["run", "--duration", "-5"], 2, "duration"),
         (["run", "--duration", "nan"], 2, "duration"),
         (["run", "--duration", "long"], 2, "duration"),
+        (["run", "--duration", "1e12"], 1, "duration: must be more than 0 and at most 1e+09"),
         (["run", "--personality", "angry"], 1, "'angry'"),
         (["run", "--rules", "papper"], 1, "did you mean 'paper'?"),
         (["run", "nowhere"], 1, "built-in trial"),
