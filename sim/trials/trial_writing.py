@@ -99,7 +99,8 @@ def _start(start: Start) -> Data:
     if start.order_submitted is not None:
         return {"order_submitted": start.order_submitted}
     if start.event is not None:
-        return _without({"event": start.event, "count": start.count, "person": start.person}, None)
+        data = {"event": start.event, "count": start.count, "person": start.person}
+        return _without(data, None, 1)
     return {"time": start.time}
 
 
