@@ -15,7 +15,7 @@ from .model import (
     Station,
 )
 from .problems import FloorplanError, InputError, Problem, suggestion
-from .schema import LARGEST, Number, Pair, Positive, Strictly
+from .schema import LARGEST, NotNegative, Number, Pair, Positive, Strictly
 
 __all__ = [
     "LARGEST",
@@ -27,6 +27,7 @@ __all__ = [
     "Human",
     "InputError",
     "Lane",
+    "NotNegative",
     "Number",
     "Obstacle",
     "Pair",

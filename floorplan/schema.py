@@ -17,6 +17,9 @@ Number = Annotated[float, Strict(), Field(ge=-LARGEST, le=LARGEST, allow_inf_nan
 Positive = Annotated[float, Strict(), Field(gt=0, le=LARGEST, allow_inf_nan=False)]
 """A field of a file: a number above 0, up to 1e9."""
 
+NotNegative = Annotated[float, Strict(), Field(ge=0, le=LARGEST, allow_inf_nan=False)]
+"""A field of a file: a number from 0 to 1e9."""
+
 Pair = tuple[Number, Number]
 """A field of a file: two numbers from -1e9 to 1e9."""
 

@@ -8,14 +8,13 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field, Strict, model_validator
 
-from floorplan import Number, Positive, Strictly
+from floorplan import NotNegative, Number, Positive, Strictly
 
 Text = Annotated[str, BeforeValidator(lambda v: str(v) if type(v) is int else v)]
 """Text that may look like a number: an order's id."""
 
 Whole = Annotated[int, Strict()]
 Truth = Annotated[bool, Strict()]
-Time = Annotated[float, Strict(), Field(ge=0, allow_inf_nan=False)]
 Slot = Annotated[int, Strict(), Field(ge=1, le=9)]
 TraySlot = Annotated[int, Strict(), Field(ge=1, le=6)]
 TrayId = Annotated[int, Strict(), Field(ge=0, le=9)]
@@ -144,7 +143,7 @@ class Submission(Strictly):
 class Condition(Strictly):
     """What something waits for: one of the three."""
 
-    time_condition: Time | None = None
+    time_condition: NotNegative | None = None
     part_place_condition: PartPlace | None = None
     submission_condition: Submission | None = None
 
@@ -174,7 +173,7 @@ class MalfunctionChallenge(Condition):
 class BlackoutChallenge(Condition):
     """Sensors that see nothing for a while."""
 
-    duration: Time
+    duration: NotNegative
     sensors_to_disable: list[Sensor]
 
 
@@ -195,7 +194,7 @@ class DroppedPartChallenge(Strictly):
     type: Type
     color: Color
     drop_after: Annotated[int, Strict(), Field(ge=0)]
-    delay: Time
+    delay: NotNegative
 
 
 class Challenge(Strictly):

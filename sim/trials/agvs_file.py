@@ -7,13 +7,13 @@ from typing import Annotated, Any
 
 from pydantic import Discriminator, Field, Strict, Tag
 
-from floorplan import Number, Strictly
+from floorplan import NotNegative, Number, Strictly
 
 from .trial import AgvMove
 
 
 class _Move(Strictly):
-    time: Annotated[float, Strict(), Field(ge=0, allow_inf_nan=False)]
+    time: NotNegative
     to: str | Number
 
 

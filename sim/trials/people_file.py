@@ -10,7 +10,7 @@ from typing import Annotated
 from pydantic import Field, Strict, model_validator
 
 import bdi
-from floorplan import Pair, Positive, Strictly
+from floorplan import NotNegative, Pair, Positive, Strictly
 
 from .checks import NAME
 from .programs import load_program
@@ -27,7 +27,7 @@ class _PartPlaced(Strictly):
 class StartKeys(Strictly):
     """What is waited for."""
 
-    time: Annotated[float, Strict(), Field(ge=0, allow_inf_nan=False)] | None = None
+    time: NotNegative | None = None
     part_placed: _PartPlaced | None = None
     order_submitted: str | None = None
     event: str | None = None

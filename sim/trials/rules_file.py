@@ -6,19 +6,16 @@ import math
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
-from pydantic import Field as Limits
-from pydantic import Strict, model_validator
+from pydantic import model_validator
 
 import floorplan
-from floorplan import LARGEST, Document, InputError, Positive, Problem, Strictly, suggestion
+from floorplan import Document, InputError, NotNegative, Positive, Problem, Strictly, suggestion
 from navigation import AnyLaw, Scaled
 
 from ..rules import PAPER, RULE_SETS, Notice, RuleSet, rule_set
 from .law_file import Terms, WrittenLawError, read_law, written_law
-
-Seconds = Annotated[float, Strict(), Limits(ge=0, le=LARGEST, allow_inf_nan=False)]
 
 
 class RulesError(InputError):
@@ -47,10 +44,10 @@ class RuleKeys(Strictly):
     gantry_law: Terms | None = None
     agv_law: Terms | None = None
     notice: NoticeKeys = NoticeKeys()
-    gantry_disabled: Seconds | None = None
-    grace: Seconds | None = None
-    pause_after_violation: Seconds | None = None
-    pause_after_agv: Seconds | None = None
+    gantry_disabled: NotNegative | None = None
+    grace: NotNegative | None = None
+    pause_after_violation: NotNegative | None = None
+    pause_after_agv: NotNegative | None = None
 
     @model_validator(mode="before")
     @classmethod

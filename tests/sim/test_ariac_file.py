@@ -122,6 +122,7 @@ orders:
         (("behavior: helpful", "behavior: grumpy"), "expected 'indifferent', 'antagonistic' or"),
         (("{time_condition: 20}", "{}"), "give one of time_condition, part_place_condition"),
         (("{time_condition: 20}", "{time_condition: -1}"), "expected at least 0, found -1"),
+        (("{time_condition: 20}", "{time_condition: 1.0e+10}"), "expected at most 1e+09, found 1"),
         (("time_limit: 400", "time_limit: 0"), "time_limit: expected -1 (no limit) or seconds"),
         (("type: assembly", "type: kitting"), "an order of the type kitting has a kitting_task"),
         (("duration: 10.0", "duration: 0"), "robot_malfunction.duration: expected more than 0"),
