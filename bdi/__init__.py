@@ -15,16 +15,18 @@ from .intentions import Intention
 from .internal_actions import Call, InternalAction, InternalActions
 from .loading import load, parse, parse_file, programs
 from .parser import parse_literal, parse_term
-from .program import Plan, Program
+from .program import Belief, Goal, Plan, Program, Rule
 from .society import Message, Society
 from .terms import Literal, Term, Var, text
 
 __all__ = [
     "PENDING",
     "Agent",
+    "Belief",
     "Call",
     "EndlessProgramError",
     "Entry",
+    "Goal",
     "History",
     "Intention",
     "InternalAction",
@@ -36,6 +38,7 @@ __all__ = [
     "Problem",
     "Program",
     "ProgramError",
+    "Rule",
     "Society",
     "Term",
     "Var",

@@ -173,6 +173,8 @@ def block_text(body: Body) -> str:
 
 @dataclass(frozen=True)
 class Rule:
+    """`head :- body`: the head is believed wherever the body holds."""
+
     head: Literal
     body: Term
     place: Place = field(default=NOWHERE, compare=False)

@@ -10,6 +10,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from .body import Body
     from .clock import Clock
     from .controllers import CONTROLLERS, Caution, Controller, ControllerError, find_controller
     from .drive import Steps
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from .gantry import GantryRobot, Sighting
     from .minds import Mind, Outside, Percepts
     from .pages.live import LiveRun
-    from .person import MindError
+    from .person import MindError, Person
     from .recordings.outcome import Recorded, Run
     from .recordings.recorder import Event, Listener
     from .recordings.recording import OutputError, Recording
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
     from .recordings.social_metrics import metrics
     from .rules import ARIAC2023, PAPER, RULE_SETS, Notice, RuleSet, rule_set
     from .simulation import Simulation, run
-    from .study import Study, StudyError, StudyResults, run_study
+    from .study import Row, Study, StudyError, StudyResults, run_study
     from .tasks import Handling, Step, Task, Tasks
     from .trials.own_law import LawError, OwnLaw
     from .trials.rules_file import RulesError, find_rules, load_rules
@@ -44,6 +45,7 @@ if TYPE_CHECKING:
     from .trials.verdict import Verdict
 
 _HOMES = {
+    "body": ("Body",),
     "clock": ("Clock",),
     "exports": ("export",),
     "controllers": ("CONTROLLERS", "Caution", "Controller", "ControllerError", "find_controller"),
@@ -52,7 +54,7 @@ _HOMES = {
     "pages.live": ("LiveRun",),
     "minds": ("Mind", "Outside", "Percepts"),
     "recordings.outcome": ("Recorded", "Run"),
-    "person": ("MindError",),
+    "person": ("MindError", "Person"),
     "recordings.recorder": ("Event", "Listener"),
     "recordings.recording": ("OutputError", "Recording"),
     "trials.own_law": ("LawError", "OwnLaw"),
@@ -63,7 +65,7 @@ _HOMES = {
     "simulation": ("Simulation", "run"),
     "recordings.social_metrics": ("metrics",),
     "tasks": ("Handling", "Step", "Task", "Tasks"),
-    "study": ("Study", "StudyError", "StudyResults", "run_study"),
+    "study": ("Row", "Study", "StudyError", "StudyResults", "run_study"),
     "trials.trial": (
         "AgvMove",
         "GantryEntry",
@@ -84,6 +86,7 @@ __all__ = [
     "PAPER",
     "RULE_SETS",
     "AgvMove",
+    "Body",
     "Caution",
     "Clock",
     "Controller",
@@ -104,11 +107,13 @@ __all__ = [
     "Outside",
     "OwnLaw",
     "Percepts",
+    "Person",
     "PersonEntry",
     "PersonalityChange",
     "Recorded",
     "Recording",
     "RecordingError",
+    "Row",
     "RuleSet",
     "RulesError",
     "Run",
