@@ -1,6 +1,6 @@
 """Where things are: the floor, and what stands on it."""
 
-from .checks import standing_fault
+from .checks import check, standing_fault
 from .document import Document, Place, field_name, is_there, parse_yaml, read_text, read_yaml
 from .loading import build, builtin, load, parse
 from .model import (
@@ -40,6 +40,7 @@ __all__ = [
     "Strictly",
     "build",
     "builtin",
+    "check",
     "field_name",
     "is_there",
     "load",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 
 import numpy as np
@@ -9,36 +10,52 @@ import shapely
 from shapely.geometry import Point, Polygon
 from shapely.validation import explain_validity
 
-from .document import Document
-from .model import Floorplan, Gantry, Lane
-from .problems import Problem
+from .document import Place, field_name
+from .model import Floorplan, Gantry, Human, Lane
+from .problems import FloorplanError, Problem
+
+Fault = tuple[str, Place]
+"""What is wrong, and the keys at which it stands in a floorplan file."""
 
 
-def geometry_problems(plan: Floorplan, document: Document) -> Iterator[Problem]:
-    """Everything about `plan` that can't be, each with its place in `document`."""
+def check(plan: Floorplan) -> None:
+    """See that `plan` can be; `FloorplanError` with everything about it that can't."""
+    problems = [Problem(message, field_name(place)) for message, place in faults(plan)]
+    if problems:
+        raise FloorplanError(f"floorplan {plan.name!r}", problems)
+
+
+def faults(plan: Floorplan) -> Iterator[Fault]:
+    """Everything about `plan` that can't be."""
     fault = polygon_fault(plan.boundary)
     if fault:
-        yield document.problem(fault, "boundary")
+        yield fault, ("boundary",)
     whole = not fault
     footprints = [obstacle.footprint for obstacle in plan.obstacles]
     sound = shapely.is_valid(footprints) & (shapely.area(footprints) > 0)
     for index in np.flatnonzero(~sound):
         obstacle = plan.obstacles[index]
         whole = False
-        yield document.problem(polygon_fault(obstacle.footprint), "obstacles", obstacle.name)
+        yield polygon_fault(obstacle.footprint), ("obstacles", obstacle.name)
+    for obstacle in plan.obstacles:
+        if not obstacle.bottom < obstacle.top:
+            message = f"must rise from bottom to top: {obstacle.bottom:g} … {obstacle.top:g}"
+            yield message, ("obstacles", obstacle.name, "z")
+    yield from _name_faults(plan)
+    yield from _human_faults(plan.human)
     for name in plan.patrol:
         if name not in {station.name for station in plan.stations}:
-            yield document.problem(f"no station is called {name!r}", "patrol")
+            yield f"no station is called {name!r}", ("patrol",)
     for lane in plan.lanes:
-        yield from _lane_problems(lane, document)
+        yield from _lane_faults(lane)
     if plan.gantry is not None:
-        yield from _gantry_problems(plan.gantry, document)
+        yield from _gantry_faults(plan.gantry)
     if whole:
         for station in plan.stations:
             if fault := standing_fault(plan, station.position):
-                yield document.problem(fault, "stations", station.name)
+                yield fault, ("stations", station.name)
         if plan.safe_zone is not None and (fault := standing_fault(plan, plan.safe_zone.position)):
-            yield document.problem(fault, "safe_zone", "at")
+            yield fault, ("safe_zone", "at")
 
 
 def polygon_fault(polygon: Polygon) -> str:
@@ -69,27 +86,40 @@ def standing_fault(plan: Floorplan, at: tuple[float, float], radius: float | Non
     return f"{place} is {gap:.3f} m from {name}; a person of radius {radius:g} m does not fit"
 
 
-def _lane_problems(lane: Lane, document: Document) -> Iterator[Problem]:
+def _name_faults(plan: Floorplan) -> Iterator[Fault]:
+    names: dict[Place, list[str]] = {
+        ("obstacles",): [obstacle.name for obstacle in plan.obstacles],
+        ("stations",): [station.name for station in plan.stations],
+        ("agvs", "lanes"): [lane.name for lane in plan.lanes],
+    }
+    for place, all_names in names.items():
+        for name, count in Counter(all_names).items():
+            if count > 1:
+                yield f"{count} of them have this name", (*place, name)
+
+
+def _human_faults(human: Human) -> Iterator[Fault]:
+    for name, value in vars(human).items():
+        if not 0 < value < np.inf:
+            yield f"must be more than 0, not {value:g}", ("human", name)
+
+
+def _lane_faults(lane: Lane) -> Iterator[Fault]:
     low, high = lane.limits
     for name, q in lane.locations.items():
         if not low <= q <= high:
-            yield document.problem(
-                f"{q:g} is outside the lane's limits {low:g} … {high:g}", "agvs", "locations", name
-            )
+            message = f"{q:g} is outside the lane's limits {low:g} … {high:g}"
+            yield message, ("agvs", "locations", name)
     known = ", ".join(lane.locations) or "none"
     if lane.start not in lane.locations:
-        yield document.problem(
-            f"{lane.name} starts at {lane.start!r}, which is no location (there are: {known})",
-            *("agvs", "lanes", lane.name),
-        )
+        message = f"{lane.name} starts at {lane.start!r}, which is no location (there are: {known})"
+        yield message, ("agvs", "lanes", lane.name)
     for alias, location in lane.serves.items():
         if location not in lane.locations:
-            yield document.problem(
-                f"{location!r} is no location (there are: {known})",
-                *("agvs", "lanes", lane.name, "serves", alias),
-            )
+            message = f"{location!r} is no location (there are: {known})"
+            yield message, ("agvs", "lanes", lane.name, "serves", alias)
 
 
-def _gantry_problems(gantry: Gantry, document: Document) -> Iterator[Problem]:
+def _gantry_faults(gantry: Gantry) -> Iterator[Fault]:
     for fault in gantry.faults(gantry.start):
-        yield document.problem(fault, "gantry", "start")
+        yield fault, ("gantry", "start")

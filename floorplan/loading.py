@@ -8,7 +8,7 @@ from pathlib import Path
 
 from shapely.geometry import Polygon, box
 
-from .checks import geometry_problems
+from .checks import faults
 from .document import Document, is_there, parse_yaml, read_yaml
 from .dxf import load_dxf
 from .model import Axis, Floorplan, Gantry, Human, Lane, Obstacle, SafeZone, Station
@@ -75,7 +75,7 @@ def build(document: Document) -> Floorplan:
         lanes=_lanes(schema.agvs) if schema.agvs else (),
         gantry=_gantry(schema.gantry) if schema.gantry else None,
     )
-    problems = list(geometry_problems(plan, document))
+    problems = [document.problem(message, *place) for message, place in faults(plan)]
     if problems:
         raise FloorplanError(document.file, problems)
     return plan

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import shapely
@@ -61,9 +61,10 @@ class GantryPlanner:
         self.radius = _radius(plan.gantry)
         counted = dict(agvs or {})
         self._world = CollisionWorld(
-            replace(
-                plan,
+            Floorplan(
+                plan.name,
                 boundary=self._range(),
+                obstacles=plan.obstacles,
                 lanes=tuple(lane for lane in plan.lanes if lane.name in counted),
             ),
             bottom=min(plan.gantry.torso[2], plan.gantry.arm_bottom),

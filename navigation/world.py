@@ -9,7 +9,7 @@ import shapely
 from numpy.typing import ArrayLike
 from shapely.geometry import Polygon
 
-from floorplan import Floorplan, Point
+from floorplan import Floorplan, Point, check
 
 from . import ground, shapes
 from .bodies import Body, Disc
@@ -22,10 +22,11 @@ class CollisionWorld:
     `bottom` and `top` (metres) are the heights of interest, a person's by default: what stands
     lower or hangs higher is no obstacle. AGVs stand at the start of their lanes until
     they are moved. All queries are about discs on the floor, in metres, and are answered by FCL;
-    a disc is swept as one shape.
+    a disc is swept as one shape. `FloorplanError` if there is something in the plan that can't be.
     """
 
     def __init__(self, plan: Floorplan, *, bottom: float = 0.0, top: float | None = None) -> None:
+        check(plan)
         self.plan = plan
         self.bottom = bottom
         self.top = plan.human.height if top is None else top

@@ -1,0 +1,58 @@
+"""Floors made in Python are held to what holds for floorplan files."""
+
+from dataclasses import replace
+
+import pytest
+from shapely.geometry import Polygon, box
+
+import floorplan
+from floorplan import Floorplan, Human, Obstacle, SafeZone, Station
+from navigation import CollisionWorld
+
+SHOP = Floorplan("shop", box(0, 0, 10, 10))
+CELL = floorplan.load("ariac2023")
+CROSSED = Polygon([(3, 3), (7, 7), (7, 3), (3, 7)])
+
+
+def press(footprint, bottom=0.0, top=1.0):
+    return {"obstacles": (Obstacle("press", footprint, bottom, top),)}
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"boundary": CROSSED}, r"boundary: .*edges cross at \[5 5\]"),
+        (press(CROSSED), r"obstacles.press: .*edges cross at \[5 5\]"),
+        (press(Polygon()), "obstacles.press: encloses no area"),
+        (press(box(1, 1, 2, 2), 1.0, 0.5), r"obstacles.press.z: must rise .* 1 … 0.5"),
+        (press(box(1, 1, 2, 2), float("nan")), r"obstacles.press.z: must rise .* nan … 1"),
+        ({"obstacles": (Obstacle("a", box(1, 1, 2, 2), 0, 1),) * 2}, "obstacles.a: 2 of them"),
+        ({"stations": (Station("a", (1, 1)), Station("a", (2, 2)))}, "stations.a: 2 of them"),
+        ({"stations": (Station("a", (11, 1)),)}, r"stations.a: \(11, 1\) is outside"),
+        ({"safe_zone": SafeZone((0.1, 5.0))}, "safe_zone.at: .*does not fit"),
+        ({"patrol": ("nowhere",)}, "patrol: no station is called 'nowhere'"),
+        ({"human": Human(radius=-0.1)}, "human.radius: must be more than 0, not -0.1"),
+        ({"human": Human(max_speed=float("nan"))}, "human.max_speed: must be more than 0"),
+        ({"lanes": (replace(CELL.lanes[0], start="away"),)}, "agvs.lanes.agv1: .*'away'"),
+        ({"lanes": CELL.lanes[:1] * 2}, "agvs.lanes.agv1: 2 of them"),
+        ({"gantry": replace(CELL.gantry, start=(9.0, 0.0, 0.0))}, "gantry.start: x = 9"),
+    ],
+)
+def test_what_can_not_be_is_told(given, message):
+    plan = replace(SHOP, **given)
+    with pytest.raises(floorplan.FloorplanError, match=message) as told:
+        floorplan.check(plan)
+    assert str(told.value).startswith("floorplan 'shop': ")
+    with pytest.raises(floorplan.FloorplanError, match=message):
+        CollisionWorld(plan)
+
+
+@pytest.mark.parametrize("name", floorplan.builtin())
+def test_what_is_built_in_can_be(name):
+    floorplan.check(floorplan.load(name))
+
+
+def test_everything_is_told_at_once():
+    plan = replace(SHOP, human=Human(radius=0.0), patrol=("nowhere",), boundary=CROSSED)
+    with pytest.raises(floorplan.FloorplanError, match="3 problems"):
+        floorplan.check(plan)
