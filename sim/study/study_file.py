@@ -9,8 +9,9 @@ from typing import Annotated, Any
 from pydantic import Field, Strict, model_validator
 
 import floorplan
-from floorplan import Document, Number, Pair, Positive, Problem, Strictly
+from floorplan import Document, Number, Pair, Positive, Problem, Strictly, field_name
 
+from ..trials.checks import faults
 from ..trials.comparison import is_number
 from ..trials.trial import Trial
 from .definition import Study, StudyError
@@ -164,7 +165,9 @@ class _Reader:
         """Say it if one of the trials can't have this value."""
         for trial in trials:
             try:
-                what.put(trial, value, self._folder)
+                changed = what.put(trial, value, self._folder)
+                for fault, field in faults(changed):
+                    raise ValueError(f"{field_name(field)}: {fault}")
             except (ValueError, OSError) as why:
                 where = f"the trial {trial.name!r} can't have it: " if len(trials) > 1 else ""
                 self._problem(f"{where}{why}", *place)

@@ -262,6 +262,10 @@ def test_what_only_some_trials_can_have_is_told_with_the_trial(folder):
     (folder / "aisles.trial.yaml").write_text("floorplan: warehouse\n")
     said = problems("trials: [ariac2023, aisles.trial.yaml]\ngrid: {max_speed: [1]}\n", folder)
     assert "the trial 'aisles' can't have it: there is nobody in it" in said
+    varied = "grid: {controller: [pausing], duration: [5, 1.0e+12]}"
+    said = problems(f"trials: [aisles.trial.yaml]\n{varied}\n", folder)
+    assert "line 2, grid.controller[0]: gantry: the floorplan has no gantry" in said
+    assert "line 2, grid.duration[1]: duration: must be more than 0 and at most 1e+09" in said
 
 
 def test_files_are_seen_from_the_study(folder):
