@@ -18,6 +18,7 @@ from floorplan import (
     suggestion,
 )
 
+from ..rules import RuleSet
 from .event_kinds import EVENT_KINDS
 from .expectations import expectation_problems
 from .programs import EXTERNAL, find_program
@@ -42,6 +43,7 @@ def faults(trial: Trial) -> Iterator[Fault]:
     yield from _size(trial.duration, "duration")
     if not isinstance(trial.seed, int) or trial.seed < 0:
         yield f"must be a whole number from 0 on, not {trial.seed!r}", ("seed",)
+    yield from _below(_rule_faults(trial.rules), "rules")
     taken = {"gantry", *(lane.name for lane in trial.floorplan.lanes)}
     for k, person in enumerate(trial.people):
         yield from _below(_person_faults(person, trial), "people", k)
@@ -66,6 +68,14 @@ def _size(value: float | None, *place: str | int) -> Iterator[Fault]:
 def _time(value: float, *place: str | int) -> Iterator[Fault]:
     if not 0 <= value <= LARGEST:
         yield f"must be a time from 0 to {LARGEST:g} s, not {value!r}", place
+
+
+def _rule_faults(rules: RuleSet) -> Iterator[Fault]:
+    for name in ("gantry_disabled", "grace", "pause_after_violation", "pause_after_agv"):
+        yield from _time(getattr(rules, name), name)
+    if not rules.notice.parting > 0:
+        yield f"must be more than 0, not {rules.notice.parting!r}", ("notice", "parting")
+    yield from _size(rules.notice.every, "notice", "every")
 
 
 # ---- people

@@ -18,6 +18,14 @@ def ada(**given):
     return {"people": (sim.PersonEntry("ada", **given),)}
 
 
+def rules(**given):
+    return {"rules": replace(sim.PAPER, **given)}
+
+
+def notice(**given):
+    return rules(notice=replace(sim.PAPER.notice, **given))
+
+
 def jobs(*given):
     return {"gantry": sim.GantryEntry("oblivious", jobs=given)}
 
@@ -39,6 +47,10 @@ def changes(personality, time=5.0):
         ({"duration": 1e10}, "duration: must be"),
         ({"seed": -1}, "seed: must be a whole number from 0 on, not -1"),
         ({"seed": "1"}, "seed: must be a whole number from 0 on, not '1'"),
+        (rules(grace=-1.0), r"rules.grace: must be a time from 0 to 1e.09 s, not -1.0"),
+        (rules(gantry_disabled=NAN), "rules.gantry_disabled: must be a time .* not nan"),
+        (notice(every=0.0), "rules.notice.every: must be more than 0"),
+        (notice(parting=-1.0), "rules.notice.parting: must be more than 0, not -1.0"),
         (ada(at=(100.0, 1.0)), r"people\[0\].at: \(100, 1\) is outside the boundary"),
         (ada(at=(NAN, 1.0)), r"people\[0\].at: .*outside"),
         (ada(at=(-7.3, 3.0)), r"people\[0\].at: .*inside obstacle 'assembly_table1'"),
