@@ -18,11 +18,14 @@ Fault = tuple[str, Place]
 """What is wrong, and the keys at which it stands in a floorplan file."""
 
 
-def check(plan: Floorplan) -> None:
-    """See that `plan` can be; `FloorplanError` with everything about it that can't."""
+def check(plan: Floorplan, *, file: str = "") -> None:
+    """See that `plan` can be: `FloorplanError` has everything about it that can't.
+
+    The error says that it is about `file`, or else about the plan by its name.
+    """
     problems = [Problem(message, field_name(place)) for message, place in faults(plan)]
     if problems:
-        raise FloorplanError(f"floorplan {plan.name!r}", problems)
+        raise FloorplanError(file or f"floorplan {plan.name!r}", problems)
 
 
 def faults(plan: Floorplan) -> Iterator[Fault]:

@@ -8,6 +8,7 @@ what can't bound anything (texts, dimensions, points, hatches), are left out.
 from __future__ import annotations
 
 import io
+import itertools
 from collections import Counter
 from contextlib import redirect_stdout
 from dataclasses import dataclass
@@ -171,12 +172,19 @@ def _boundary_problem(count: int, outlines: list[_Outline]) -> Problem:
 
 
 def _obstacles(outlines: list[_Outline]) -> tuple[Obstacle, ...]:
-    """Each called after its layer, and numbered where there are several on it."""
+    """Each called after its layer, and numbered where there are several on it.
+
+    A number is left out where another layer is called so.
+    """
     several = Counter(o.layer for o in outlines)
-    so_far: Counter[str] = Counter()
+    numbers = {layer: itertools.count(1) for layer in several}
+    taken = {layer for layer, count in several.items() if count == 1}
     found = []
     for o in outlines:
-        so_far[o.layer] += 1
-        name = f"{o.layer}{so_far[o.layer]}" if several[o.layer] > 1 else o.layer
+        name = o.layer
+        if several[o.layer] > 1:
+            numbered = (f"{o.layer}{k}" for k in numbers[o.layer])
+            name = next(one for one in numbered if one not in taken)
+            taken.add(name)
         found.append(Obstacle(name, o.shape, o.bottom, o.top))
     return tuple(found)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from shapely.geometry import Polygon, box
 
-from .checks import faults
+from .checks import check, faults
 from .document import Document, is_there, parse_yaml, read_yaml
 from .dxf import load_dxf
 from .model import Axis, Floorplan, Gantry, Human, Lane, Obstacle, SafeZone, Station
@@ -42,7 +42,9 @@ def load(source: str | Path) -> Floorplan:
         document = read_yaml(path, FloorplanError)
         return build_ros_map(document) if is_ros_map(document) else build(document)
     if suffix in OTHER_SUFFIXES:
-        return OTHER_SUFFIXES[suffix](path)
+        plan = OTHER_SUFFIXES[suffix](path)
+        check(plan, file=text)
+        return plan
     if is_there(path):
         known = ", ".join((*YAML_SUFFIXES, *OTHER_SUFFIXES))
         message = f"the name of a floorplan's file ends in one of {known}"

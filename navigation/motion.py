@@ -76,9 +76,11 @@ class Motion:
     def __post_init__(self) -> None:
         if not self.pieces:
             raise ValueError("a motion needs at least one piece")
-        for begin, end, *_ in self.pieces:
-            if end < begin:
-                raise ValueError(f"a motion ends at t = {end} s, before it begins at {begin} s")
+        for piece in self.pieces:
+            if piece.end < piece.begin:
+                raise ValueError(
+                    f"a motion ends at t = {piece.end} s, before it begins at {piece.begin} s"
+                )
         for before, after in zip(self.pieces, self.pieces[1:], strict=False):
             if before.end != after.begin:
                 raise ValueError(f"a motion has a gap from t = {before.end} s to {after.begin} s")

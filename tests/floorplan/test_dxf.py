@@ -74,6 +74,15 @@ def test_other_ways_to_draw_an_outline(drawing, load):
     assert plan.obstacle("pillar").footprint.area == pytest.approx(math.pi / 2, rel=0.01)
 
 
+def test_numbers_do_not_lead_to_the_name_of_another_layer(drawing, load):
+    drawing.layers.add("bench2")
+    outline(drawing, HALL, "boundary")
+    for k, layer in enumerate(("bench", "bench2", "bench")):
+        outline(drawing, [(x / 4 + 2 * k, y) for x, y in BENCH], layer)
+    names = [obstacle.name for obstacle in load().obstacles]
+    assert sorted(names) == ["bench1", "bench2", "bench3"]
+
+
 def test_layers_that_are_off_are_left_out(drawing, load):
     outline(drawing, HALL, "boundary")
     outline(drawing, BENCH, "bench", close=False)
