@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
 
@@ -166,14 +166,18 @@ def _motions(path: Path, scene: Scene, broken_off: bool) -> dict[str, Motion]:
             message = f"no body of the scene is called {motion.body!r}"
             raise RecordingError(str(path), [Problem(message, "body", line)])
         try:
-            done[motion.body].append(_motion(Piece(*piece) for piece in motion.pieces))
+            done[motion.body].append(
+                _motion((Piece(*piece) for piece in motion.pieces), done[motion.body])
+            )
         except ValueError as why:
             raise RecordingError(str(path), [Problem(str(why), line=line)]) from None
     return {body: _joined(pieces, scene.starts[body]) for body, pieces in done.items()}
 
 
-def _motion(pieces: Iterable[Piece]) -> Motion:
+def _motion(pieces: Iterable[Piece], before: Sequence[Motion]) -> Motion:
     motion = Motion(tuple(pieces))
+    if before and motion.start < before[-1].start:
+        raise ValueError(f"a motion from t = {motion.start} s on stands below a later one")
     for begin, end, *cubics in motion.pieces:
         u = end - begin
         for a, b, c, d in cubics:

@@ -149,6 +149,11 @@ def test_a_run_of_nobody_comes_back(tmp_path):
         ),
         (
             "motions.jsonl",
+            lambda text: text + text.partition("\n")[0] + "\n",
+            r"line \d+: a motion from t = 0.0 s on stands below a later one",
+        ),
+        (
+            "motions.jsonl",
             lambda text: json.dumps({"body": "ada", "pieces": [[0, 1e20, *[[0, 0, 1, 0]] * 3]]}),
             "line 1: a motion goes further than 1e.30",
         ),
