@@ -1,7 +1,17 @@
 """Where things are: the floor, and what stands on it."""
 
 from .checks import check, standing_fault
-from .document import Document, Place, field_name, is_there, parse_yaml, read_text, read_yaml
+from .document import (
+    Document,
+    Fault,
+    Place,
+    field_name,
+    is_there,
+    parse_yaml,
+    read_text,
+    read_yaml,
+    refuse,
+)
 from .loading import build, builtin, load, parse
 from .model import (
     Axis,
@@ -21,6 +31,7 @@ __all__ = [
     "LARGEST",
     "Axis",
     "Document",
+    "Fault",
     "Floorplan",
     "FloorplanError",
     "Gantry",
@@ -48,6 +59,7 @@ __all__ = [
     "parse_yaml",
     "read_text",
     "read_yaml",
+    "refuse",
     "standing_fault",
     "suggestion",
 ]

@@ -10,12 +10,9 @@ import shapely
 from shapely.geometry import Point, Polygon
 from shapely.validation import explain_validity
 
-from .document import Place, field_name
+from .document import Fault, Place, refuse
 from .model import Floorplan, Gantry, Human, Lane
-from .problems import FloorplanError, Problem
-
-Fault = tuple[str, Place]
-"""What is wrong, and the keys at which it stands in a floorplan file."""
+from .problems import FloorplanError
 
 
 def check(plan: Floorplan, *, file: str = "") -> None:
@@ -23,9 +20,7 @@ def check(plan: Floorplan, *, file: str = "") -> None:
 
     The error says that it is about `file`, or else about the plan by its name.
     """
-    problems = [Problem(message, field_name(place)) for message, place in faults(plan)]
-    if problems:
-        raise FloorplanError(file or f"floorplan {plan.name!r}", problems)
+    refuse(file or f"floorplan {plan.name!r}", faults(plan), FloorplanError)
 
 
 def faults(plan: Floorplan) -> Iterator[Fault]:

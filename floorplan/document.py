@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import gc
 import re
-from collections.abc import Hashable, Iterator
+from collections.abc import Hashable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeAlias, TypeVar
 
 import yaml
 from pydantic import BaseModel, ValidationError
@@ -18,6 +18,9 @@ from .yaml_loader import safe_loader
 
 Place = tuple[str | int, ...]
 """The keys and indices that lead to a value."""
+
+Fault: TypeAlias = tuple[str, Place]
+"""What is wrong with a value, and its place."""
 
 MOST_TEXT = 4_000_000
 """A longer document (in characters) is refused: it would take minutes to look at."""
@@ -121,6 +124,13 @@ def field_name(place: Place) -> str:
     for part in place:
         text += f"[{part}]" if isinstance(part, int) else f".{part}" if text else part
     return text
+
+
+def refuse(about: str, faults: Iterable[Fault], error: type[InputError]) -> None:
+    """`error` about something that no file holds, with all of its `faults`, if it has any."""
+    problems = [Problem(message, field_name(place)) for message, place in faults]
+    if problems:
+        raise error(about, problems)
 
 
 def is_there(path: Path) -> bool:

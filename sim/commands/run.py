@@ -133,10 +133,6 @@ def changed(
         find_controller(controller, trial.folder)
         trial = replace(trial, gantry=replace(trial.gantry, controller=controller))
     if duration is not None:
-        if not (math.isfinite(duration) and duration > 0):
-            raise typer.BadParameter(
-                f"must be more than 0 s, not {duration:g}", param_hint="duration"
-            )
         trial = replace(trial, duration=duration, until_submitted=False)
     if seed is not None:
         trial = replace(trial, seed=seed)

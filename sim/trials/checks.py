@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping
-from typing import TypeAlias
 
 import bdi
 from floorplan import (
     LARGEST,
+    Fault,
     Gantry,
     Lane,
     Place,
-    Problem,
-    field_name,
+    refuse,
     standing_fault,
     suggestion,
 )
@@ -27,15 +26,13 @@ from .trial import GantryEntry, Job, PersonalityChange, PersonEntry, Start, Tria
 NAME = r"[A-Za-z][A-Za-z0-9_-]*"
 """What people may be called."""
 
-Fault: TypeAlias = tuple[str, Place]
-"""What is wrong, and the keys at which it stands in a trial file."""
+CONDITIONS = ("time", "part_placed", "order_submitted", "event")
+"""What somebody can wait for, one of them, before they start or change."""
 
 
 def check(trial: Trial) -> None:
     """`TrialError` with everything about `trial` that can't be."""
-    problems = [Problem(message, field_name(place)) for message, place in faults(trial)]
-    if problems:
-        raise TrialError(f"trial {trial.name!r}", problems)
+    refuse(f"trial {trial.name!r}", faults(trial), TrialError)
 
 
 def faults(trial: Trial) -> Iterator[Fault]:
@@ -113,9 +110,8 @@ def _personality_faults(person: PersonEntry, trial: Trial) -> Iterator[Fault]:
 
 
 def _start_faults(start: Start, trial: Trial, *place: str | int) -> Iterator[Fault]:
-    others = (start.part_placed, start.order_submitted, start.event)
-    if sum(one is not None for one in (start.time, *others)) != 1:
-        yield "must be one of time, part_placed, order_submitted, event", place
+    if sum(getattr(start, name) is not None for name in CONDITIONS) != 1:
+        yield f"must be one of {', '.join(CONDITIONS)}", place
     if start.time is not None:
         yield from _time(start.time, *place, "time")
     if start.count < 1:

@@ -12,11 +12,9 @@ from pydantic import Field, Strict, model_validator
 import bdi
 from floorplan import NotNegative, Pair, Positive, Strictly
 
-from .checks import NAME
+from .checks import CONDITIONS, NAME
 from .programs import load_program
 from .trial import PersonalityChange, PersonEntry, Start
-
-CONDITIONS = ("time", "part_placed", "order_submitted", "event")
 
 
 class _PartPlaced(Strictly):

@@ -223,8 +223,8 @@ def test_bad_files_get_one_clear_message(name, tmp_path, floorwalker):
 @pytest.mark.parametrize(
     ("arguments", "code", "message"),
     [
-        (["run", "--duration", "-5"], 2, "duration"),
-        (["run", "--duration", "nan"], 2, "duration"),
+        (["run", "--duration", "-5"], 1, "at most 1e+09, not -5"),
+        (["run", "--duration", "nan"], 1, "at most 1e+09, not nan"),
         (["run", "--duration", "long"], 2, "duration"),
         (["run", "--duration", "1e12"], 1, "duration: must be more than 0 and at most 1e+09"),
         (["run", "--personality", "angry"], 1, "'angry'"),
