@@ -11,6 +11,8 @@ import math
 from dataclasses import dataclass, fields, is_dataclass
 from typing import Any
 
+import numpy as np
+import shapely
 from pydantic import BaseModel, ConfigDict, ValidationError
 from shapely import GEOSException
 from shapely.geometry import Polygon, mapping, shape
@@ -50,7 +52,7 @@ class ForeignLaw:
 
 
 class _SceneFile(BaseModel):
-    model_config = ConfigDict(arbitrary_types_allowed=True)
+    model_config = ConfigDict(arbitrary_types_allowed=True, allow_inf_nan=False)
 
     trial: str
     seed: int
@@ -85,6 +87,9 @@ def read_scene(text: str) -> Scene:
         first = misfits.errors()[0]
         place = ".".join(str(part) for part in first["loc"])
         raise SceneError(f"{place}: {first['msg'][:1].lower()}{first['msg'][1:]}") from None
+    for person in scene.people:
+        if person.name not in scene.starts:
+            raise SceneError(f"starts: there is none for {person.name!r}")
     return Scene(
         trial=scene.trial,
         seed=scene.seed,
@@ -122,9 +127,13 @@ def _polygon(data: dict[str, Any]) -> Any:
     if data.get("type") != "Polygon":
         return data
     try:
-        return shape(data)
+        with np.errstate(invalid="ignore"):  # it is told below
+            polygon = shape(data)
     except (LookupError, OverflowError, TypeError, ValueError, GEOSException) as why:
         raise SceneError(f"holds a polygon that is none: {why}") from None
+    if not np.isfinite(shapely.get_coordinates(polygon)).all():
+        raise SceneError("holds a polygon with an infinite corner")
+    return polygon
 
 
 def _rules(data: dict[str, Any]) -> RuleSet:

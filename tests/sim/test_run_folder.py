@@ -172,6 +172,14 @@ def test_a_run_of_nobody_comes_back(tmp_path):
             lambda text: text.replace("[[[", "[[[[", 1).replace("]]]", "]]]]", 1),
             "polygon",
         ),
+        ("scene.json", lambda text: text.replace("-7.2", '"inf"', 1), "polygon .*infinite"),
+        ("scene.json", lambda text: text.replace("-7.2", '"nan"', 1), "polygon that is none"),
+        ("scene.json", lambda text: text.replace('"height":1.8', '"height":"inf"', 1), "finite"),
+        (
+            "scene.json",
+            lambda text: text.replace('"starts":{"ada"', '"starts":{"eve"'),
+            "starts: there is none for 'ada'",
+        ),
         ("motions.jsonl", None, "there is no such file"),
         ("scene.json", None, "there is no scene.json in it; a recording is a folder"),
     ],
@@ -213,7 +221,8 @@ def test_every_scene_comes_back(floor, law, noticed, parting):
     notice = sim.Notice(law=noticed, parting=parting, every=None)
     rules = replace(sim.PAPER, gantry_law=law, notice=notice)
     people = (sim.Figure("ada", "inf", 0.3, 1.7),)
-    scene = sim.Scene("inf", 3, floorplan.load(floor), rules, people, {})
+    starts = {"ada": (0.0, 0.5, 0.0)}
+    scene = sim.Scene("inf", 3, floorplan.load(floor), rules, people, starts)
     assert read_scene(write_scene(scene)) == scene
 
 
