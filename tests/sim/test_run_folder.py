@@ -174,7 +174,7 @@ def test_a_run_of_nobody_comes_back(tmp_path):
         ),
         ("scene.json", lambda text: text.replace("-7.2", '"inf"', 1), "polygon .*infinite"),
         ("scene.json", lambda text: text.replace("-7.2", '"nan"', 1), "polygon that is none"),
-        ("scene.json", lambda text: text.replace('"height":1.8', '"height":"inf"', 1), "finite"),
+        ("scene.json", lambda text: text.replace('"radius":0.3', '"radius":"inf"'), "finite"),
         (
             "scene.json",
             lambda text: text.replace('"starts":{"ada"', '"starts":{"eve"'),
