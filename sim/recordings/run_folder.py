@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
 
@@ -166,24 +166,27 @@ def _motions(path: Path, scene: Scene, broken_off: bool) -> dict[str, Motion]:
             message = f"no body of the scene is called {motion.body!r}"
             raise RecordingError(str(path), [Problem(message, "body", line)])
         try:
-            done[motion.body].append(
-                _motion((Piece(*piece) for piece in motion.pieces), done[motion.body])
-            )
+            done[motion.body].append(_motion(motion, done[motion.body]))
         except ValueError as why:
             raise RecordingError(str(path), [Problem(str(why), line=line)]) from None
     return {body: _joined(pieces, scene.starts[body]) for body, pieces in done.items()}
 
 
-def _motion(pieces: Iterable[Piece], before: Sequence[Motion]) -> Motion:
-    motion = Motion(tuple(pieces))
+def _motion(line: _Motion, before: Sequence[Motion]) -> Motion:
+    """The motion of a line, `before` which there were others; `ValueError` if it can't be."""
+    motion = Motion(tuple(Piece(*piece) for piece in line.pieces))
     if before and motion.start < before[-1].start:
         raise ValueError(f"a motion from t = {motion.start} s on stands below a later one")
-    for begin, end, *cubics in motion.pieces:
-        u = end - begin
-        for a, b, c, d in cubics:
-            if abs(a) + u * (abs(b) + u * (abs(c) + u * abs(d))) > LARGEST:
-                raise ValueError(f"a motion goes further than {LARGEST:g} m")
+    if any(_reach(piece) > LARGEST for piece in motion.pieces):
+        raise ValueError(f"a motion goes further than {LARGEST:g} m")
     return motion
+
+
+def _reach(piece: Piece) -> float:
+    """No coordinate of the piece gets further than this from 0."""
+    begin, end, *cubics = piece
+    u = end - begin
+    return max(abs(a) + u * (abs(b) + u * (abs(c) + u * abs(d))) for a, b, c, d in cubics)
 
 
 def _joined(motions: list[Motion], start: Pose) -> Motion:
