@@ -143,6 +143,7 @@ def test_a_damaged_line_of_a_recording_is_told(recorded, name, old, new, told):
         ("penalties\n", "penalties\n", None),
         ("\n0,0.9,0,,0\n", '\n0,0.9,0,,"many"\n', "a text where penalties should be a number"),
         ("\n0,0.9,0,,0\n", "\n0,0.9,0,,1e999\n", "a text where penalties should be a number"),
+        ("\n0,0.9,0,,0\n", "\n0,0.9,0,,1e308\n", "a text where penalties should be a number"),
         ("max_speed", "speed", "has no column 'max_speed'"),
     ],
 )

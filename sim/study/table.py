@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import csv
 import io
-import math
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from ..recordings.strict_json import LARGEST
 from .measuring import Record
 
 Cell = str | float | None
@@ -102,7 +102,7 @@ def _number(text: str) -> float:
         with suppress(ValueError):
             return int(text)
     value = float(text)
-    if not math.isfinite(value):
+    if not abs(value) <= LARGEST:
         raise ValueError(f"{text} is no figure")
     return value
 
