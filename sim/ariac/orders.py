@@ -116,3 +116,8 @@ class Workload:
     humans: tuple[Human, ...] = ()
     time_limit: float | None = None
     source: str = field(default="", compare=False)
+
+    @property
+    def parts(self) -> tuple[str, ...]:
+        """What parts can be called, whether or not the trial has them."""
+        return tuple(str(Part(color, type)) for color in COLORS for type in TYPES)

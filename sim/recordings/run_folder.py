@@ -148,7 +148,7 @@ def _has_form(value: object, form: Form) -> bool:
         return value is None or is_number(value)
     if form in ("flag", "list"):
         return isinstance(value, bool if form == "flag" else list)
-    return value is None or isinstance(value, str)
+    return value is None or isinstance(value, str) or (form == "location" and is_number(value))
 
 
 def _thoughts(path: Path, broken_off: bool) -> tuple[Thought, ...]:

@@ -20,6 +20,7 @@ from floorplan import (
 from ..rules import RuleSet
 from .event_kinds import EVENT_KINDS
 from .expectations import expectation_problems
+from .names import agvs, checked_name, orders, parts, people, places
 from .programs import EXTERNAL, find_program
 from .trial import GantryEntry, Job, PersonalityChange, PersonEntry, Start, Trial, TrialError
 
@@ -119,10 +120,24 @@ def _start_faults(start: Start, trial: Trial, *place: str | int) -> Iterator[Fau
     if start.event is not None and start.event not in EVENT_KINDS:
         hint = suggestion(start.event, EVENT_KINDS)
         yield f"no kind of event is called {start.event!r}; {hint}", (*place, "event")
-    names = [somebody.name for somebody in trial.people]
-    if start.person is not None and start.person not in names:
-        message = f"nobody is called {start.person!r}; {suggestion(start.person, names)}"
-        yield message, (*place, "person")
+    if start.person is not None:
+        yield from _name_faults(start.person, "person", people(trial), *place, "person")
+    if start.order_submitted is not None:
+        order = start.order_submitted
+        yield from _name_faults(order, "order", orders(trial), *place, "order_submitted")
+    known = {"part": parts, "agv": agvs}
+    for key, name in (start.part_placed or {}).items():
+        if key in known:
+            yield from _name_faults(name, key, known[key](trial), *place, "part_placed", key)
+        else:
+            yield f"unknown key; {suggestion(key, known)}", (*place, "part_placed", key)
+
+
+def _name_faults(name: str, kind: str, known: list[str], *place: str | int) -> Iterator[Fault]:
+    try:
+        checked_name(name, kind, known)
+    except ValueError as why:
+        yield str(why), place
 
 
 def _place_faults(person: PersonEntry, trial: Trial) -> Iterator[Fault]:
@@ -148,14 +163,12 @@ def _gantry_faults(trial: Trial) -> Iterator[Fault]:
     if entry.at is not None:
         for fault in gantry.faults(entry.at):
             yield fault, ("at",)
-    plan = trial.floorplan
-    groups = (plan.obstacles, plan.stations, plan.lanes)
-    places = {thing.name for group in groups for thing in group}
+    known = {*places(trial)}
     for k, job in enumerate(entry.jobs):
-        yield from _below(_job_faults(job, gantry, places), "jobs", k)
+        yield from _below(_job_faults(job, gantry, known), "jobs", k)
 
 
-def _job_faults(job: Job, gantry: Gantry, places: set[str]) -> Iterator[Fault]:
+def _job_faults(job: Job, gantry: Gantry, known: set[str]) -> Iterator[Fault]:
     if job.kind == "move":
         for fault in gantry.faults(job.target):
             yield fault, ("move",)
@@ -163,7 +176,7 @@ def _job_faults(job: Job, gantry: Gantry, places: set[str]) -> Iterator[Fault]:
         yield from _size(job.seconds, "wait")
     elif job.kind == "pick_place":
         for key, place in (("pick", job.pick), ("place", job.place)):
-            if place not in places:
+            if place not in known:
                 yield f"no obstacle, station or AGV is called {place!r}", (key,)
     elif job.kind != "submit":
         yield f"a job is one of move, wait, pick_place, submit, not {job.kind!r}", ()

@@ -7,6 +7,7 @@ import re
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
+from decimal import Decimal
 from typing import Any
 
 _NUMBER = r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?"
@@ -36,10 +37,11 @@ class Comparison:
             return Comparison(f"= {wanted}", (("==", wanted),))
         if isinstance(wanted, str):
             if tolerance := _TOLERANCE.fullmatch(wanted):
-                middle, more = float(tolerance[1]), float(tolerance[2])
-                if more >= 0:
+                middle, more = Decimal(tolerance[1]), Decimal(tolerance[2])
+                if more >= 0:  # in decimals, for 0.7 + 0.1 is to be 0.8
                     return Comparison(
-                        f"{middle:g} ± {more:g}", ((">=", middle - more), ("<=", middle + more))
+                        f"{tolerance[1]} ± {tolerance[2]}",
+                        ((">=", float(middle - more)), ("<=", float(middle + more))),
                     )
             found = [_BOUND.fullmatch(part) for part in wanted.split(",")]
             bounds = tuple((bound[1], float(bound[2])) for bound in found if bound)

@@ -2,9 +2,26 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Literal, TypeAlias
 
-Form = Literal["person", "machine", "agv", "station", "number", "text", "flag", "point", "list"]
+Named = Literal[
+    "person",
+    "machine",
+    "agv",
+    "station",
+    "location",
+    "place",
+    "part",
+    "order",
+    "personality",
+    "kind of job",
+    "type of order",
+    "cause",
+    "reason",
+]
+"""What has names in a trial. A location, which an AGV goes to, may be a lane position as well."""
+
+Form: TypeAlias = Named | Literal["number", "text", "flag", "point", "list"]
 """What stands in a field: the name of something in the trial, or a plain value."""
 
 _FIGURES: dict[str, Form] = {
@@ -14,11 +31,11 @@ _FIGURES: dict[str, Form] = {
     "robot_speed": "number",
 }
 _JOB: dict[str, Form] = {
-    "job": "text",
-    "part": "text",
-    "from": "text",
-    "to": "text",
-    "order": "text",
+    "job": "kind of job",
+    "part": "part",
+    "from": "place",
+    "to": "place",
+    "order": "order",
     "tray": "number",
     "quadrant": "number",
 }
@@ -27,7 +44,7 @@ EVENT_KINDS: dict[str, dict[str, Form]] = {
     "trial_started": {"trial": "text", "floorplan": "text"},
     "trial_ended": {"interrupted": "flag"},
     "human_started": {"person": "person"},
-    "personality_changed": {"person": "person", "personality": "text"},
+    "personality_changed": {"person": "person", "personality": "personality"},
     "goal": {"person": "person", "station": "station", "at": "point"},
     "arrived": {"person": "person", "station": "station", "at": "point"},
     "gantry_detected": {"person": "person", "noticing_distance": "number", **_FIGURES},
@@ -35,14 +52,14 @@ EVENT_KINDS: dict[str, dict[str, Form]] = {
         "person": "person",
         "with": "machine",
         "penalty": "flag",
-        "cause": "text",
+        "cause": "cause",
         **_FIGURES,
     },
-    "penalty": {"person": "person", "cause": "text"},
-    "teleport": {"person": "person", "reason": "text", "to": "point"},
+    "penalty": {"person": "person", "cause": "cause"},
+    "teleport": {"person": "person", "reason": "reason", "to": "point"},
     "gantry_disabled": {"seconds": "number"},
     "gantry_enabled": {},
-    "agv_moved": {"agv": "agv", "to": "text", "arrives": "number"},
+    "agv_moved": {"agv": "agv", "to": "location", "arrives": "number"},
     "agv_yielded": {
         "agv": "agv",
         "person": "person",
@@ -51,10 +68,10 @@ EVENT_KINDS: dict[str, dict[str, Form]] = {
     },
     "job_started": _JOB,
     "job_done": _JOB,
-    "order_announced": {"order": "text", "type": "text", "priority": "flag"},
+    "order_announced": {"order": "order", "type": "type of order", "priority": "flag"},
     "order_submitted": {
-        "order": "text",
-        "type": "text",
+        "order": "order",
+        "type": "type of order",
         "score": "number",
         "best": "number",
         "missing": "list",

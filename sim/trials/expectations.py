@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -83,8 +83,7 @@ def _statement_check(written: Any, trial: Trial) -> Check:
 def _field_check(key: str, wanted: Any, fields: Mapping[str, SummaryField], trial: Trial) -> Check:
     field = fields.get(key)
     if field is None:
-        known = [name for name in fields if name.count(".") == key.count(".")] or [*fields]
-        raise ValueError(f"a run has no such figure; {suggestion(key, [*known, TIMELINE])}")
+        raise ValueError(f"a run has no such figure; {_hint(key, fields)}")
     if field.form == "visits":
         return _visits(key, wanted, field, trial)
     if field.form == "flag":
@@ -93,6 +92,15 @@ def _field_check(key: str, wanted: Any, fields: Mapping[str, SummaryField], tria
         return _FigureCheck(key, field, str(wanted).lower(), lambda found: found is wanted)
     comparison = Comparison.parse(wanted)
     return _FigureCheck(key, field, comparison.text, comparison.passes)
+
+
+def _hint(key: str, fields: Iterable[str]) -> str:
+    """What somebody may have meant who wrote `key`."""
+    whole = [name for name in fields if name.endswith(f".{key}") or name.startswith(f"{key}.")]
+    if whole:
+        return f"there are: {', '.join(whole)}"
+    alike = [name for name in fields if name.count(".") == key.count(".")] or fields
+    return suggestion(key, [*alike, TIMELINE])
 
 
 @dataclass(frozen=True)
@@ -110,7 +118,7 @@ class _FigureCheck:
             return Verdict(f"{self.key} {self.wanted}", "there is no such figure", False)
         instants = self.field.instants(run)
         when = f" (t = {_listed(instants)})" if instants else ""
-        shown = f"{found:.9g}" if isinstance(found, float) else str(found)
+        shown = str(found).lower() if isinstance(found, bool) else str(found)
         return Verdict(
             f"{self.key} {self.wanted}",
             f"it is {shown}{when}",
@@ -151,7 +159,11 @@ class _VisitsCheck:
         wrong = self._first_wrong(found)
         instants = self.field.instants(run)
         time = instants[wrong] if wrong is not None and wrong < len(instants) else None
-        when = f" ({found[wrong]} at t = {time:.3f} s)" if wrong is not None and time else ""
+        when = (
+            f" ({found[wrong]} at t = {time:.3f} s)"
+            if wrong is not None and time is not None
+            else ""
+        )
         expected = f"{self.key} {_VISITS[self.how]} {', '.join(self.stations)}"
         shown = ", ".join(found) or "none"
         return Verdict(expected, f"they were {shown}{when}", wrong is None, time)

@@ -12,6 +12,7 @@ from navigation import FixedDistance, Motion, Moving, TooClose, standing, when
 from ..recordings.recorder import Event
 from .comparison import Comparison, is_number
 from .event_kinds import EVENT_KINDS, Form
+from .names import checked_name, known_names, machines, people
 
 if TYPE_CHECKING:
     from ..recordings.outcome import Run
@@ -47,7 +48,10 @@ class EventPattern:
         return ((k, event) for k, event in enumerate(run.events) if self.matches(event))
 
     def __str__(self) -> str:
-        fields = ", ".join(f"{key} {wanted}" for key, wanted in self.fields)
+        fields = ", ".join(
+            f"{key} {str(wanted).lower() if isinstance(wanted, bool) else wanted}"
+            for key, wanted in self.fields
+        )
         return f"{self.kind} ({fields})" if fields else self.kind
 
 
@@ -133,13 +137,15 @@ def read_state(written: Any, trial: Trial) -> Near | Moves:
             pair, metres = written[key], written["metres"]
             if not (isinstance(pair, list) and len(pair) == 2):
                 raise ValueError(f"{key}: expected the names of two bodies, found {pair!r}")
-            first, second = (_name(body, "body", _bodies(trial)) for body in pair)
+            first, second = (_body(name, trial) for name in pair)
+            if first == second:
+                raise ValueError(f"{key}: expected two bodies, found {first!r} twice")
             if not (is_number(metres) and metres > 0):
                 raise ValueError(f"metres: expected a number of more than 0, found {metres!r}")
             return Near((first, second), float(metres), apart)
     for key in ("moving", "standing"):
         if keys == {key}:
-            return Moves(_name(written[key], "body", _bodies(trial)), key == "moving")
+            return Moves(_body(written[key], trial), key == "moving")
     raise ValueError(
         "expected a state: {near: [BODY, BODY], metres: M}, {apart: [BODY, BODY], metres: M},"
         f" {{moving: BODY}} or {{standing: BODY}}, found {written!r}"
@@ -147,7 +153,6 @@ def read_state(written: Any, trial: Trial) -> Near | Moves:
 
 
 def _value(kind: str, key: str, form: Form, wanted: Any, trial: Trial) -> Any:
-    plan = trial.floorplan
     if form == "number":
         return Comparison.parse(wanted)
     if form == "flag":
@@ -156,33 +161,18 @@ def _value(kind: str, key: str, form: Form, wanted: Any, trial: Trial) -> Any:
         return wanted
     if form in ("point", "list"):
         raise ValueError(f"{key} of an event {kind!r} is a {form}; only single values are compared")
-    names = {
-        "person": [person.name for person in trial.people],
-        "machine": [name for name in _bodies(trial) if name not in _people(trial)],
-        "agv": [lane.name for lane in plan.lanes],
-        "station": [station.name for station in plan.stations],
-    }
-    if form in names:
-        return _name(wanted, form, names[form])
-    if not isinstance(wanted, str) and not is_number(wanted):
+    if form == "location" and is_number(wanted):
+        return wanted
+    known = known_names(trial, form)
+    if known is not None:
+        return checked_name(wanted, form, known)
+    if not isinstance(wanted, str):
         raise ValueError(f"{key}: expected text, found {wanted!r}")
     return wanted
 
 
-def _name(wanted: Any, form: str, known: list[str]) -> str:
-    if wanted not in known:
-        raise ValueError(f"no {form} is called {wanted!r}; {suggestion(str(wanted), known)}")
-    return str(wanted)
-
-
-def _people(trial: Trial) -> list[str]:
-    return [person.name for person in trial.people]
-
-
-def _bodies(trial: Trial) -> list[str]:
-    plan = trial.floorplan
-    machines = [*(["gantry"] if plan.gantry else []), *(lane.name for lane in plan.lanes)]
-    return [*_people(trial), *machines]
+def _body(name: Any, trial: Trial) -> str:
+    return checked_name(name, "body", [*people(trial), *machines(trial)])
 
 
 def _is(found: Any, wanted: Any) -> bool:

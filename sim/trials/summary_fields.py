@@ -58,7 +58,10 @@ class SummaryField:
                 return [] if time is None else [time]
             return []
         kind, fields = self.events
-        return [e["t"] for e in run.events if e["kind"] == kind and fields_match(e, dict(fields))]
+        found = [e for e in run.events if e["kind"] == kind and fields_match(e, dict(fields))]
+        if self.form == "visits":
+            found = [e for e in found if e["station"] is not None]
+        return [e["t"] for e in found]
 
 
 def fields_match(event: dict[str, Any], fields: dict[str, Any]) -> bool:

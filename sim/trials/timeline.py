@@ -54,19 +54,23 @@ class Window:
     before: float | EventPattern = math.inf
     within: float = math.inf
 
-    def of(self, run: Run) -> tuple[Moment, Moment] | None:
-        """Its begin and end; None if the event that it begins after never happens."""
+    def of(self, run: Run) -> tuple[Moment, Moment]:
+        """Its begin and end; `ValueError` says why the run has no such part."""
         if isinstance(self.after, EventPattern):
             first = next(self.after.found(run), None)
             if first is None:
-                return None
+                raise ValueError(f"{self.after} never happened")
             begin: Moment = (first[1]["t"], float(first[0]))
         else:
             begin = (self.after, -1.0)
+            if self.after >= run.duration:
+                raise ValueError(f"the run ended at t = {run.duration:.3f} s")
         end: Moment = (min(run.duration, begin[0] + self.within), math.inf)
         if isinstance(self.before, EventPattern):
             ends = ((e["t"], float(k)) for k, e in self.before.found(run))
             return begin, min(end, next((m for m in ends if m > begin), end))
+        if self.before < begin[0]:
+            raise ValueError(f"{self.after} happened at t = {begin[0]:.3f} s only")
         return begin, min(end, (self.before, math.inf))
 
     def __str__(self) -> str:
@@ -96,9 +100,10 @@ class Statement:
 
     def check(self, run: Run) -> Verdict:
         """Whether it holds in `run`."""
-        window = self.window.of(run)
-        if window is None:
-            return Verdict(str(self), f"{self.window.after} never happened", False)
+        try:
+            window = self.window.of(run)
+        except ValueError as why:
+            return Verdict(str(self), str(why), False)
         if self.form == "whenever":
             return self._answered(run, *window)
         if self.form == "always":
@@ -165,6 +170,8 @@ def read_statement(written: Any, trial: Trial) -> Statement:
             raise ValueError(f"{form!r} takes no {key!r}; {hint}")
     after = _scope("after", written.get("after", 0.0), trial)
     before = _scope("before", written.get("before", math.inf), trial)
+    if isinstance(after, float) and isinstance(before, float) and after >= before:
+        raise ValueError(f"before: expected more than the {after:g} s of after, found {before:g}")
     within = _seconds("within", written["within"]) if "within" in written else math.inf
     if form == "whenever":
         if "then" not in written or "within" not in written:
@@ -174,9 +181,11 @@ def read_statement(written: Any, trial: Trial) -> Statement:
         window = Window(after, before)
         return Statement("whenever", what, window, trigger=trigger, delay=within)
     window = Window(after, before, within)
+    what = (read_state if form == "always" else read_occurrence)(written[form], trial)
+    if within <= INSTANT and not isinstance(what, EventPattern):
+        raise ValueError(f"within: a state lasts; expected more than {INSTANT:g} s")
     if form == "always":
-        return Statement("always", read_state(written["always"], trial), window)
-    what = read_occurrence(written[form], trial)
+        return Statement("always", what, window)
     if form == "never":
         return Statement("never", what, window)
     times = Comparison.parse(written["times"]) if "times" in written else None
@@ -186,7 +195,7 @@ def read_statement(written: Any, trial: Trial) -> Statement:
 def _scope(key: str, written: Any, trial: Trial) -> float | EventPattern:
     if isinstance(written, str | Mapping):
         return read_event(written, trial)
-    return _seconds(key, written) if written != math.inf else math.inf
+    return math.inf if written == math.inf and key == "before" else _seconds(key, written)
 
 
 def _seconds(key: str, written: Any) -> float:

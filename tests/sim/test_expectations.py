@@ -1,6 +1,7 @@
 """Expectations: what is met, what is not and since when, and what makes no sense."""
 
 from dataclasses import replace
+from fractions import Fraction
 
 import pytest
 from hypothesis import given
@@ -97,7 +98,7 @@ def test_what_is_met(run, text):
     [
         ("  penalties: 0", "expected penalties = 0, but it is 2 (t = {violation:.3f} s, "),
         ("  jobs_done: '> 2'", "expected jobs_done > 2, but it is 2"),
-        ("  interrupted: true", "expected interrupted true, but it is False"),
+        ("  interrupted: true", "expected interrupted true, but it is false"),
         (
             "  minimum_separation: '>= 4'",
             "expected minimum_separation >= 4, but it is 3.49999",
@@ -125,6 +126,18 @@ def test_what_is_met(run, text):
         (
             "  timeline: [{never: arrived, after: order_submitted}]",
             "order_submitted never happened",
+        ),
+        (
+            "  timeline: [{never: {kind: violation, with: agv2}, after: 60}]",
+            "expected never violation (with agv2) after 60 s, but the run ended at t = 60.000 s",
+        ),
+        (
+            "  timeline: [{never: {kind: violation, with: agv2}, after: agv_moved, before: 20}]",
+            "before 20 s, but agv_moved happened at t = 30.000 s only",
+        ),
+        (
+            "  timeline: [{never: {kind: violation, penalty: true}}]",
+            "expected never violation (penalty true), but it happened",
         ),
         (
             "  timeline: [{whenever: violation, then: arrived, within: 2}]",
@@ -187,6 +200,27 @@ def test_what_is_not_met_is_told_with_its_time(run, text, said):
         ("  timeline: [{never: violation, befor: 3}]", "did you mean 'before'?"),
         ("  timeline: [{never: violation, times: 3}]", "'never' takes no 'times'"),
         ("  timeline: [{never: violation, before: vilation}]", "did you mean 'violation'?"),
+        ("  violations: 0", "there are: violations.gantry, violations.person"),
+        ("  path_length: 9", "there are: metrics.people.operator.path_length"),
+        ("  timeline: [{never: violation, after: .inf}]", "after: expected seconds, found inf"),
+        ("  timeline: [{never: violation, after: 9, before: 5}]", "more than the 9 s of after"),
+        ("  timeline: [{always: {moving: gantry}, within: 0}]", "within: a state lasts"),
+        ("  timeline: [{never: {near: [agv1, agv1], metres: 1}}]", "two bodies, found 'agv1' tw"),
+        ("  timeline: [{never: {kind: violation, cause: gantri}}]", "did you mean 'gantry'?"),
+        ("  timeline: [{never: {kind: teleport, reason: person}}]", "there are: gantry, agv"),
+        ("  timeline: [{never: {kind: agv_moved, to: kiting}}]", "did you mean 'kitting'?"),
+        (
+            "  timeline: [{never: {kind: job_done, part: pump}}]",
+            "no part is called 'pump'; there is",
+        ),
+        ("  timeline: [{never: {kind: job_done, to: bin}}]", "no place is called 'bin'; did you"),
+        ("  timeline: [{never: {kind: job_done, job: pick}}]", "no kind of job is called 'pick'"),
+        ("  timeline: [{never: {kind: order_submitted, order: 7}}]", "no order is called 7; there"),
+        ("  timeline: [{never: {kind: order_submitted, type: kit}}]", "did you mean 'kitting'?"),
+        (
+            "  timeline: [{never: {kind: personality_changed, personality: helpfull}}]",
+            "did you mean 'helpful'?",
+        ),
         ("  timeline: [{never: violation, before: -1}]", "before: expected seconds, found -1"),
         ("  timeline: [{never: {kind: violation, wit: gantry}}]", "has no field 'wit'; did you"),
         ("  timeline: [{never: {kind: violation, with: gantri}}]", "did you mean 'gantry'?"),
@@ -209,6 +243,34 @@ def test_a_typo_is_an_error_with_its_place(text, message):
         sim.Trial.parse(TRIAL + "expect:\n" + text + "\n")
     assert message in str(caught.value)
     assert "expect" in str(caught.value)
+
+
+def test_a_figure_is_told_so_that_it_can_be_expected(run):
+    found = verdict(run, "  distance_walked: 1")
+    assert found.found == f"it is {run.summary['people']['operator']['distance_walked']!r}"
+    assert verdict(run, f"  distance_walked: {found.found.removeprefix('it is ')}").met
+
+
+def test_visits_are_to_stations_only():
+    text = """
+floorplan: ariac2023
+duration: 90
+people: [{name: operator, personality: scared}]
+gantry: {controller: parked, at: [-5.0, 0.5, 0.0]}
+expect:
+  visits: {never: [%s]}
+"""
+    run = sim.run(sim.Trial.parse(text % "station1"))
+    arrivals = [event for event in run.events if event["kind"] == "arrived"]
+    stations = [event for event in arrivals if event["station"] is not None]
+    assert arrivals.index(stations[-1]) >= len(stations), "nobody came to elsewhere before"
+    last = replace(run.trial, expect={"visits": {"never": [stations[-1]["station"]]}})
+    (found,) = sim.Run(**{**vars_of(run), "trial": last}).verdicts
+    first_there = next(e for e in stations if e["station"] == stations[-1]["station"])
+    assert found.time == first_there["t"]
+    for how in ("in_order", "exactly"):
+        wanted = replace(run.trial, expect={"visits": {how: ["station4"] * 20}})
+        assert not sim.Run(**{**vars_of(run), "trial": wanted}).verdicts[0].met
 
 
 def test_what_would_have_followed_after_the_end_is_not_held_against_a_run(run):
@@ -245,7 +307,16 @@ def test_every_figure_of_the_summary_can_be_expected(run):
 @given(st.floats(-100, 100), st.floats(0, 10), st.floats(-120, 120))
 def test_a_tolerance_is_what_it_says(middle, more, figure):
     wanted = Comparison.parse(f"{middle!r} ± {more!r}")
-    assert wanted.passes(figure) == (middle - more <= figure <= middle + more)
+    low, high = (Fraction(repr(middle)) + sign * Fraction(repr(more)) for sign in (-1, 1))
+    assert wanted.passes(figure) == (float(low) <= figure <= float(high))
+
+
+def test_a_tolerance_is_meant_in_decimals():
+    wanted = Comparison.parse("0.7 ± 0.1")
+    assert wanted.passes(0.8)
+    assert wanted.passes(0.6)
+    assert not wanted.passes(0.8000001)
+    assert str(Comparison.parse("27.53674 +/- 0.000001")) == "27.53674 ± 0.000001"
 
 
 @given(st.lists(st.floats(0, 10), max_size=8, unique=True))

@@ -26,6 +26,7 @@ gantry:
   jobs: [{move: [-4.0, 1.0, 1.0]}, {move: [-6.0, -1.0, 0.0]}]
 agvs:
   agv1: [{time: 20.0, to: assembly_front}]
+  agv2: [{time: 20.0, to: 2.5}]
 """
 
 

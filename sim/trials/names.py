@@ -1,0 +1,104 @@
+"""What a trial has names for: bodies, places, parts, orders, and what its events tell of."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import bdi
+from floorplan import suggestion
+
+if TYPE_CHECKING:
+    from .event_kinds import Form
+    from .trial import Trial
+
+
+def people(trial: Trial) -> list[str]:
+    """The names of the people."""
+    return [person.name for person in trial.people]
+
+
+def machines(trial: Trial) -> list[str]:
+    """The names of the gantry and the AGVs."""
+    return [*(["gantry"] if trial.floorplan.gantry else []), *agvs(trial)]
+
+
+def agvs(trial: Trial) -> list[str]:
+    """The names of the AGVs."""
+    return [lane.name for lane in trial.floorplan.lanes]
+
+
+def stations(trial: Trial) -> list[str]:
+    """The names of the stations."""
+    return [station.name for station in trial.floorplan.stations]
+
+
+def places(trial: Trial) -> list[str]:
+    """What the gantry can pick from and place onto."""
+    return [
+        *(obstacle.name for obstacle in trial.floorplan.obstacles),
+        *stations(trial),
+        *agvs(trial),
+    ]
+
+
+def parts(trial: Trial) -> list[str]:
+    """The names of all parts that are carried, or could be."""
+    ariac = trial.workload.parts if trial.workload else ()
+    return [*ariac, *(job.part for job in trial.gantry.jobs if job.part)]
+
+
+def orders(trial: Trial) -> list[str]:
+    """The names of the orders that are handed in."""
+    ariac = trial.workload.orders if trial.workload else ()
+    return [*(order.id for order in ariac), *(job.order for job in trial.gantry.jobs if job.order)]
+
+
+def _locations(trial: Trial) -> list[str]:
+    lanes = trial.floorplan.lanes
+    return [name for lane in lanes for name in (*lane.locations, *lane.serves)]
+
+
+def _personalities(trial: Trial) -> list[str]:
+    changes = [change.personality for person in trial.people for change in person.changes]
+    return [*sorted(bdi.programs()), *(Path(name).stem for name in changes)]
+
+
+_NAMES: dict[Form, Callable[[Trial], list[str]]] = {
+    "person": people,
+    "machine": machines,
+    "agv": agvs,
+    "station": stations,
+    "location": _locations,
+    "place": lambda trial: [*places(trial), *_locations(trial)],
+    "part": parts,
+    "order": orders,
+    "personality": _personalities,
+    "kind of job": lambda _: [
+        "move",
+        "wait",
+        "pick_place",
+        "submit",
+        "tray",
+        "dispose",
+        "assemble",
+    ],
+    "type of order": lambda _: ["kitting", "assembly", "combined"],
+    "cause": lambda _: ["gantry", "agv", "person"],
+    "reason": lambda _: ["gantry", "agv"],
+}
+
+
+def known_names(trial: Trial, form: Form) -> list[str] | None:
+    """All names of this form in `trial`; None where any text may stand."""
+    names = _NAMES.get(form)
+    return None if names is None else list(dict.fromkeys(names(trial)))
+
+
+def checked_name(wanted: Any, form: str, known: list[str]) -> str:
+    """`wanted`, if it is one of those `known`; `ValueError` that tells which there are."""
+    if wanted not in known:
+        hint = suggestion(str(wanted), known) if known else "there is none in this trial"
+        raise ValueError(f"no {form} is called {wanted!r}; {hint}")
+    return str(wanted)
