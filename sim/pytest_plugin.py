@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Generator
 from pathlib import Path
-from typing import TYPE_CHECKING
+from types import FunctionType, GeneratorType
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
@@ -27,6 +28,11 @@ _MARKERS = (
     "rule_sets(name, ...): apply each rule set; 'all' for all built-in ones",
     "seeds(seed, ...): run with each seed; also seeds(range(10))",
 )
+
+_NAMES = tuple(marker.partition("(")[0] for marker in _MARKERS)
+
+_FAILURES: pytest.StashKey[Failures] = pytest.StashKey()
+"""Where a test has what its runs left."""
 
 _CELL = """
 name: ariac_cell
@@ -68,11 +74,28 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Col
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     """Vary the trial of a test as its markers say."""
-    names = [marker.partition("(")[0] for marker in _MARKERS]
-    if any(metafunc.definition.get_closest_marker(name) for name in names):
+    if any(metafunc.definition.get_closest_marker(name) for name in _NAMES):
         from .testing.variations import vary
 
         vary(metafunc)
+
+
+def pytest_pycollect_makeitem(collector: pytest.Module | pytest.Class, name: str, obj: Any) -> None:
+    """Refuse a marker that has marked the one controller it gives, in place of the test.
+
+    pytest takes a marker that is called with one function alone for that function's decorator.
+    """
+    kind = type(obj)  # and not isinstance, which some objects of test modules don't bear
+    given: list[str] = []
+    if collector.funcnamefilter(name) or collector.classnamefilter(name):
+        given = ["controllers"] if kind is GeneratorType else []
+    elif issubclass(kind, FunctionType | type):
+        given = [mark.name for mark in getattr(obj, "pytestmark", []) if not mark.args]
+    for marker in {*given} & {*_NAMES}:
+        raise collector.CollectError(
+            f"@pytest.mark.{marker} was called with one function alone, which pytest takes for the"
+            f" test: write @pytest.mark.{marker}.with_args(...)"
+        )
 
 
 @pytest.hookimpl(wrapper=True)
@@ -81,8 +104,8 @@ def pytest_runtest_makereport(
 ) -> Generator[None, pytest.TestReport, pytest.TestReport]:
     """Say in the report of a failed test what its trials came to."""
     report = yield
-    failures: Failures | None = getattr(item, "funcargs", {}).get("_floorwalker_failures")
-    if report.failed and report.when == "call" and failures is not None and failures.runs:
+    failures = item.stash.get(_FAILURES, None)
+    if report.failed and report.when != "teardown" and failures is not None and failures.runs:
         report.sections.append(("Floorwalker", failures.report()))
     return report
 
@@ -99,7 +122,7 @@ def ariac_cell(request: pytest.FixtureRequest) -> Trial:
 def trial(ariac_cell: Trial, _floorwalker_variation: Variation | None) -> Trial:
     """The trial of this test: `ariac_cell`, or what the test's markers make of it."""
     variation = _floorwalker_variation
-    return ariac_cell if variation is None else variation.of(ariac_cell)
+    return ariac_cell if variation is None else variation.of(variation.trial or ariac_cell)
 
 
 @pytest.fixture
@@ -111,16 +134,19 @@ def run_trial(
 ) -> Callable[..., Run]:
     """Run a trial, `run_trial()`: the one of this test, another one, or one in a file.
 
-    A file is seen from the test's own, and varied as the test's markers say. If the test fails,
-    the report has what its runs came to, and where their replay pages are.
+    A file is seen from the test's own, or a name is that of a built-in trial; either is varied as
+    the test's markers say, whereas a `Trial` is run as it is. If the test fails, the report has
+    what its runs came to, and where their replay pages are.
     """
 
     def run(chosen: Trial | str | Path = trial) -> Run:
         from sim import Trial
 
+        from .testing.variations import find_trial
+
         __tracebackhide__ = True
         if not isinstance(chosen, Trial):
-            chosen = Trial.load(request.path.parent / chosen)
+            chosen = find_trial(chosen, request.path.parent)
             if _floorwalker_variation is not None:
                 chosen = _floorwalker_variation.of(chosen)
         return _floorwalker_failures.run(chosen)
@@ -137,4 +163,5 @@ def _floorwalker_variation(request: pytest.FixtureRequest) -> Variation | None:
 def _floorwalker_failures(request: pytest.FixtureRequest) -> Failures:
     from .testing.failures import Failures
 
-    return Failures(request.node)
+    failures = request.node.stash[_FAILURES] = Failures(request.node)
+    return failures

@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+import bdi
+
 from ..controllers import ControllerError
 from ..pages.replay import render
 from ..pages.replay_data import replay_data
@@ -18,6 +20,9 @@ from ..trials.trial import Trial
 
 _LONGEST_NAME = 120
 """Characters of a page's file name."""
+
+_MOST_VIOLATIONS = 5
+"""So many violations of a run are told."""
 
 
 class Failures:
@@ -33,9 +38,9 @@ class Failures:
         simulation = Simulation(trial)
         try:
             simulation.advance(trial.duration)
-        except (ControllerError, MindError) as why:
+        except (ControllerError, MindError, bdi.ProgramError) as why:
             # Its message has the place; the way through the event loop tells nothing.
-            raise type(why)(str(why)) from None
+            raise why.with_traceback(None) from None
         finally:
             self.runs.append(simulation.finish())
         return self.runs[-1]
@@ -79,12 +84,14 @@ def _outline(run: Run) -> list[str]:
         f" gantry {trial.gantry.controller}; rules {trial.rules.name}; seed {trial.seed}",
         f"penalties {summary['penalties']}, jobs done {summary['jobs_done']}",
     ]
+    violations = [event for event in run.events if event["kind"] == "violation"]
     lines += [
         f"violation at t = {e['t']:.3f} s: {e['person']} and {e['with']} {e['distance']:.2f} m"
         f" apart, {e['required']:.2f} m required"
-        for e in run.events
-        if e["kind"] == "violation"
-    ][:5]
+        for e in violations[:_MOST_VIOLATIONS]
+    ]
+    if len(violations) > _MOST_VIOLATIONS:
+        lines.append(f"and {len(violations) - _MOST_VIOLATIONS} violations more")
     return lines + run.unmet
 
 

@@ -30,11 +30,11 @@ class TrialFile(pytest.File):
     """A trial file."""
 
     def collect(self) -> Iterator[pytest.Item]:
-        """One test, if the trial expects something."""
+        """One test, if the trial expects something; one that can't be run is an error."""
         try:
             document = floorplan.read_yaml(self.path, TrialError)
-            if isinstance(document.data, dict) and "expect" in document.data:
-                trial = Trial.load(self.path)
+            trial = Trial.load(self.path)
+            if "expect" in document.data:
                 yield TrialItem.from_parent(self, name=trial.name, trial=trial, document=document)
         except (*_TOLD, OSError) as why:
             raise self.CollectError(str(why)) from None

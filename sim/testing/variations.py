@@ -13,20 +13,28 @@ import pytest
 import bdi
 
 from ..controllers import CONTROLLERS, find_controller
-from ..rules import RULE_SETS
+from ..rules import RULE_SETS, RuleSet
 from ..trials.programs import EXTERNAL, load_program
 from ..trials.rules_file import find_rules
 from ..trials.trial import Trial
+from ..trials.trial_file import builtin_trials
 
 FIXTURE = "_floorwalker_variation"
 """The fixture that gets a `Variation`."""
 
 
+Change = Callable[[Trial], Trial]
+
+
 @dataclass(frozen=True)
 class Variation:
-    """What a test's markers make of its trial: changes, to be made one after another."""
+    """What a test's markers say of its trial: which it is, and changes, made one after another.
 
-    changes: tuple[Callable[[Trial], Trial], ...]
+    `trial` is None where no marker gives one.
+    """
+
+    trial: Trial | None
+    changes: tuple[Change, ...]
 
     def of(self, trial: Trial) -> Trial:
         """The trial as it is varied."""
@@ -51,27 +59,43 @@ def vary(metafunc: pytest.Metafunc) -> None:
     combinations = list(itertools.product(*choices))
     metafunc.parametrize(
         FIXTURE,
-        [Variation(tuple(change for _, change in combined)) for combined in combinations],
+        [_variation([made for _, made in combined]) for combined in combinations],
         indirect=True,
         ids=["-".join(name for name, _ in combined) for combined in combinations],
     )
 
 
+def find_trial(source: str | Path, folder: Path) -> Trial:
+    """The built-in trial called `source`, or the one in that file, seen from `folder`."""
+    return Trial.load(source if str(source) in builtin_trials() else folder / source)
+
+
 @dataclass(frozen=True)
 class _Option:
-    """What a marker takes: all there are by the word "all", and what a value makes of a trial.
+    """What a marker takes: all there are by the word "all", and what is made of a value.
 
-    `change` raises what the library does if there is nothing of that name.
+    `read` raises what the library does if there is nothing of that name.
     """
 
     every: Iterable[str]
-    change: Callable[[Any, Path], Callable[[Trial], Trial]]
+    read: Callable[[Any, Path], Trial | Change]
+
+
+def _variation(made: Iterable[Trial | Change]) -> Variation:
+    """The variation of one combination."""
+    trial, changes = None, []
+    for one in made:
+        if isinstance(one, Trial):
+            trial = one
+        else:
+            changes.append(one)
+    return Variation(trial, tuple(changes))
 
 
 def _choices(
     marker: str, mark: pytest.Mark, option: _Option, folder: Path
-) -> list[tuple[str, Callable[[Trial], Trial]]]:
-    """The name and the change of every value that a marker gives."""
+) -> list[tuple[str, Trial | Change]]:
+    """Every value that a marker gives: its name, and what is made of it."""
     values: list[Any] = []
     for value in mark.args:
         if value == "all" and option.every:
@@ -82,36 +106,45 @@ def _choices(
             values.append(value)
     if not values or mark.kwargs:
         pytest.fail(f"@pytest.mark.{marker} needs one value or more", pytrace=False)
-    found, fault = [], ""
+    found, faults = [], []
     for value in values:
         try:
-            found.append((_name(value), option.change(value, folder)))
+            found.append((_name(value), option.read(value, folder)))
         except (ValueError, OSError) as why:
-            fault = f"@pytest.mark.{marker}: {why}"
-    if fault:
-        pytest.fail(fault, pytrace=False)
+            faults.append(f"@pytest.mark.{marker}: {why}")
+    if faults:
+        pytest.fail("\n".join(faults), pytrace=False)
     return found
 
 
 def _name(value: Any) -> str:
-    return value.__name__ if callable(value) else Path(str(value)).name.split(".")[0]
+    """What a value is called in the name of a test: a file without what its name ends in."""
+    if isinstance(value, Trial | RuleSet):
+        return value.name
+    text = str(getattr(value, "__name__", value))
+    return text if ":" in text else Path(text).name.split(".")[0]
 
 
-def _trial(source: str, folder: Path) -> Callable[[Trial], Trial]:
-    path = folder / source
-    loaded = Trial.load(path if path.exists() else source)
-    return lambda _: loaded
+def _text(value: Any) -> str:
+    if not isinstance(value, str | Path):
+        raise ValueError(f"expected a name or a file, found {value!r}")
+    return str(value)
 
 
-def _personality(name: str, folder: Path) -> Callable[[Trial], Trial]:
+def _trial(value: Any, folder: Path) -> Trial:
+    return value if isinstance(value, Trial) else find_trial(_text(value), folder)
+
+
+def _personality(value: Any, folder: Path) -> Change:
+    name = _text(value)
     path = folder / name
     chosen = str(path) if path.suffix == ".asl" else name
     load_program(chosen, folder)
     return lambda trial: trial.with_personality(chosen)
 
 
-def _controller(wanted: Any, folder: Path) -> Callable[[Trial], Trial]:
-    name = f"{wanted.__module__}:{wanted.__qualname__}" if callable(wanted) else str(wanted)
+def _controller(value: Any, folder: Path) -> Change:
+    name = _text(_place(value) if callable(value) else value)
     find_controller(name, folder)
 
     def change(trial: Trial) -> Trial:
@@ -122,12 +155,20 @@ def _controller(wanted: Any, folder: Path) -> Callable[[Trial], Trial]:
     return change
 
 
-def _rules(name: str, folder: Path) -> Callable[[Trial], Trial]:
-    rules = find_rules(name, folder)
+def _place(controller: Callable[..., Any]) -> str:
+    """Where a controller stands, so that its trial can name it."""
+    name = getattr(controller, "__qualname__", "")
+    if not name.isidentifier():
+        raise ValueError(f"{controller!r} has no name of its own in a module; give it one")
+    return f"{controller.__module__}:{name}"
+
+
+def _rules(value: Any, folder: Path) -> Change:
+    rules = value if isinstance(value, RuleSet) else find_rules(_text(value), folder)
     return lambda trial: replace(trial, rules=rules)
 
 
-def _seed(seed: Any, _: Path) -> Callable[[Trial], Trial]:
+def _seed(seed: Any, _: Path) -> Change:
     if not isinstance(seed, int) or isinstance(seed, bool) or seed < 0:
         raise ValueError(f"expected whole numbers of at least 0, found {seed!r}")
     return lambda trial: replace(trial, seed=seed)

@@ -119,6 +119,7 @@ def test_without_the_option_replays_are_in_the_cache(pytester, run_pytest):
         (("[station4]", "[statoin4]"), "line 4, expect.visits: *did you mean 'station4'?"),
         (("operator", "a b"), "line 3, people?0?.name:*"),
         (("duration: 20", "duration: ["), "*is not YAML*"),
+        (("expect:", "expects:"), "line 4, expects: unknown key *"),
     ],
 )
 def test_a_typo_is_an_error_at_collection(pytester, run_pytest, change, said):
@@ -193,6 +194,11 @@ def test_plain(ariac_cell, trial):
         ('controllers("pasing")', "*did you mean 'pausing'?*"),
         ('controllers("nowhere:mine")', "*can't be imported*"),
         ('rule_sets("papper")', "*did you mean 'paper'?*"),
+        ("personalities(3)", "*expected a name or a file, found 3"),
+        ("rule_sets(lambda: 1, 'papr')", "*did you mean 'paper'?*"),
+        ("rule_sets(lambda: 1, 'papr')", "*expected a name or a file, found <function*"),
+        ("controllers(lambda gantry: 1, 'parked')", "*has no name of its own in a module*"),
+        ("controllers(__import__('functools').partial(print), 'parked')", "*has no name of its*"),
         ("seeds(-1)", "*expected whole numbers of at least 0*"),
         ("seeds()", "*@pytest.mark.seeds needs one value or more*"),
         ('trials("nowhere")', "*nowhere*no such file*"),
@@ -205,6 +211,83 @@ def test_a_marker_that_makes_no_sense_is_an_error_at_collection(pytester, run_py
     result = run_pytest()
     result.assert_outcomes(errors=1)
     result.stdout.fnmatch_lines([said])
+
+
+@pytest.mark.parametrize("where", ["here", "elsewhere"])
+@pytest.mark.parametrize("test", ["def test_it(trial): pass", "class TestIt: pass"])
+def test_one_function_as_a_marker_s_only_value_does_not_lose_the_test(
+    pytester, run_pytest, where, test
+):
+    shy = "def shy(gantry):\n    yield gantry.wait(1)\n"
+    write(pytester, ctl__py=shy)
+    name = "shy" if where == "here" else "ctl.shy"
+    here = shy if where == "here" else "import ctl\n"
+    text = f"import pytest\n{here}\n@pytest.mark.controllers({name})\n{test}\n"
+    write(pytester, test_shy__py=text)
+    result = run_pytest()
+    result.assert_outcomes(errors=1)
+    result.stdout.fnmatch_lines(["*write @pytest.mark.controllers.with_args(...)"])
+
+
+def test_markers_take_what_the_library_has_as_well(pytester, run_pytest):
+    write(
+        pytester,
+        near__trial__yaml=PASSES,
+        pack__py="def c(gantry):\n    yield gantry.wait(1)\n",
+        test_varied__py="""
+import pytest
+import sim
+import pack
+
+CELL = sim.Trial.parse("name: mine\\nfloorplan: ariac2023\\nduration: 5.0\\n")
+
+@pytest.mark.trials(CELL)
+@pytest.mark.rule_sets(sim.ARIAC2023)
+@pytest.mark.controllers.with_args(pack.c)
+def test_it(trial, run_trial):
+    assert (trial.name, trial.rules) == ("mine", sim.ARIAC2023)
+    assert trial.gantry.controller == "pack:c"
+    assert run_trial("near.trial.yaml").trial.name == "near"
+    assert run_trial("scene_helpful").trial.rules == sim.ARIAC2023
+    assert run_trial(CELL).trial is CELL
+
+@pytest.mark.controllers("pack:c", "parked")
+def test_ids(trial):
+    pass
+""",
+    )
+    result = run_pytest("-v")
+    result.assert_outcomes(passed=4)
+    result.stdout.fnmatch_lines(["*test_it?mine-c-ariac2023?*", "*test_ids?pack:c?*"])
+
+
+def test_a_run_that_fails_before_the_test_is_told_as_well(pytester, run_pytest):
+    write(
+        pytester,
+        endless__asl="!go.\n+!go <- !go.\n",
+        test_early__py="""
+import pytest
+
+@pytest.fixture
+def ran(run_trial):
+    run = run_trial()
+    assert run.summary["penalties"] == 99
+    return run
+
+def test_early(ran):
+    pass
+
+@pytest.mark.personalities("endless.asl")
+def test_endless(run_trial):
+    run_trial()
+""",
+    )
+    result = run_pytest()
+    result.assert_outcomes(errors=1, failed=1)
+    result.stdout.fnmatch_lines(["ariac_cell on ariac2023, 120 s:*", "replay: *test_early*"])
+    result.stdout.fnmatch_lines(["*endless.asl:2:*this plan does not end*"])
+    assert "simpy" not in result.stdout.str()
+    assert "agent.py" not in result.stdout.str()
 
 
 def test_a_marker_on_a_test_that_takes_no_trial(pytester, run_pytest):
