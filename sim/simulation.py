@@ -60,9 +60,6 @@ class Simulation:
         self._places = _places(trial.floorplan)
         self.people: list[Person] = []
         self._society = bdi.Society()
-        self._record("trial_started", trial=trial.name, floorplan=trial.floorplan.name)
-        for notice in trial.notices:
-            self._record("notice", text=notice.message, field=notice.field, line=notice.line)
         self.agvs = [
             Agv(
                 self.clock,
@@ -90,6 +87,9 @@ class Simulation:
             self.people.append(self._make_person(entry))
         self.scene = scene_of(trial, self.bodies)
         self._listener.begin(self.scene)
+        self._record("trial_started", trial=trial.name, floorplan=trial.floorplan.name)
+        for notice in trial.notices:
+            self._record("notice", text=notice.message, field=notice.field, line=notice.line)
         for body in self.bodies:
             body.on_record = self._listener.motion
         if self.gantry is not None:

@@ -6,10 +6,13 @@ from pathlib import Path
 
 
 class WholeLines:
-    """Writes lines into a new file at `path` (UTF-8), each at once and whole or not at all."""
+    """Writes lines into a new file at `path` (UTF-8), each at once and whole or not at all.
+
+    `FileExistsError` if there is a file already.
+    """
 
     def __init__(self, path: Path) -> None:
-        self._file = path.open("wb", buffering=0)
+        self._file = path.open("xb", buffering=0)
         self._end = 0
 
     def write(self, line: str) -> None:

@@ -26,16 +26,15 @@ from .scene import Scene
 from .scene_file import write_scene
 from .trajectory import write_trajectory
 
+LINES = ("events.jsonl", "motions.jsonl", "thoughts.jsonl")
+"""What is written line by line."""
+
 FILES = (
-    "summary.json",
-    "scene.json",
-    "events.jsonl",
-    "motions.jsonl",
-    "thoughts.jsonl",
-    "violations.jsonl",
-    "trajectory.csv",
-    "replay.html",
+    *("summary.json", "scene.json", *LINES, "violations.jsonl"),
+    *("trajectory.csv", "replay.html"),
 )
+"""All that a recording is made of."""
+
 TRAJECTORY_RATE = 10.0
 """Hz. How often trajectory.csv has every body."""
 
@@ -45,7 +44,7 @@ class OutputError(OSError):
 
 
 class Recording(Listener):
-    """Writes a run into a folder, which is made if it isn't there.
+    """Writes a run into a folder, which is made as the run begins if it isn't there.
 
     `OutputError` if the folder holds another run already, or can't be written to.
     """
@@ -54,27 +53,27 @@ class Recording(Listener):
 
     def __init__(self, folder: str | Path) -> None:
         self.folder = Path(folder)
-        taken = [name for name in FILES if (self.folder / name).exists()]
-        if taken:
-            raise OutputError(
-                f"{self.folder} holds a run already ({taken[0]}); give another folder with --out"
-            )
-        try:
-            self.folder.mkdir(parents=True, exist_ok=True)
-            self._events = WholeLines(self.folder / "events.jsonl")
-            self._motions = WholeLines(self.folder / "motions.jsonl")
-            self._thoughts = WholeLines(self.folder / "thoughts.jsonl")
-        except OSError as why:
-            raise OutputError(f"can't write to {self.folder}: {why.strerror}") from None
+        self._lines: dict[str, WholeLines] = {}
+        for name in FILES:
+            if (self.folder / name).exists():
+                raise self._taken(name)
 
     def begin(self, scene: Scene) -> None:
-        """Write down where the run takes place."""
+        """Take the folder, and write down where the run takes place."""
+        try:
+            self.folder.mkdir(parents=True, exist_ok=True)
+            for name in LINES:
+                self._lines[name] = WholeLines(self.folder / name)
+        except FileExistsError as why:
+            raise self._taken(Path(why.filename).name) from None
+        except OSError as why:
+            raise OutputError(f"can't write to {self.folder}: {why.strerror}") from None
         with self._whole("scene.json") as file:
             file.write(write_scene(scene))
 
     def event(self, event: Event) -> None:
         """Write an event as one line."""
-        self._add(self._events, json.dumps(event, ensure_ascii=False))
+        self._add("events.jsonl", json.dumps(event, ensure_ascii=False))
 
     def motion(self, body: Body, motion: Motion) -> None:
         """Write what a body has done as one line: its pieces as coefficients of cubics."""
@@ -85,17 +84,16 @@ class Recording(Listener):
             "end": motion.end,
             "pieces": [_piece(piece) for piece in motion.pieces],
         }
-        self._add(self._motions, json.dumps(line))
+        self._add("motions.jsonl", json.dumps(line))
 
     def thought(self, thought: Thought) -> None:
         """Write what a thought has changed in a mind as one line."""
-        self._add(self._thoughts, json.dumps(thought, ensure_ascii=False))
+        self._add("thoughts.jsonl", json.dumps(thought, ensure_ascii=False))
 
     def close(self) -> None:
         """Stop writing; what is written stays."""
-        self._events.close()
-        self._motions.close()
-        self._thoughts.close()
+        for lines in self._lines.values():
+            lines.close()
 
     def finish(self, run: Run) -> None:
         """Write what belongs to a finished run."""
@@ -114,9 +112,14 @@ class Recording(Listener):
         with self._whole("replay.html") as file:
             file.write(render(replay_data(run)))
 
-    def _add(self, lines: WholeLines, line: str) -> None:
+    def _taken(self, name: str) -> OutputError:
+        return OutputError(
+            f"{self.folder} holds a run already ({name}); give another folder with --out"
+        )
+
+    def _add(self, name: str, line: str) -> None:
         try:
-            lines.write(line)
+            self._lines[name].write(line)
         except OSError as why:
             raise self._full(why) from None
 

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import bdi
 import floorplan
 import sim
 from navigation import ApproachLaw, FixedDistance, IntegralLaw, Scaled, SeparationLaw
@@ -48,6 +49,27 @@ def recorded(tmp_path_factory):
 def folder(recorded, tmp_path):
     """A copy of the recording, to be damaged."""
     return shutil.copytree(recorded[1], tmp_path / "run")
+
+
+def test_a_run_that_can_not_begin_takes_no_folder(tmp_path):
+    (tmp_path / "odd.asl").write_text("!go.\n+!go <- .nosuch(1).\n")
+    person = sim.PersonEntry("ada", str(tmp_path / "odd.asl"))
+    trial = replace(sim.Trial.parse("floorplan: ariac2023\n"), people=(person,))
+    with pytest.raises(bdi.ProgramError, match=r"no internal action \.nosuch"):
+        sim.Simulation(trial, sim.Recording(tmp_path / "run"))
+    assert not (tmp_path / "run").exists()
+
+
+def test_of_two_runs_that_begin_in_one_folder_the_second_is_refused(tmp_path):
+    trial = sim.Trial.parse("floorplan: ariac2023\nduration: 1.0\n")
+    first, second = (sim.Recording(tmp_path / "run") for _ in range(2))
+    simulation = sim.Simulation(trial, first)
+    with pytest.raises(sim.OutputError, match=r"holds a run already \(events.jsonl\)"):
+        sim.Simulation(trial, second)
+    simulation.advance(1.0)
+    run = simulation.finish()
+    first.finish(run)
+    assert sim.load_run(tmp_path / "run").summary == run.summary
 
 
 def test_everything_comes_back(recorded):
