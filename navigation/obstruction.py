@@ -16,6 +16,9 @@ from .world import CollisionWorld
 _HALVINGS = 8
 """How often the radius at which a way opens is narrowed down: to 0.4 % of the radius."""
 
+_WIDER = 1.01
+"""Where roundings let through a radius that doesn't fit, the next one to try is so much wider."""
+
 _QUARTER = 8
 """The sides of a quarter circle where only the message depends on it."""
 
@@ -61,20 +64,34 @@ def _cut_off(scene: _Scene, start: Point, goal: Point, radius: float) -> str:
         walls = _walls_between(scene, apart, start, goal)
         return f"no way, however narrow, leads {between}: {walls} cuts it off"
     too_wide = radius
+    while (apart := _space(scene, too_wide)).together(start, goal):
+        too_wide *= _WIDER
     for _ in range(_HALVINGS):
         middle = (fits + too_wide) / 2
-        narrower = FreeSpace(scene.walkable.buffer(-middle, quad_segs=_QUARTER))
+        narrower = _space(scene, middle)
         if narrower.together(start, goal):
             fits = middle
         else:
             too_wide, apart = middle, narrower
+    fits = min(fits, radius)
     place = shapely.line_interpolate_point(_link(apart, start, goal), 0.5, normalized=True)
     one, other = _nearest_two(scene, place)
+    n = _digits(fits, radius)
     return (
-        f"no way leads {between} for a radius of {radius:.3g} m: the widest one is"
-        f" {2 * fits:.2f} m wide between {one} and {other} at ({place.x:.2f}, {place.y:.2f}),"
-        f" and {2 * radius:.2f} m are needed; a radius up to {fits:.2f} m would pass"
+        f"no way leads {between} for a radius of {radius:.{n + 1}g} m: the widest one is"
+        f" {2 * fits:.{n}f} m wide between {one} and {other} at ({place.x:.2f}, {place.y:.2f}),"
+        f" and {2 * radius:.{n}f} m are needed; a radius up to {fits:.{n}f} m would pass"
     )
+
+
+def _space(scene: _Scene, radius: float) -> FreeSpace:
+    """Where a disc of `radius` metres can be, corners rounded a little less than they should be."""
+    return FreeSpace(scene.walkable.buffer(-radius, quad_segs=_QUARTER))
+
+
+def _digits(fits: float, radius: float) -> int:
+    """So many decimals tell the two radii apart."""
+    return next(n for n in range(2, 9) if n == 8 or f"{fits:.{n}f}" != f"{radius:.{n}f}")
 
 
 def _link(space: FreeSpace, start: Point, goal: Point) -> shapely.Geometry:

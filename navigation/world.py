@@ -177,7 +177,8 @@ class CollisionWorld:
         inside = self.plan.boundary.contains(at)
         edge = float(shapely.distance(self.plan.boundary.exterior, at)) if inside else 0.0
         things = self.things(ignore)
-        gaps = shapely.distance([shape for _, shape in things], at)
+        with np.errstate(over="ignore"):  # as far away as it may be
+            gaps = shapely.distance([shape for _, shape in things], at)
         found = [("boundary", edge)]
         found += [(name, float(gap)) for (name, _), gap in zip(things, gaps, strict=True)]
         return sorted(found, key=lambda named: named[1])

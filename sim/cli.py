@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import sys
 from typing import Annotated
@@ -67,13 +68,15 @@ app.command(name="list")(list_all)
 
 def main() -> None:
     """Run the command; say what is wrong in a sentence, and exit with 1, or 2 for wrong usage."""
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="replace")  # a × that a terminal lacks is no failure
     try:
         with put_off_while_loading():
             app(prog_name="floorwalker")
     except Exception as why:
         if not _is_told(why):
             raise
-        typer.echo(f"floorwalker: {why}", err=True)
+        typer.echo(f"floorwalker: {_sentence(why)}", err=True)
         sys.exit(1)
     finally:
         _drop_what_nobody_reads()
@@ -87,6 +90,13 @@ def _drop_what_nobody_reads() -> None:
             output.flush()
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+
+
+def _sentence(why: Exception) -> str:
+    """What the user is told: the system's errors without their number."""
+    if isinstance(why, OSError) and why.strerror:
+        return f"{why.filename}: {why.strerror}" if why.filename else why.strerror
+    return str(why)
 
 
 def _is_told(why: Exception) -> bool:

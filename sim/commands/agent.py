@@ -39,7 +39,7 @@ def agent(
     until: Annotated[
         float | None, typer.Option(help="Stop at this time, in seconds.", min=0.0)
     ] = None,
-    seed: Annotated[int, typer.Option(help="Of the random numbers.")] = 0,
+    seed: Annotated[int, typer.Option(min=0, help="Of the random numbers.")] = 0,
     trace: Annotated[
         bool, typer.Option("--trace", help="Tell on stderr what happens inside.")
     ] = False,

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from . import completion
+from .output import writing
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -51,10 +52,14 @@ def benchmark(
     if unknown:
         raise ValueError(f"no planner is called {unknown[0]!r}; there are: {', '.join(known)}")
     plans = [floors.load(source) for source in floorplan or floors.builtin()]
+    if out is not None:
+        with writing(out):
+            out.mkdir(parents=True, exist_ok=True)
     attempts = _measure(plans, names, queries, seed, radius)
     _print_table(summary(attempts))
     if out is not None:
-        _write(attempts, out, seed)
+        with writing(out):
+            _write(attempts, out, seed)
 
 
 def _measure(
@@ -110,7 +115,6 @@ def _print_table(rows: Sequence[Row]) -> None:
 def _write(attempts: Sequence[Attempt], out: Path, seed: int) -> None:
     from navigation.benchmark import write_csv, write_ompl_log
 
-    out.mkdir(parents=True, exist_ok=True)
     write_csv(attempts, out / "benchmark.csv")
     floors = list(dict.fromkeys(attempt.floorplan for attempt in attempts))
     for floor in floors:

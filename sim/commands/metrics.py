@@ -30,7 +30,7 @@ def metrics(
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """Compare how runs went: ways, speeds, distances, and time in people's spaces."""
+    """Measure how a run went: ways, speeds, distances, and time in people's spaces."""
     import json
 
     import sim

@@ -41,7 +41,7 @@ def plan(
         list[str] | None,
         typer.Option(help="NAME=PLACE: an AGV's location or lane position; again for more."),
     ] = None,
-    seed: Annotated[int, typer.Option(help="Of planners that draw samples.")] = 0,
+    seed: Annotated[int, typer.Option(min=0, help="Of planners that draw samples.")] = 0,
     json: Annotated[bool, typer.Option("--json", help="Print the way as JSON.")] = False,
     plot: Annotated[
         Path | None, typer.Option(help="Draw floor and way into this PNG, SVG or PDF.")

@@ -93,7 +93,7 @@ def separation(
     out: Out,
     person: Annotated[str | None, typer.Option(help="Everybody if not given.")] = None,
     machine: Annotated[
-        str | None, typer.Option(help="gantry, or an AGV by name; the gantry if not given.")
+        str | None, typer.Option(help="gantry, or an AGV by name; the first there is if not given.")
     ] = None,
     begin: Begin = None,
     end: End = None,

@@ -9,6 +9,7 @@ from typing import Annotated, Any
 import typer
 
 from ..pages.browser import open_in_browser
+from .output import writing
 
 
 def replay(
@@ -26,21 +27,23 @@ def replay(
         bool, typer.Option("--serve", help="Serve it to this machine until Ctrl-C.")
     ] = False,
     port: Annotated[
-        int, typer.Option(min=0, max=65535, help="With --serve; 0 takes any that is free.")
-    ] = 0,
+        int | None,
+        typer.Option(min=0, max=65535, help="With --serve; any that is free if not given, or 0."),
+    ] = None,
     no_open: Annotated[
         bool, typer.Option("--no-open", help="Open no browser, only say where the page is.")
     ] = False,
 ) -> None:
     """Replay a run in the browser; give two runs to compare them."""
-    if serve or (other is not None and out is None):
-        _serve(_page(run, other), port, opened=not no_open)
-        return
+    serve = serve or (other is not None and out is None)
+    if port is not None and not serve:
+        raise typer.BadParameter("needs --serve", param_hint="--port")
     if out is not None:
-        out.write_text(_page(run, other), encoding="utf-8", newline="\n")
-        file = out
-    else:
-        file = _page_file(run)
+        _write(_page(run, other), out)
+    if serve:
+        _serve(_page(run, other), port or 0, opened=not no_open)
+        return
+    file = out if out is not None else _page_file(run)
     typer.echo(str(file))
     if not no_open and not open_in_browser(file.resolve().as_uri()):
         typer.echo("There is no browser to open it with; open it yourself.", err=True)
@@ -64,35 +67,42 @@ def _serve(page: str, port: int, *, opened: bool) -> None:
 def _page(run: Path, other: Path | None) -> str:
     from ..pages.replay import render
 
-    return render(_recording(run), None if other is None else _recording(other))
+    recordings = _recordings(run)
+    if other is not None:
+        recordings += _recordings(other)
+    if len(recordings) > 2:
+        raise ValueError("a page shows two runs at most: give two runs, or one page of two")
+    return render(*recordings)
+
+
+def _write(page: str, file: Path) -> None:
+    with writing(file):
+        file.write_text(page, encoding="utf-8", newline="\n")
 
 
 def _page_file(run: Path) -> Path:
     """The page of a run; it is written if the run was broken off before."""
-    from ..pages.replay import render
-
     if not run.is_dir():
-        _recording(run)
+        _recordings(run)
         return run
     file = run / "replay.html"
     if not file.exists():
-        page = render(_recording(run))
-        file.write_text(page, encoding="utf-8", newline="\n")
+        _write(_page(run, None), file)
     return file
 
 
-def _recording(path: Path) -> dict[str, Any]:
-    """What a page shows of a run, from its folder or from its page."""
-    from ..pages.replay import recording_in
+def _recordings(path: Path) -> list[dict[str, Any]]:
+    """What a page shows of a run, from its folder; or what a page has, of one run or of two."""
+    from ..pages.replay import recordings_in
     from ..pages.replay_data import replay_data
     from ..recordings.run_folder import load_run
 
     if not path.exists():
         raise ValueError(f"{path}: there is no such folder or file")
     if path.is_dir():
-        return replay_data(load_run(path))
+        return [replay_data(load_run(path))]
     try:
-        return recording_in(path.read_text(encoding="utf-8"))
+        return recordings_in(path.read_text(encoding="utf-8"))
     except UnicodeDecodeError:
         raise ValueError(f"{path}: is no replay page: it is not UTF-8 text") from None
     except ValueError as why:

@@ -59,8 +59,9 @@ def run(
     """Simulate a trial and record it: summary, events, motions, trajectory, replay page."""
     from sim import Recording, Trial
 
-    if speed is not None and not watch:
-        raise typer.BadParameter("needs --watch", param_hint="--speed")
+    for given, option in ((speed is not None, "--speed"), (no_open, "--no-open")):
+        if given and not watch:
+            raise typer.BadParameter("needs --watch", param_hint=option)
     if speed is not None and not (math.isfinite(speed) and speed > 0):
         raise typer.BadParameter(f"must be more than 0, not {speed:g}", param_hint="--speed")
     chosen = changed(Trial.load(trial), personality, duration, seed, rules, controller)

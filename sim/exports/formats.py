@@ -16,7 +16,7 @@ from floorplan import suggestion
 
 from ..recordings.outcome import Recorded
 from ..recordings.recording import OutputError
-from ..recordings.sampling import require_rate
+from ..recordings.sampling import require_instants, require_rate
 
 DEFAULT_RATE = 20.0
 """Hz."""
@@ -88,7 +88,11 @@ class Export:
         return cls(path, chosen, rate)
 
     def write(self, run: Recorded) -> None:
-        """Write `run`; `OutputError` if that can't be done, and then nothing is left."""
+        """Write `run`; `OutputError` if that can't be done, and then nothing is left.
+
+        `ValueError` if the rate is so high that nobody would wait for the end.
+        """
+        require_instants(run.duration, self.rate)
         with _whole(self.path) as unfinished:
             self.format.writer()(run, unfinished, self.rate)
 

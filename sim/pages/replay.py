@@ -76,16 +76,26 @@ def render(
 
 
 def recording_in(page: str) -> dict[str, Any]:
-    """The recording that stands in a page made by `render`; `ValueError` if there is none."""
-    found = re.search(r'<script type="application/json" id="recording">(.*?)</script>', page, re.S)
-    if found is None:
+    """The first recording that stands in a page made by `render`; `ValueError` if there is none."""
+    return recordings_in(page)[0]
+
+
+def recordings_in(page: str) -> list[dict[str, Any]]:
+    """The one or two recordings that stand in a page made by `render`; `ValueError` if none."""
+    recordings = []
+    for name in ("recording", "other"):
+        found = re.search(
+            rf'<script type="application/json" id="{name}">(.*?)</script>', page, re.S
+        )
+        if found is not None:
+            try:
+                recordings.append(parse_json(found[1]))
+            except ValueError as why:
+                raise ValueError(f"the {name} in it is damaged: {why}") from None
+            _check_format(recordings[-1])
+    if not recordings:
         raise ValueError("is no replay page: it holds no recording")
-    try:
-        recording = parse_json(found[1])
-    except ValueError as why:
-        raise ValueError(f"the recording in it is damaged: {why}") from None
-    _check_format(recording)
-    return dict(recording)
+    return recordings
 
 
 @cache

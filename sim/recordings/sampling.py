@@ -14,12 +14,16 @@ Array = NDArray[np.float64]
 BLOCK = 8192
 """How many instants are worked out at a time when a run is sampled piece by piece."""
 
+MOST = 100_000_000
+"""Instants at which somebody may ask for a run."""
+
 
 def instants(duration: float, rate: float) -> Array:
     """`rate` instants a second (Hz), from 0 to `duration` (seconds): (N,).
 
-    `ValueError` if the rate isn't positive.
+    `ValueError` if the rate isn't positive, or if there are more than `MOST` instants.
     """
+    require_instants(duration, rate)
     return np.arange(_count(duration, rate)) / rate
 
 
@@ -47,6 +51,12 @@ def require_rate(rate: float) -> None:
     """`ValueError` if `rate` is nothing to sample at (Hz)."""
     if not (np.isfinite(rate) and rate > 0):
         raise ValueError(f"rate must be more than 0 Hz, not {rate:g}")
+
+
+def require_instants(duration: float, rate: float) -> None:
+    """`ValueError` if `duration` (seconds) at `rate` (Hz) is more than anybody would wait for."""
+    if duration * rate > MOST:
+        raise ValueError(f"{duration:g} s at {rate:g} Hz are more than {MOST:,} instants")
 
 
 def _count(duration: float, rate: float) -> int:

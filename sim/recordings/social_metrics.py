@@ -12,7 +12,7 @@ import math
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
-from floorplan import suggestion
+from floorplan import LARGEST, suggestion
 from navigation import Company, Courses
 
 from .recorder import Event, rounded
@@ -61,8 +61,9 @@ def metrics(run: Recorded, *, radii: Mapping[str, float] | None = None) -> dict[
     for name, radius in sizes.items():
         if name not in names:
             raise ValueError(f"no body is called {name!r}; {suggestion(name, names)}")
-        if not (math.isfinite(radius) and radius >= 0):
-            raise ValueError(f"the radius of {name} must be at least 0 m, not {radius}")
+        if not 0 <= radius <= LARGEST:
+            message = f"the radius of {name} must be from 0 to {LARGEST:g} m, not {radius}"
+            raise ValueError(message)
     people = [person.name for person in run.scene.people]
     begins = dict.fromkeys(people, run.duration)
     begins |= {

@@ -1,5 +1,6 @@
 import itertools
 import math
+import re
 import subprocess
 import sys
 
@@ -212,6 +213,15 @@ def test_unreachable_tells_the_gap():
     assert "0.50 m wide between thing" in str(cut.value)
     assert "a radius up to 0.25 m would pass" in str(cut.value)
     assert PathPlanner(world, 0.249).plan((2.0, 5.0), (8.0, 5.0)).length > 6
+
+
+@pytest.mark.parametrize("radius", [0.2, 0.2001, 0.21])
+def test_a_gap_that_is_hardly_too_narrow_is_the_gap_that_is_told(radius):
+    world = CollisionWorld(floor(box(4, 0.2, 5, 9.6)))
+    with pytest.raises(PlanningError, match=r"at \(4.50, 9.80\)") as cut:
+        PathPlanner(world, radius).plan((1.0, 1.0), (8.0, 4.0))
+    widest, needed = re.findall(r"(\d\.\d+) m (?:wide|are needed)", str(cut.value))
+    assert float(widest) < float(needed)
 
 
 def test_unreachable_names_the_wall():

@@ -230,6 +230,13 @@ def test_bad_files_get_one_clear_message(name, tmp_path, floorwalker):
         (["run", "--personality", "angry"], 1, "'angry'"),
         (["run", "--rules", "papper"], 1, "did you mean 'paper'?"),
         (["run", "nowhere"], 1, "built-in trial"),
+        (["run", "--no-open"], 2, "needs --watch"),
+        (["replay", "x", "--port", "80"], 2, "needs --serve"),
+        (["agent", "helpful", "--seed", "-1"], 2, "--seed"),
+        (["plan", "warehouse", "1", "1", "2", "2", "--seed", "-1"], 2, "--seed"),
+        (["plan", "ariac2023", "1e300", "0", "1", "1"], 1, "is outside the boundary"),
+        (["benchmark", "--out", __file__], 1, f"can't write {__file__}: "),
+        (["export", "ariac2023", "--out", "x.csv", "--rate", "1e9"], 1, "more than 100,000,000 in"),
         (["jump"], 2, "jump"),
         (["check"], 2, "FILE..."),
     ],
@@ -251,6 +258,23 @@ def test_check_says_what_it_read(tmp_path, floorwalker):
     assert "32 obstacles, 4 stations, 4 AGVs and a gantry" in lines[0]
     assert "a program of" in lines[2]
     assert "and no gantry" in lines[3]
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full, as Linux has it")
+def test_output_that_finds_no_room_is_told(tmp_path):
+    with Path("/dev/full").open("w") as full:
+        command = [sys.executable, "-m", "sim.cli", "list"]
+        done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, cwd=tmp_path, text=True)
+    assert done.returncode == 1
+    assert done.stderr == "floorwalker: No space left on device\n"
+
+
+def test_terminals_without_every_sign_get_the_rest(tmp_path):
+    environment = {**os.environ, "PYTHONIOENCODING": "ascii"}
+    command = [sys.executable, "-m", "sim.cli", "run", "--duration", "1"]
+    done = subprocess.run(command, capture_output=True, cwd=tmp_path, text=True, env=environment)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "? real time" in done.stdout
 
 
 def test_list_names_everything(tmp_path, floorwalker):

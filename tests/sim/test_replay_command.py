@@ -57,6 +57,23 @@ def test_two_runs_make_one_page(folder, tmp_path):
     assert html.index('id="other"') < html.index('id="recording"')
 
 
+def test_a_page_of_two_runs_keeps_both(folder, tmp_path, floorwalker):
+    two, again = tmp_path / "two.html", tmp_path / "again.html"
+    floorwalker("replay", "whole", "broken", "--out", two, "--no-open", cwd=folder)
+    done = floorwalker("replay", two, "--out", again, "--no-open", cwd=folder)
+    assert done.returncode == 0
+    assert again.read_text(encoding="utf-8") == two.read_text(encoding="utf-8")
+    done = floorwalker("replay", two, "whole", "--out", again, "--no-open", cwd=folder)
+    assert (done.returncode, done.stdout) == (1, "")
+    assert "a page shows two runs at most" in done.stderr
+
+
+def test_a_page_that_can_not_be_written_is_told(folder, tmp_path, floorwalker):
+    done = floorwalker("replay", "whole", "--out", tmp_path, "--no-open", cwd=folder)
+    assert (done.returncode, done.stdout) == (1, "")
+    assert done.stderr == f"floorwalker: can't write {tmp_path}: Is a directory\n"
+
+
 @pytest.mark.parametrize(
     ("make", "message"),
     [

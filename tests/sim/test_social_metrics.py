@@ -82,7 +82,7 @@ def test_a_goal_counts_as_reached_only_if_the_person_got_there(run, figures):
 
 def test_somebody_who_never_starts_has_figures_too():
     trial = sim.Trial.parse(
-        "floorplan: ariac2023\nduration: 5\npeople: [{name: a, start: {order_submitted: never}}]\n"
+        "floorplan: ariac2023\nduration: 5\npeople: [{name: a, start: {event: robot_malfunction}}]\n"
     )
     figures = sim.metrics(sim.run(trial))
     assert figures["people"]["a"]["time"] == 0.0
@@ -109,7 +109,11 @@ def test_radii_are_taken_off(run, figures):
 
 @pytest.mark.parametrize(
     ("radii", "message"),
-    [({"gantri": 1.0}, "did you mean 'gantry'?"), ({"gantry": -1.0}, "at least 0 m")],
+    [
+        ({"gantri": 1.0}, "did you mean 'gantry'?"),
+        ({"gantry": -1.0}, "from 0 to 1e"),
+        ({"gantry": 1e300}, "not 1e.300"),
+    ],
 )
 def test_radii_that_make_no_sense(run, radii, message):
     with pytest.raises(ValueError, match=message.replace("?", r"\?")):
