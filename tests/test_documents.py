@@ -1,5 +1,6 @@
 """The documents are true: their examples run, their links lead somewhere."""
 
+import pkgutil
 import re
 import sys
 from pathlib import Path
@@ -16,6 +17,7 @@ DOCUMENTS = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 BLOCK = re.compile(r"(?P<before>[^\n]*\n(?:[^\n]*\n)?)\n?```(?P<kind>\w+)\n(?P<text>.*?)```", re.S)
 NEEDS_PYTHON = {"pedpy": (3, 11)}
 """What examples import that can't be installed with every Python."""
+DOTTED = re.compile(r"(?<![\w./-])(?:sim|bdi|floorplan|navigation)(?:\.[A-Za-z_]\w*)+")
 NAMED = re.compile(r"`([\w.]+\.(?:yaml|asl|py|wkt|jsonl))`")
 
 
@@ -25,6 +27,13 @@ def blocks(document, kind):
         if block["kind"] == kind:
             names = NAMED.findall(block["before"])
             yield (names[-1] if names else None), block["text"]
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: path.name)
+def test_names_in_the_text_are_there(document):
+    for code in re.findall(r"`([^`\n]+)`", document.read_text(encoding="utf-8")):
+        for name in DOTTED.findall(code):
+            pkgutil.resolve_name(name)
 
 
 @pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: path.name)

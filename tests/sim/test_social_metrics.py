@@ -82,7 +82,7 @@ def test_a_goal_counts_as_reached_only_if_the_person_got_there(run, figures):
 
 def test_somebody_who_never_starts_has_figures_too():
     trial = sim.Trial.parse(
-        "floorplan: ariac2023\nduration: 5\npeople: [{name: a, start: {event: robot_malfunction}}]\n"
+        "floorplan: ariac2023\nduration: 5\npeople: [{name: a, start: {event: penalty}}]\n"
     )
     figures = sim.metrics(sim.run(trial))
     assert figures["people"]["a"]["time"] == 0.0
