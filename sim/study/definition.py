@@ -98,7 +98,7 @@ class Study:
         for what, distribution in self.random.items():
             draw = derived_seed("draw", self.seed, what.name, repetition)
             value = drawn[what.name] = distribution.draw(draw, trial)
-            trial = what.put(trial, value, self.folder)
+            trial = self._put(trial, what, value)
         return Row(number, {**chosen, **drawn, "repetition": repetition, "seed": seed}, trial)
 
     @cached_property
@@ -112,5 +112,8 @@ class Study:
 
     def _with(self, trial: Trial, values: tuple[Value, ...]) -> Trial:
         for what, value in zip(self.grid, values, strict=True):
-            trial = what.put(trial, value, self.folder)
+            trial = self._put(trial, what, value)
         return trial
+
+    def _put(self, trial: Trial, what: Variable, value: Value) -> Trial:
+        return what.put(trial, value, self.folder, (*self.grid, *self.random))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -33,12 +33,17 @@ class Variable:
     kind: str
     whose: str = ""
 
-    def put(self, trial: Trial, value: Value, folder: Path) -> Trial:
+    def put(
+        self, trial: Trial, value: Value, folder: Path, others: Iterable[Variable] = ()
+    ) -> Trial:
         """`trial` with this value, which may be out of range; files are seen from `folder`.
 
+        A value for everybody leaves out those for whom one of the `others` has its own.
         `ValueError` or `OSError` say why there is nothing to put it in, or what it should be.
         """
-        return _CHANGES[self.kind](trial, value, self.whose, folder)
+        changed = _CHANGES[self.kind](trial, value, self.whose, folder)
+        own = {other.whose for other in others if other.kind == self.kind}
+        return changed if self.whose else _spared(trial, changed, own)
 
 
 def variable(name: str) -> Variable:
@@ -168,6 +173,16 @@ def _people(trial: Trial, whose: str, change: Callable[[PersonEntry], PersonEntr
         change(person) if whose in ("", person.name) else person for person in trial.people
     )
     return replace(trial, people=people)
+
+
+def _spared(trial: Trial, changed: Trial, names: set[str]) -> Trial:
+    """The `changed` trial, in which these people and AGVs are as they were in `trial`."""
+    people = tuple(
+        before if before.name in names else after
+        for before, after in zip(trial.people, changed.people, strict=True)
+    )
+    agvs = {name: trial.agvs[name] if name in names else changed.agvs[name] for name in trial.agvs}
+    return replace(changed, people=people, agvs=agvs)
 
 
 def _seen_from(trial_folder: Path, folder: Path, name: str) -> str:

@@ -165,6 +165,39 @@ def test_what_can_be_varied(folder, name, value, figure, found):
     assert figure(variable(name).put(BUSY, value, folder)) == found
 
 
+@pytest.mark.parametrize(
+    ("name", "own", "value", "values", "figure", "found"),
+    [
+        ("personality", "people.ben", "helpful", ("scared", "curious"), personalities, "helpful"),
+        ("max_speed", "people.ben", 1.5, (0.5, 0.6), speeds, 1.5),
+    ],
+)
+@pytest.mark.parametrize("places", ["gg", "gr", "rg", "rr"])
+@pytest.mark.parametrize("own_first", [True, False])
+def test_a_value_of_ones_own_beats_that_for_everybody(
+    name, own, value, values, figure, found, places, own_first
+):
+    own = f"{own}.{name}"
+    said = [(variable(own), values, places[0]), (variable(name), (value,), places[1])]
+    said = said if own_first else said[::-1]
+    study = sim.Study(
+        "s",
+        (BUSY,),
+        grid={what: given for what, given, place in said if place == "g"},
+        random={what: Choice(given) for what, given, place in said if place == "r"},
+        repeat=3,
+    )
+    for row in study.rows():
+        assert figure(row.trial) == [found, row.parameters[own]]
+
+
+def test_the_delay_of_one_agv_is_not_added_to_that_of_all():
+    study = sim.Study(
+        "s", (BUSY,), {variable("agvs.agv2.delay"): (1.0,), variable("agv_delay"): (5.0,)}
+    )
+    assert times(study.row(0).trial) == [10.0, 7.0, 10.0]
+
+
 def test_what_can_be_varied_is_listed():
     from sim.study import KINDS
 
