@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib
-import importlib.util
 import sys
 import traceback
 from collections.abc import Iterator
@@ -11,6 +10,9 @@ from contextlib import contextmanager
 from pathlib import Path
 from types import ModuleType
 from typing import Any
+
+_imported: dict[Path, dict[str, ModuleType]] = {}
+"""What was imported from the folders of trials, by its name there."""
 
 
 class OwnCodeError(ValueError):
@@ -20,19 +22,20 @@ class OwnCodeError(ValueError):
 def find_own(name: str, folder: Path) -> Any:
     """What `package.module:name` names.
 
-    Modules are looked up in `folder`, where the trial stands, and as `import` does. A module
-    beside the trial is that one, whatever else of its name was imported before.
+    Modules are looked up in `folder`, where the trial stands, and as `import` does. A module or a
+    package beside the trial is that one, whatever else of its name was imported before.
     `OwnCodeError` says what is missing.
     """
     module_name, colon, attribute = name.partition(":")
     if not (colon and module_name and attribute):
         raise OwnCodeError(f"{name!r} is not of the form package.module:name")
-    file = _file_of(module_name, folder)
+    file = None
     try:
-        with _looked_up_in(file.parent):
-            module = _module_in(file) if file.is_file() else importlib.import_module(module_name)
+        file = _file_of(module_name, folder)
+        with _looked_up_in(folder.resolve(), _top(module_name) if file else ""):
+            module = importlib.import_module(module_name)
     except Exception as why:
-        place, reason = line_in(why, str(file)), why or type(why).__name__
+        place, reason = line_in(why, file), why or type(why).__name__
         raise OwnCodeError(f"{name!r} can't be imported{place}: {reason}") from why
     found = getattr(module, attribute, None)
     if found is None:
@@ -44,7 +47,7 @@ def source_of(name: str, folder: Path) -> str | None:
     """The file in which `name`, found before by `find_own`, is written; None if unknown."""
     module_name = name.partition(":")[0]
     file = _file_of(module_name, folder)
-    return str(file) if file.is_file() else getattr(sys.modules.get(module_name), "__file__", None)
+    return file or getattr(sys.modules.get(module_name), "__file__", None)
 
 
 def line_in(why: BaseException, file: str | None) -> str:
@@ -56,35 +59,56 @@ def line_in(why: BaseException, file: str | None) -> str:
     return f" ({Path(file).name}, line {lines[-1]})" if file and lines else ""
 
 
-def _file_of(module_name: str, folder: Path) -> Path:
-    return folder.resolve() / f"{module_name}.py"
+def _file_of(module_name: str, folder: Path) -> str | None:
+    """The file of a module or package beside the trial, if it is one."""
+    path = folder.resolve().joinpath(*module_name.split("."))
+    files = (path / "__init__.py", path.parent / f"{path.name}.py")
+    return next((str(file) for file in files if file.is_file()), None)
+
+
+def _top(module_name: str) -> str:
+    return module_name.partition(".")[0]
 
 
 @contextmanager
-def _looked_up_in(folder: Path) -> Iterator[None]:
+def _looked_up_in(folder: Path, top: str) -> Iterator[None]:
+    """Let `import` look into `folder` first, and know nothing from the folders of other trials.
+
+    What is called `top` and stands elsewhere is set aside meanwhile.
+    """
+    for modules in _imported.values():
+        for name, module in modules.items():
+            if sys.modules.get(name) is module:
+                del sys.modules[name]
+    aside: dict[str, ModuleType] = {}
+    if not _stands_in(folder, top):
+        aside = {name: sys.modules.pop(name) for name in _loaded(top)}
+    own = _imported.setdefault(folder, {})
+    sys.modules.update({name: own[name] for name in own if _top(name) not in sys.modules})
+    before = {*sys.modules}
     sys.path.insert(0, str(folder))
+    importlib.invalidate_caches()
     try:
         yield
     finally:
+        for name in {*sys.modules} - before:
+            first = _top(name)
+            if (first in own or first not in before) and _stands_in(folder, first):
+                own[name] = sys.modules[name]
         sys.path.remove(str(folder))
+        if aside:
+            for name in _loaded(top):
+                del sys.modules[name]
+            sys.modules.update(aside)
 
 
-def _module_in(file: Path) -> ModuleType:
-    name = file.stem
-    before = sys.modules.get(name)
-    if before is not None and getattr(before, "__file__", None) == str(file):
-        return before
-    spec = importlib.util.spec_from_file_location(name, file)
-    if spec is None or spec.loader is None:
-        raise ImportError(f"{file.name} is not a Python module")
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[name] = module
-    try:
-        spec.loader.exec_module(module)
-    except BaseException:
-        del sys.modules[name]
-        raise
-    finally:
-        if before is not None:
-            sys.modules[name] = before
-    return module
+def _loaded(top: str) -> list[str]:
+    """What is loaded of the package, or the module, called `top`."""
+    return [name for name in sys.modules if _top(name) == top]
+
+
+def _stands_in(folder: Path, top: str) -> bool:
+    """Whether the package or module that is loaded as `top` stands right in `folder`."""
+    module = sys.modules.get(top)
+    places = (*getattr(module, "__path__", ()), getattr(module, "__file__", None))
+    return any(place and Path(place).parent.resolve() == folder for place in places)
