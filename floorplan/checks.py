@@ -41,7 +41,7 @@ def faults(plan: Floorplan) -> Iterator[Fault]:
             yield message, ("obstacles", obstacle.name, "z")
     yield from _name_faults(plan)
     yield from _human_faults(plan.human)
-    for name in plan.patrol:
+    for name in plan.patrol or ():
         if name not in {station.name for station in plan.stations}:
             yield f"no station is called {name!r}", ("patrol",)
     for lane in plan.lanes:

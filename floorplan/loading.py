@@ -71,7 +71,7 @@ def build(document: Document) -> Floorplan:
             Obstacle(name, _footprint(entry), *entry.z) for name, entry in schema.obstacles.items()
         ),
         stations=tuple(Station(name, at) for name, at in schema.stations.items()),
-        patrol=tuple(schema.stations if schema.patrol is None else schema.patrol),
+        patrol=None if schema.patrol is None else tuple(schema.patrol),
         safe_zone=SafeZone(zone.at, zone.heading) if zone else None,
         human=Human(**schema.human.model_dump()),
         lanes=_lanes(schema.agvs) if schema.agvs else (),

@@ -172,19 +172,29 @@ class Gantry:
 
 @dataclass(frozen=True)
 class Floorplan:
-    """A floor: its boundary and what stands on it. Compare with `==`, share freely."""
+    """A floor: its boundary and what stands on it. Compare with `==`, share freely.
+
+    `patrol` names the stations that people go to, in their order; None stands for all of them.
+    """
 
     name: str
     boundary: Polygon
     obstacles: tuple[Obstacle, ...] = ()
     stations: tuple[Station, ...] = ()
-    patrol: tuple[str, ...] = ()
+    patrol: tuple[str, ...] | None = None
     safe_zone: SafeZone | None = None
     human: Human = Human()
     lanes: tuple[Lane, ...] = ()
     gantry: Gantry | None = None
     title: str = ""
     source: str = ""
+
+    @property
+    def patrolled(self) -> tuple[Station, ...]:
+        """The stations of the patrol, in its order; `KeyError` if there is none of a name."""
+        if self.patrol is None:
+            return self.stations
+        return tuple(self.station(name) for name in self.patrol)
 
     def station(self, name: str) -> Station:
         """The station called `name`; `KeyError` that names those there are."""

@@ -159,9 +159,9 @@ def kept_beliefs(mind: Mind | None) -> list[bdi.Literal]:
 
 def first_beliefs(entry: PersonEntry, plan: Floorplan, rules: RuleSet) -> list[bdi.Literal | str]:
     """What a person knows before the trial starts."""
-    stations = [plan.station(name) for name in plan.patrol]
     beliefs: list[bdi.Literal | str] = [
-        bdi.Literal("station", (_name(station.name), *station.position)) for station in stations
+        bdi.Literal("station", (_name(station.name), *station.position))
+        for station in plan.patrolled
     ]
     if plan.safe_zone is not None:
         beliefs.append(bdi.Literal("safe_zone", plan.safe_zone.position))

@@ -29,7 +29,8 @@ def test_a_small_room_is_enough():
     plan = floorplan.parse(ROOM, file="room.yaml")
     assert plan.name == "room"
     assert plan.obstacles[0].footprint.area == 4.0
-    assert plan.patrol == ("door",)
+    assert plan.patrolled == plan.stations == (floorplan.Station("door", (1.0, 1.0)),)
+    assert floorplan.parse(ROOM + "patrol: []\n").patrolled == ()
 
 
 @pytest.mark.parametrize(

@@ -44,6 +44,7 @@ def test_ariac_has_everything_that_stands_there(ariac):
     assert kinds.count("warehouse_pier") == 6
     assert [s.name for s in ariac.stations] == ["station1", "station2", "station3", "station4"]
     assert ariac.patrol == ("station4", "station2", "station1", "station3")
+    assert [station.name for station in ariac.patrolled] == [*ariac.patrol]
     assert ariac.safe_zone == floorplan.SafeZone((-15.0, -10.0), math.pi)
     assert ariac.human == floorplan.Human(0.3, 1.75, 1.0, 2.5, 0.25)
 

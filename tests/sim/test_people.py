@@ -5,8 +5,10 @@ import math
 import numpy as np
 import pytest
 import shapely
+from shapely.geometry import box
 
 import bdi
+import floorplan
 import sim
 
 ALONE = "floorplan: ariac2023\nduration: {duration}\ngantry: {{at: [0.4, 7.0, 0.0]}}\n"
@@ -65,6 +67,24 @@ def test_a_person_starts_when_something_happens(start, kind):
     finished = sim.run(sim.Trial.parse(text))
     started = [event["t"] for event in events(finished, "human_started")]
     assert started == ([events(finished, kind)[0]["t"]] if kind else [])
+
+
+@pytest.mark.parametrize(
+    ("patrol", "visits"), [(None, ["gate", "press"]), (("press",), ["press", "press"]), ((), [])]
+)
+def test_people_on_a_floor_made_in_python_go_to_all_stations_unless_told_otherwise(patrol, visits):
+    floor = floorplan.Floorplan(
+        "yard",
+        box(0.0, 0.0, 12.0, 12.0),
+        stations=(
+            floorplan.Station("gate", (9.0, 2.0)),
+            floorplan.Station("press", (9.0, 9.0)),
+        ),
+        patrol=patrol,
+        safe_zone=floorplan.SafeZone((2.0, 2.0)),
+    )
+    finished = sim.run(sim.Trial(floor, duration=20.0, people=(sim.PersonEntry("ada"),)))
+    assert finished.summary["people"]["ada"]["visits"][:2] == visits
 
 
 def test_several_people_walk_at_once_each_with_a_mind_of_their_own():
