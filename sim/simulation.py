@@ -31,7 +31,7 @@ from .referee import Pair, Referee
 from .summary import summarise
 from .trials.checks import check
 from .trials.programs import EXTERNAL
-from .trials.trial import PersonEntry, Trial
+from .trials.trial import PersonEntry, Start, Trial
 from .triggers import Triggers
 from .walker import Place, Walker
 from .yielding import Foresight
@@ -83,6 +83,7 @@ class Simulation:
             disable_gantry=self.gantry.drive.disable if self.gantry else lambda _: None,
         )
         self.dispatcher = self._make_dispatcher()
+        self._end_with_jobs()
         for entry in trial.people:
             self.people.append(self._make_person(entry))
         self.scene = scene_of(trial, self.bodies)
@@ -296,6 +297,13 @@ class Simulation:
             record=self._record,
             all_done=self._work_is_done,
         )
+
+    def _end_with_jobs(self) -> None:
+        """Let the run end when all orders are handed in, where the gantry's jobs hand them in."""
+        orders = [job for job in self.trial.gantry.jobs if job.kind == "submit"]
+        if orders and self.trial.workload is None:
+            last = Start(event="order_submitted", count=len(orders))
+            self._triggers.add(last, self._work_is_done)
 
     def _work_is_done(self) -> None:
         if self.trial.until_submitted and not self._over.triggered:

@@ -114,8 +114,8 @@ class Trial:
     The AGVs named in `yielding` yield to people. Files are looked up from `folder`;
     `floorplan_source` is the name or file that the floorplan was read from, or empty if it came
     from no file. `workload` are the orders of an ARIAC trial; `until_submitted` ends the run as
-    soon as they are all submitted. `notices` are what the file says that makes no difference, or
-    may mean something else than its author thought.
+    soon as they are all submitted, or without a workload those of the gantry's jobs. `notices` are
+    what the file says that makes no difference, or may mean something else than its author thought.
     """
 
     floorplan: Floorplan

@@ -43,6 +43,7 @@ def _trial(trial: Trial) -> Data:
             name: written_agv(trial.agvs.get(name, ()), name in trial.yielding)
             for name in (*trial.agvs, *sorted(trial.yielding - {*trial.agvs}))
         },
+        "until_submitted": trial.until_submitted or None,
         "expect": trial.expect,
     }
     data = _without(data, None, [], {})

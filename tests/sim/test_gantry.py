@@ -6,6 +6,7 @@ import math
 import os
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -222,3 +223,19 @@ def test_the_command_keeps_the_recording_of_a_run_that_fails(controller):
     assert kept[-1]["t"] == 30.0
     summary = json.loads((folder / "out" / "summary.json").read_text())
     assert summary["interrupted"] is True
+
+
+@pytest.mark.parametrize("repeat", [False, True])
+def test_a_trial_can_end_with_the_orders_of_its_jobs(repeat):
+    text = (
+        "floorplan: ariac2023\nduration: 60\nuntil_submitted: true\ngantry:\n"
+        f"  controller: oblivious\n  repeat: {str(repeat).lower()}\n"
+        "  jobs: [{wait: 1}, {submit: a}, {wait: 2.5}, {submit: b}]\n"
+    )
+    trial = sim.Trial.parse(text)
+    assert sim.Trial.parse(trial.to_yaml()) == trial
+    run = sim.run(trial)
+    assert run.duration == pytest.approx(3.5)
+    assert not run.summary["interrupted"]
+    assert [e["order"] for e in run.events if e["kind"] == "order_submitted"] == ["a", "b"]
+    assert sim.run(replace(trial, until_submitted=False)).duration == 60.0

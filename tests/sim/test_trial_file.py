@@ -88,6 +88,10 @@ def test_every_builtin_trial_loads(name):
         (("people:", "peopel:"), "peopel: unknown key (known are: agvs"),
         (("controller: oblivious", "controller: oblvious"), "did you mean 'oblivious'?"),
         (("controller: oblivious", "controller: a.b:c"), "can't be imported"),
+        (
+            ("duration: 60", "until_submitted: true"),
+            "line 2, until_submitted: nothing is handed in",
+        ),
     ],
 )
 def test_what_makes_no_sense_is_said_with_its_place(change, message):
