@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated
 
@@ -9,9 +10,6 @@ import typer
 
 from . import completion
 from .run import tell_notices
-
-RULE_KEYS = {"based_on", "gantry_law", "agv_law", "notice", "gantry_disabled"}
-"""What tells a file with a rule set."""
 
 
 def check(
@@ -46,24 +44,36 @@ def _read(file: str) -> str:
     """What stands in a file or built-in of that name, in words."""
     import bdi
     import floorplan
-    from sim import Study, Trial, builtin_trials, load_rules
+    from sim import Study, Trial, load_rules
+    from sim.trials.rules_file import RuleKeys
 
     path = Path(file)
     if path.suffix == ".asl" or file in bdi.programs():
         return _program(file)
-    if file in builtin_trials():
-        # A trial may be called after its floorplan: both are looked at.
-        floors = f"; {_floor(floorplan.load(file))}" if file in floorplan.builtin() else ""
-        return _trial(Trial.load(file)) + floors
+    if built_in := list(_built_in(file)):
+        return "; ".join(built_in)
     if path.suffix in (".yaml", ".yml") and path.exists():
         keys = _keys(path)
         if "trials" in keys:
             return _study(Study.load(path))
-        if keys & RULE_KEYS and "floorplan" not in keys:
+        if keys & {*RuleKeys.model_fields} - {"name"} and "floorplan" not in keys:
             return f"the rule set {load_rules(path).name}"
         if not {"boundary", "image"} & keys:
             return _trial(Trial.load(path))
     return _floor(floorplan.load(file))
+
+
+def _built_in(name: str) -> Iterator[str]:
+    """What is built in by that name: a trial may be called after its floorplan, or its rules."""
+    import floorplan
+    from sim import RULE_SETS, Trial, builtin_trials
+
+    if name in builtin_trials():
+        yield _trial(Trial.load(name))
+    if name in floorplan.builtin():
+        yield _floor(floorplan.load(name))
+    if name in RULE_SETS:
+        yield f"the rule set {name}"
 
 
 def _keys(path: Path) -> set[str]:
@@ -83,9 +93,10 @@ def _study(study: object) -> str:
 
 
 def _program(file: str) -> str:
-    import bdi
+    from sim.trials.programs import load_program
 
-    program = bdi.load(file)
+    program = load_program(file, Path())
+    assert program is not None  # it is no name of somebody outside
     return f"a program of {_number(len(program.plans), 'plan')}"
 
 

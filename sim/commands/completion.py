@@ -69,7 +69,7 @@ def floor_source(incomplete: str) -> list[str]:
 
 def checked(incomplete: str) -> list[str]:
     """Anything that `floorwalker check` reads."""
-    names = {*_floors(), *_personalities(), *_data("sim", "data/trials/*.yaml")}
+    names = {*_floors(), *_personalities(), *RULE_SETS, *_data("sim", "data/trials/*.yaml")}
     return _offer(incomplete, sorted(names), (*FLOORS, ".asl"))
 
 

@@ -34,4 +34,8 @@ def load_program(personality: str, folder: Path) -> bdi.Program | None:
 
     Raises what `find_program` does, and `bdi.ProgramError`.
     """
-    return None if personality == EXTERNAL else bdi.load(find_program(personality, folder))
+    if personality == EXTERNAL:
+        return None
+    program = bdi.load(find_program(personality, folder))
+    bdi.Agent(program)  # refuses what nobody can begin with, as internal actions that aren't there
+    return program

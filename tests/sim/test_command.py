@@ -277,6 +277,30 @@ def test_terminals_without_every_sign_get_the_rest(tmp_path):
     assert "? real time" in done.stdout
 
 
+def test_check_knows_rule_sets_by_name_and_by_any_of_their_keys(tmp_path, floorwalker):
+    (tmp_path / "ours.yaml").write_text("name: ours\ngrace: 3.0\npause_after_violation: 2.0\n")
+    (tmp_path / "bad.yaml").write_text("pause_after_agv: soon\n")
+    done = floorwalker("check", "paper", "ours.yaml", "ariac2023", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    lines = done.stdout.splitlines()
+    assert lines[:2] == ["paper: the rule set paper", "ours.yaml: the rule set ours"]
+    assert lines[2].endswith("; the rule set ariac2023")
+    done = floorwalker("check", "bad.yaml", cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (1, "")
+    assert done.stderr.startswith("bad.yaml: line 1, pause_after_agv: expected a number")
+
+
+def test_internal_actions_that_are_not_there_are_told_before_a_run(tmp_path, floorwalker):
+    (tmp_path / "b.asl").write_text("// nothing\n+never <- .nonsense(3).\n")
+    person = "people: [{name: a, personality: b.asl}]\n"
+    (tmp_path / "t.trial.yaml").write_text(f"floorplan: ariac2023\n{person}")
+    for arguments in (["check", "b.asl"], ["check", "t.trial.yaml"], ["run", "t.trial.yaml"]):
+        done = floorwalker(*arguments, cwd=tmp_path)
+        assert (done.returncode, done.stdout) == (1, ""), arguments
+        assert "b.asl:2:11: there is no internal action .nonsense" in done.stderr
+    assert not (tmp_path / "runs").exists()
+
+
 def test_list_names_everything(tmp_path, floorwalker):
     done = floorwalker("list", cwd=tmp_path)
     assert done.returncode == 0
