@@ -65,6 +65,8 @@ def benchmark(
 def _measure(
     plans: Sequence[Floorplan], names: list[str], queries: int, seed: int, radius: float | None
 ) -> list[Attempt]:
+    from rich.markup import escape
+
     from navigation.benchmark import benchmark as measure
     from sim.commands.bars import progress_bars
 
@@ -72,14 +74,15 @@ def _measure(
         task = bar.add_task("", total=len(plans) * len(names) * queries)
 
         def progress(floor: str, name: str) -> None:
-            bar.update(task, advance=1, description=f"{floor}: {name}")
+            bar.update(task, advance=1, description=escape(f"{floor}: {name}"))
 
         return measure(plans, names, queries=queries, seed=seed, radius=radius, progress=progress)
 
 
 def _print_table(rows: Sequence[Row]) -> None:
-    from rich.console import Console
     from rich.table import Table
+
+    from sim.commands.consoles import plain_console
 
     table = Table("floor", "planner")
     for title in (
@@ -106,10 +109,7 @@ def _print_table(rows: Sequence[Row]) -> None:
             f"{row.clearance_least:.4f}",
             f"{row.turning:.2f}",
         )
-    console = Console()
-    if not console.is_terminal:
-        console.width = 120
-    console.print(table)
+    plain_console(120).print(table)
 
 
 def _write(attempts: Sequence[Attempt], out: Path, seed: int) -> None:

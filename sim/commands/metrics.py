@@ -40,9 +40,9 @@ def metrics(
     if as_json:
         typer.echo(json.dumps(figures, indent=2, ensure_ascii=False))
         return
-    from rich.console import Console
+    from sim.commands.consoles import plain_console
 
-    console = Console()
+    console = plain_console()
     console.print(_movements(figures))
     if figures["people"]:
         console.print(_distances(figures))

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from ..folder_names import folder_for
 from ..pages.browser import open_in_browser
 from . import completion
 from .arguments import Duration, RecordingFolder, Rules, Seed, TrialName
@@ -145,10 +146,11 @@ def changed(
 
 def free_folder(name: str) -> Path:
     """`runs/NAME`, or the first of `runs/NAME-2`, `runs/NAME-3` … that is not there yet."""
-    folder, number = Path("runs") / name, 1
+    folder = first = folder_for(name, "runs")
+    number = 1
     while folder.exists():
         number += 1
-        folder = Path("runs") / f"{name}-{number}"
+        folder = first.with_name(f"{first.name}-{number}")
     return folder
 
 
@@ -205,13 +207,13 @@ def _advance(simulation: Simulation) -> bool:
 
 
 def _report(run: Run, folder: Path) -> None:
-    from rich.console import Console
     from rich.table import Table
 
+    from sim.commands.consoles import plain_console
     from sim.recordings.figures import figures_in_words
 
     summary = run.summary
-    console = Console()
+    console = plain_console()
     trial, floor = summary["trial"], summary["floorplan"]
     title = trial if trial == floor else f"{trial} on {floor}"
     table = Table(title=title, title_justify="left")

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from ..folder_names import folder_for
 from . import completion
 from .run import INTERRUPTED
 
@@ -44,7 +45,7 @@ def study(
     from sim.study import Study, save_trial
 
     chosen = Study.load(file)
-    folder = Path("studies") / chosen.name if out is None else out
+    folder = folder_for(chosen.name, "studies") if out is None else out
     if row is not None:
         typer.echo(str(save_trial(chosen, row, folder)))
         return
@@ -73,7 +74,7 @@ def _run(chosen: Study, folder: Path, jobs: int | None, backend: str) -> StudyRe
     from sim.study import run_study
 
     shown = (
-        TextColumn("{task.description}"),
+        TextColumn("{task.description}", markup=False),
         BarColumn(),
         MofNCompleteColumn(),
         TextColumn("rows,"),
@@ -101,9 +102,9 @@ def _run(chosen: Study, folder: Path, jobs: int | None, backend: str) -> StudyRe
 
 def _report(results: StudyResults) -> None:
     """The means of every combination as a table, and where to look on."""
-    from rich.console import Console
     from rich.table import Table
 
+    from sim.commands.consoles import plain_console
     from sim.study import figure
 
     compared = results.comparison
@@ -118,8 +119,6 @@ def _report(results: StudyResults) -> None:
         spreads = [compared.spreads[measure][k] for measure in measures]
         means = [figure(spread.mean) if spread else "–" for spread in spreads]
         table.add_row(*group.values, f"{len(group.rows):,}", *means)
-    console = Console()
-    if not console.is_terminal:
-        console.width = WIDTH
+    console = plain_console(WIDTH)
     console.print(table)
     console.print(f"{results.folder / 'report.html'} shows it", highlight=False, soft_wrap=True)

@@ -277,6 +277,29 @@ def test_terminals_without_every_sign_get_the_rest(tmp_path):
     assert "? real time" in done.stdout
 
 
+def test_names_are_printed_as_they_are_and_make_one_plain_folder(tmp_path, floorwalker):
+    for name, folder in (("a/b[old]", "a-b[old]"), ("..", "unnamed"), ("", "unnamed-2")):
+        text = f"name: '{name}'\nfloorplan: ariac2023\nduration: 1\npeople: [{{name: ada}}]\n"
+        (tmp_path / "t.trial.yaml").write_text(text)
+        done = floorwalker("run", "t.trial.yaml", cwd=tmp_path)
+        assert (done.returncode, done.stderr) == (0, "")
+        assert f"runs/{folder}/replay.html shows it\n" in done.stdout
+        assert done.stdout.startswith(f"{name} on ariac2023")
+        assert (tmp_path / "runs" / folder / "replay.html").exists()
+
+
+def test_tables_have_names_as_they_are(tmp_path, floorwalker):
+    (tmp_path / "m[x]:x:.yaml").write_text("floorplan: ariac2023\nduration: 1\n")
+    (tmp_path / "s.study.yaml").write_text(
+        "name: 'a/b [red]'\ntrials: ['m[x]:x:.yaml', scene_helpful]\ngrid: {duration: [1]}\n"
+    )
+    done = floorwalker("study", "s.study.yaml", "--jobs", "1", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "a/b [red]" in done.stdout
+    assert "m[x]:x:" in done.stdout
+    assert "studies/a-b [red]/report.html shows it" in done.stdout
+
+
 def test_check_knows_rule_sets_by_name_and_by_any_of_their_keys(tmp_path, floorwalker):
     (tmp_path / "ours.yaml").write_text("name: ours\ngrace: 3.0\npause_after_violation: 2.0\n")
     (tmp_path / "bad.yaml").write_text("pause_after_agv: soon\n")
