@@ -125,12 +125,14 @@ def changed(
     controller: str | None = None,
 ) -> Trial:
     """The trial with what the options say instead; `TrialError` if it can't be run so."""
+    from floorplan import is_there
     from sim import find_controller, find_rules
     from sim.trials.checks import check
 
     if personality is not None:
         path = Path(personality)
-        trial = trial.with_personality(str(path.resolve()) if path.exists() else personality)
+        is_file = is_there(path) and path.is_file()
+        trial = trial.with_personality(str(path.resolve()) if is_file else personality)
     if controller is not None:
         find_controller(controller, trial.folder)
         trial = replace(trial, gantry=replace(trial.gantry, controller=controller))

@@ -300,6 +300,15 @@ def test_tables_have_names_as_they_are(tmp_path, floorwalker):
     assert "studies/a-b [red]/report.html shows it" in done.stdout
 
 
+def test_a_folder_called_like_a_personality_is_in_nobodys_way(tmp_path, floorwalker):
+    (tmp_path / "helpful").mkdir()
+    for name, code in (("helpful", 0), ("x" * 300, 1)):
+        out = ("--duration", "1", "--out", tmp_path / "out")
+        done = floorwalker("run", "--personality", name, *out, cwd=tmp_path)
+        assert done.returncode == code, done.stderr
+    assert "no personality and no .asl file is called" in done.stderr
+
+
 def test_check_knows_rule_sets_by_name_and_by_any_of_their_keys(tmp_path, floorwalker):
     (tmp_path / "ours.yaml").write_text("name: ours\ngrace: 3.0\npause_after_violation: 2.0\n")
     (tmp_path / "bad.yaml").write_text("pause_after_agv: soon\n")
