@@ -87,7 +87,7 @@ class GantryRobot:
         self.drive = Drive(
             clock,
             gantry,
-            entry.at or gantry.start,
+            gantry.start if entry.at is None else entry.at,
             record=record,
             disabled_or_enabled=self.interrupt,
         )

@@ -92,7 +92,8 @@ class Percepts:
 
     def see(self, functor: str, *arguments: float) -> None:
         """Perceive `functor(arguments)`, and no longer what was perceived of it before."""
-        percept, before = bdi.Literal(functor, arguments), self._latest.get(functor)
+        percept = bdi.Literal(functor, tuple(map(float, arguments)))
+        before = self._latest.get(functor)
         if before is not None:
             self._mind.remove_percept(before)
         self._latest[functor] = percept

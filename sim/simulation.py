@@ -171,7 +171,7 @@ class Simulation:
     def _make_person(self, entry: PersonEntry) -> Person:
         plan = self.trial.floorplan
         zone = plan.safe_zone
-        at = entry.at or (zone.position if zone else (0.0, 0.0))
+        home = zone.position if zone else (0.0, 0.0)
         given = {
             name: getattr(entry, name)
             for name in ("radius", "max_speed", "max_acceleration")
@@ -183,7 +183,7 @@ class Simulation:
             entry.name,
             human,
             self._planner(human.radius),
-            at=at,
+            at=home if entry.at is None else entry.at,
             heading=zone.heading if zone and entry.at is None else 0.0,
             record=self._record,
             arrived=lambda goal: person.arrived(goal),

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import yaml
 
 import floorplan
@@ -25,7 +27,7 @@ def to_yaml(trial: Trial, folder: Path) -> str:
     if trial.folder.resolve() != folder.resolve():
         data["folder"] = Path(os.path.relpath(trial.folder, folder)).as_posix()
     text: str = yaml.dump(
-        data, Dumper=_Dumper, sort_keys=False, allow_unicode=True, default_flow_style=None
+        _plain(data), Dumper=_Dumper, sort_keys=False, allow_unicode=True, default_flow_style=None
     )
     return text
 
@@ -81,8 +83,8 @@ def _person(entry: PersonEntry) -> Data:
         "name": entry.name,
         "personality": entry.personality,
         "start": None if entry.start == Start() else _start(entry.start),
-        "at": entry.at and list(entry.at),
-        "beliefs": list(entry.beliefs),
+        "at": entry.at,
+        "beliefs": entry.beliefs,
         "radius": entry.radius,
         "max_speed": entry.max_speed,
         "max_acceleration": entry.max_acceleration,
@@ -106,20 +108,19 @@ def _start(start: Start) -> Data:
 
 
 def _gantry(entry: GantryEntry) -> Data:
-    if entry == GantryEntry():
-        return {}
     data = {
         "controller": entry.controller,
-        "at": entry.at and list(entry.at),
+        "at": entry.at,
         "jobs": [_job(job) for job in entry.jobs],
         "repeat": entry.repeat,
     }
-    return _without(data, None, [], False)
+    data = _without(data, None, [], False)
+    return {} if data == {"controller": GantryEntry().controller} else data
 
 
 def _job(job: Job) -> Data:
     if job.kind == "move":
-        return {"move": list(job.target)}
+        return {"move": job.target}
     if job.kind == "wait":
         return {"wait": job.seconds}
     if job.kind == "submit":
@@ -128,8 +129,19 @@ def _job(job: Job) -> Data:
 
 
 def _without(data: Data, *usual: object) -> Data:
-    """`data` without the keys whose values are among the `usual` ones."""
-    return {key: value for key, value in data.items() if not any(value == one for one in usual)}
+    """`data`, plainly, without the keys whose values are among the `usual` ones."""
+    return {key: value for key, value in _plain(data).items() if value not in usual}
+
+
+def _plain(value: Any) -> Any:
+    """`value` in lists, keys and Python's own numbers: in Python NumPy's will do as well."""
+    if isinstance(value, np.ndarray | np.generic):
+        return value.tolist()
+    if isinstance(value, Mapping):
+        return {key: _plain(inner) for key, inner in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(inner) for inner in value]
+    return value
 
 
 class _Dumper(yaml.SafeDumper):

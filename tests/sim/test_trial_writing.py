@@ -3,6 +3,7 @@
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -107,3 +108,45 @@ def test_a_name_may_be_empty():
     assert trial.name == ""
     assert sim.Trial.parse(trial.to_yaml(), file="hall.yaml").name == ""
     assert sim.Trial.parse("floorplan: ariac2023\n", file="hall.yaml").name == "hall"
+
+
+def test_numbers_of_numpy_are_written_as_any_others():
+    numbers = sim.Trial(
+        FLOOR,
+        duration=np.float64(20.0),
+        people=(
+            sim.PersonEntry(
+                "ada",
+                start=sim.Start(np.float64(0.5)),
+                at=np.array([-15.0, -10.0]),
+                max_speed=np.linspace(0.5, 1.5, 3)[1],
+            ),
+        ),
+        gantry=sim.GantryEntry(
+            at=np.array([-5.0, 2.0, 0.0]),
+            jobs=(
+                sim.Job("move", target=np.array([-2.5, 0.5, 0.0])),
+                sim.Job("wait", seconds=np.float64(2.5)),
+            ),
+            repeat=np.bool_(True),
+        ),
+        agvs={"agv1": (sim.AgvMove(np.float64(1.0), np.float64(2.5)),)},
+        rules=replace(sim.PAPER, name="ours", grace=np.float64(2.5)),
+        expect={"penalties": np.float64(0)},
+    )
+    plain = sim.Trial(
+        FLOOR,
+        duration=20.0,
+        people=(sim.PersonEntry("ada", start=sim.Start(0.5), at=(-15.0, -10.0), max_speed=1.0),),
+        gantry=sim.GantryEntry(
+            at=(-5.0, 2.0, 0.0),
+            jobs=(sim.Job("move", target=(-2.5, 0.5, 0.0)), sim.Job("wait", seconds=2.5)),
+            repeat=True,
+        ),
+        agvs={"agv1": (sim.AgvMove(1.0, 2.5),)},
+        rules=replace(sim.PAPER, name="ours", grace=2.5),
+        expect={"penalties": 0.0},
+    )
+    assert numbers.to_yaml() == plain.to_yaml()
+    assert sim.Trial.parse(numbers.to_yaml()).gantry == plain.gantry
+    assert sim.run(numbers).events == sim.run(plain).events
