@@ -29,6 +29,12 @@ def find_program(personality: str, folder: Path) -> str | Path:
     )
 
 
+def is_read_from(program: bdi.Program, personality: str, folder: Path) -> bool:
+    """Whether `program` came from the file that `personality` names, seen from `folder`."""
+    file = bdi.programs().get(personality, folder / personality)
+    return Path(program.source).resolve() == file.resolve()
+
+
 def load_program(personality: str, folder: Path) -> bdi.Program | None:
     """The program of a personality; None for somebody who runs none (`EXTERNAL`).
 

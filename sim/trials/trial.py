@@ -155,7 +155,7 @@ class Trial:
     def to_yaml(self, folder: str | Path = ".") -> str:
         """The text of a trial file that stands in `folder`, to be read as the same trial.
 
-        `ValueError` if its floorplan came from no file.
+        `ValueError` if its floorplan, its orders, a law or a program came from no file.
         """
         from .trial_writing import to_yaml
 

@@ -14,8 +14,9 @@ import floorplan
 
 from ..ariac import Workload
 from .agvs_file import written_agv
+from .programs import is_read_from
 from .rules_file import written_rules
-from .trial import GantryEntry, Job, PersonEntry, Start, Trial
+from .trial import GantryEntry, Job, PersonalityChange, PersonEntry, Start, Trial
 
 Data = dict[str, Any]
 """Keys and values as they stand in a file. What is left out has its usual value."""
@@ -23,6 +24,8 @@ Data = dict[str, Any]
 
 def to_yaml(trial: Trial, folder: Path) -> str:
     """See `Trial.to_yaml`."""
+    for entry in trial.people:
+        _see_to_programs(entry, trial)
     data = _trial(trial)
     if trial.folder.resolve() != folder.resolve():
         data["folder"] = Path(os.path.relpath(trial.folder, folder)).as_posix()
@@ -76,6 +79,18 @@ def _floorplan(trial: Trial) -> str:
         f"the trial {trial.name!r} can't be written: its floorplan {name!r} came from no file;"
         " give floorplan_source"
     )
+
+
+def _see_to_programs(entry: PersonEntry, trial: Trial) -> None:
+    """`ValueError` if the person would be read again with another program."""
+    named: list[PersonEntry | PersonalityChange] = [entry, *entry.changes]
+    for one in named:
+        if one.program and not is_read_from(one.program, one.personality, trial.folder):
+            raise ValueError(
+                f"the trial {trial.name!r} can't be written: a program of {entry.name!r} did not"
+                f" come from the file of the personality {one.personality!r}; give its file as"
+                " personality"
+            )
 
 
 def _person(entry: PersonEntry) -> Data:

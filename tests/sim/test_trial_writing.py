@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import bdi
 import floorplan
 import sim
 
@@ -150,3 +151,42 @@ def test_numbers_of_numpy_are_written_as_any_others():
     assert numbers.to_yaml() == plain.to_yaml()
     assert sim.Trial.parse(numbers.to_yaml()).gantry == plain.gantry
     assert sim.run(numbers).events == sim.run(plain).events
+
+
+OWN = "!wait. +!wait <- .wait(1000).\n"
+
+
+@pytest.mark.parametrize("of_change", [False, True])
+def test_a_program_of_no_file_is_refused(tmp_path, of_change):
+    def written(personality, program):
+        if of_change:
+            change = sim.PersonalityChange(sim.Start(3.0), personality, program)
+            entry = sim.PersonEntry("ada", changes=(change,))
+        else:
+            entry = sim.PersonEntry("ada", personality, program=program)
+        return sim.Trial(FLOOR, people=(entry,), folder=tmp_path).to_yaml(tmp_path)
+
+    (tmp_path / "own.asl").write_text(OWN)
+    with pytest.raises(ValueError, match=r"a program of 'ada' did not come from the file of"):
+        written("indifferent", bdi.parse(OWN))
+    with pytest.raises(ValueError, match="give its file as personality"):
+        written("indifferent", bdi.load(tmp_path / "own.asl"))
+    assert "personality: own.asl" in written("own.asl", bdi.load(tmp_path / "own.asl"))
+    assert "personality: helpful" in written("helpful", bdi.load("helpful"))
+
+
+def test_programs_that_came_with_the_trial_are_written_from_anywhere(tmp_path, monkeypatch):
+    for name in ("a", "b"):
+        (tmp_path / name).mkdir()
+    (tmp_path / "a" / "own.asl").write_text(OWN)
+    changes = "changes: [{when: {time: 3}, personality: helpful}]"
+    text = f"floorplan: ariac2023\npeople: [{{name: ada, personality: own.asl, {changes}}}]\n"
+    (tmp_path / "a" / "t.yaml").write_text(text)
+    monkeypatch.chdir(tmp_path)
+    for trial in (sim.Trial.load("a/t.yaml"), sim.Trial.load(tmp_path / "a" / "t.yaml")):
+        trial.save("b/t.yaml")
+        again = sim.Trial.load("b/t.yaml")
+        assert again.people == trial.people
+        everybody = trial.with_personality("../a/own.asl")
+        everybody.save("b/t.yaml")
+        assert sim.Trial.load("b/t.yaml").people == everybody.people
