@@ -13,6 +13,7 @@ from simpy.events import Event
 
 from ..drive import Steps
 from ..gantry import GantryRobot
+from ..trials.own_code import in_words
 from .finding import Controller, ControllerError
 
 MOST_AT_ONCE = 1000
@@ -34,7 +35,7 @@ def supervised(name: str, controller: Controller, gantry: GantryRobot) -> Steps:
     except Exception as why:
         raise ControllerError(
             f"the gantry controller {name!r} failed at t = {gantry.now:g} s"
-            f"{_place(why, controller, steps)}: {why or type(why).__name__}"
+            f"{_place(why, controller, steps)}: {in_words(why)}"
         ) from why
 
 

@@ -47,6 +47,10 @@ def read_law(terms: Mapping[str, Any], folder: Path) -> AnyLaw:
             f"give one law with its terms: {', '.join(LAWS)}, or package.module:Class"
         )
     ((name, given),) = terms.items()
+    if ":" not in name and name not in LAWS:
+        raise WrittenLawError(
+            f"no law is called {name!r}; {suggestion(name, LAWS)}; your own is package.module:Class"
+        )
     if name == "fixed" and not isinstance(given, Mapping):
         given = {"metres": given}
     given = {} if given is None else given
@@ -59,10 +63,6 @@ def read_law(terms: Mapping[str, Any], folder: Path) -> AnyLaw:
             return OwnLaw(name, given, folder)  # type: ignore[return-value]
         except LawError as why:
             raise WrittenLawError(str(why), name) from why
-    if name not in LAWS:
-        raise WrittenLawError(
-            f"no law is called {name!r}; {suggestion(name, LAWS)}; your own is package.module:Class"
-        )
     form = LAWS[name]
     known = {term.name: term for term in fields(form)}
     for term, value in given.items():

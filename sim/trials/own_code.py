@@ -35,8 +35,8 @@ def find_own(name: str, folder: Path) -> Any:
         with _looked_up_in(folder.resolve(), _top(module_name) if file else ""):
             module = importlib.import_module(module_name)
     except Exception as why:
-        place, reason = line_in(why, file), why or type(why).__name__
-        raise OwnCodeError(f"{name!r} can't be imported{place}: {reason}") from why
+        place = line_in(why, file)
+        raise OwnCodeError(f"{name!r} can't be imported{place}: {in_words(why)}") from why
     found = getattr(module, attribute, None)
     if found is None:
         raise OwnCodeError(f"{module_name} has no {attribute!r}")
@@ -48,6 +48,11 @@ def source_of(name: str, folder: Path) -> str | None:
     module_name = name.partition(":")[0]
     file = _file_of(module_name, folder)
     return file or getattr(sys.modules.get(module_name), "__file__", None)
+
+
+def in_words(why: BaseException) -> str:
+    """What went wrong, with its type: a `KeyError` says no more than the key."""
+    return f"{type(why).__name__}: {why}".removesuffix(": ")
 
 
 def line_in(why: BaseException, file: str | None) -> str:

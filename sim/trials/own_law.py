@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 from navigation import Enclosure, Encounter, MotionLaw, TooClose, minimum_margin, standing, walk
 
-from .own_code import OwnCodeError, find_own, line_in, source_of
+from .own_code import OwnCodeError, find_own, in_words, line_in, source_of
 
 _Answer = TypeVar("_Answer")
 
@@ -80,7 +80,7 @@ class OwnLaw:
             return answer(*args, **terms)
         except Exception as why:
             place = line_in(why, self._file)
-            raise LawError(f"the law {self} failed{place}: {why or type(why).__name__}") from why
+            raise LawError(f"the law {self} failed{place}: {in_words(why)}") from why
 
     def _try(self) -> None:
         """`LawError` if it is no law, or if trying it shows that it makes no sense."""

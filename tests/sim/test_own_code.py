@@ -83,7 +83,7 @@ def test_what_others_imported_stays_theirs(package, monkeypatch):
 def test_a_package_that_is_not_beside_the_trial_is_imported_as_ever(package, tmp_path, monkeypatch):
     monkeypatch.syspath_prepend(package("ca", regular=True))
     assert find_own("pk.ctl:go", tmp_path)() == "ca"
-    with pytest.raises(OwnCodeError, match=r"'pk.none:go' can't be imported: No module named"):
+    with pytest.raises(OwnCodeError, match=r"'pk.none:go' can't be imported: ModuleNotFound"):
         find_own("pk.none:go", tmp_path)
 
 
