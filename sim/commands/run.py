@@ -68,6 +68,7 @@ def run(
     chosen = changed(Trial.load(trial), personality, duration, seed, rules, controller)
     tell_notices(chosen)
     _tell_who_waits(chosen)
+    _tell_what_is_not_done(chosen)
     recording = Recording(out if out is not None else free_folder(chosen.name))
     try:
         if watch:
@@ -113,6 +114,14 @@ def _tell_who_waits(trial: Trial) -> None:
             f"{trial.name}: {' and '.join(waiting)} can only be driven from outside, and"
             " nobody does; `floorwalker bridge` serves the trial to those who would",
             err=True,
+        )
+
+
+def _tell_what_is_not_done(trial: Trial) -> None:
+    """Say that jobs and orders are left undone because nothing does them."""
+    if trial.gantry.controller == "parked" and (trial.gantry.jobs or trial.workload):
+        typer.echo(
+            f"{trial.name}: the gantry is parked and does no jobs; give it a controller", err=True
         )
 
 

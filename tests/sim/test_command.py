@@ -309,6 +309,15 @@ def test_a_folder_called_like_a_personality_is_in_nobodys_way(tmp_path, floorwal
     assert "no personality and no .asl file is called" in done.stderr
 
 
+def test_jobs_that_nothing_does_are_told(tmp_path, floorwalker):
+    text = "floorplan: ariac2023\nduration: 1\ngantry: {jobs: [{wait: 0.5}]}\n"
+    (tmp_path / "t.trial.yaml").write_text(text)
+    told = "t: the gantry is parked and does no jobs; give it a controller\n"
+    for more, stderr in (((), told), (("--controller", "oblivious"), "")):
+        done = floorwalker("run", "t.trial.yaml", *more, cwd=tmp_path)
+        assert (done.returncode, done.stderr) == (0, stderr)
+
+
 def test_check_knows_rule_sets_by_name_and_by_any_of_their_keys(tmp_path, floorwalker):
     (tmp_path / "ours.yaml").write_text("name: ours\ngrace: 3.0\npause_after_violation: 2.0\n")
     (tmp_path / "bad.yaml").write_text("pause_after_agv: soon\n")
