@@ -11,6 +11,7 @@ import yaml
 import bdi
 import floorplan
 import sim
+from sim.trials.event_kinds import EVENT_KINDS
 
 ROOT = Path(__file__).resolve().parents[1]
 DOCUMENTS = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
@@ -34,6 +35,12 @@ def test_names_in_the_text_are_there(document):
     for code in re.findall(r"`([^`\n]+)`", document.read_text(encoding="utf-8")):
         for name in DOTTED.findall(code):
             pkgutil.resolve_name(name)
+
+
+def test_every_kind_of_event_is_described():
+    text = (ROOT / "docs" / "recordings.md").read_text(encoding="utf-8")
+    for kind in EVENT_KINDS:
+        assert f"`{kind}`" in text
 
 
 @pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: path.name)
