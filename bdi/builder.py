@@ -163,11 +163,11 @@ class Builder(Transformer_NonRecursive[Token, Any]):
 
     # ---- bodies
 
-    def body_end(self, meta: Meta, step: BodyFormula) -> Body:
-        return (step,)
+    def body_end(self, meta: Meta, step: BodyFormula | Body) -> Body:
+        return _as_body(step)
 
-    def body_more(self, meta: Meta, step: BodyFormula, rest: Body) -> Body:
-        return (step, *rest)
+    def body_more(self, meta: Meta, step: BodyFormula | Body, rest: Body) -> Body:
+        return (*_as_body(step), *rest)
 
     def achieve(self, meta: Meta, goal: Literal | Var) -> Achieve:
         self._not_internal(meta, "!", goal)
@@ -419,6 +419,7 @@ def _anonymous(token: Token) -> str:
 
 
 def _as_body(step: BodyFormula | Body) -> Body:
+    """A step as a body; what stands in brackets is one already."""
     return step if isinstance(step, tuple) else (step,)
 
 

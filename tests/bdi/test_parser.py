@@ -117,6 +117,7 @@ STEPS = st.recursive(
         st.builds("for ({}) {{ {}; {} }}".format, CONDITIONS, s, s),
         st.builds("while ({}) {{ {} }}".format, CONDITIONS, s),
         st.builds("(a; {}) |&| !b ||| c".format, s),
+        st.builds("({}; {})".format, s, s),
     ),
     max_leaves=4,
 )
@@ -135,6 +136,27 @@ def test_what_is_written_reads_the_same(source):
     program = bdi.parse(source)
     written = str(program)
     assert str(bdi.parse(written)) == written
+
+
+@pytest.mark.parametrize(
+    ("written", "meant"),
+    [
+        ("(a; b); c", "a; b; c"),
+        ("a; (b; c)", "a; b; c"),
+        ("((a; b))", "a; b"),
+        ("x; (a ||| b); c", "x; a ||| b; c"),
+        ("if (p) { (a; b) }", "if (p) { a; b }"),
+    ],
+)
+def test_brackets_around_steps_make_no_difference(written, meant):
+    done = []
+    for body in (written, meant):
+        acted = []
+        program = bdi.parse(f"p. !g. +!g <- {body}.")
+        bdi.Agent(program, act=lambda action, acted=acted: not acted.append(str(action))).advance(0)
+        done.append((str(program), acted))
+    assert done[0] == done[1]
+    assert done[0][1]
 
 
 def problems(source):
