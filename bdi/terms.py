@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator
 from decimal import Decimal
-from typing import TYPE_CHECKING, NoReturn, TypeAlias
+from typing import TYPE_CHECKING, NoReturn, TypeAlias, cast
 
 from .errors import TooDeepError
 
@@ -462,8 +462,8 @@ def make_term(value: object) -> Term:
         return float(value)
     if isinstance(value, list | tuple):
         return make_list(make_term(element) for element in value)
-    if isinstance(value, str | Literal | Var | Nil | Cons):
-        return value
+    if isinstance(value, str) or hasattr(value, "depth"):  # as all other terms have
+        return cast(Term, value)
     raise TypeError(f"{type(value).__name__} cannot be made a term: {value!r}")
 
 

@@ -75,6 +75,9 @@ not .atom(p(1))                .count(.member(X, [a, b]), 2)  .count(a, [a, b, a
 .sort([c, a, b], [a, b, c])    .sort([2, 10, 1], [1, 2, 10])  .date(2023, 1, 1)
 .time(0, 0, 0)                 .time(0, 0, 0, 0)              .belief(here(1))
 not .belief(derived(1))        .my_name(N) & .atom(N)                .intend(go)
+not .my_name({})               not .my_name({a; b})           not .range({}, 1, 3)
+not .length([a], {+!g})        not .date({a}, 1, 1)           not .my_name({@p +!g <- a})
+not .my_name(1 + X)            not .my_name(a & b)            not .my_name(1 < 2)
 .desire(go)                    not .intend(stay)              not .desire(stay)
 p(1) < p(2)                    p(2) < p(1, 1)                 ~a(1) > a(1)
 [a, b] < [a, c]                [b] < [a, a]                   1 < a
