@@ -48,7 +48,13 @@ people: [{{name: a, start: {start}}}]
 gantry:
   controller: oblivious
   at: [-2.0, 4.0, 0.0]
-  jobs: [{{pick: bin1, place: agv1, part: red pump}}, {{wait: 2.0}}, {{submit: A1}}]
+  jobs:
+    - {{pick: bin1, place: agv1, part: red pump}}
+    - {{wait: 2.0}}
+    - {{submit: A1}}
+    - {{wait: 30.0}}
+    - {{pick: bin1, place: agv1, part: blue pump}}
+    - {{submit: A2}}
 """
 
 

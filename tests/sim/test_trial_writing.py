@@ -31,13 +31,19 @@ jobs = st.one_of(
         words,
     ),
 )
+NAMED = (
+    sim.Job("pick_place", pick="bin1", place="agv4", part="red: pump"),
+    sim.Job("submit", order="no. 7"),
+)
+"""What people may wait for."""
+
 starts = st.one_of(
     st.builds(sim.Start, time=st.floats(0, 1e6)),
     st.builds(
         lambda fields: sim.Start(None, part_placed=fields),
-        st.dictionaries(st.sampled_from(["part", "agv"]), words, min_size=1),
+        st.sampled_from([{"part": "red: pump"}, {"agv": "agv4", "part": "red: pump"}]),
     ),
-    st.builds(lambda order: sim.Start(None, order_submitted=order), words),
+    st.just(sim.Start(None, order_submitted="no. 7")),
 )
 people = st.lists(
     st.builds(
@@ -72,7 +78,7 @@ trials = st.builds(
         sim.GantryEntry,
         controller=st.sampled_from(["parked", "oblivious"]),
         at=st.none() | poses,
-        jobs=st.lists(jobs, max_size=4).map(tuple),
+        jobs=st.lists(jobs, max_size=4).map(lambda some: (*some, *NAMED)),
         repeat=st.booleans(),
     ),
     agvs=st.dictionaries(st.sampled_from(["agv1", "agv2"]), moves),
