@@ -51,6 +51,10 @@ def faults(trial: Trial) -> Iterator[Fault]:
     yield from _below(_gantry_faults(trial), "gantry")
     yield from _below(_agv_faults(trial), "agvs")
     yield from _below(expectation_problems(trial), "expect")
+    submits = trial.workload is not None or any(job.kind == "submit" for job in trial.gantry.jobs)
+    if trial.until_submitted and not submits:
+        message = "nothing is handed in: there is no ariac, and no job of the gantry is submit"
+        yield message, ("until_submitted",)
 
 
 def _below(found: Iterable[Fault], *place: str | int) -> Iterator[Fault]:

@@ -165,18 +165,11 @@ def _problems(trial: Trial, schema: _Trial, document: Document) -> Iterator[Prob
     """What keys and types can't tell: whether the things a trial names are there."""
     for message, place in faults(trial):
         yield document.problem(message, *_in_file(place, schema))
-    if trial.until_submitted and not _has_orders(trial):
-        message = "nothing is handed in: there is no ariac, and no job of the gantry is submit"
-        yield document.problem(message, "until_submitted")
     if trial.floorplan.gantry is not None:
         try:
             find_controller(trial.gantry.controller, trial.folder)
         except ControllerError as why:
             yield document.problem(str(why), "gantry", "controller")
-
-
-def _has_orders(trial: Trial) -> bool:
-    return trial.workload is not None or any(job.kind == "submit" for job in trial.gantry.jobs)
 
 
 def _in_file(place: Place, schema: _Trial) -> Place:
