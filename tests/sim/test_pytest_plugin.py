@@ -140,7 +140,8 @@ def test_a_controller_that_fails_is_told_in_a_sentence(pytester, run_pytest):
     result.assert_outcomes(failed=1)
     result.stdout.fnmatch_lines(
         [
-            "the gantry controller 'oilless:mine' failed at t = 5 s (oilless.py, line 3): OSError: no oil",
+            "the gantry controller 'oilless:mine' failed at t = 5 s (oilless.py, line 3): "
+            "OSError: no oil",
             "replay:*",
         ]
     )
