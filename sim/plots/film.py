@@ -131,10 +131,10 @@ class Film:
         return [*artists, self._marks, self._time]
 
     def _move_person(self, name: str, k: int) -> list[Artist]:
-        t, begin = float(self.times[k]), float(self.times[0])
+        t = float(self.times[k])
         x, y, rotation = self._poses[name][k].tolist()
         person = self._people[name]
-        since = max(begin, t - TRAIL)
+        since = max(0.0, t - TRAIL)
         trail = np.empty((0, 2))
         if t > since:
             motion = self._run.motions[name]

@@ -50,6 +50,15 @@ def test_people_are_where_they_are(run):
     assert stretch[0, 0] == pytest.approx(-stretch[1, 1], rel=0.03)
 
 
+def test_a_picture_is_the_same_wherever_the_film_begins(run):
+    """Also the way behind people, which they went before that."""
+    walked = run.motions["ada"].position([20.0, 30.0])
+    assert np.hypot(*np.diff(walked, axis=0).T) > 1.0
+    *_, late = Film(run, np.array([0.0, 15.0, 30.0]), width=400, mark=1.0).frames()
+    (only,) = Film(run, np.array([30.0]), width=400, mark=1.0).frames()
+    assert (only == late).all()
+
+
 def test_a_film_is_as_long_and_as_large_as_asked_for(run, tmp_path):
     from PIL import Image
 
