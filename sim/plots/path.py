@@ -85,17 +85,19 @@ def _draw_profile(
     axes.plot(along, clearances, color=BLUE)
     axes.fill_between(along, clearances, color=BLUE, alpha=0.15, linewidth=0)
     axes.axhline(radius, color=GREY, linewidth=0.8, linestyle="--")
+    narrow = int(clearances.argmin())
+    # Its name stands at the end that is farther from the narrowest place, which has a figure.
+    at, away, aligned = (0.0, 2, "left") if along[narrow] > along[-1] / 2 else (1.0, -2, "right")
     axes.annotate(
         f"radius {radius:g} m",
-        (1.0, radius),
-        (-2, 2),
+        (at, radius),
+        (away, 2),
         xycoords=axes.get_yaxis_transform(),
         textcoords="offset points",
-        ha="right",
+        ha=aligned,
         size=7,
         color=GREY,
     )
-    narrow = int(clearances.argmin())
     axes.plot(along[narrow], clearances[narrow], **_NARROWEST)
     axes.annotate(
         f"{clearances[narrow]:.2f} m",

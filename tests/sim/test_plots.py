@@ -225,6 +225,18 @@ def test_a_path_shows_the_clearance_along_it():
     assert narrowest[1] == clearance.min()
 
 
+@pytest.mark.parametrize("width", ["single", "double"])
+@pytest.mark.parametrize("there", [True, False])
+def test_the_words_in_the_profile_of_a_path_stand_apart(there, width):
+    world = CollisionWorld(floorplan.load("ariac2023"))
+    ends = [(-15.0, -10.0), (-16.2, -5.0)]
+    way = PathPlanner(world, 0.3).plan(*(ends if there else ends[::-1]))
+    figure = plots.path(world, way, radius=0.3, width=width)
+    figure.draw_without_rendering()
+    least, radius = (text.get_window_extent() for text in reversed(figure.axes[1].texts))
+    assert not least.overlaps(radius)
+
+
 @pytest.mark.parametrize("name", floorplan.builtin())
 @pytest.mark.parametrize("width", ["single", "double"])
 def test_a_floor_shows_what_stands_on_it(name, width):
