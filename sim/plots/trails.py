@@ -15,10 +15,24 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
+_THIN = 1.0
+"""Points. The line of the person who is drawn last."""
+
+_EDGES = 2.4
+"""Points by which the line of each person before is wider, so that it shows on both sides."""
+
+_WIDEST = 8.0
+"""Points. Of many people the edges are smaller, so that no line is wider than this."""
+
+_GAP = 0.3
+"""The white on both sides of a line, as a share of the edges: tells greys apart, too."""
+
+
 def trails(run: Recorded, *, within: Span | None = None, width: Width = "double") -> Figure:
     """The ways of people and machines on the floor, from one time to another (seconds).
 
-    The way of a person who is put elsewhere ends, and begins anew there.
+    The way of a person who is put elsewhere ends, and begins anew there. Where people went the
+    same way, those who come later in their order lie on the wider lines of those before.
     """
     begin, end = span_of(run, within)
     with styled():
@@ -33,11 +47,24 @@ def trails(run: Recorded, *, within: Span | None = None, width: Width = "double"
 
 
 def _draw_way(axes: Axes, run: Recorded, body: str, span: Span) -> None:
+    from matplotlib.patheffects import withStroke
+
     motion, kind = run.motions[body], run.scene.kind(body)
     way = motion.position(instants([motion], *span))
     if kind == "person":
-        colour = person_colour([person.name for person in run.scene.people].index(body))
-        axes.plot(*way.T, color=colour, linewidth=1.0, label=body, zorder=3.2)
+        people = [person.name for person in run.scene.people]
+        index = people.index(body)
+        later = len(people) - 1 - index
+        edges = min(_EDGES, (_WIDEST - _THIN) / len(people))
+        width = _THIN + later * edges
+        axes.plot(
+            *way.T,
+            color=person_colour(index),
+            linewidth=width,
+            path_effects=[withStroke(linewidth=width + _GAP * edges, foreground="white")],
+            label=body,
+            zorder=3.2,
+        )
     else:
         axes.plot(*way.T, color=MACHINES[kind], linewidth=0.7, label=_once(axes, kind), zorder=3)
         rotation = float(motion.rotation(span[1]))

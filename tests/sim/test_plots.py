@@ -173,6 +173,23 @@ def test_trails_break_at_teleports(run):
     assert run.motions["ada"].state_before(first).at in [*zip(x.tolist(), y.tolist(), strict=True)]
 
 
+def test_trails_on_the_same_way_can_all_be_seen():
+    """Whoever is drawn later is thinner: of the others both edges stay."""
+    plan = floorplan.parse("{boundary: [[0, 0], [10, 0], [10, 4], [0, 4]]}")
+    motion = walk([(1.0, 2.0), (9.0, 2.0)], max_speed=1.0, max_acceleration=2.5)
+    for count in (1, 2, 4, 12):
+        names = [f"p{k}" for k in range(count)]
+        people = tuple(sim.Figure(name, "", 0.4, 1.7) for name in names)
+        scene = sim.Scene("row", 0, plan, sim.PAPER, people, dict.fromkeys(names, (1, 2, 0)))
+        run = sim.Recorded(scene, motion.end, {}, (), dict.fromkeys(names, motion), {})
+        (axes,) = run.plot.trails().axes
+        lines = [line for line in axes.lines if line.get_label() in names]
+        widths = [line.get_linewidth() for line in lines]
+        assert [line.get_label() for line in sorted(lines, key=lambda line: line.zorder)] == names
+        assert widths == sorted(widths, reverse=True) and len(set(widths)) == count
+        assert widths[-1] == 1.0 and widths[0] < 8.0
+
+
 def test_a_part_of_a_run(run):
     (axes,) = run.plot.separation("ada", within=(10.0, 20.0)).axes
     assert axes.get_xlim() == (10.0, 20.0)
