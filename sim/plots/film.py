@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 
 from ..recordings.outcome import Recorded
 from .curves import Array, instants
-from .floor import draw_floor, draw_names, floor_axes, machine_outline
+from .floor import draw_floor, floor_axes, machine_outline
 from .incidents import breaches, disabled_spans
+from .names import draw_names
 from .style import BLACK, GREY, MACHINES, PALE, VERMILION, person_colour, styled
 
 if TYPE_CHECKING:
@@ -25,9 +26,6 @@ TRAIL = 8.0
 """Seconds of a person's way that are left behind."""
 
 _DOTS_PER_INCH = 100
-
-_WIDE = 700
-"""Pixels. A picture that is less wide has no room for small names."""
 
 _MARGIN = 0.7
 """Inches that stand beside the floor, for figures and names of axes."""
@@ -93,7 +91,6 @@ class Film:
         run = self._run
         floor_axes(axes, run.floorplan)
         draw_floor(axes, run.floorplan)
-        draw_names(axes, run.floorplan, "double" if self.size[0] >= _WIDE else "single")
         self._machines: dict[str, Any] = {}
         self._people: dict[str, _Person] = {}
         self._beam: Any = None
@@ -111,6 +108,7 @@ class Film:
         (self._marks,) = axes.plot(
             [], [], "v", color=VERMILION, markersize=7, markeredgecolor="white", animated=True
         )
+        draw_names(axes, run.floorplan)
 
     def _moved(self, k: int) -> list[Artist]:
         """Everything that moves, put where it is at the `k`-th instant, in order of drawing."""

@@ -7,29 +7,30 @@ from typing import TYPE_CHECKING, Any
 
 from floorplan import Floorplan, Lane, Obstacle, Point
 
-from .style import BLACK, GREEN, GREY, MACHINES, PALE, Width, explain, inches, new_figure, styled
+from .names import draw_names
+from .style import (
+    BLACK,
+    GREEN,
+    GREY,
+    MACHINES,
+    PALE,
+    Width,
+    explain,
+    inches,
+    new_figure,
+    obstacle_shade,
+    styled,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from shapely.geometry import Polygon
 
-TALL = 2.5
-"""Metres. What is as high as this is drawn darkest."""
-
 _DASHES = (0, (3, 2))
-
-_DARK = 0.6
-"""Names on what is darker than this are white."""
 
 _HIGHEST = 9.0
 """Inches. The most that fits on a page."""
-
-_NAME_SIZE = 5.0
-"""Points. The letters of an obstacle's name."""
-
-_LETTER_WIDTH = 0.58
-"""A letter's width, as a share of its height."""
 
 _BESIDE = 0.75
 """Inches that a picture of a floor needs for what stands beside the floor."""
@@ -40,13 +41,13 @@ def floorplan(plan: Floorplan, *, width: Width = "double") -> Figure:
     with styled():
         figure, axes = floor_figure(plan, width)
         draw_floor(axes, plan)
-        draw_names(axes, plan, width)
         for lane in plan.lanes:
-            _draw_agv(axes, lane, _scale(plan, width))
+            _draw_agv(axes, lane)
         if plan.gantry is not None:
             _draw_range(axes, plan)
         _label_lines(axes, plan)
         explain(figure, [axes], width)
+        draw_names(axes, plan, with_agvs=True)
         return figure
 
 
@@ -85,7 +86,9 @@ def draw_floor(axes: Axes, plan: Floorplan) -> None:
     for obstacle in plan.obstacles:
         _draw_obstacle(axes, obstacle, plan.human.height)
     for station in plan.stations:
-        axes.plot(*station.position, "+", color=BLACK, markersize=5, markeredgewidth=0.8, zorder=3)
+        axes.plot(
+            *station.position, "+", color=BLACK, markersize=5, markeredgewidth=0.8, zorder=3.4
+        )
     if plan.safe_zone is not None:
         axes.plot(
             *plan.safe_zone.position,
@@ -96,18 +99,6 @@ def draw_floor(axes: Axes, plan: Floorplan) -> None:
             linestyle="none",
             zorder=3,
         )
-
-
-def draw_names(axes: Axes, plan: Floorplan, width: Width) -> None:
-    """The names of stations and of the safe zone, and of obstacles where there is room for them."""
-    for station in plan.stations:
-        _write(axes, station.position, station.name)
-    if plan.safe_zone is not None:
-        _write(axes, plan.safe_zone.position, "safe zone", color=GREEN)
-    scale = _scale(plan, width)
-    for obstacle in plan.obstacles:
-        dark = obstacle.bottom < plan.human.height and _shade(obstacle) < _DARK
-        _write_inside(axes, obstacle.footprint, obstacle.name, scale, "white" if dark else BLACK)
 
 
 def fill_area(axes: Axes, area: Polygon, **look: object) -> None:
@@ -136,30 +127,18 @@ def machine_outline(plan: Floorplan, body: str, at: Point, rotation: float) -> l
     return [(x + u * c - v * s, y + u * s + v * c) for u, v in half]
 
 
-def _scale(plan: Floorplan, width: Width) -> float:
-    """How many points of the picture a metre of the floor takes."""
-    west, _, east, _ = plan.boundary.bounds
-    return 72 * (inches(width) - _BESIDE) / float(east - west)
-
-
-def _shade(obstacle: Obstacle) -> float:
-    """How light an obstacle is, from 0 to 1: the higher the darker."""
-    return 0.86 - 0.42 * min(obstacle.top / TALL, 1.0)
-
-
 def _draw_obstacle(axes: Axes, obstacle: Obstacle, person: float) -> None:
     if obstacle.bottom >= person:
         look = {"facecolor": "none", "edgecolor": GREY, "linestyle": _DASHES}
     else:
-        shade = _shade(obstacle)
+        shade = obstacle_shade(obstacle)
         look = {"facecolor": str(round(shade, 3)), "edgecolor": str(round(shade - 0.2, 3))}
     fill_area(axes, obstacle.footprint, linewidth=0.4, zorder=1.5, **look)
 
 
-def _draw_agv(axes: Axes, lane: Lane, scale: float) -> None:
+def _draw_agv(axes: Axes, lane: Lane) -> None:
     q = lane.locations[lane.start]
     fill_area(axes, lane.footprint(q), facecolor=PALE, edgecolor=BLACK, linewidth=0.6, zorder=2.5)
-    _write_inside(axes, lane.footprint(q), lane.name, scale, BLACK)
     for place in lane.locations.values():
         axes.plot(*lane.position(place), "s", color=GREY, markersize=2, zorder=1.5)
 
@@ -176,39 +155,6 @@ def _draw_range(axes: Axes, plan: Floorplan) -> None:
         linestyle="-.",
         zorder=2,
     )
-
-
-def _write(axes: Axes, at: Point, text: str, color: str = BLACK) -> None:
-    axes.annotate(
-        text, at, (0, 5), textcoords="offset points", size=6, color=color, ha="center", zorder=4
-    )
-
-
-def _write_inside(axes: Axes, area: Polygon, text: str, scale: float, colour: str) -> None:
-    """A name in an area, on one or two lines or upright: the first way that fits, if any does."""
-    west, south, east, north = area.bounds
-    wide, high = (east - west) * scale, (north - south) * scale
-    two_lines = "\n".join(text.rsplit("_", 1))
-    for written, upright in ((text, False), (two_lines, False), (text, True)):
-        lines = written.splitlines()
-        length = _LETTER_WIDTH * _NAME_SIZE * max(map(len, lines))
-        height = 1.2 * _NAME_SIZE * len(lines)
-        if length <= (high if upright else wide) and height <= (wide if upright else high):
-            inside = area.representative_point()
-            at = area.centroid if area.contains(area.centroid) else inside
-            axes.text(
-                at.x,
-                at.y,
-                written,
-                size=_NAME_SIZE,
-                color=colour,
-                rotation=90 if upright else 0,
-                ha="center",
-                va="center",
-                linespacing=1.0,
-                zorder=4,
-            )
-            return
 
 
 def _label_lines(axes: Axes, plan: Floorplan) -> None:

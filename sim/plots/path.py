@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from navigation import CollisionWorld, Path
 
-from .floor import draw_floor, draw_names, fill_area, floor_axes, floor_height
+from .floor import draw_floor, fill_area, floor_axes, floor_height
+from .names import draw_names
 from .style import BLUE, GREY, PALE, VERMILION, Width, new_figure, styled
 
 if TYPE_CHECKING:
@@ -48,13 +49,13 @@ def path(world: CollisionWorld, way: Path, *, radius: float, width: Width = "dou
         axes = floor_axes(figure.add_subplot(rows[0]), world.plan)
         axes.set_title(f"{way.length:.2f} m long, {way.clearance:.2f} m clear", loc="left")
         draw_floor(axes, world.plan)
-        draw_names(axes, world.plan, width)
         for body in world.bodies:
             fill_area(
                 axes, body.footprint, facecolor=PALE, edgecolor=GREY, linewidth=0.5, zorder=1.5
             )
         _draw_way(axes, way, points, clearances)
         _draw_profile(figure.add_subplot(rows[1]), along, clearances, radius)
+        draw_names(axes, world.plan, ways=[way.points])
         return figure
 
 

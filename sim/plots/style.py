@@ -8,6 +8,8 @@ from contextlib import contextmanager
 from functools import partial
 from typing import TYPE_CHECKING, Any, Literal
 
+from floorplan import Obstacle
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
@@ -33,6 +35,9 @@ PEOPLE = (BLUE, GREEN, PURPLE, SKY)
 """People's colours, in their order; again from the first where there are more."""
 
 MACHINES = {"gantry": ORANGE, "agv": BLACK}
+
+TALL = 2.5
+"""Metres. What is as high as this is drawn darkest."""
 
 _NOTEBOOK_DPI = 110
 
@@ -126,3 +131,8 @@ def explain(figure: Figure, axes: Iterable[Axes], width: Width) -> None:
 def person_colour(index: int) -> str:
     """The colour of the person at a place in the order of people."""
     return PEOPLE[index % len(PEOPLE)]
+
+
+def obstacle_shade(obstacle: Obstacle) -> float:
+    """How light an obstacle is, from 0 to 1: the higher the darker."""
+    return 0.86 - 0.42 * min(obstacle.top / TALL, 1.0)

@@ -5,9 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..recordings.outcome import Recorded
-from .curves import Span, instants, span_of
-from .floor import draw_floor, draw_names, floor_figure, machine_outline
+from .curves import Array, Span, instants, span_of
+from .floor import draw_floor, floor_figure, machine_outline
 from .incidents import breaches, mark_breaches
+from .names import draw_names
 from .style import MACHINES, Width, explain, person_colour, styled
 
 if TYPE_CHECKING:
@@ -38,15 +39,15 @@ def trails(run: Recorded, *, within: Span | None = None, width: Width = "double"
     with styled():
         figure, axes = floor_figure(run.floorplan, width)
         draw_floor(axes, run.floorplan)
-        draw_names(axes, run.floorplan, width)
-        for body in run.motions:
-            _draw_way(axes, run, body, (begin, end))
+        ways = [_draw_way(axes, run, body, (begin, end)) for body in run.motions]
         mark_breaches(axes, [at for _, at in breaches(run, (begin, end))])
         explain(figure, [axes], width)
+        draw_names(axes, run.floorplan, ways=ways)
         return figure
 
 
-def _draw_way(axes: Axes, run: Recorded, body: str, span: Span) -> None:
+def _draw_way(axes: Axes, run: Recorded, body: str, span: Span) -> Array:
+    """Draw the way of a body; its points (N, 2), NaN where it breaks off."""
     from matplotlib.patheffects import withStroke
 
     motion, kind = run.motions[body], run.scene.kind(body)
@@ -76,6 +77,7 @@ def _draw_way(axes: Axes, run: Recorded, body: str, span: Span) -> None:
             linewidth=0.7,
             zorder=3,
         )
+    return way
 
 
 def _once(axes: Axes, kind: str) -> str:

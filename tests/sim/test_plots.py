@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from shapely.geometry import box
 
 import floorplan
 import sim
@@ -264,6 +265,29 @@ def test_a_floor_shows_what_stands_on_it(name, width):
     assert len(axes.patches) == len(plan.obstacles) + len(plan.lanes) + bool(plan.gantry)
     written = {text.get_text() for text in axes.texts}
     assert {station.name for station in plan.stations} <= written
+
+
+@pytest.mark.parametrize("name", floorplan.builtin())
+@pytest.mark.parametrize("width", ["single", "double"])
+def test_names_of_places_cover_nothing(name, width):
+    plan = floorplan.load(name)
+    (axes,) = plots.floorplan(plan, width=width).axes
+    axes.figure.draw_without_rendering()
+    places = {station.name for station in plan.stations} | {"safe zone"}
+    names = [text for text in axes.texts if text.get_text() in places]
+    assert len(names) == len(places)
+    written = {text.get_text(): outline(axes, text) for text in axes.texts}
+    starts = [lane.footprint(lane.locations[lane.start]) for lane in plan.lanes]
+    for place in places:
+        area = written.pop(place)
+        assert area.within(plan.boundary), place
+        for other in (*(one.footprint for one in plan.obstacles), *starts, *written.values()):
+            assert area.intersection(other).area < 0.05 * area.area, place
+
+
+def outline(axes, text):
+    """Where a text stands on the floor, metres."""
+    return box(*text.get_window_extent().transformed(axes.transData.inverted()).extents)
 
 
 def test_runs_without_a_pair_say_so(run):
