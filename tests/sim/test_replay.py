@@ -433,6 +433,35 @@ def test_it_fits_on_a_phone(open_page, recording):
     assert viewer.complaints == []
 
 
+WATCH_CANVASES = """
+() => {
+  window.painted = [];
+  const small = new OffscreenCanvas(32, 32).getContext("2d", { willReadFrequently: true });
+  for (const canvas of document.querySelectorAll("canvas")) {
+    new ResizeObserver(() => {
+      small.clearRect(0, 0, 32, 32);
+      small.drawImage(canvas, 0, 0, 32, 32);
+      window.painted.push(small.getImageData(0, 0, 32, 32).data.some(value => value > 0));
+    }).observe(canvas);
+  }
+}
+"""
+
+
+def test_no_canvas_is_ever_painted_empty(open_page, recording):
+    """What resizes a canvas is told of it last before the browser paints."""
+    viewer = open_page(replay.render(recording, recording))
+    viewer.settle()
+    viewer.page.evaluate(WATCH_CANVASES)
+    for width in (1000, 900, 500):
+        viewer.page.set_viewport_size({"width": width, "height": 800})
+        viewer.settle()
+    painted = viewer.page.evaluate("window.painted")
+    assert len(painted) >= 4 * 3
+    assert all(painted)
+    assert viewer.complaints == []
+
+
 def test_two_fingers_zoom_the_floor(open_page, recording):
     viewer = open_page(
         replay.render(recording), viewport={"width": 390, "height": 844}, has_touch=True

@@ -14,7 +14,10 @@ function readPalette() {
   return Object.fromEntries(COLORS.map(name => [name, style.getPropertyValue(`--${name}`).trim()]));
 }
 
-/** A canvas that has as many pixels as the screen shows of it; units are CSS pixels. */
+/**
+ * A canvas that has as many pixels as the screen shows of it; units are CSS pixels. `onResize` is
+ * called before the browser paints a new size, in which all has to be drawn anew.
+ */
 class Surface {
   constructor(canvas, onResize) {
     this.canvas = canvas;
@@ -22,19 +25,29 @@ class Surface {
     this.width = this.height = this.ratio = 1;
     const box = "devicePixelContentBoxSize" in ResizeObserverEntry.prototype
       ? "device-pixel-content-box" : "content-box";
-    new ResizeObserver(() => {
-      this.#fit();
-      onResize();
-    }).observe(canvas, { box });
-    this.#fit();
+    new ResizeObserver(() => { if (!this.#isFit()) onResize(); }).observe(canvas, { box });
+    this.fit();
   }
 
-  #fit() {
-    this.ratio = window.devicePixelRatio || 1;
-    this.width = Math.max(1, this.canvas.clientWidth);
-    this.height = Math.max(1, this.canvas.clientHeight);
-    this.canvas.width = Math.round(this.width * this.ratio);
-    this.canvas.height = Math.round(this.height * this.ratio);
+  /** Takes on the size that the canvas has on the page; that empties it. */
+  fit() {
+    if (this.#isFit()) return;
+    const { width, height, ratio } = this.#shown();
+    Object.assign(this, { width, height, ratio });
+    this.canvas.width = Math.round(width * ratio);
+    this.canvas.height = Math.round(height * ratio);
+  }
+
+  #isFit() {
+    const { width, height, ratio } = this.#shown();
+    return width === this.width && height === this.height && ratio === this.ratio;
+  }
+
+  #shown() {
+    const { clientWidth, clientHeight } = this.canvas;
+    return {
+      width: Math.max(1, clientWidth), height: Math.max(1, clientHeight), ratio: window.devicePixelRatio || 1,
+    };
   }
 
   /** A clean context in CSS pixels. */

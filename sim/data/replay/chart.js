@@ -80,6 +80,7 @@ class Chart {
 
   /** Draws all of it anew; `watches` has the chosen one of each run. */
   draw(watches, palette) {
+    this.surface.fit();
     const context = this.surface.clear();
     const height = (this.surface.height - AXIS_HEIGHT) / this.bands.length;
     const highest = Math.max(1, ...watches.filter(Boolean).map(highestOf));

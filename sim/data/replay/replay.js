@@ -14,7 +14,7 @@ class Replay {
     this.choice = 0;           // which watch of the first run is in focus
     this.followed = "";
     this.clock = new Clock(run.duration, () => this.refresh());
-    this.chart = new Chart($("chart"), () => this.redraw());
+    this.chart = new Chart($("chart"), () => this.#resize());
     $("speed").append(...SPEEDS.map(speed => element("option", { value: speed, text: `${speed}×` })));
     this.#add(run);
     this.choose(Math.max(0, run.watches.findIndex(watch => watch.violations.length)));
@@ -64,7 +64,7 @@ class Replay {
       point: (view, event) => showHint(event, ...view.describe(event.offsetX, event.offsetY, this.clock.time)),
       pick: (view, bodyAt) => this.#pick(view, bodyAt(this.clock.time)),
     };
-    const view = new View(run, frame.querySelector("canvas"), on, () => this.redraw());
+    const view = new View(run, frame.querySelector("canvas"), on, () => this.#resize());
     const readout = new Readout(letter);
     const panels = new Panels(t => this.clock.seek(t));
     $("readouts").append(readout.root);
@@ -212,6 +212,12 @@ class Replay {
     this.refresh();
   }
 
+  /** Everything again at once, and not one frame later: a canvas of a new size is empty. */
+  #resize() {
+    this.isStale = true;
+    this.#draw();
+  }
+
   /** A new frame soon, unless one is coming anyway. */
   refresh() {
     this.frame ??= requestAnimationFrame(now => this.#drawFrame(now));
@@ -219,9 +225,15 @@ class Replay {
 
   #drawFrame(now) {
     this.frame = null;
-    const { clock, watches } = this;
+    const { clock } = this;
     if (clock.isPlaying && !this.isScrubbing) clock.advance((now - (this.lastFrame ?? now)) / 1000);
     this.lastFrame = clock.isPlaying ? now : undefined;
+    this.#draw();
+    if (clock.isPlaying) this.refresh();
+  }
+
+  #draw() {
+    const { clock, watches } = this;
     const hasMoved = clock.time !== this.shownTime && !this.isScrubbing;
     this.shownTime = clock.time;
     if (hasMoved && this.chart.keepInView(clock.time)) this.isStale = true;
@@ -239,7 +251,6 @@ class Replay {
     this.panels[this.focus].show(shown, this.#person(shown, watches[this.focus]), t);
     this.chart.moveCursor(t);
     this.#showClock(t);
-    if (clock.isPlaying) this.refresh();
   }
 
   /** In seconds of the recording: as long for the viewer at any speed. */

@@ -33,6 +33,7 @@ class View {
   /** The colours or the size have changed. */
   restyle(palette) {
     this.palette = palette;
+    this.surface.fit();
     this.hatch = hatching(this.surface.context, palette.danger, this.surface.ratio);
     this.layer.invalidate();
     this.camera.resize(this.surface);
