@@ -106,6 +106,46 @@ def test_the_summaries_stand_side_by_side(compared, recording):
     assert cells == [str(recording["summary"]["penalties"]), "7"]
 
 
+def renamed(recording, who, name):
+    """A recording in which a person is called something else."""
+    return json.loads(json.dumps(recording).replace(f'"{who}"', f'"{name}"'))
+
+
+def test_whose_figures_the_others_are_is_said_where_they_have_another_name(
+    open_page, recording, other
+):
+    viewer = open_page(replay.render(recording, renamed(other, "operator", "ada")))
+    viewer.seek(31.5)
+    pairs = viewer.page.locator(".readout .pair")
+    assert pairs.nth(0).is_hidden()
+    assert pairs.nth(1).inner_text() == "ada – gantry"
+    hint = viewer.page.locator("#hint")
+    viewer.page.locator("#chart").hover()
+    assert "\nB ada – gantry:\ndistance" in hint.inner_text()
+    viewer.page.locator("#watch").select_option(label="visitor – agv2")
+    viewer.settle()
+    assert pairs.nth(1).is_hidden()
+    assert len(viewer.page.locator("[data-shows=distance]:visible").all()) == 2
+    assert viewer.complaints == []
+
+
+def test_there_are_no_figures_where_the_other_has_no_such_pair(open_page, recording, other):
+    alone = copy.deepcopy(other)
+    alone["watches"] = [watch for watch in alone["watches"] if watch["other"] == "gantry"]
+    viewer = open_page(replay.render(recording, alone))
+    viewer.page.locator("#watch").select_option(label="visitor – agv2")
+    viewer.settle()
+    shown = viewer.page.locator(".readout").nth(1)
+    assert shown.locator(".pair").inner_text() == "no such pair"
+    assert shown.locator("[data-shows=distance]").is_hidden()
+    assert shown.locator("[data-shows=state]").is_hidden()
+    viewer.page.locator("#watch").select_option("0")
+    viewer.settle()
+    assert shown.locator(".pair").is_hidden()
+    assert shown.locator("[data-shows=distance]").is_visible()
+    assert viewer.complaints == []
+
+
 def test_it_can_be_ended(compared):
     compared.page.locator("#stop-comparing").click()
     compared.settle()

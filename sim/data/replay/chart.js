@@ -88,7 +88,8 @@ class Chart {
     this.bands.forEach((band, i) => {
       band.place(i * height, height);
       const { from, to, surface } = this;
-      band.draw({ context, palette, from, to, toX: t => this.toX(t), surface }, watches[i], highest);
+      const pen = { context, palette, from, to, toX: t => this.toX(t), surface };
+      band.draw(pen, watches[i], pairOf(watches[i], watches[0]), highest);
     });
   }
 
@@ -131,11 +132,14 @@ class Band {
     return this.bottom + 4 + (ROWS.indexOf(row) + 0.5) * ROW_HEIGHT;
   }
 
-  draw(pen, watch, highest) {
+  draw(pen, watch, pair, highest) {
     if (watch) this.#drawPlot(pen, watch, highest);
     this.#drawRows(pen, watch);
     const { context, palette } = pen;
-    if (this.letter) drawPlate(context, this.letter, GUTTER.left + 14, this.top + 11, palette, "text");
+    if (!this.letter) return;
+    const words = [this.letter, pair].filter(Boolean).join(" ");
+    const middle = GUTTER.left + 4 + plateWidth(context, words) / 2;
+    drawPlate(context, words, middle, this.top + 11, palette, "text");
   }
 
   #drawPlot(pen, watch, highest) {

@@ -36,7 +36,10 @@ function stateOf({ margin, distance, notice, violated }) {
   return notice !== null && distance < notice ? "noticed" : "clear";
 }
 
-/** Distance, required distance, margin, speeds and the gantry's job of one run at an instant. */
+/**
+ * Distance, required distance, margin, speeds and the gantry's job of one run at an instant;
+ * and whose they are, if they are not those of the `chosen` pair.
+ */
 class Readout {
   constructor(letter) {
     this.root = stamp("readout");
@@ -45,12 +48,16 @@ class Readout {
       [...this.root.querySelectorAll("[data-shows]")].map(place => [place.dataset.shows, place]));
   }
 
-  show(run, watch, t, afterglow) {
+  show(run, watch, chosen, t, afterglow) {
     const put = (name, text) => write(this.places[name], text);
     put("time", seconds(t));
     const job = run.jobs.at(t);
     this.places.job.parentElement.hidden = run.jobs.changes.length === 0;
     put("job", job ? `${jobWords(job)}, since ${seconds(job.t)}` : "none");
+    const pair = pairOf(watch, chosen);
+    put("pair", pair);
+    this.places.pair.hidden = pair === "";
+    this.root.classList.toggle("unpaired", !watch && pair !== "");
     if (!watch) return;
     const now = watch.at(t);
     put("distance", metres(now.distance));

@@ -245,7 +245,7 @@ class Replay {
     const t = clock.time;
     this.runs.forEach((run, i) => {
       this.views[i].draw(t, watches[i], this.#afterglow);
-      this.readouts[i].show(run, watches[i], t, this.#afterglow);
+      this.readouts[i].show(run, watches[i], watches[0], t, this.#afterglow);
     });
     const shown = this.runs[this.focus];
     this.panels[this.focus].show(shown, this.#person(shown, watches[this.focus]), t);
@@ -372,10 +372,12 @@ class Replay {
       return;
     }
     const t = this.chart.toTime(event.offsetX);
-    const figures = this.watches.filter(Boolean).map((watch, i) => {
-      const now = watch.at(t);
-      const words = ["distance", "required", "margin"].map(name => `${name} ${metres(now[name])}`);
-      return (this.runs.length > 1 ? [`${LETTERS[i]}:`, ...words] : words).join("\n");
+    const { watches } = this;
+    const figures = watches.map((watch, i) => {
+      const words = !watch ? [] : ["distance", "required", "margin"]
+        .map(name => `${name} ${metres(watch.at(t)[name])}`);
+      if (this.runs.length > 1) words.unshift(`${[LETTERS[i], pairOf(watch, watches[0])].filter(Boolean).join(" ")}:`);
+      return words.join("\n");
     });
     showHint(event, seconds(t), ...figures);
   }

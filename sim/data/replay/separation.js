@@ -25,6 +25,12 @@ function along(curve, t, before) {
   return y0 + ((y1 - y0) * (t - t0)) / (t1 - t0);
 }
 
+/** Whose figures those of a watch are, where they are not those of the `chosen` pair; else "". */
+function pairOf(watch, chosen) {
+  if (watch?.name === chosen?.name) return "";
+  return watch ? watch.name : "no such pair";
+}
+
 /** One person and one other body, and the law between them. */
 class Watch {
   constructor(data, bodies, duration) {
