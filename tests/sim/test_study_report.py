@@ -99,6 +99,23 @@ def test_the_page_looks_right_on_a_phone(results, browser):
     assert said == []
 
 
+def test_nothing_is_cut_off_on_a_screen(results, browser):
+    """Neither the table nor, by the axes or the edge of a chart, a mark."""
+    page = browser.new_page(viewport={"width": 1300, "height": 900})
+    page.goto((results.folder / "report.html").as_uri())
+    table = page.locator("section", has=page.locator("h2", has_text="Side by side"))
+    fits = "element => element.scrollWidth <= element.clientWidth"
+    assert table.locator(".scroll").evaluate(fits)
+    clipped = """
+        () => [...document.querySelectorAll("figure svg, figure svg [clip-path]")]
+            .map(getComputedStyle)
+            .filter(style => style.clipPath !== "none" || style.overflow === "hidden").length
+    """
+    assert page.locator("figure svg [clip-path]").count() > 0
+    assert page.evaluate(clipped) == 0
+    page.close()
+
+
 floats = st.lists(st.floats(-1e6, 1e6), min_size=1, max_size=30).map(np.array)
 
 
