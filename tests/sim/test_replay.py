@@ -433,6 +433,49 @@ def test_it_fits_on_a_phone(open_page, recording):
     assert viewer.complaints == []
 
 
+LISTEN_TO_WORDS = """
+() => {
+  const plain = drawText;
+  window.words = [];
+  window.drawText = (context, text, x, y, look) => {
+    const { size = 11, weight = 400, align } = look;
+    const wide = textWidth(context, text, { size, weight });
+    const inChart = context.canvas.closest("#chart") !== null;
+    if (!inChart && align !== "left") {
+      window.words.push([text, x - wide / 2, x + wide / 2, y - size / 2, y + size / 2]);
+    }
+    plain(context, text, x, y, look);
+  };
+}
+"""
+
+
+@pytest.mark.parametrize("width", [390, 500, 1400])
+def test_words_on_the_floor_are_whole_and_cover_no_station(open_page, recording, width):
+    viewer = open_page(replay.render(recording), viewport={"width": width, "height": 900})
+    viewer.settle()
+    viewer.page.evaluate(LISTEN_TO_WORDS)
+    viewer.page.locator("#theme").click()  # the floor is painted anew
+    viewer.settle()
+    box = viewer.page.locator(".view canvas").bounding_box()
+    stations = {station["name"] for station in recording["floorplan"]["stations"]}
+    places = [word for word in viewer.page.evaluate("window.words") if word[0] in stations]
+    assert {name for name, *_ in places} == stations
+    for t in (0.0, 20.0, 31.5, 61.7, 66.0, 69.1, 88.25, 140.0, 181.0, 250.0):
+        viewer.page.evaluate("window.words.length = 0")
+        viewer.seek(t)
+        for text, left, right, top, bottom in viewer.page.evaluate("window.words"):
+            if text in stations:
+                continue
+            assert left >= 0 and right <= box["width"], (t, text)
+            if not text.endswith(" m"):
+                continue
+            for name, *place in places:
+                across = min(right, place[1]) - max(left, place[0])
+                down = min(bottom, place[3]) - max(top, place[2])
+                assert across <= 0 or down <= 0, (t, text, name)
+
+
 WATCH_CANVASES = """
 () => {
   window.painted = [];

@@ -26,6 +26,11 @@ class Camera {
     this.isFitted = true;
   }
 
+  /** All that is seen, as a box in pixels. */
+  get screen() {
+    return { left: 0, right: this.width, top: 0, bottom: this.height };
+  }
+
   toScreen(x, y) {
     return [this.width / 2 + (x - this.x) * this.scale, this.height / 2 - (y - this.y) * this.scale];
   }

@@ -11,6 +11,7 @@ class FloorLayer {
       .sort((a, b) => a.top - b.top);
     this.canvas = document.createElement("canvas");
     this.seen = null;
+    this.names = [];           // where those of places are in the picture, CSS pixels
   }
 
   /** Forget the picture: the colours have changed. */
@@ -18,6 +19,7 @@ class FloorLayer {
     this.seen = null;
   }
 
+  /** Draws the floor; the boxes on the screen that the names of stations and of the safe zone take. */
   draw(context, camera, palette) {
     if (!this.#covers(camera)) this.#paint(camera, palette);
     const dx = (this.seen.x - camera.x) * camera.scale;
@@ -25,6 +27,8 @@ class FloorLayer {
     const whole = value => Math.round(value * camera.ratio) / camera.ratio;
     context.drawImage(this.canvas, whole(dx) - LAYER_MARGIN, whole(dy) - LAYER_MARGIN,
       this.canvas.width / camera.ratio, this.canvas.height / camera.ratio);
+    return this.names.map(({ left, right, top, bottom }) => (
+      { left: left + dx, right: right + dx, top: top + dy, bottom: bottom + dy }));
   }
 
   /** The obstacle at a place of the floor, the tallest first. */
@@ -159,7 +163,10 @@ class FloorLayer {
     }
   }
 
-  /** Names where they cover nothing: the places first, then the largest obstacles. */
+  /**
+   * Names where they cover nothing: the places first, then the largest obstacles. While all of the floor
+   * is shown, none leaves the screen.
+   */
   #paintNames({ context, camera, palette }) {
     const taken = [];
     const boxes = new Map(this.obstacles.map(obstacle => [obstacle, this.#onScreen(obstacle.box, camera)]));
@@ -168,7 +175,8 @@ class FloorLayer {
       const wide = context.measureText(text).width / 2 + 2;
       const high = look.size / 2 + 1;
       const box = { left: x - wide, right: x + wide, top: y - high, bottom: y + high };
-      if (taken.some(other => overlap(other, box)) || !isFree(box)) return false;
+      const isCut = camera.isFitted && common(box, camera.screen) < (box.right - box.left) * (box.bottom - box.top);
+      if (isCut || taken.some(other => overlap(other, box)) || !isFree(box)) return false;
       taken.push(box);
       drawText(context, text, x, y, look);
       return true;
@@ -186,8 +194,10 @@ class FloorLayer {
     }
     if (this.plan.safe_zone) {
       const [px, py] = camera.toScreen(...this.plan.safe_zone.at);
-      write("safe zone", px, py + Math.max(9, 0.6 * camera.scale) + 9, bold);
+      const away = Math.max(9, 0.6 * camera.scale) + 9;
+      [away, -away].some(dy => write("safe zone", px, py + dy, bold));
     }
+    this.names = taken.slice(this.plan.stations.length);
     const largestFirst = [...this.obstacles].sort((a, b) => area(b.box) - area(a.box));
     for (const obstacle of largestFirst) {
       const box = boxes.get(obstacle);
@@ -254,7 +264,11 @@ function boxOf(points) {
 
 const area = box => (box.right - box.left) * (box.top - box.bottom);
 /** Whether two boxes of the screen (y points down) share anything. */
-const overlap = (a, b) => a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
+const overlap = (a, b) => common(a, b) > 0;
+
+/** How many square pixels two boxes of the screen share. */
+const common = (a, b) => Math.max(0, Math.min(a.right, b.right) - Math.max(a.left, b.left))
+  * Math.max(0, Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top));
 
 function isInside(ring, x, y) {
   let inside = false;

@@ -6,10 +6,16 @@ const AFTERGLOW = 2.5;       // seconds for which a violation and a teleport sta
 const BODY_SIZE = 18;        // pixels about a body that no figure should cover
 const MOST_MARKS = 200;      // of the violations so far, the latest are marked on the floor
 
-/** Draws `run` at t with `tools` ({context, camera, palette, hatch}); `chosen` is the watch in focus. */
+/**
+ * Draws `run` at t with `tools` ({context, camera, palette, hatch}, and the boxes of `names` that are there
+ * already); `chosen` is the watch in focus.
+ */
 function drawScene(tools, run, t, chosen, afterglow) {
   const bodies = [...run.bodies.values()];
-  const pen = { ...tools, taken: bodies.map(body => boxRound(body.motion.at(t), BODY_SIZE, tools.camera)) };
+  const pen = {
+    ...tools,
+    taken: [...tools.names, ...bodies.map(body => boxRound(body.motion.at(t), BODY_SIZE, tools.camera))],
+  };
   const ofKind = kind => bodies.filter(body => body.kind === kind);
   const shown = run.shown(chosen);
   for (const watch of shown) drawDistances(pen, watch, t);
@@ -110,22 +116,28 @@ function drawDistanceLine(pen, from, to, color, strong, text) {
   drawPlate(context, text, x, y, palette, color === "danger" ? "danger-ink" : "text");
 }
 
-/** Where the figure of a line from a to b covers nothing: on the line, or else beside it. */
-function placeOfFigure({ context, taken }, [ax, ay], [bx, by], text) {
+/** Where the figure of a line from a to b covers least: on the line, or else beside it. */
+function placeOfFigure(pen, [ax, ay], [bx, by], text) {
   const on = share => [ax + share * (bx - ax), ay + share * (by - ay)];
   const [mx, my] = on(0.5);
   const places = [...[0.5, 0.38, 0.62, 0.26, 0.74].map(on),
-    [mx, my - 34], [mx + 72, my], [mx - 72, my], [mx, my + 34], [mx, my - 60], [mx, my + 60]];
-  return takePlace(taken, places, plateWidth(context, text), 20);
+    [mx, my - 34], [mx + 72, my], [mx - 72, my], [mx, my + 34], [mx, my - 60], [mx, my + 60],
+    [mx + 72, my - 34], [mx - 72, my - 34], [mx + 72, my + 34], [mx - 72, my + 34]];
+  return takePlace(pen, places, plateWidth(pen.context, text), 20);
 }
 
-/** The first of the `places` at which a box of that size covers nothing that is taken; takes it. */
-function takePlace(taken, places, wide, high) {
+/**
+ * The first of the `places` at which a box of that size covers the least that is taken, and is cut off
+ * the least at the edge of the screen; takes it.
+ */
+function takePlace({ taken, camera }, places, wide, high) {
   const boxes = places.map(([x, y]) => (
     { left: x - wide / 2, right: x + wide / 2, top: y - high / 2, bottom: y + high / 2 }));
-  const free = Math.max(0, boxes.findIndex(box => !taken.some(other => overlap(box, other))));
-  taken.push(boxes[free]);
-  return places[free];
+  const cut = box => wide * high - common(box, camera.screen);
+  const costs = boxes.map(box => taken.reduce((sum, other) => sum + common(box, other), cut(box)));
+  const best = costs.indexOf(Math.min(...costs));
+  taken.push(boxes[best]);
+  return places[best];
 }
 
 /** A square of `size` pixels round a place of the floor. */
@@ -169,5 +181,5 @@ function drawName(pen, run, body, t) {
   const [above, below] = [[px, py - away], [px, py + away]];
   const beside = away + wide / 2;
   const places = [...(isGantry ? [below, above] : [above, below]), [px + beside, py], [px - beside, py]];
-  drawText(context, name, ...takePlace(pen.taken, places, wide, 14), look);
+  drawText(context, name, ...takePlace(pen, places, wide, 14), look);
 }

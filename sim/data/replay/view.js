@@ -46,8 +46,8 @@ class View {
       camera.lookAt(x, y);
     }
     const context = this.surface.clear();
-    this.layer.draw(context, camera, palette);
-    drawScene({ context, camera, palette, hatch }, this.run, t, chosen, afterglow);
+    const names = this.layer.draw(context, camera, palette);
+    drawScene({ context, camera, palette, hatch, names }, this.run, t, chosen, afterglow);
     this.#drawScale(context);
   }
 
