@@ -351,11 +351,10 @@ class Builder(Transformer_NonRecursive[Token, Any]):
         return literal
 
     def variable(self, meta: Meta, name: Token, annots: List | None) -> Var:
-        return Var(str(name)) if annots is None else AnnotatedVar(str(name), _annots(annots))
+        return _variable(str(name), annots)
 
     def anonymous(self, meta: Meta, token: Token, annots: List | None) -> Var:
-        name = _anonymous(token)
-        return Var(name) if annots is None else AnnotatedVar(name, _annots(annots))
+        return _variable(_anonymous(token), annots)
 
     def true(self, meta: Meta) -> Literal:
         return TRUE
@@ -427,6 +426,11 @@ def _without_true(body: Body) -> Body:
     """A body that begins with `true` is the rest of it."""
     first = body[0] if body else None
     return body[1:] if isinstance(first, Act) and first.action == TRUE else body
+
+
+def _variable(name: str, written: List | None) -> Var:
+    annots = _annots(written)
+    return AnnotatedVar(name, annots) if annots else Var(name)
 
 
 def _annots(annots: List | None) -> tuple[Term, ...]:

@@ -159,6 +159,11 @@ def test_brackets_around_steps_make_no_difference(written, meant):
     assert done[0][1]
 
 
+def test_no_annotations_in_brackets_are_none():
+    written = "p[]. +!g <- !b(X[]); _[]; ~a(Y[])[]; Z[b]; Z[]."
+    assert str(bdi.parse(written)) == str(bdi.parse("p. +!g <- !b(X); _; ~a(Y); Z[b]; Z."))
+
+
 def problems(source):
     with pytest.raises(bdi.ProgramError) as wrong:
         bdi.parse(source, "x.asl")
