@@ -41,16 +41,22 @@ def find_failure_event(agent: Agent, intention: Intention, event: Event) -> Even
     failure that reaches below the fork ends the other branches (`|&|`) or just
     its own (`|||`).
     """
-    found, depth = _search(agent, intention, event.sort, event.literal)
-    fork = intention.fork
-    if fork is not None and depth <= intention.fork_point:
-        if not fork.all_of:
+    found, height = _search(agent, intention, event.sort, event.literal)
+    while intention.fork is not None and height <= intention.fork_point:
+        if not intention.fork.all_of:
             return None
-        if intention in fork.branches:
-            fork.branches.remove(intention)
-        for branch in list(fork.branches):
-            agent.circumstance.drop(branch)
+        drop_others(agent, intention)
+        intention.leave_fork()
     return found
+
+
+def drop_others(agent: Agent, intention: Intention) -> None:
+    """End the other branches of the fork that `intention` is a branch of."""
+    assert intention.fork is not None
+    for branch in list(intention.fork.branches):
+        if branch is not intention:
+            intention.fork.remove(branch)
+            agent.circumstance.drop(branch)
 
 
 DEAR = 10
@@ -60,8 +66,8 @@ DEAR = 10
 def _search(
     agent: Agent, intention: Intention, sort: str, literal: Literal
 ) -> tuple[Event | None, int]:
+    """The event, and how high in the stack (from 1) the plan of its goal is; 0 without one."""
     below = list(intention.downwards())
-    depth = len(below)
     position = 0
     if sort in ("-!", "-?"):
         # A failure plan that fails: go on below the goal it was for.
@@ -70,12 +76,10 @@ def _search(
         while position < len(below) and not found:
             means = below[position]
             position += 1
-            depth -= 1
             while position < len(below) and unify(means.literal, literal, dict(means.u)):
                 agent.logic.spend(DEAR, literal)
                 means = below[position]
                 position += 1
-                depth -= 1
                 found = True
         means = below[position - 1]
         sort, literal = means.sort, means.literal
@@ -83,9 +87,8 @@ def _search(
         means = below[position]
         sort, literal = means.sort, means.literal
         position += 1
-        depth -= 1
     if len(sort) == 2 and agent.plans.candidates("-" + sort[1:], literal):
-        return Event("-" + sort[1:], literal, intention), depth
+        return Event("-" + sort[1:], literal, intention), len(below) - max(position - 1, 0)
     return None, 0
 
 
@@ -144,10 +147,16 @@ def fail_event(agent: Agent, event: Event, annots: tuple[Term, ...], why: str) -
 
 def end(agent: Agent, intention: Intention) -> None:
     """An intention fails for good; so do the others of its `|&|`."""
-    fork = intention.fork
-    if fork is not None and fork.all_of and len(intention.stack) >= intention.fork_point:
-        for branch in list(fork.branches):
-            agent.circumstance.drop(branch)
+    while (
+        intention.fork is not None
+        and intention.fork.all_of
+        and len(intention.stack) >= intention.fork_point
+    ):
+        drop_others(agent, intention)
+        agent.circumstance.drop(intention)
+        intention.leave_fork()
+    if intention.fork is not None:
+        intention.fork.remove(intention)
     agent.circumstance.forget(intention)
 
 

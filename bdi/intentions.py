@@ -81,16 +81,38 @@ class Means:
 
 
 class Fork:
-    """Intentions that were one and are to be one again."""
+    """Intentions that were one and are to be one again: the `whole`, itself in a fork or not."""
 
-    def __init__(self, all_of: bool) -> None:
+    def __init__(self, all_of: bool, whole: Intention) -> None:
         self.all_of = all_of
+        self.outer = whole.fork
+        self.outer_point = whole.fork_point
         self.branches: list[Intention] = []
         self.to_finish = 0
+        self._whole = whole
 
     def add(self, intention: Intention) -> None:
         self.branches.append(intention)
         self.to_finish += 1
+
+    def take_place(self) -> None:
+        """In the forks around, let the branches stand where the whole did."""
+        for fork in self._around():
+            if self._whole in fork.branches:
+                at = fork.branches.index(self._whole)
+                fork.branches[at : at + 1] = self.branches
+
+    def remove(self, intention: Intention) -> None:
+        """A branch is over, here and in the forks around."""
+        for fork in (self, *self._around()):
+            if intention in fork.branches:
+                fork.branches.remove(intention)
+
+    def _around(self) -> Iterator[Fork]:
+        fork = self.outer
+        while fork is not None:
+            yield fork
+            fork = fork.outer
 
 
 class Intention:
@@ -171,13 +193,26 @@ class Intention:
             while len(self.stack) > position:
                 dropped = self.pop()
             position = self._position(goal, u)
-        if dropped is not None and self.fork is not None and len(self.stack) < self.fork_point:
-            if self.fork.to_finish > 0:
-                self.fork.to_finish = 0
-                return dropped
-            self.stack.clear()
-            return None
+        while dropped is not None and len(self.stack) < self.fork_point:
+            if not self._leaves_first():
+                self.stack.clear()
+                return None
         return dropped
+
+    def _leaves_first(self) -> bool:
+        """Leave the fork for good; whether no other of its branches has done so before."""
+        fork = self.fork
+        assert fork is not None  # there is one where there is a point
+        first = fork.to_finish > 0
+        fork.to_finish = 0
+        self.leave_fork()
+        return first
+
+    def leave_fork(self) -> None:
+        """It is no branch any more, or one of the fork around."""
+        fork = self.fork
+        if fork is not None:
+            self.fork, self.fork_point = fork.outer, fork.outer_point
 
     def _position(self, goal: Literal, u: Unifier) -> int | None:
         for position in range(len(self.stack) - 1, -1, -1):

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from .beliefs import has_source
 from .compiled import Build, Condition, builder, condition
-from .failure import ActionError, error_annots, fail
+from .failure import ActionError, drop_others, error_annots, fail
 from .intentions import Event, Fork, Intention, Means
 from .order import sorted_annots
 from .program import (
@@ -413,34 +413,31 @@ def _iterate(
 
 
 def fork_all(agent: Agent, intention: Intention, means: Means, step: Step) -> None:
-    _fork(agent, intention, step, Fork(all_of=True))
+    _fork(agent, intention, step, Fork(True, intention))
 
 
 def fork_any(agent: Agent, intention: Intention, means: Means, step: Step) -> None:
-    _fork(agent, intention, step, Fork(all_of=False))
+    _fork(agent, intention, step, Fork(False, intention))
 
 
-def _fork(agent: Agent, intention: Intention, step: Step, whole: Fork) -> None:
+def _fork(agent: Agent, intention: Intention, step: Step, fork: Fork) -> None:
     for beginning in step.branches:
-        branch = intention.branch(agent.next_intention_number(), whole)
+        branch = intention.branch(agent.next_intention_number(), fork)
         branch.top.step = beginning
-        whole.add(branch)
+        fork.add(branch)
         agent.circumstance.add_running(branch)
+    fork.take_place()
     agent.circumstance.forget(intention)
 
 
 def join(agent: Agent, intention: Intention, means: Means, step: Step) -> None:
-    whole = intention.fork
-    if whole is None:
-        agent.move_on(intention, means)
-        return
-    whole.to_finish -= 1
-    if whole.all_of:
-        if whole.to_finish > 0:
+    fork = intention.fork
+    if fork is not None:
+        fork.to_finish -= 1
+        if fork.all_of and fork.to_finish > 0:
+            fork.remove(intention)
             agent.circumstance.forget(intention)
             return
-    else:
-        whole.branches.remove(intention)
-        for branch in list(whole.branches):
-            agent.circumstance.drop(branch)
+        drop_others(agent, intention)
+        intention.leave_fork()
     agent.move_on(intention, means)

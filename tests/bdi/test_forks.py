@@ -101,3 +101,89 @@ def test_a_goal_in_branches_is_ended_from_one_of_them_or_from_elsewhere(plans, l
 )
 def test_an_intention_goes_on_after_a_goal_of_its_own_that_it_says_is_achieved(plans):
     assert said(plans) == ["after"]
+
+
+IN_ONE = "+!d <- .wait(30); .print(d)."
+NOT_IN_ONE = "+!d <- .wait(30); .print(no)."
+
+
+@pytest.mark.parametrize(
+    ("plans", "lines"),
+    [
+        # The outer fork waits for what comes after the inner one, and for its own other branch.
+        (
+            "+!c <- !a |&| !d; .print(joined). +!a <- (!e |&| !f); .print(a)."
+            f" +!e <- .wait(10); .print(e). +!f <- .print(f). {IN_ONE}",
+            "f e a d joined after",
+        ),
+        (
+            "+!c <- !a ||| !d; .print(joined). +!a <- (!e ||| !f); .print(a)."
+            f" +!e <- .wait(10); .print(e). +!f <- .wait(20); .print(f). {IN_ONE}",
+            "e a joined after",
+        ),
+        (
+            "+!c <- !a |&| !d; .print(joined). +!a <- (!e ||| !f); .print(a)."
+            f" +!e <- .wait(10); .print(e). +!f <- .wait(20); .print(f). {IN_ONE}",
+            "e a d joined after",
+        ),
+        # What is first ends all that the others have become.
+        (
+            "+!c <- !a ||| !d; .print(joined). +!a <- (!e |&| !f); .print(no)."
+            f" +!e <- .wait(40); .print(no). +!f <- .wait(50); .print(no). {IN_ONE}",
+            "d joined after",
+        ),
+        ("+!c <- (.print(a); .wait(5) ||| .wait(9)) |&| .print(b); .print(joined).", None),
+        # A failure in the inner one goes through both.
+        (
+            "+!c <- !a |&| !d; .print(no). +!a <- (!e |&| !f); .print(no). +!e <- .wait(10); .fail."
+            f" +!f <- .wait(20); .print(no). {NOT_IN_ONE} -!c <- .print(failed).",
+            "failed after",
+        ),
+        (
+            "+!c <- !a |&| !d; .print(joined). +!a <- (!e |&| !f); .print(no)."
+            " +!e <- .wait(10); .fail. +!f <- .wait(20); .print(no). -!a <- .print(mended)."
+            f" {IN_ONE}",
+            "mended d joined after",
+        ),
+        (
+            "+!c <- !a |&| !d; .print(no). +!a <- (!e |&| !f); .print(no). +!e <- .wait(10); .fail."
+            f" +!f <- .wait(20); .print(no). {NOT_IN_ONE}",
+            "",
+        ),
+        (
+            "+!c <- !a ||| !d; .print(joined). +!a <- (!e |&| !f); .print(no)."
+            f" +!e <- .wait(10); .fail. +!f <- .wait(20); .print(no). {IN_ONE}",
+            "d joined after",
+        ),
+        # A failure is dealt with where there is a plan for it, however far below it came from.
+        (
+            "+!c <- !a |&| !d; .print(joined). +!a <- !e. +!e <- !f. +!f <- .wait(10); .fail."
+            f" -!a <- .print(mended). {IN_ONE}",
+            "mended d joined after",
+        ),
+        (
+            "+!c <- !a ||| !d; .print(joined). +!a <- !e. +!e <- !f. +!f <- .wait(10); .fail."
+            f" -!a <- .print(mended). {NOT_IN_ONE}",
+            "mended joined after",
+        ),
+        # Once a fork has joined, it is nothing to what fails later.
+        ("+!c <- !a ||| !b; .fail. +!a. +!b. -!c <- .print(failed).", "failed after"),
+        ("+!c <- !a |&| !b; .fail. +!a. +!b. -!c <- .print(failed).", "failed after"),
+        (
+            "+!c <- !a |&| !d; .print(no). +!a <- (!e |&| !f); .print(no)."
+            " +!e <- .wait(10); .succeed_goal(c); .print(no). +!f <- .wait(20); .print(no)."
+            f" {NOT_IN_ONE}",
+            "after",
+        ),
+    ],
+)
+def test_forks_in_forks(plans, lines):
+    if lines is None:
+        assert said(plans)[-2:] == ["joined", "after"]
+    else:
+        assert said(plans) == lines.split()
+
+
+def test_forks_that_go_on_for_ever_in_forks_end_with_the_first():
+    plans = "+!c <- !dig(0); .print(joined). +!dig(N) : N < 5 <- .wait(100) ||| !dig(N + 1)."
+    assert said(plans + " +!dig(N) <- .print(N).") == ["5", "joined", "after"]
