@@ -83,13 +83,20 @@ def main() -> None:
 
 
 def _drop_what_nobody_reads() -> None:
-    """Let Python have nothing left to write as it ends, if our reader has seen enough."""
-    output = sys.__stdout__
+    """Let Python have nothing left to write as it ends, if our output takes no more.
+
+    A reader may have seen enough; that there is no room is told, unless something else was.
+    """
+    output, ended = sys.__stdout__, sys.exc_info()[1]
     try:
         if output is not None:
             output.flush()
-    except BrokenPipeError:
+    except OSError as why:
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+        fine = not isinstance(ended, SystemExit) or ended.code in (None, 0)
+        if fine and not isinstance(why, BrokenPipeError):
+            typer.echo(f"floorwalker: {_sentence(why)}", err=True)
+            sys.exit(1)
 
 
 def _sentence(why: Exception) -> str:

@@ -261,9 +261,10 @@ def test_check_says_what_it_read(tmp_path, floorwalker):
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full, as Linux has it")
-def test_output_that_finds_no_room_is_told(tmp_path):
+@pytest.mark.parametrize("words", [["list"], ["check", "ariac2023"], ["run", "--duration", "1"]])
+def test_output_that_finds_no_room_is_told(tmp_path, words):
     with Path("/dev/full").open("w") as full:
-        command = [sys.executable, "-m", "sim.cli", "list"]
+        command = [sys.executable, "-m", "sim.cli", *words]
         done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, cwd=tmp_path, text=True)
     assert done.returncode == 1
     assert done.stderr == "floorwalker: No space left on device\n"
