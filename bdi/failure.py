@@ -45,17 +45,16 @@ def find_failure_event(agent: Agent, intention: Intention, event: Event) -> Even
     while intention.fork is not None and height <= intention.fork_point:
         if not intention.fork.all_of:
             return None
-        drop_others(agent, intention)
-        intention.leave_fork()
+        end_fork(agent, intention)
     return found
 
 
-def drop_others(agent: Agent, intention: Intention) -> None:
-    """End the other branches of the fork that `intention` is a branch of."""
-    assert intention.fork is not None
-    for branch in list(intention.fork.branches):
+def end_fork(agent: Agent, intention: Intention) -> None:
+    """Of the fork that `intention` is a branch of, it alone goes on: the other branches end."""
+    fork = intention.leave_fork()
+    for branch in list(fork.branches):
         if branch is not intention:
-            intention.fork.remove(branch)
+            fork.remove(branch)
             agent.circumstance.drop(branch)
 
 
@@ -152,9 +151,8 @@ def end(agent: Agent, intention: Intention) -> None:
         and intention.fork.all_of
         and len(intention.stack) >= intention.fork_point
     ):
-        drop_others(agent, intention)
+        end_fork(agent, intention)
         agent.circumstance.drop(intention)
-        intention.leave_fork()
     if intention.fork is not None:
         intention.fork.remove(intention)
     agent.circumstance.forget(intention)

@@ -201,18 +201,17 @@ class Intention:
 
     def _leaves_first(self) -> bool:
         """Leave the fork for good; whether no other of its branches has done so before."""
-        fork = self.fork
-        assert fork is not None  # there is one where there is a point
+        fork = self.leave_fork()
         first = fork.to_finish > 0
         fork.to_finish = 0
-        self.leave_fork()
         return first
 
-    def leave_fork(self) -> None:
-        """It is no branch any more, or one of the fork around."""
+    def leave_fork(self) -> Fork:
+        """It is no branch of its fork any more, but one of the fork around, if there is one."""
         fork = self.fork
-        if fork is not None:
-            self.fork, self.fork_point = fork.outer, fork.outer_point
+        assert fork is not None  # nobody else leaves
+        self.fork, self.fork_point = fork.outer, fork.outer_point
+        return fork
 
     def _position(self, goal: Literal, u: Unifier) -> int | None:
         for position in range(len(self.stack) - 1, -1, -1):

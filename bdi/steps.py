@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from .beliefs import has_source
 from .compiled import Build, Condition, builder, condition
-from .failure import ActionError, drop_others, error_annots, fail
+from .failure import ActionError, end_fork, error_annots, fail
 from .intentions import Event, Fork, Intention, Means
 from .order import sorted_annots
 from .program import (
@@ -438,6 +438,5 @@ def join(agent: Agent, intention: Intention, means: Means, step: Step) -> None:
             fork.remove(intention)
             agent.circumstance.forget(intention)
             return
-        drop_others(agent, intention)
-        intention.leave_fork()
+        end_fork(agent, intention)
     agent.move_on(intention, means)
