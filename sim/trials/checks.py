@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 
 import bdi
 from floorplan import (
@@ -121,9 +121,8 @@ def _start_faults(start: Start, trial: Trial, *place: str | int) -> Iterator[Fau
         yield from _time(start.time, *place, "time")
     if start.count < 1:
         yield f"must be 1 or more, not {start.count!r}", (*place, "count")
-    if start.event is not None and start.event not in EVENT_KINDS:
-        hint = suggestion(start.event, EVENT_KINDS)
-        yield f"no kind of event is called {start.event!r}; {hint}", (*place, "event")
+    if start.event is not None:
+        yield from _name_faults(start.event, "kind of event", EVENT_KINDS, *place, "event")
     if start.person is not None:
         yield from _name_faults(start.person, "person", people(trial), *place, "person")
     if start.order_submitted is not None:
@@ -137,7 +136,9 @@ def _start_faults(start: Start, trial: Trial, *place: str | int) -> Iterator[Fau
             yield f"unknown key; {suggestion(key, known)}", (*place, "part_placed", key)
 
 
-def _name_faults(name: str, kind: str, known: list[str], *place: str | int) -> Iterator[Fault]:
+def _name_faults(
+    name: str, kind: str, known: Collection[str], *place: str | int
+) -> Iterator[Fault]:
     try:
         checked_name(name, kind, known)
     except ValueError as why:

@@ -60,6 +60,11 @@ class Comparison:
         return all(_OPERATORS[sign](figure, bound) for sign, bound in self.bounds)
 
 
+def in_words(value: Any) -> str:
+    """A value as files have it: true and false, and all digits of numbers."""
+    return str(value).lower() if isinstance(value, bool) else str(value)
+
+
 def is_number(value: Any) -> bool:
     """Whether `value` is a finite number, and not true or false."""
     number = isinstance(value, int | float) and not isinstance(value, bool)

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 from floorplan import suggestion
 
-from .comparison import Comparison
+from . import names
+from .comparison import Comparison, in_words
 from .summary_fields import SummaryField, summary_fields
 from .timeline import read_statement
 from .verdict import Verdict
@@ -89,7 +90,7 @@ def _field_check(key: str, wanted: Any, fields: Mapping[str, SummaryField], tria
     if field.form == "flag":
         if not isinstance(wanted, bool):
             raise ValueError(f"expected true or false, found {wanted!r}")
-        return _FigureCheck(key, field, str(wanted).lower(), lambda found: found is wanted)
+        return _FigureCheck(key, field, in_words(wanted), lambda found: found is wanted)
     comparison = Comparison.parse(wanted)
     return _FigureCheck(key, field, comparison.text, comparison.passes)
 
@@ -118,10 +119,9 @@ class _FigureCheck:
             return Verdict(f"{self.key} {self.wanted}", "there is no such figure", False)
         instants = self.field.instants(run)
         when = f" (t = {_listed(instants)})" if instants else ""
-        shown = str(found).lower() if isinstance(found, bool) else str(found)
         return Verdict(
             f"{self.key} {self.wanted}",
-            f"it is {shown}{when}",
+            f"it is {in_words(found)}{when}",
             self.passes(found),
             instants[-1] if instants else None,
         )
@@ -138,11 +138,9 @@ def _visits(key: str, wanted: Any, field: SummaryField, trial: Trial) -> Check:
     ((how, stations),) = wanted.items()
     if not (isinstance(stations, list) and all(isinstance(one, str) for one in stations)):
         raise ValueError(f"expected a list of stations, found {stations!r}")
-    known = [station.name for station in trial.floorplan.stations]
-    for name in stations:
-        if name not in known:
-            raise ValueError(f"no station is called {name!r}; {suggestion(name, known)}")
-    return _VisitsCheck(key, field, how, tuple(stations))
+    known = names.stations(trial)
+    found = tuple(names.checked_name(name, "station", known) for name in stations)
+    return _VisitsCheck(key, field, how, found)
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -96,7 +96,7 @@ def known_names(trial: Trial, form: Form) -> list[str] | None:
     return None if names is None else list(dict.fromkeys(names(trial)))
 
 
-def checked_name(wanted: Any, form: str, known: list[str]) -> str:
+def checked_name(wanted: Any, form: str, known: Collection[str]) -> str:
     """`wanted`, if it is one of those `known`; `ValueError` that tells which there are."""
     if wanted not in known:
         hint = suggestion(str(wanted), known) if known else "there is none in this trial"

@@ -10,7 +10,7 @@ from floorplan import suggestion
 from navigation import FixedDistance, Motion, Moving, TooClose, standing, when
 
 from ..recordings.recorder import Event
-from .comparison import Comparison, is_number
+from .comparison import Comparison, in_words, is_number
 from .event_kinds import EVENT_KINDS, Form
 from .names import checked_name, known_names, machines, people
 
@@ -48,10 +48,7 @@ class EventPattern:
         return ((k, event) for k, event in enumerate(run.events) if self.matches(event))
 
     def __str__(self) -> str:
-        fields = ", ".join(
-            f"{key} {str(wanted).lower() if isinstance(wanted, bool) else wanted}"
-            for key, wanted in self.fields
-        )
+        fields = ", ".join(f"{key} {in_words(wanted)}" for key, wanted in self.fields)
         return f"{self.kind} ({fields})" if fields else self.kind
 
 
@@ -107,9 +104,7 @@ def read_event(written: Any, trial: Trial) -> EventPattern:
         written = {"kind": written}
     if not isinstance(written, Mapping) or "kind" not in written:
         raise ValueError(f"expected a kind of event, or keys with kind among them: {written!r}")
-    kind = str(written["kind"])
-    if kind not in EVENT_KINDS:
-        raise ValueError(f"no kind of event is called {kind!r}; {suggestion(kind, EVENT_KINDS)}")
+    kind = checked_name(str(written["kind"]), "kind of event", EVENT_KINDS)
     forms = EVENT_KINDS[kind]
     fields = []
     for key, wanted in written.items():

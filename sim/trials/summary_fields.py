@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 from ..recordings.social_metrics import DISTANCES, MOVEMENT, PROGRESS
+from .names import machines, people
 
 if TYPE_CHECKING:
     from ..ariac import Workload
@@ -74,9 +75,7 @@ def summary_fields(trial: Trial) -> dict[str, SummaryField]:
 
     A person's are also found without `people.NAME.` where the trial has one person.
     """
-    names = [person.name for person in trial.people]
-    plan = trial.floorplan
-    machines = [*(["gantry"] if plan.gantry else []), *(lane.name for lane in plan.lanes)]
+    names = people(trial)
     fields = {key: SummaryField((key,), events=_EVENTS.get(key)) for key in _FIGURES}
     fields |= _violations((), ())
     fields["interrupted"] = SummaryField(("interrupted",), "flag")
@@ -89,7 +88,9 @@ def summary_fields(trial: Trial) -> dict[str, SummaryField]:
         fields |= {f"people.{name}.{key}": field for key, field in person.items()}
         if len(names) == 1:
             fields = person | fields
-    return fields | {".".join(path): SummaryField(path) for path in _metrics(names, machines)}
+    return fields | {
+        ".".join(path): SummaryField(path) for path in _metrics(names, machines(trial))
+    }
 
 
 _Fields = dict[str, SummaryField]
