@@ -20,8 +20,9 @@ if TYPE_CHECKING:
     from .pages.live import LiveRun
     from .person import MindError, Person
     from .recordings.outcome import Recorded, Run
+    from .recordings.output import OutputError
     from .recordings.recorder import Event, Listener
-    from .recordings.recording import OutputError, Recording
+    from .recordings.recording import Recording
     from .recordings.run_folder import RecordingError, load_run
     from .recordings.scene import Figure, Scene
     from .recordings.social_metrics import metrics
@@ -56,7 +57,8 @@ _HOMES = {
     "recordings.outcome": ("Recorded", "Run"),
     "person": ("MindError", "Person"),
     "recordings.recorder": ("Event", "Listener"),
-    "recordings.recording": ("OutputError", "Recording"),
+    "recordings.output": ("OutputError",),
+    "recordings.recording": ("Recording",),
     "trials.own_law": ("LawError", "OwnLaw"),
     "trials.rules_file": ("RulesError", "find_rules", "load_rules"),
     "rules": ("ARIAC2023", "PAPER", "RULE_SETS", "Notice", "RuleSet", "rule_set"),

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from ..recordings.output import writing
 from . import completion
-from .output import writing
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

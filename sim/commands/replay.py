@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import typer
 
 from ..pages.browser import open_in_browser
-from .output import writing
+from ..recordings.output import writing
 
 
 def replay(
@@ -38,10 +38,11 @@ def replay(
     serve = serve or (other is not None and out is None)
     if port is not None and not serve:
         raise typer.BadParameter("needs --serve", param_hint="--port")
+    page = _page(run, other) if serve or out is not None else ""
     if out is not None:
-        _write(_page(run, other), out)
+        _write(page, out)
     if serve:
-        _serve(_page(run, other), port or 0, opened=not no_open)
+        _serve(page, port or 0, opened=not no_open)
         return
     file = out if out is not None else _page_file(run)
     typer.echo(str(file))

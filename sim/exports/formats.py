@@ -15,7 +15,7 @@ from typing import cast
 from floorplan import suggestion
 
 from ..recordings.outcome import Recorded
-from ..recordings.recording import OutputError
+from ..recordings.output import OutputError
 from ..recordings.sampling import require_instants, require_rate
 
 DEFAULT_RATE = 20.0

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..recordings.outcome import Recorded
-from ..recordings.recording import OutputError
+from ..recordings.output import OutputError, writing
 from .curves import Span, span_of
 from .film import Film, Frame
 from .style import MissingExtraError, styled
@@ -122,10 +122,8 @@ def _write_gif(film: Film, frames: Iterator[Frame], path: Path, fps: int) -> Non
     )
     # What is drawn is at hand only once: PIL takes the first picture, and the others as they come.
     first = next(images)
-    try:
+    with writing(path):
         first.save(path, save_all=True, append_images=images, duration=1000 / fps, loop=0)
-    except OSError as why:
-        raise OutputError(f"can't write {path}: {why.strerror or why}") from None
 
 
 def _palette(film: Film) -> Image:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..recordings.recording import OutputError
+from ..recordings.output import OutputError, writing
 from .style import styled
 
 if TYPE_CHECKING:
@@ -28,11 +28,8 @@ def save(figure: Figure, path: str | Path) -> None:
     """
     path = Path(path)
     require_savable(path)
-    with styled():
-        try:
-            figure.savefig(path, metadata=_METADATA[path.suffix.lower()])
-        except OSError as why:
-            raise OutputError(f"can't write {path}: {why.strerror}") from None
+    with styled(), writing(path):
+        figure.savefig(path, metadata=_METADATA[path.suffix.lower()])
 
 
 def require_savable(path: str | Path) -> None:

@@ -21,6 +21,7 @@ from ..pages.replay_data import replay_data
 from .lines import WholeLines
 from .mind_inspector import Thought
 from .outcome import Run
+from .output import OutputError
 from .recorder import Event, Listener, rounded
 from .scene import Scene
 from .scene_file import write_scene
@@ -37,10 +38,6 @@ FILES = (
 
 TRAJECTORY_RATE = 10.0
 """Hz. How often trajectory.csv has every body."""
-
-
-class OutputError(OSError):
-    """A folder that a run can't be written to."""
 
 
 class Recording(Listener):

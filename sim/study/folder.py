@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from typing import IO
 
-from ..recordings.recording import OutputError
+from ..recordings.output import OutputError, writing
 from ..recordings.strict_json import parse_json
 from .comparison import factors
 from .definition import Study
@@ -118,15 +118,8 @@ def save_trial(study: Study, number: int, folder: str | Path) -> Path:
     return path
 
 
-@contextmanager
-def writing_to(path: Path) -> Iterator[None]:
-    """Tell the system's errors in this context as ones of writing to `path`."""
-    try:
-        yield
-    except OutputError:
-        raise
-    except OSError as why:
-        raise OutputError(f"can't write to {path}: {why.strerror or why}") from None
+writing_to = partial(writing, words="can't write to")
+"""Tells the system's errors in its context as ones of writing to a folder."""
 
 
 def _known(path: Path) -> dict[str, str]:
