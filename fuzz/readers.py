@@ -18,7 +18,7 @@ import bdi
 import floorplan
 import sim
 from sim.commands.percept_script import read_percepts
-from sim.pages.replay import recording_in
+from sim.pages.replay import recordings_in
 
 from . import bridges, recordings
 from .mutations import Form
@@ -88,7 +88,7 @@ def _study(path: Path) -> None:
 
 
 def _page(path: Path) -> None:
-    recording_in(path.read_text(encoding="utf-8", errors="replace"))
+    recordings_in(path.read_text(encoding="utf-8", errors="replace"))
 
 
 def _include(path: Path) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 from zlib import crc32
 
 import sim
-from sim.pages.replay import recording_in, render
+from sim.pages.replay import recordings_in, render
 from sim.pages.replay_data import replay_data
 from sim.study.folder import IDENTITY, StudyFolder
 from sim.study.report import write_report
@@ -60,7 +60,7 @@ class RunFolder:
 
 def use(run: sim.Recorded) -> None:
     """What the commands ask of a run: its page, some samples, its metrics."""
-    recording_in(render(replay_data(run)))
+    recordings_in(render(replay_data(run)))
     if run.duration <= 1000:
         run.sample(rate=2.0)
         sim.metrics(run)

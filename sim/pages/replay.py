@@ -75,11 +75,6 @@ def render(
     return re.sub(r"\{\{(\w+)\}\}", lambda place: contents[place[1]], _part("page.html"))
 
 
-def recording_in(page: str) -> dict[str, Any]:
-    """The first recording that stands in a page made by `render`; `ValueError` if there is none."""
-    return recordings_in(page)[0]
-
-
 def recordings_in(page: str) -> list[dict[str, Any]]:
     """The one or two recordings that stand in a page made by `render`; `ValueError` if none."""
     recordings = []

@@ -15,6 +15,7 @@ from floorplan import Document, InputError
 from ..controllers import ControllerError
 from ..person import MindError
 from ..trials.trial import Trial, TrialError
+from ..trials.trial_file import build
 from ..trials.verdict import Verdict
 from .failures import Failures
 
@@ -33,7 +34,7 @@ class TrialFile(pytest.File):
         """One test, if the trial expects something; one that can't be run is an error."""
         try:
             document = floorplan.read_yaml(self.path, TrialError)
-            trial = Trial.load(self.path)
+            trial = build(document, self.path.parent)
             if "expect" in document.data:
                 yield TrialItem.from_parent(self, name=trial.name, trial=trial, document=document)
         except (*_TOLD, OSError) as why:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from pathlib import Path
 
 import bdi
@@ -43,5 +44,14 @@ def load_program(personality: str, folder: Path) -> bdi.Program | None:
     if personality == EXTERNAL:
         return None
     program = bdi.load(find_program(personality, folder))
-    bdi.Agent(program)  # refuses what nobody can begin with, as internal actions that aren't there
+    _try_out(program)
     return program
+
+
+@lru_cache(maxsize=64)
+def _try_out(program: bdi.Program) -> None:
+    """Refuse what nobody can begin with, as internal actions that aren't there.
+
+    That takes as long as a person's mind at the start, and a study loads programs for each row.
+    """
+    bdi.Agent(program)

@@ -39,12 +39,12 @@ def load(source: str | Path) -> Trial:
     if not path.suffix and not floorplan.is_there(path):
         message = f"no such file, nor a built-in trial; {suggestion(text, builtin_trials())}"
         raise TrialError(text, [Problem(message)])
-    return _build(floorplan.read_yaml(path, TrialError), path.parent)
+    return build(floorplan.read_yaml(path, TrialError), path.parent)
 
 
 def parse(text: str, file: str, folder: Path) -> Trial:
     """See `Trial.parse`."""
-    return _build(floorplan.parse_yaml(text, file, TrialError), folder)
+    return build(floorplan.parse_yaml(text, file, TrialError), folder)
 
 
 class _Job(Strictly):
@@ -94,7 +94,8 @@ class _Trial(Strictly):
     expect: dict[str, Any] = {}
 
 
-def _build(document: Document, folder: Path) -> Trial:
+def build(document: Document, folder: Path) -> Trial:
+    """The trial in `document`; its files are looked up from `folder`. Errors as of `Trial.load`."""
     if reading.is_ariac(document):
         return reading.build(document, folder)
     schema = document.checked(_Trial, TrialError)

@@ -30,7 +30,7 @@ def to_yaml(trial: Trial, folder: Path) -> str:
     if trial.folder.resolve() != folder.resolve():
         data["folder"] = Path(os.path.relpath(trial.folder, folder)).as_posix()
     text: str = yaml.dump(
-        _plain(data), Dumper=_Dumper, sort_keys=False, allow_unicode=True, default_flow_style=None
+        data, Dumper=_Dumper, sort_keys=False, allow_unicode=True, default_flow_style=None
     )
     return text
 

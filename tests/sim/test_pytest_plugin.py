@@ -70,6 +70,14 @@ def write(pytester, **files):
         (pytester.path / name.replace("__", ".")).write_text(text)
 
 
+def is_no_test(run_pytest, said):
+    """What is in the folder is an error at collection that says this; the result."""
+    result = run_pytest()
+    result.assert_outcomes(errors=1)
+    result.stdout.fnmatch_lines([said])
+    return result
+
+
 def test_a_trial_that_expects_something_is_a_test(pytester, run_pytest):
     write(
         pytester,
@@ -124,9 +132,7 @@ def test_without_the_option_replays_are_in_the_cache(pytester, run_pytest):
 )
 def test_a_typo_is_an_error_at_collection(pytester, run_pytest, change, said):
     write(pytester, bad__trial__yaml=PASSES.replace(*change))
-    result = run_pytest()
-    result.assert_outcomes(errors=1)
-    result.stdout.fnmatch_lines([f"*bad.trial.yaml: {said}"])
+    result = is_no_test(run_pytest, f"*bad.trial.yaml: {said}")
     assert "Traceback" not in result.stdout.str()
 
 
@@ -209,9 +215,7 @@ def test_plain(ariac_cell, trial):
 def test_a_marker_that_makes_no_sense_is_an_error_at_collection(pytester, run_pytest, marker, said):
     text = f"import pytest\n\n@pytest.mark.{marker}\ndef test_it(trial): pass\n"
     write(pytester, test_varied__py=text)
-    result = run_pytest()
-    result.assert_outcomes(errors=1)
-    result.stdout.fnmatch_lines([said])
+    is_no_test(run_pytest, said)
 
 
 @pytest.mark.parametrize("where", ["here", "elsewhere"])
@@ -224,10 +228,8 @@ def test_one_function_as_a_marker_s_only_value_does_not_lose_the_test(
     name = "shy" if where == "here" else "ctl.shy"
     here = shy if where == "here" else "import ctl\n"
     text = f"import pytest\n{here}\n@pytest.mark.controllers({name})\n{test}\n"
-    write(pytester, test_shy__py=text)
-    result = run_pytest()
-    result.assert_outcomes(errors=1)
-    result.stdout.fnmatch_lines(["*write @pytest.mark.controllers.with_args(...)"])
+    write(pytester, test_varied__py=text)
+    is_no_test(run_pytest, "*write @pytest.mark.controllers.with_args(...)")
 
 
 def test_markers_take_what_the_library_has_as_well(pytester, run_pytest):
@@ -294,9 +296,7 @@ def test_endless(run_trial):
 def test_a_marker_on_a_test_that_takes_no_trial(pytester, run_pytest):
     text = "import pytest\n\n@pytest.mark.seeds(1)\ndef test_it(): pass\n"
     write(pytester, test_varied__py=text)
-    result = run_pytest()
-    result.assert_outcomes(errors=1)
-    result.stdout.fnmatch_lines(["*takes none; let it take trial or run_trial"])
+    is_no_test(run_pytest, "*takes none; let it take trial or run_trial")
 
 
 def test_a_failed_test_says_what_its_runs_came_to(pytester, run_pytest):

@@ -4,7 +4,7 @@ import pytest
 from test_command import in_a_process
 
 import sim
-from sim.pages.replay import recording_in, render
+from sim.pages.replay import recordings_in, render
 from sim.pages.replay_data import replay_data
 
 TRIAL = "floorplan: ariac2023\nduration: 12\npeople: [{name: operator}]\n"
@@ -34,7 +34,7 @@ def test_a_run_that_was_broken_off_gets_its_page(folder):
     assert not (folder / "broken" / "replay.html").exists()
     done = in_a_process("replay", "broken", "--no-open", cwd=folder)
     assert (done.returncode, done.stderr) == (0, "")
-    recording = recording_in((folder / "broken" / "replay.html").read_text(encoding="utf-8"))
+    (recording,) = recordings_in((folder / "broken" / "replay.html").read_text(encoding="utf-8"))
     assert recording["events"][0]["kind"] == "trial_started"
     assert recording["minds"]["operator"]
 
@@ -42,8 +42,8 @@ def test_a_run_that_was_broken_off_gets_its_page(folder):
 def test_a_recording_can_be_taken_out_of_its_page(folder):
     page = (folder / "whole" / "replay.html").read_text(encoding="utf-8")
     data = replay_data(sim.load_run(folder / "whole"))
-    found = recording_in(page)
-    assert found["motions"] == recording_in(render(data))["motions"]
+    (found,) = recordings_in(page)
+    assert found["motions"] == recordings_in(render(data))[0]["motions"]
     assert render(found) == page
 
 
