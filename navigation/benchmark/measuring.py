@@ -15,6 +15,7 @@ from floorplan import Floorplan, Point
 from ..path import Path, PlanningError
 from ..planner import PathPlanner
 from ..world import CollisionWorld
+from . import ompl_figures
 from .shortest import ShortestWays
 
 PER_SCENE = 10
@@ -49,12 +50,17 @@ class Attempt:
     cpu_seconds: float
     checks: int
     length: float
-    """Metres, as are the next two; NaN where there is no way."""
+    """Metres, as is all that follows but `bends` and `turning`; NaN where there is no path."""
     shortest: float
     clearance: float
+    """The least anywhere along the path, of its centre line."""
     bends: int
-    smoothness: float
-    """Radians that the way turns by, in all."""
+    turning: float
+    """Radians that the path turns by in all."""
+    ompl_clearance: float
+    """As OMPL has it: the mean over the waypoints, less the radius."""
+    ompl_smoothness: float
+    """As OMPL has it, in 1/m²: see `ompl_figures.smoothness`."""
 
     @property
     def ratio(self) -> float:
@@ -152,6 +158,7 @@ def _attempt(
     except PlanningError as why:
         reason = why.reason
     cpu = time.process_time() - begin
+    checks = planner.world.checks - checks
     return Attempt(
         floorplan=planner.world.plan.name,
         planner=name,
@@ -159,16 +166,22 @@ def _attempt(
         solved=path is not None,
         reason=reason,
         cpu_seconds=cpu,
-        checks=planner.world.checks - checks,
+        checks=checks,
         length=path.length if path else math.nan,
         shortest=best,
         clearance=path.clearance if path else math.nan,
         bends=len(path.points) - 2 if path else 0,
-        smoothness=_turning(path) if path else math.nan,
+        turning=_turning(path) if path else math.nan,
+        ompl_clearance=(
+            ompl_figures.clearance(path.points, planner.world.distance, planner.radius)
+            if path
+            else math.nan
+        ),
+        ompl_smoothness=ompl_figures.smoothness(path.points) if path else math.nan,
     )
 
 
 def _turning(path: Path) -> float:
-    """Radians that `path` turns by in all."""
+    """Return the radians that `path` turns by in all."""
     heading = np.unwrap(np.arctan2(*np.diff(path.points, axis=0).T[::-1]))
     return float(np.abs(np.diff(heading)).sum())

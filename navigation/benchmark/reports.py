@@ -59,7 +59,7 @@ def _row(group: Sequence[Attempt]) -> Row:
         ratio_median=float(np.median(ratios)),
         ratio_most=max(ratios),
         clearance_least=min([attempt.clearance for attempt in solved], default=math.nan),
-        turning=float(np.median([attempt.smoothness for attempt in solved] or [math.nan])),
+        turning=float(np.median([attempt.turning for attempt in solved] or [math.nan])),
     )
 
 
@@ -75,7 +75,9 @@ def write_csv(attempts: Sequence[Attempt], path: Path) -> None:
 def write_ompl_log(attempts: Sequence[Attempt], path: Path, *, seed: int) -> None:
     """The answers on one floor as OMPL's benchmark log.
 
-    `ompl_benchmark_statistics.py` and Planner Arena read it. Times are of the CPU.
+    `ompl_benchmark_statistics.py` and Planner Arena read it. What bears the name of one of
+    OMPL's properties is that property, but for the time, which is CPU time; the others are
+    this benchmark's own.
     """
     path.write_text("".join(f"{line}\n" for line in _log(attempts, seed)), encoding="utf-8")
 
@@ -87,6 +89,8 @@ _PROPERTIES = (
     "solution clearance REAL",
     "solution smoothness REAL",
     "solution segments INTEGER",
+    "least clearance REAL",
+    "turning REAL",
     "shortest length REAL",
     "length ratio REAL",
     "collision checks INTEGER",
@@ -130,10 +134,11 @@ def _log(attempts: Sequence[Attempt], seed: int) -> Iterator[str]:
 def _run(attempt: Attempt) -> str:
     values: list[float | str] = [attempt.cpu_seconds, int(attempt.solved)]
     if attempt.solved:
-        values += [attempt.length, attempt.clearance, attempt.smoothness, attempt.bends + 1]
+        values += [attempt.length, attempt.ompl_clearance, attempt.ompl_smoothness]
+        values += [attempt.bends + 1, attempt.clearance, attempt.turning]
         values += [attempt.shortest, attempt.ratio]
     else:
-        values += ["", "", "", "", attempt.shortest, ""]
+        values += ["", "", "", "", "", "", attempt.shortest, ""]
     return "".join(f"{value}; " for value in [*values, attempt.checks])
 
 

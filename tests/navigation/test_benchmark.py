@@ -2,6 +2,8 @@ import csv
 import math
 
 import numpy as np
+import ompl.base as ob
+import ompl.geometric as og
 import pytest
 import shapely
 from shapely.geometry import Point, box
@@ -13,6 +15,7 @@ from navigation.benchmark import (
     SHORTFALL,
     ShortestWays,
     benchmark,
+    ompl_figures,
     scenes,
     summary,
     write_csv,
@@ -38,7 +41,7 @@ def test_answers_are_measured(attempts):
         assert a.checks > 0
         assert a.clearance >= 0.25 - 1e-9
         assert a.ratio >= 1 - 1e-9
-        assert (a.smoothness == 0) == (a.bends == 0)
+        assert (a.turning == 0) == (a.bends == 0)
         if a.planner == "Roadmap":
             assert a.ratio <= 1.01
 
@@ -166,6 +169,60 @@ def test_ompl_log_reads_as_its_tools_read_it(attempts, tmp_path):
     assert next(lines, None) is None
 
 
+def by_ompl(points, clear):
+    """Clearance and smoothness of a polyline, asked of OMPL itself."""
+    space = ob.RealVectorStateSpace(2)
+    bounds = ob.RealVectorBounds(2)
+    bounds.setLow(-50.0)
+    bounds.setHigh(50.0)
+    space.setBounds(bounds)
+    information = ob.SpaceInformation(space)
+
+    class Checker(ob.StateValidityChecker):
+        def isValid(self, state):
+            return True
+
+        def clearance(self, state):
+            return clear((state[0], state[1]))
+
+    checker = Checker(information)
+    information.setStateValidityChecker(checker)
+    information.setup()
+    path = og.PathGeometric(information)
+    for point in points:
+        state = information.allocState()
+        state[0], state[1] = point
+        path.append(state)
+    return path.clearance(), path.smoothness()
+
+
+def test_smoothness_and_clearance_are_as_ompl_has_them():
+    world = CollisionWorld(floorplan.load("ariac2023"))
+    rng = np.random.default_rng(0)
+    back_and_forth = [(0, 0), (1, 0), (2, 0), (1, 0), (1, 1)]
+    paths = [back_and_forth, *(rng.uniform(-12, 8, (n, 2)) for n in (2, 3, 20))]
+    for points in [np.array(path, dtype=float) for path in paths]:
+        clear, smooth = by_ompl(points, lambda at: world.distance(at) - 0.3)
+        assert ompl_figures.clearance(points, world.distance, 0.3) == pytest.approx(clear)
+        assert ompl_figures.smoothness(points) == pytest.approx(smooth, rel=1e-6)
+
+
+def test_the_log_has_ompls_properties_and_our_own_apart(attempts, tmp_path):
+    there = [a for a in attempts if a.floorplan == "ariac2023"]
+    write_ompl_log(there, tmp_path / "b.log", seed=1)
+    lines = (tmp_path / "b.log").read_text().splitlines()
+    first = lines.index("0 common properties") + 2
+    count = int(lines[first - 1].split()[0])
+    names = lines[first : first + count]
+    for attempt, line in zip(there, lines[first + count + 1 :], strict=False):
+        if attempt.planner == there[0].planner:
+            logged = dict(zip(names, line.split("; ")[:-1], strict=True))
+            assert float(logged["solution smoothness REAL"]) == attempt.ompl_smoothness
+            assert float(logged["solution clearance REAL"]) == attempt.ompl_clearance
+            assert float(logged["least clearance REAL"]) == attempt.clearance
+            assert attempt.clearance - 0.3 <= attempt.ompl_clearance + 1e-9
+
+
 def test_shortest_ways_do_not_cut_corners():
     """Every way is at least as long as one for which corners are points."""
     rng = np.random.default_rng(0)
@@ -182,4 +239,4 @@ def test_a_floor_without_obstacles():
     plan = Floorplan("hall", box(0, 0, 5, 5), (Obstacle("lamp", box(1, 1, 2, 2), 2.0, 3.0),))
     (one,) = benchmark([plan], ["Roadmap"], queries=1)
     assert one.ratio == 1.0
-    assert one.smoothness == 0.0
+    assert one.turning == 0.0
