@@ -211,11 +211,14 @@ def encounters(
 
 
 def _ahead(motion: Motion, begin: float, end: float) -> Iterator[Piece]:
-    """The pieces of a motion that are not over at `begin`, then one of standing until `end`."""
+    """The pieces of a motion that are not over at `begin`, then one of standing until `end`.
+
+    Pieces of no length are left out: a body has no velocity for no time.
+    """
     if begin < motion.start:
         yield still(motion.state(begin).position, begin, motion.start)
     for piece in motion.pieces_from(begin):
-        if piece.end > begin:
+        if piece.end > max(begin, piece.begin):
             _require_figures(piece)
             yield piece
     yield still(motion.state(motion.end).position, motion.end, max(end, motion.end))

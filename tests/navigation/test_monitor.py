@@ -242,6 +242,41 @@ integral_laws = st.builds(
 )
 
 
+@st.composite
+def with_pieces_of_no_length(draw, motions):
+    """A motion, and the same with pieces of no length but any velocity among the others."""
+    motion = draw(motions)
+    coefficient = st.floats(-20, 20)
+    pieces = []
+    for piece in motion.pieces:
+        if draw(st.booleans()):
+            rest = [draw(st.tuples(*(coefficient,) * 3)) for _ in range(3)]
+            x, y, turn = (
+                (axis[0], *others)
+                for axis, others in zip((piece.x, piece.y, piece.rotation), rest, strict=True)
+            )
+            pieces.append(Piece(piece.begin, piece.begin, x, y, turn))
+        pieces.append(piece)
+    last = motion.state(motion.end)
+    speed = draw(coefficient)
+    x, y, turn = ((at, speed, 0.0, 0.0) for at in last.position)
+    pieces.append(Piece(motion.end, motion.end, x, y, turn))
+    return motion, Motion(tuple(pieces), motion.jumps)
+
+
+@given(
+    with_pieces_of_no_length(walks),
+    with_pieces_of_no_length(gantry_motions()),
+    st.one_of(laws, integral_laws),
+)
+def test_pieces_of_no_length_change_nothing(persons, machines, law):
+    plain, padded = zip(persons, machines, strict=True)
+    for question in (navigation.violations, navigation.first_violation, navigation.minimum_margin):
+        assert question(*padded, law, 0.0, END) == question(*plain, law, 0.0, END)
+    nearest = navigation.minimum_separation(*padded, 0.0, END)
+    assert nearest == navigation.minimum_separation(*plain, 0.0, END)
+
+
 @given(walks, gantry_motions(), integral_laws)
 def test_the_integral_law_is_that_of_dense_sampling(person, machine, law):
     ts = np.arange(0, END, 1e-3)

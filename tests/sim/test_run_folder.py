@@ -121,6 +121,26 @@ def test_a_run_that_was_broken_off_goes_as_far_as_it_was_written(recorded, folde
             assert found == pytest.approx(noted, abs=1e-6)
 
 
+def test_recorded_pieces_of_no_length_change_nothing(folder):
+    (folder / "summary.json").unlink()
+    plain = sim.load_run(folder)
+    motions = folder / "motions.jsonl"
+    lines = [json.loads(line) for line in motions.read_text().splitlines()]
+    for line in lines:
+        # Fast pieces of no length, one before each of the others.
+        flashes = [
+            [begin, begin, *([axis[0], 50.0, 0.0, 0.0] for axis in axes)]
+            for begin, _, *axes in line["pieces"]
+        ]
+        line["pieces"] = [
+            piece for both in zip(flashes, line["pieces"], strict=True) for piece in both
+        ]
+    motions.write_text("".join(f"{json.dumps(line)}\n" for line in lines))
+    padded = sim.load_run(folder)
+    assert padded.violations == plain.violations
+    assert any(plain.violations.values())
+
+
 @settings(max_examples=30)
 @given(st.floats(0.0, 1.0), st.floats(0.0, 1.0))
 def test_files_that_end_anywhere_are_read_where_the_run_was_broken_off(recorded, events, motions):
