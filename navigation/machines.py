@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from bisect import bisect_right
+from collections.abc import Sequence
 
 from floorplan import Gantry, Lane
 
@@ -43,8 +44,9 @@ def gantry_move(
     acceleration go on without a jump. The axes arrive together, and from rest go straight. The
     move begins at `start` (seconds), and keeps within `limits`.
     """
+    target = _plain(target)
     if not isinstance(current, State):
-        return _along_axes(straight(current, target, limits), start)
+        return _along_axes(straight(_plain(current), target, limits), start)
     if not (any(current.velocity) or any(current.acceleration)):
         return _along_axes(straight(current.position, target, limits), start)
     targets = [AxisState(c) for c in target]
@@ -85,11 +87,17 @@ def lane_state(lane: Lane, state: State) -> AxisState:
     return AxisState(min(max(q, low), high), vx * c + vy * s, ax * c + ay * s)
 
 
+def _plain(pose: Sequence[float]) -> tuple[float, float, float]:
+    """Return x, y and rotation as plain floats, of which arrays have none."""
+    x, y, rotation = map(float, pose)
+    return (x, y, rotation)
+
+
 def _along_lane(lane: Lane, phases: Phases, start: float) -> Motion:
     (x0, y0), (c, s) = lane.origin, lane.direction
     heading: Cubic = (lane.heading, 0.0, 0.0, 0.0)
     pieces: list[Piece] = []
-    t = start
+    t = float(start)
     for duration, (q, v, a, j) in phases:
         along_x: Cubic = (x0 + q * c, v * c, a * c, j * c)
         along_y: Cubic = (y0 + q * s, v * s, a * s, j * s)
@@ -104,6 +112,7 @@ def _axis_states(current: State) -> list[AxisState]:
 
 def _along_axes(axes: list[Phases], start: float) -> Motion:
     """Three axes with phases of their own as one motion, cut wherever one of them changes."""
+    start = float(start)
     begins: list[list[float]] = []
     for phases in axes:
         at = 0.0

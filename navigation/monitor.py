@@ -239,9 +239,9 @@ def _changes(condition: Condition, meetings: Iterator[Encounter]) -> Iterator[tu
                     t, holds = upper, True
             if holds != held:
                 held = holds
-                yield t, held
+                yield float(t), held
     if held:
-        yield encounter.end, False
+        yield float(encounter.end), False
 
 
 def first_violation(
@@ -342,7 +342,7 @@ def _least(bounds: _Bounds, meetings: Iterator[Encounter], tolerance: float) -> 
             for t in (lower, candidate, upper):
                 figure = bounds(encounter, t, t)[0]
                 if figure < best[1] - 1e-12:
-                    best = (t, figure)
+                    best = (float(t), float(figure))
             middle = lower + (upper - lower) / 2
             if low < best[1] - tolerance and lower < middle < upper:
                 undecided += [(middle, upper), (lower, middle)]

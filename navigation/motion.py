@@ -122,6 +122,7 @@ class Motion:
 
     def cut(self, begin: float, end: float) -> Motion:
         """What the body does from `begin` to `end` (seconds), standing included."""
+        begin, end = float(begin), float(end)
         pieces = []
         if begin < self.start:
             at = self.state(begin).position
@@ -174,7 +175,8 @@ def standing(at: tuple[float, float], *, heading: float = 0.0, start: float = 0.
 def still(at: tuple[float, float, float], begin: float, end: float) -> Piece:
     """Standing at `at` (x, y, rotation) from `begin` to `end` (seconds)."""
     x, y, rotation = (float(c) for c in at)
-    return Piece(begin, end, (x, 0.0, 0.0, 0.0), (y, 0.0, 0.0, 0.0), (rotation, 0.0, 0.0, 0.0))
+    along_x, along_y, turning = ((c, 0.0, 0.0, 0.0) for c in (x, y, rotation))
+    return Piece(float(begin), float(end), along_x, along_y, turning)
 
 
 def join(motions: Iterable[Motion], *, end: float | None = None) -> Motion:
@@ -193,7 +195,7 @@ def join(motions: Iterable[Motion], *, end: float | None = None) -> Motion:
         pieces += motion.pieces
         jumps |= motion.jumps
     if end is not None:
-        _stand_until(pieces, end)
+        _stand_until(pieces, float(end))
     return Motion(tuple(pieces), frozenset(jumps))
 
 
@@ -213,7 +215,7 @@ def _stand_until(pieces: list[Piece], t: float) -> None:
 
 
 def _state(piece: Piece, t: float, *, moving: bool) -> State:
-    u = min(max(t, piece.begin), piece.end) - piece.begin
+    u = float(min(max(t, piece.begin), piece.end) - piece.begin)
     (x, vx, ax, jx), (y, vy, ay, jy), (r, vr, ar, jr) = piece.x, piece.y, piece.rotation
     at = (
         x + u * (vx + u * (ax + u * jx)),

@@ -16,8 +16,8 @@ def required_at(law: AnyLaw, person: Motion, machine: Motion, t: float) -> float
     Where a speed changes at once, it is what is required from then on.
     """
     if is_of_speeds(law):
-        return law.distance(person.state(t).speed, machine.state(t).speed)
-    return requirement(law, next(encounters(person, machine, t, t)), t, t).value
+        return float(law.distance(person.state(t).speed, machine.state(t).speed))
+    return float(requirement(law, next(encounters(person, machine, t, t)), t, t).value)
 
 
 def required_at_speeds(law: AnyLaw, human_speed: float, robot_speed: float) -> float:
@@ -26,7 +26,7 @@ def required_at_speeds(law: AnyLaw, human_speed: float, robot_speed: float) -> f
     `human_speed` and `robot_speed` are in m/s.
     """
     if is_of_speeds(law):
-        return law.distance(human_speed, robot_speed)
+        return float(law.distance(human_speed, robot_speed))
     return required_at(law, _steady(human_speed), _steady(robot_speed), 0.0)
 
 

@@ -51,7 +51,7 @@ def walk(
         return standing(corners[0], start=start)
     lengths = [math.dist(a, b) for a, b in itertools.pairwise(corners)]
     speeds = _corner_speeds(corners, lengths, limits, initial_speed)
-    return _along(corners, speeds, limits, start)
+    return _along(corners, speeds, limits, float(start))
 
 
 def stop_walking(motion: Motion, t: float, *, max_acceleration: float = MAX_ACCELERATION) -> Motion:
@@ -59,6 +59,7 @@ def stop_walking(motion: Motion, t: float, *, max_acceleration: float = MAX_ACCE
 
     It brakes at `max_acceleration` (m/s²) along its own path.
     """
+    t = float(t)
     state = motion.state(t)
     braking = state.speed**2 / (2 * max_acceleration * (1 - _HAIR))
     corners = _first(remaining_path(motion, t), braking)

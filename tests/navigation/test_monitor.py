@@ -539,3 +539,26 @@ def test_margins_and_separations_refuse_such_spans_as_well(span):
     ):
         with pytest.raises(ValueError, match="can't watch from"):
             ask()
+
+
+def test_figures_are_plain_numbers_whatever_was_given():
+    """Such as arrays have are neither JSON nor nice to read."""
+    number, row = np.float64, np.array
+    person = navigation.walk(row([(-6.0, 0.0), (0.0, 0.0), (3.0, 4.0)]), number(0.3))
+    gantry = navigation.gantry_move(row([-7.0, 0.0, 0.0]), row([-2.5, 0.5, 0.0]), number(1.0))
+    gantry = navigation.join([gantry, navigation.gantry_stop(gantry.state(number(3)), number(3))])
+    stopped = navigation.stop_walking(person.cut(number(0), number(5)), number(4))
+    law = FixedDistance(number(2.0))
+    span = (number(0), number(END))
+    plain = [
+        *(motion.pieces for motion in (person, gantry, stopped)),
+        navigation.standing(row([1.0, 2.0]), heading=number(1), start=number(1)).pieces,
+        navigation.violations(person, gantry, law, *span),
+        navigation.first_violation(person, gantry, law, *span),
+        navigation.minimum_separation(person, gantry, *span),
+        navigation.minimum_margin(person, gantry, law, *span),
+        navigation.required_at(law, person, gantry, number(2)),
+        navigation.required_at_speeds(law, number(1), number(1)),
+    ]
+    assert "np." not in repr(plain)
+    assert plain[4]
