@@ -127,6 +127,10 @@ class _Handler(BaseHTTPRequestHandler):
     make_page: Callable[[], str]
     messages: Stream | None
 
+    def do_HEAD(self) -> None:
+        """Answer as a GET, with the headers alone."""
+        self.do_GET()
+
     def do_GET(self) -> None:
         host = self.headers.get("Host", "").rpartition(":")[0]
         if host not in (HOST, "localhost"):
@@ -148,7 +152,8 @@ class _Handler(BaseHTTPRequestHandler):
         self.send_header("Content-Length", str(len(content)))
         self.send_header("Cache-Control", "no-store")
         self.end_headers()
-        self.wfile.write(content)
+        if self.command != "HEAD":
+            self.wfile.write(content)
 
     def _send_stream(self, stream: Stream) -> None:
         last = self.headers.get("Last-Event-ID", "")
@@ -156,6 +161,8 @@ class _Handler(BaseHTTPRequestHandler):
         self.send_header("Content-Type", "text/event-stream")
         self.send_header("Cache-Control", "no-store")
         self.end_headers()
+        if self.command == "HEAD":
+            return
         for message in stream.messages(int(last) + 1 if last.isdecimal() else 0):
             self.wfile.write(message)
             self.wfile.flush()

@@ -16,10 +16,10 @@ import sim
 from sim.pages.page_server import PageServer, Stream
 
 
-def get(server, path="/", **headers):
+def get(server, path="/", method="GET", **headers):
     place = urllib.parse.urlsplit(server.url)
     connection = http.client.HTTPConnection(place.hostname, place.port, timeout=30)
-    connection.request("GET", path, headers=headers)
+    connection.request(method, path, headers=headers)
     return connection.getresponse()
 
 
@@ -41,7 +41,8 @@ def test_a_page_is_served_to_this_machine_only():
         assert response.read().decode() == "<p>ä</p>"
         assert get(server, "/elsewhere").status == 404
         assert get(server, "/stream").status == 404
-        assert get(server, Host="evil.example:80").status == 403
+        for host in ("evil.example:80", "127.0.0.1.evil.example:80", ""):
+            assert get(server, Host=host).status == 403, host
         port = urllib.parse.urlsplit(server.url).port
         with pytest.raises(OSError), socket.create_connection((_other_address(), port), 2):
             pass
@@ -50,6 +51,16 @@ def test_a_page_is_served_to_this_machine_only():
 def _other_address():
     """An address of this machine that is not loopback's 127.0.0.1."""
     return "127.0.0.2"
+
+
+def test_head_is_answered_with_the_headers_alone():
+    with PageServer(lambda: "<p>ä</p>", stream=Stream()) as server:
+        for path, kind in (("/", "text/html; charset=utf-8"), ("/stream", "text/event-stream")):
+            response = get(server, path, "HEAD")
+            assert (response.status, response.getheader("Content-Type")) == (200, kind)
+            assert response.read() == b""
+        assert get(server, "/", "HEAD").getheader("Content-Length") == "9"
+        assert get(server, "/", "HEAD", Host="evil.example").status == 403
 
 
 def test_a_port_that_is_taken_is_said():
@@ -186,6 +197,10 @@ def test_looking_back_while_it_goes_on(open_address):
         running = threading.Thread(target=live.advance, args=(simulation,))
         running.start()
         viewer.wait_until(lambda: viewer.time > 5.0)
+        speeds = viewer.page.locator("#speed")
+        assert speeds.input_value() == "10"
+        offered = [float(text.rstrip("×")) for text in speeds.inner_text().split()]
+        assert offered == sorted({*offered, 8.0, 10.0, 16.0})
         viewer.page.keyboard.press("Home")
         viewer.page.keyboard.press("Space")
         stopped = viewer.time

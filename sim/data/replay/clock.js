@@ -55,9 +55,12 @@ class Clock {
     return 1 + Math.min(Math.max(lag - LIVE_LAG, -0.3), 0.5);
   }
 
-  changeSpeed(steps) {
-    const near = SPEEDS.findLastIndex(speed => speed <= this.speed);
-    this.speed = SPEEDS[Math.min(Math.max(near + steps, 0), SPEEDS.length - 1)];
+  faster() { this.#goAt(SPEEDS.find(speed => speed > this.speed)); }
+
+  slower() { this.#goAt(SPEEDS.findLast(speed => speed < this.speed)); }
+
+  #goAt(speed = this.speed) {
+    this.speed = speed;
     this.onChange();
   }
 }

@@ -15,7 +15,7 @@ class Replay {
     this.followed = "";
     this.clock = new Clock(run.duration, () => this.refresh());
     this.chart = new Chart($("chart"), () => this.#resize());
-    $("speed").append(...SPEEDS.map(speed => element("option", { value: speed, text: `${speed}×` })));
+    for (const speed of SPEEDS) this.#offerSpeed(speed);
     this.#add(run);
     this.choose(Math.max(0, run.watches.findIndex(watch => watch.violations.length)));
     this.#wireButtons();
@@ -268,7 +268,10 @@ class Replay {
       $("play").setAttribute("aria-label", clock.isPlaying ? "Pause" : "Play");
       $("play").querySelector("path").setAttribute("d", clock.isPlaying ? PAUSE : PLAY);
     }
-    if (Number($("speed").value) !== clock.speed) $("speed").value = clock.speed;
+    if (Number($("speed").value) !== clock.speed) {
+      this.#offerSpeed(clock.speed);
+      $("speed").value = clock.speed;
+    }
     if ($("live").ariaPressed !== String(clock.isLive)) $("live").ariaPressed = String(clock.isLive);
     if (clock.isPlaying) return;
     chart.setAttribute("aria-valuetext", `${t.toFixed(1)} seconds`);
@@ -276,6 +279,13 @@ class Replay {
   }
 
   // ---- controls
+
+  /** Add a speed to those to choose from, in its place, unless it is there. */
+  #offerSpeed(speed) {
+    const next = [...$("speed").options].find(option => Number(option.value) >= speed);
+    if (next && Number(next.value) === speed) return;
+    $("speed").add(element("option", { value: speed, text: `${speed}×` }), next ?? null);
+  }
 
   #wireButtons() {
     const { clock } = this;
@@ -316,9 +326,9 @@ class Replay {
       End: () => clock.seek(clock.frontier),
       n: () => this.jump(1),
       p: () => this.jump(-1),
-      "+": () => clock.changeSpeed(1),
-      "=": () => clock.changeSpeed(1),
-      "-": () => clock.changeSpeed(-1),
+      "+": () => clock.faster(),
+      "=": () => clock.faster(),
+      "-": () => clock.slower(),
       f: followNext,
       0: () => this.fit(),
       "?": () => $("help").showModal(),
