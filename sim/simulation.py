@@ -319,9 +319,9 @@ class Simulation:
             self.trial.duration,
             partial(gantry.interrupt, "person_close"),
         )
-        name = self.trial.gantry.controller
-        controller = find_controller(name, self.trial.folder)
-        gantry.start(supervised(name, controller, gantry))
+        entry = self.trial.gantry
+        controller = find_controller(entry.controller, self.trial.folder)
+        gantry.start(supervised(entry.controller_name, controller, gantry))
 
     def _see(self) -> tuple[Sighting, ...]:
         """The people as the gantry sees them now."""

@@ -33,12 +33,18 @@ class ControllerError(ValueError):
     """A gantry controller that can't be found, or that failed while it ran."""
 
 
-def find_controller(name: str, folder: Path) -> Controller:
-    """The built-in controller of that name, or the one at `package.module:name`.
+def find_controller(name: str | Controller, folder: Path) -> Controller:
+    """Return the built-in controller of that name, or the one at `package.module:name`.
 
-    Modules are looked up in `folder`, where the trial stands, and as `import` does.
-    `ControllerError` says what is missing.
+    Modules are looked up in `folder`, where the trial stands, and as `import` does. A controller
+    itself is returned as it is. `ControllerError` says what is missing.
     """
+    if not isinstance(name, str):
+        if callable(name):
+            return name
+        raise ControllerError(
+            f"{name!r} is no gantry controller; give a name, or a function of one argument"
+        )
     if name in CONTROLLERS:
         return CONTROLLERS[name]
     if ":" not in name:

@@ -20,10 +20,10 @@ from .definition import Study
 def identity(study: Study) -> dict[str, str]:
     """Digests of all that decides the results of `study`, by what it is."""
     found = {"floorwalker": version("floorwalker"), "the study": _digest(_definition(study))}
-    for combination in study.combinations:
-        found |= dict(_parts(combination.trial))
     for trial in study.trials:
         found[f"the trial {trial.name}"] = _digest(trial.to_yaml(trial.folder))
+    for combination in study.combinations:
+        found |= dict(_parts(combination.trial))
     return found
 
 
@@ -47,9 +47,10 @@ def _parts(trial: Trial) -> Iterator[tuple[str, str]]:
         yield f"the program {person.personality}", _digest(str(person.program))
     if trial.workload is not None:
         yield f"the orders of {trial.name}", _digest(repr(trial.workload))
-    name = trial.gantry.controller
-    source = inspect.getsourcefile(find_controller(name, trial.folder))
+    controller = find_controller(trial.gantry.controller, trial.folder)
+    source = inspect.getsourcefile(controller)
     if source is not None:
+        name = trial.gantry.controller_name
         yield f"the controller {name}", _digest(Path(source).read_text(encoding="utf-8"))
 
 

@@ -81,7 +81,7 @@ def _outline(run: Run) -> list[str]:
     people = ", ".join(f"{p.name} ({Path(p.personality).stem})" for p in trial.people) or "nobody"
     lines = [
         f"{trial.name} on {trial.floorplan.name}, {run.duration:g} s: {people};"
-        f" gantry {trial.gantry.controller}; rules {trial.rules.name}; seed {trial.seed}",
+        f" gantry {trial.gantry.controller_name}; rules {trial.rules.name}; seed {trial.seed}",
         f"penalties {summary['penalties']}, jobs done {summary['jobs_done']}",
     ]
     violations = [event for event in run.events if event["kind"] == "violation"]

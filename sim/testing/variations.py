@@ -144,23 +144,15 @@ def _personality(value: Any, folder: Path) -> Change:
 
 
 def _controller(value: Any, folder: Path) -> Change:
-    name = _text(_place(value) if callable(value) else value)
-    find_controller(name, folder)
+    given = value if callable(value) else _text(value)
+    find_controller(given, folder)
 
     def change(trial: Trial) -> Trial:
-        # A controller of one's own is looked up beside the test, as trials look beside themselves.
-        home = trial.folder if name in CONTROLLERS else folder
-        return replace(trial, folder=home, gantry=replace(trial.gantry, controller=name))
+        # One that is named is looked up beside the test, as trials look beside themselves.
+        home = trial.folder if callable(given) or given in CONTROLLERS else folder
+        return replace(trial, folder=home, gantry=replace(trial.gantry, controller=given))
 
     return change
-
-
-def _place(controller: Callable[..., Any]) -> str:
-    """Where a controller stands, so that its trial can name it."""
-    name = getattr(controller, "__qualname__", "")
-    if not name.isidentifier():
-        raise ValueError(f"{controller!r} has no name of its own in a module; give it one")
-    return f"{controller.__module__}:{name}"
 
 
 def _rules(value: Any, folder: Path) -> Change:

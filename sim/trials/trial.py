@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -91,12 +92,23 @@ class Job:
 
 @dataclass(frozen=True)
 class GantryEntry:
-    """The gantry of a trial: its controller, where it starts, and its jobs."""
+    """The gantry of a trial: its controller, where it starts, and its jobs.
 
-    controller: str = "parked"
+    `controller` is a built-in name, `package.module:name`, or the controller itself: a function or
+    class of one argument, the gantry, that gives a generator.
+    """
+
+    controller: str | Callable[[Any], Any] = "parked"
     at: tuple[float, float, float] | None = None
     jobs: tuple[Job, ...] = ()
     repeat: bool = False
+
+    @property
+    def controller_name(self) -> str:
+        """The controller's name: as it is given, or the qualified name of a function or class."""
+        if isinstance(self.controller, str):
+            return self.controller
+        return str(getattr(self.controller, "__qualname__", type(self.controller).__qualname__))
 
 
 @dataclass(frozen=True)

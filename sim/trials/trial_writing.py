@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ import yaml
 import floorplan
 
 from ..ariac import Workload
+from ..controllers import CONTROLLERS
 from .agvs_file import written_agv
 from .programs import is_read_from
 from .rules_file import written_rules
@@ -43,7 +45,7 @@ def _trial(trial: Trial) -> Data:
         "seed": trial.seed,
         "rules": written_rules(trial.rules),
         "people": [_person(entry) for entry in trial.people],
-        "gantry": _gantry(trial.gantry),
+        "gantry": _gantry(trial),
         "agvs": {
             name: written_agv(trial.agvs.get(name, ()), name in trial.yielding)
             for name in (*trial.agvs, *sorted(trial.yielding - {*trial.agvs}))
@@ -122,15 +124,41 @@ def _start(start: Start) -> Data:
     return {"time": start.time}
 
 
-def _gantry(entry: GantryEntry) -> Data:
+def _gantry(trial: Trial) -> Data:
+    entry = trial.gantry
     data = {
-        "controller": entry.controller,
+        "controller": _controller(trial),
         "at": entry.at,
         "jobs": [_job(job) for job in entry.jobs],
         "repeat": entry.repeat,
     }
     data = _without(data, None, [], False)
     return {} if data == {"controller": GantryEntry().controller} else data
+
+
+def _controller(trial: Trial) -> str:
+    """The name by which the trial's controller is found again; `ValueError` if there is none."""
+    controller = trial.gantry.controller
+    if isinstance(controller, str):
+        return controller
+    builtin = [name for name, known in CONTROLLERS.items() if known is controller]
+    if builtin:
+        return builtin[0]
+    name, folder = trial.gantry.controller_name, trial.folder.resolve()
+    module = sys.modules.get(getattr(controller, "__module__", ""))
+    file = getattr(module, "__file__", None)
+    # A script would be run again, and not as what it is now, if it was imported by its name.
+    is_script = module is sys.modules["__main__"]
+    if file and not is_script and getattr(module, name, None) is controller:
+        path = Path(file).resolve().with_suffix("")
+        path = path.parent if path.name == "__init__" else path
+        if path.is_relative_to(folder):
+            return f"{'.'.join(path.relative_to(folder).parts)}:{name}"
+    raise ValueError(
+        f"the trial {trial.name!r} can't be written: its gantry controller {name} is in no module"
+        f" in its folder, {folder}; put it into a file there, and give its name, as in"
+        " 'mine:shy' for the function shy in mine.py"
+    )
 
 
 def _job(job: Job) -> Data:

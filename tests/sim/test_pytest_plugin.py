@@ -170,7 +170,7 @@ def still(gantry):
 def test_all(trial):
     assert trial.name == "ariac_cell"
     assert trial.rules.name in ("paper", "ariac2023")
-    assert trial.gantry.controller in ("test_varied:still", "parked")
+    assert trial.gantry.controller in (still, "parked")
 
 @pytest.mark.seeds(range(2), 7)
 @pytest.mark.trials("near.trial.yaml", "scene_helpful")
@@ -204,8 +204,6 @@ def test_plain(ariac_cell, trial):
         ("personalities(3)", "*expected a name or a file, found 3"),
         ("rule_sets(lambda: 1, 'papr')", "*did you mean 'paper'?*"),
         ("rule_sets(lambda: 1, 'papr')", "*expected a name or a file, found <function*"),
-        ("controllers(lambda gantry: 1, 'parked')", "*has no name of its own in a module*"),
-        ("controllers(__import__('functools').partial(print), 'parked')", "*has no name of its*"),
         ("seeds(-1)", "*expected whole numbers of at least 0*"),
         ("seeds()", "*@pytest.mark.seeds needs one value or more*"),
         ('trials("nowhere")', "*nowhere*no such file*"),
@@ -249,7 +247,7 @@ CELL = sim.Trial.parse("name: mine\\nfloorplan: ariac2023\\nduration: 5.0\\n")
 @pytest.mark.controllers.with_args(pack.c)
 def test_it(trial, run_trial):
     assert (trial.name, trial.rules) == ("mine", sim.ARIAC2023)
-    assert trial.gantry.controller == "pack:c"
+    assert trial.gantry.controller is pack.c
     assert run_trial("near.trial.yaml").trial.name == "near"
     assert run_trial("scene_helpful").trial.rules == sim.ARIAC2023
     assert run_trial(CELL).trial is CELL
