@@ -1,6 +1,6 @@
 """Where things are: the floor, and what stands on it."""
 
-from .checks import check, standing_fault
+from .checks import check, standing_fault, starting_fault
 from .document import (
     Document,
     Fault,
@@ -61,5 +61,6 @@ __all__ = [
     "read_yaml",
     "refuse",
     "standing_fault",
+    "starting_fault",
     "suggestion",
 ]

@@ -14,6 +14,9 @@ from .document import Fault, Place, refuse
 from .model import Floorplan, Gantry, Human, Lane
 from .problems import FloorplanError
 
+_TOUCHES = 1e-6
+"""m². An AGV and an obstacle that share no more than this only touch."""
+
 
 def check(plan: Floorplan, *, file: str = "") -> None:
     """See that `plan` can be: `FloorplanError` has everything about it that can't.
@@ -52,8 +55,10 @@ def faults(plan: Floorplan) -> Iterator[Fault]:
         for station in plan.stations:
             if fault := standing_fault(plan, station.position):
                 yield fault, ("stations", station.name)
-        if plan.safe_zone is not None and (fault := standing_fault(plan, plan.safe_zone.position)):
+        if plan.safe_zone is not None and (fault := starting_fault(plan, plan.safe_zone.position)):
             yield fault, ("safe_zone", "at")
+        for lane in plan.lanes:
+            yield from _sweep_faults(lane, plan)
 
 
 def polygon_fault(polygon: Polygon) -> str:
@@ -63,6 +68,17 @@ def polygon_fault(polygon: Polygon) -> str:
         return f"is not a simple polygon: {reason}"
     if polygon.area <= 0:
         return "encloses no area"
+    return ""
+
+
+def starting_fault(plan: Floorplan, at: tuple[float, float], radius: float | None = None) -> str:
+    """Why nobody can stand at `at` at the start, or nothing: as `standing_fault`, or in an AGV."""
+    if fault := standing_fault(plan, at, radius):
+        return fault
+    for lane in plan.lanes:
+        start = lane.locations.get(lane.start)
+        if start is not None and lane.footprint(start).covers(Point(at)):
+            return f"({at[0]:g}, {at[1]:g}) is inside {lane.name}, which stands there at the start"
     return ""
 
 
@@ -116,6 +132,20 @@ def _lane_faults(lane: Lane) -> Iterator[Fault]:
         if location not in lane.locations:
             message = f"{location!r} is no location (there are: {known})"
             yield message, ("agvs", "lanes", lane.name, "serves", alias)
+
+
+def _sweep_faults(lane: Lane, plan: Floorplan) -> Iterator[Fault]:
+    """Obstacles that the AGV of `lane` would drive through."""
+    there = [o for o in plan.obstacles if o.overlaps(0.0, lane.height)]
+    swept = shapely.MultiPolygon([lane.footprint(q) for q in lane.limits]).convex_hull
+    shared = shapely.intersection([o.footprint for o in there], swept)
+    for index in np.flatnonzero(shapely.area(shared) > _TOUCHES):
+        place = shared[index].representative_point()
+        message = (
+            f"{lane.name} drives through obstacle {there[index].name!r}"
+            f" at ({place.x:.2f}, {place.y:.2f}); move the lane, or narrow its limits"
+        )
+        yield message, ("agvs", "lanes", lane.name)
 
 
 def _gantry_faults(gantry: Gantry) -> Iterator[Fault]:

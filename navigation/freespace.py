@@ -59,6 +59,31 @@ class FreeSpace:
         found = shapely.get_coordinates(shapely.shortest_line(closest, at))[0]
         return (float(found[0]), float(found[1]))
 
+    def outward(self, point: Point, reach: float) -> list[list[Point]]:
+        """Places within `reach` metres of `point`, for each piece that is so near.
+
+        They are the nearest one and the first one in every direction (`STEP` apart), the nearest
+        first.
+        """
+        at = shapely.Point(point)
+        near = self.pieces[shapely.dwithin(self.pieces, at, reach)]
+        rays = shapely.linestrings([[point, end] for end in _circle(point, reach)])
+        around = shapely.box(*(c - reach for c in point), *(c + reach for c in point))
+        found = []
+        for piece in shapely.intersection(near, around):
+            met = shapely.intersection(rays, piece)
+            ends = shapely.shortest_line([piece, *met[~shapely.is_empty(met)]], at)
+            places = shapely.get_coordinates(ends)[::2]
+            order = np.argsort(np.hypot(*(places - point).T), kind="stable")
+            found.append([(float(x), float(y)) for x, y in places[order]])
+        return found
+
+
+def _circle(centre: Point, radius: float) -> NDArray[np.float64]:
+    """Points on a circle, `STEP` apart: (N, 2) metres."""
+    angle = np.arange(0.0, 2 * math.pi, STEP)
+    return np.column_stack([np.cos(angle), np.sin(angle)]) * radius + centre
+
 
 def shrunk(room: shapely.Geometry, radius: float) -> shapely.Geometry:
     """The part of `room` that is at least `radius` metres from its edges."""

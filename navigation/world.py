@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Iterator
 
 import numpy as np
@@ -14,6 +15,10 @@ from floorplan import Floorplan, Point, check
 from . import ground, shapes
 from .bodies import Body, Disc
 from .freespace import FreeSpace, without
+from .roadmap import HAIR
+
+_ROUNDING = 10 * shapes.TOLERANCE
+"""Metres. A disc that is this much too close to something counts as beside it."""
 
 
 class CollisionWorld:
@@ -198,6 +203,34 @@ class CollisionWorld:
         None if it fits nowhere.
         """
         return self.free_space(radius, ignore).nearest(point)
+
+    def exits(self, point: Point, radius: float, ignore: Collection[str] = ()) -> list[Point]:
+        """Places to step out to, straight, from a point where bodies leave a disc no room.
+
+        One for each piece of the free space that can be reached like that, nearest first. On the
+        segment to it the disc (`radius` in metres) touches nothing but the bodies that it touches
+        at `point`, and comes no closer to these. None where something fixed is too close.
+        """
+        keep = radius - _ROUNDING
+        touched = self.hits(point, point, radius + HAIR, ignore)
+        apart = {*ignore, *(body.name for body in touched)}
+        if not self.free(point, keep, apart):
+            return []
+
+        def clear(place: Point) -> bool:
+            line, at = shapely.linestrings([point, place]), shapely.Point(point)
+            return self.segment_free(point, place, keep, apart) and all(
+                body.clear_of(line) >= body.clear_of(at) - _ROUNDING for body in touched
+            )
+
+        # So far out, none of them touches the disc any more, wherever it is among them now.
+        reach = HAIR + sum(math.dist(b.bounds[:2], b.bounds[2:]) + 2 * radius for b in touched)
+        ways_out = self.free_space(radius + HAIR, ignore).outward(point, reach)
+        found = [next(filter(clear, places), None) for places in ways_out]
+        return sorted(
+            (place for place in found if place is not None),
+            key=lambda place: math.dist(point, place),
+        )
 
     def _around(self, ignore: Collection[str]) -> Iterator[Body]:
         return (body for body in self._bodies.values() if body.name not in ignore)

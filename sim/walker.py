@@ -154,13 +154,18 @@ class Walker:
         except PlanningError as why:
             if why.reason != "start_blocked":
                 raise
-            # Something has come too close: step out from beside it first.
-            free = self._planner.world.nearest_free(start, self.human.radius)
-            if free is None:
-                raise
-            path = self._planner.plan(free, goal)
-            return [start, *map(tuple, path.points.tolist())]
+            return [start, *self._step_out(start, goal, why)]
         return [*map(tuple, path.points.tolist())]
+
+    def _step_out(self, start: Place, goal: Place, blocked: PlanningError) -> list[Place]:
+        """Path to `goal` from the nearest place beside what has come too close to `start`."""
+        failed: list[PlanningError] = []
+        for place in self._planner.world.exits(start, self.human.radius):
+            try:
+                return [*map(tuple, self._planner.plan(place, goal).points.tolist())]
+            except PlanningError as why:
+                failed.append(why)
+        raise (failed or [blocked])[0]
 
     def braking(self) -> Motion:
         """The motion that `stop` would make from here and now."""

@@ -18,6 +18,10 @@ def press(footprint, bottom=0.0, top=1.0):
     return {"obstacles": (Obstacle("press", footprint, bottom, top),)}
 
 
+CART = {"lanes": (replace(CELL.lanes[0], origin=(2.0, 5.0), heading=0.0, limits=(0.0, 17.0)),)}
+"""Its AGV is 0.67 m wide, 1.21 m high, and stands at the origin of its lane."""
+
+
 @pytest.mark.parametrize(
     ("given", "message"),
     [
@@ -35,6 +39,8 @@ def press(footprint, bottom=0.0, top=1.0):
         ({"human": Human(max_speed=float("nan"))}, "human.max_speed: must be more than 0"),
         ({"lanes": (replace(CELL.lanes[0], start="away"),)}, "agvs.lanes.agv1: .*'away'"),
         ({"lanes": CELL.lanes[:1] * 2}, "agvs.lanes.agv1: 2 of them"),
+        (CART | {"safe_zone": SafeZone((2.1, 4.9))}, r"safe_zone.at: .* is inside agv1, which st"),
+        (CART | press(box(5, 4, 5.2, 4.8)), r"agv1: agv1 drives through obstacle 'press'"),
         ({"gantry": replace(CELL.gantry, start=(9.0, 0.0, 0.0))}, "gantry.start: x = 9"),
     ],
 )
@@ -45,6 +51,11 @@ def test_what_can_not_be_is_told(given, message):
     assert str(told.value).startswith("floorplan 'shop': ")
     with pytest.raises(floorplan.FloorplanError, match=message):
         CollisionWorld(plan)
+
+
+@pytest.mark.parametrize("given", [press(box(5, 4, 5.2, 4.665)), press(box(5, 4, 6, 6), 1.21, 3)])
+def test_an_agv_may_pass_close_by_and_below(given):
+    floorplan.check(replace(SHOP, **CART | given))
 
 
 @pytest.mark.parametrize("name", floorplan.builtin())
