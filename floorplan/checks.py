@@ -72,7 +72,10 @@ def polygon_fault(polygon: Polygon) -> str:
 
 
 def starting_fault(plan: Floorplan, at: tuple[float, float], radius: float | None = None) -> str:
-    """Why nobody can stand at `at` at the start, or nothing: as `standing_fault`, or in an AGV."""
+    """Reason why nobody of `radius` metres can stand at `at` on `plan` at the start, or nothing.
+
+    As `standing_fault`; besides, nobody starts inside an AGV.
+    """
     if fault := standing_fault(plan, at, radius):
         return fault
     for lane in plan.lanes:

@@ -164,8 +164,9 @@ def first_beliefs(entry: PersonEntry, plan: Floorplan, rules: RuleSet) -> list[b
         bdi.Literal("station", (_name(station.name), *station.position))
         for station in plan.patrolled
     ]
-    if plan.safe_zone is not None:
-        beliefs.append(bdi.Literal("safe_zone", plan.safe_zone.position))
+    home = entry.home_on(plan)
+    if home is not None:
+        beliefs.append(bdi.Literal("safe_zone", home.position))
     for pause, seconds in (
         ("pause_after_violation", rules.pause_after_violation),
         ("pause_after_agv", rules.pause_after_agv),

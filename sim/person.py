@@ -13,7 +13,7 @@ from functools import partial
 from pathlib import Path
 
 import bdi
-from floorplan import Floorplan
+from floorplan import Floorplan, SafeZone
 from navigation import CollisionWorld, PlanningError
 
 from .body import Body
@@ -45,7 +45,8 @@ class Person:
     `synchronise` puts the AGVs of the collision world where they are now; `thought` is called
     when the mind has thought, so that others can hear what it said; `make_mind` makes another
     mind, whose program is looked up from `folder`. `zone(agv)` is how far (metres) from an
-    AGV the person must stand for it to set out. Plans are carried out by a `Walker`.
+    AGV the person must stand for it to set out; `home` is where they are put after a violation.
+    Plans are carried out by a `Walker`.
     """
 
     def __init__(
@@ -63,6 +64,7 @@ class Person:
         make_mind: Callable[[bdi.Program], Mind],
         folder: Path,
         zone: Callable[[str], float],
+        home: SafeZone,
     ) -> None:
         self.name = walker.body.name
         self.personality = personality
@@ -79,7 +81,7 @@ class Person:
         self._make_mind = make_mind
         self._folder = folder
         self._waiting_places = WaitingPlaces(world, walker.human.radius, zone)
-        self._home = (walker.body.at, walker.heading)
+        self._home = home
         self._put_home_at: float | None = None
         self._waits_for: Place | None = None
         self._lets_pass_on_way_to: Place | None = None
@@ -263,12 +265,22 @@ class Person:
         return self._no_way((x, y), "there is no room to step back")
 
     def _teleport(self, reason: str) -> bool:
-        at, heading = self._home
-        self._forget_waits()
         self._put_home_at = self._clock.now
+        self._forget_waits()
+        at = self._place_at_home()
+        if at is None:
+            return self._no_way(self._home.position, "there is no room at home")
         self._record("teleport", person=self.name, reason=reason, to=at)
-        self.walker.put(at, heading)
+        self.walker.put(at, self._home.heading)
         return True
+
+    def _place_at_home(self) -> Place | None:
+        """Home, or the nearest place beside the AGV that stands there."""
+        self._synchronise()
+        home, radius = self._home.position, self.walker.human.radius
+        if not self._world.hits(home, home, radius):
+            return home
+        return next(iter(self._world.exits(home, radius)), None)
 
     def _walk_speed(self, share: float) -> bool:
         if not 0 < share <= 1:

@@ -170,8 +170,8 @@ class Simulation:
 
     def _make_person(self, entry: PersonEntry) -> Person:
         plan = self.trial.floorplan
-        zone = plan.safe_zone
-        home = zone.position if zone else (0.0, 0.0)
+        home = entry.home_on(plan)
+        assert home is not None  # else the trial is refused
         given = {
             name: getattr(entry, name)
             for name in ("radius", "max_speed", "max_acceleration")
@@ -183,8 +183,8 @@ class Simulation:
             entry.name,
             human,
             self._planner(human.radius),
-            at=home if entry.at is None else entry.at,
-            heading=zone.heading if zone and entry.at is None else 0.0,
+            at=home.position if entry.at is None else entry.at,
+            heading=home.heading if entry.at is None else 0.0,
             record=self._record,
             arrived=lambda goal: person.arrived(goal),
         )
@@ -200,6 +200,7 @@ class Simulation:
             thought=lambda: self._thought(person, inspector),
             make_mind=lambda program: make_mind(replace(entry, program=program)),
             folder=self.trial.folder,
+            home=home,
             zone=lambda name: self._agv(name).zone(self.trial.rules.agv_law, human.max_speed),
         )
         inspector = self._inspector(entry.name)

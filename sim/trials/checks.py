@@ -13,7 +13,7 @@ from floorplan import (
     Lane,
     Place,
     refuse,
-    standing_fault,
+    starting_fault,
     suggestion,
 )
 
@@ -146,14 +146,16 @@ def _name_faults(
 
 
 def _place_faults(person: PersonEntry, trial: Trial) -> Iterator[Fault]:
-    plan = trial.floorplan
-    if person.at is not None:
-        if fault := standing_fault(plan, person.at, person.radius):
-            yield fault, ("at",)
-    elif plan.safe_zone is None:
+    plan, zone = trial.floorplan, trial.floorplan.safe_zone
+    for key, place in (("at", person.at), ("home", person.home)):
+        if place is not None and (fault := starting_fault(plan, place, person.radius)):
+            yield fault, (key,)
+    if person.home_on(plan) is None:
         yield "the floorplan has no safe zone to start in; give at: [x, y]", ()
-    elif fault := standing_fault(plan, plan.safe_zone.position, person.radius):
-        yield f"in the safe zone, {fault}", ()
+    if person.home is None and zone is not None:
+        fault = starting_fault(plan, zone.position, person.radius)
+        if fault:
+            yield f"in the safe zone, {fault}; give home: [x, y]", ()
 
 
 # ---- machines

@@ -67,6 +67,7 @@ class PersonKeys(Strictly):
     start: StartKeys = StartKeys(time=0.0)
     changes: list[_ChangeKeys] = []
     at: Pair | None = None
+    home: Pair | None = None
     beliefs: list[str] = []
     radius: Positive | None = None
     max_speed: Positive | None = None
@@ -88,6 +89,7 @@ def _person(keys: PersonKeys, program_of: Callable[[str], bdi.Program | None]) -
         personality=keys.personality,
         start=keys.start.start(),
         at=keys.at,
+        home=keys.home,
         beliefs=tuple(keys.beliefs),
         radius=keys.radius,
         max_speed=keys.max_speed,

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import bdi
-from floorplan import Floorplan, InputError, Problem
+from floorplan import Floorplan, InputError, Problem, SafeZone
 
 from ..rules import PAPER, RuleSet
 from .programs import load_program
@@ -71,6 +71,18 @@ class PersonEntry:
     max_acceleration: float | None = None
     program: bdi.Program | None = field(default=None, compare=False, repr=False)
     changes: tuple[PersonalityChange, ...] = ()
+    home: tuple[float, float] | None = None
+
+    def home_on(self, plan: Floorplan) -> SafeZone | None:
+        """Place where the person is put after a violation, and starts if there is no `at`.
+
+        Their own `home`, else the safe zone of `plan`, else `at`.
+        """
+        if self.home is not None:
+            return SafeZone(self.home)
+        if plan.safe_zone is not None or self.at is None:
+            return plan.safe_zone
+        return SafeZone(self.at)
 
 
 @dataclass(frozen=True)

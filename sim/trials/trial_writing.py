@@ -101,6 +101,7 @@ def _person(entry: PersonEntry) -> Data:
         "personality": entry.personality,
         "start": None if entry.start == Start() else _start(entry.start),
         "at": entry.at,
+        "home": entry.home,
         "beliefs": entry.beliefs,
         "radius": entry.radius,
         "max_speed": entry.max_speed,
