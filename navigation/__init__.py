@@ -49,6 +49,7 @@ from .separation import (
     is_of_speeds,
     requirement,
 )
+from .stopping import Machine, Stop, longest_stop
 from .surfaces import Box, Cylinder, Shapes, agv_box, folded_arm, torso_box
 from .track import Track
 from .walk import can_go_on, corner_speed, remaining_path, stop_walking, walk
@@ -81,6 +82,7 @@ __all__ = [
     "GantryPlanner",
     "IntegralLaw",
     "Law",
+    "Machine",
     "Motion",
     "MotionLaw",
     "Moving",
@@ -95,6 +97,7 @@ __all__ = [
     "SeparationLaw",
     "Shapes",
     "State",
+    "Stop",
     "TooClose",
     "Track",
     "agv_box",
@@ -111,6 +114,7 @@ __all__ = [
     "is_of_speeds",
     "join",
     "lane_state",
+    "longest_stop",
     "minimum_margin",
     "minimum_separation",
     "planners",

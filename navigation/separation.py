@@ -8,6 +8,7 @@ from typing import Protocol, TypeAlias, TypeGuard, runtime_checkable
 
 from .encounter import Encounter
 from .odometer import Enclosure
+from .stopping import Machine, longest_stop
 
 WALKING_SPEED = 1.6
 """m/s. ISO 13855:2010's approach speed of people who walk."""
@@ -70,6 +71,20 @@ class SeparationLaw:
     def __post_init__(self) -> None:
         for term in fields(self):
             _require_length(term.name, getattr(self, term.name))
+
+    @classmethod
+    def for_machine(cls, machine: Machine, *, t1: float, intrusion: float = 0.0) -> SeparationLaw:
+        """Return the law whose `t2` and `stopping` are those of the longest stop of `machine`.
+
+        The machine is a floorplan's `Gantry` or `Lane`, or `GantryLimits`. From no state within
+        its limits does it take longer to stand, or come farther from where braking begins: S_S of
+        ISO/TS 15066:2016, clause 5.5.4.2.3, at its largest. An axis with top speed v,
+        acceleration a and jerk j takes at most v / a + 2 a / j (no jerk limit: v / a); both axes
+        of a gantry may be that fast at once. `t1` in seconds, `intrusion` in metres. `TypeError`
+        if it is no machine.
+        """
+        time, distance = longest_stop(machine)
+        return cls(t1=t1, t2=time, stopping=distance, intrusion=intrusion)
 
     def distance(self, human_speed: float, robot_speed: float) -> float:
         """The required distance in metres for these speeds in m/s."""

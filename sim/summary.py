@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from typing import Any
 
 from navigation import Motion, minimum_separation
 
 from .gantry import GantryRobot
+from .law_audit import short_laws
 from .person import Person
 from .recordings.recorder import rounded
 from .referee import Cause, Referee, SeparationWatch
@@ -31,7 +33,8 @@ def summarise(
     `minimum_separation` is the nearest that anybody came to the gantry's centre: distance and
     required distance at that instant in metres, time in seconds. `violations` are the penalties by
     whose doing they were. Times and distances of people count from their start. `work`
-    are the figures of orders, where there are any.
+    are the figures of orders, where there are any. `law_audit` has a `ShortLaw` for each machine
+    whose law counts on a shorter stop than it may take.
     """
     started = {person.name: person.started_at for person in people}
     nearest = {
@@ -52,6 +55,7 @@ def summarise(
         "agv_teleports": referee.agv_teleports,
         **_gantry_figures(gantry, motions, now),
         **work,
+        "law_audit": [asdict(short) for short in short_laws(trial)],
         "minimum_separation": min(
             nearest.values(), key=lambda found: float(found["distance"]), default=None
         ),

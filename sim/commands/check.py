@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from . import completion
 from .run import tell_notices
+
+if TYPE_CHECKING:
+    from sim import Trial
 
 
 def check(
@@ -59,7 +62,7 @@ def _read(file: str) -> str:
         if keys & {*RuleKeys.model_fields} - {"name"} and "floorplan" not in keys:
             return f"the rule set {load_rules(path).name}"
         if not {"boundary", "image"} & keys:
-            return _trial(Trial.load(path))
+            return _trial(Trial.load(path), file)
     return _floor(floorplan.load(file))
 
 
@@ -69,7 +72,7 @@ def _built_in(name: str) -> Iterator[str]:
     from sim import RULE_SETS, Trial, builtin_trials
 
     if name in builtin_trials():
-        yield _trial(Trial.load(name))
+        yield _trial(Trial.load(name), name)
     if name in floorplan.builtin():
         yield _floor(floorplan.load(name))
     if name in RULE_SETS:
@@ -100,15 +103,36 @@ def _program(file: str) -> str:
     return f"a program of {_number(len(program.plans), 'plan')}"
 
 
-def _trial(trial: object) -> str:
+def _trial(trial: object, file: str) -> str:
     from sim import Trial
 
     assert isinstance(trial, Trial)
     tell_notices(trial)
+    _warn_of_short_laws(trial, file)
     people = ", ".join(f"{p.name} ({Path(p.personality).stem})" for p in trial.people) or "nobody"
     work = f" and {_number(len(trial.workload.orders), 'order')}" if trial.workload else ""
     upto = "up to " if trial.until_submitted else ""
     return f"a trial of {upto}{trial.duration:g} s on {trial.floorplan.name} with {people}{work}"
+
+
+def _warn_of_short_laws(trial: Trial, file: str) -> None:
+    """Warn, at its place, of a rule set that counts on shorter stops than machines may take."""
+    import floorplan
+    from sim.law_audit import in_words, short_laws
+
+    found = short_laws(trial)
+    if not found:
+        return
+    message = f"the law counts on stops that are too short: {in_words(found)}"
+    problem = floorplan.Problem(message, "rules")
+    path = Path(file)
+    if path.suffix in (".yaml", ".yml") and path.exists():
+        document = floorplan.read_yaml(path, floorplan.FloorplanError)
+        laws = {("rules", short.law) for short in found}
+        place = laws.pop() if len(laws) == 1 and laws <= document.lines.keys() else ("rules",)
+        if place in document.lines:
+            problem = document.problem(message, *place)
+    typer.echo(f"{file}: {problem}", err=True)
 
 
 def _floor(plan: object) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +28,8 @@ def figures_in_words(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
                 f" ({nearest['required']:.2f} m required)",
             )
         )
+    if summary.get("law_audit"):
+        figures.append(("stops longer than the law's", _short(summary["law_audit"])))
     for name, person in summary["people"].items():
         figures += [
             (f"{name}: personality", Path(person["personality"]).stem),
@@ -43,6 +45,13 @@ def _penalties(summary: Mapping[str, Any]) -> str:
     """How many, and whose doing they were."""
     causes = [f"{cause} {count}×" for cause, count in summary["violations"].items() if count]
     return f"{summary['penalties']}" + (f" ({', '.join(causes)})" if causes else "")
+
+
+def _short(found: Sequence[Mapping[str, Any]]) -> str:
+    """The machines that may take longer to stop than their law counts on."""
+    agvs = sum(short["law"] == "agv_law" for short in found)
+    names = [short["machine"] for short in found if short["law"] != "agv_law"]
+    return ", ".join([*names, *([f"{agvs} AGV{'s' * (agvs > 1)}"] if agvs else [])])
 
 
 def _order(order: Mapping[str, Any]) -> str:

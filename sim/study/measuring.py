@@ -12,7 +12,7 @@ from .definition import Row
 Record = dict[str, Any]
 """One line of a study's results: column by column, numbers, texts, or None."""
 
-_TOLD_ELSEWHERE = ("trial", "floorplan", "rules", "seed", "interrupted")
+_TOLD_ELSEWHERE = ("trial", "floorplan", "rules", "law_audit", "seed", "interrupted")
 _COSTS = ("cpu_seconds", "realtime_factor")
 
 

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import floorplan
 import navigation
 from navigation import (
     ApproachLaw,
@@ -231,3 +232,51 @@ def test_a_scaled_law_of_more_than_speeds_has_no_distance_at_speeds_alone():
     assert not navigation.is_of_speeds(law)
     with pytest.raises(TypeError, match="more than two speeds"):
         law.distance(1.0, 0.0)
+
+
+limits = st.builds(
+    navigation.AxisLimits, st.floats(0.05, 3.0), st.floats(0.05, 3.0), st.floats(0.05, 20.0)
+)
+
+
+def state_of(axis, share, speed):
+    """An axis that can keep its top speed: accelerating by a `share` of what lets it."""
+    acceleration = share * min(axis.max_acceleration, math.sqrt(2 * axis.max_jerk * axis.max_speed))
+    room = axis.max_speed - acceleration**2 / (2 * axis.max_jerk)
+    return speed * max(room, 0.0), acceleration
+
+
+@given(st.tuples(limits, limits, limits), st.lists(st.floats(-1, 1), min_size=6, max_size=6))
+def test_no_gantry_takes_longer_to_stop_than_its_law_says(axes, shares):
+    """Ruckig brakes from any state within the limits; from the worst it takes just that long."""
+    law = SeparationLaw.for_machine(axes, t1=0.1, intrusion=0.2)
+
+    def stop(shares, speeds):
+        states = [state_of(*of) for of in zip(axes, shares, speeds, strict=True)]
+        velocity, acceleration = zip(*states, strict=True)
+        braked = navigation.gantry_stop(
+            navigation.State((0.0, 0.0, 0.0), velocity, acceleration), 0.0, limits=axes
+        )
+        return braked.end, math.hypot(*braked.state(braked.end).at[:2])
+
+    time, distance = stop(shares[:3], shares[3:])
+    assert time <= law.t2 + 1e-6 and distance <= law.stopping + 1e-6
+    assert stop((1, 1, 1), (1, 1, 1)) == pytest.approx((law.t2, law.stopping), abs=1e-6)
+    assert (law.t1, law.intrusion) == (0.1, 0.2)
+
+
+def test_the_stops_of_the_built_in_machines():
+    plan = floorplan.load("ariac2023")
+    law = SeparationLaw.for_machine(plan.gantry, t1=1.0)
+    assert law == SeparationLaw.for_machine(navigation.ARIAC_GANTRY, t1=1.0)
+    assert law.t2 == pytest.approx(1.0 / 0.5 + 2 * 0.5 / 2.0)
+    lane = plan.lanes[0]
+    law = SeparationLaw.for_machine(lane, t1=1.0)
+    run = navigation.agv_run(lane, navigation.AxisState(0.0), 17.0)
+    fast = navigation.lane_state(lane, run.state(4.0))
+    braked = navigation.agv_stop(lane, fast)
+    assert fast.velocity == pytest.approx(lane.max_speed)
+    assert law.t2 == pytest.approx(braked.end)
+    assert law.stopping == pytest.approx(math.dist(run.state(4.0).at[:2], braked.position(9.0)))
+    with pytest.raises(TypeError, match="Gantry"):
+        SeparationLaw.for_machine(plan, t1=1.0)

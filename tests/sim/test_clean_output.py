@@ -44,6 +44,7 @@ NOTICES = {
     "benchmark": r"wrote b/benchmark\.csv and a log for each floor\n",
     "bridge": r"serving ws://127\.0\.0\.1:\d+\n(stands still at t = 0\.0 s: there is no agent\n)?"
     r"the trial begins\n",
+    "check": r"short\.trial\.yaml: rules: .* needed\)\n",
 }
 """What a command says on stderr as it should; the others say nothing."""
 
@@ -123,7 +124,7 @@ def test_so_do_their_variants(words, samples):
 
 @pytest.mark.parametrize("name", ["agent", "check", "list", "run"])
 def test_a_reader_who_has_seen_enough_is_left_in_peace(name, samples):
-    words = {**CALLS, "run": "run short.trial.yaml"}[name]
+    words = {**CALLS, "check": "check short.asl hall.yaml", "run": "run short.trial.yaml"}[name]
     reader, writer = os.pipe()
     os.close(reader)
     done = subprocess.run(

@@ -252,7 +252,6 @@ def test_wrong_usage_is_told(arguments, code, message, tmp_path, floorwalker):
 def test_check_says_what_it_read(tmp_path, floorwalker):
     done = floorwalker("check", "ariac2023", "scene_helpful", "helpful", "warehouse", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
-    assert done.stderr == ""
     lines = done.stdout.splitlines()
     assert "a trial of 275 s on ariac2023 with operator" in lines[0]
     assert "32 obstacles, 4 stations, 4 AGVs and a gantry" in lines[0]
@@ -261,7 +260,7 @@ def test_check_says_what_it_read(tmp_path, floorwalker):
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full, as Linux has it")
-@pytest.mark.parametrize("words", [["list"], ["check", "ariac2023"], ["run", "--duration", "1"]])
+@pytest.mark.parametrize("words", [["list"], ["check", "helpful"], ["run", "--duration", "1"]])
 def test_output_that_finds_no_room_is_told(tmp_path, words):
     with Path("/dev/full").open("w") as full:
         command = [sys.executable, "-m", "sim.cli", *words]
@@ -323,7 +322,7 @@ def test_check_knows_rule_sets_by_name_and_by_any_of_their_keys(tmp_path, floorw
     (tmp_path / "ours.yaml").write_text("name: ours\ngrace: 3.0\npause_after_violation: 2.0\n")
     (tmp_path / "bad.yaml").write_text("pause_after_agv: soon\n")
     done = floorwalker("check", "paper", "ours.yaml", "ariac2023", cwd=tmp_path)
-    assert (done.returncode, done.stderr) == (0, "")
+    assert done.returncode == 0, done.stderr
     lines = done.stdout.splitlines()
     assert lines[:2] == ["paper: the rule set paper", "ours.yaml: the rule set ours"]
     assert lines[2].endswith("; the rule set ariac2023")
