@@ -12,6 +12,7 @@ from .document import (
     read_yaml,
     refuse,
 )
+from .figures import LARGEST, size_fault
 from .loading import build, builtin, load, parse
 from .model import (
     Axis,
@@ -25,7 +26,7 @@ from .model import (
     Station,
 )
 from .problems import FloorplanError, InputError, Problem, suggestion
-from .schema import LARGEST, NotNegative, Number, Pair, Positive, Strictly
+from .schema import NotNegative, Number, Pair, Positive, Strictly
 
 __all__ = [
     "LARGEST",
@@ -60,6 +61,7 @@ __all__ = [
     "read_text",
     "read_yaml",
     "refuse",
+    "size_fault",
     "standing_fault",
     "starting_fault",
     "suggestion",

@@ -11,7 +11,8 @@ from shapely.geometry import Point, Polygon
 from shapely.validation import explain_validity
 
 from .document import Fault, Place, refuse
-from .model import Floorplan, Gantry, Human, Lane
+from .figures import figure_faults
+from .model import Floorplan, Gantry, Lane
 from .problems import FloorplanError
 
 _TOUCHES = 1e-6
@@ -43,7 +44,7 @@ def faults(plan: Floorplan) -> Iterator[Fault]:
             message = f"must rise from bottom to top: {obstacle.bottom:g} … {obstacle.top:g}"
             yield message, ("obstacles", obstacle.name, "z")
     yield from _name_faults(plan)
-    yield from _human_faults(plan.human)
+    yield from figure_faults(plan)
     for name in plan.patrol or ():
         if name not in {station.name for station in plan.stations}:
             yield f"no station is called {name!r}", ("patrol",)
@@ -113,12 +114,6 @@ def _name_faults(plan: Floorplan) -> Iterator[Fault]:
         for name, count in Counter(all_names).items():
             if count > 1:
                 yield f"{count} of them have this name", (*place, name)
-
-
-def _human_faults(human: Human) -> Iterator[Fault]:
-    for name, value in vars(human).items():
-        if not 0 < value < np.inf:
-            yield f"must be more than 0, not {value:g}", ("human", name)
 
 
 def _lane_faults(lane: Lane) -> Iterator[Fault]:

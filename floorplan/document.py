@@ -31,6 +31,9 @@ MOST_VALUES = 1_000_000
 EXPONENT = re.compile(r"[-+]?[0-9.]+[eE][-+]?[0-9]+")
 """Numbers that YAML 1.1 takes for text, unless they have a point and a sign."""
 
+UNWRITABLE = re.compile("[\0\ud800-\udfff]")
+"""What no text of a file can have, and an escape in YAML can: names of files and JSON lack them."""
+
 EXPECTED = {
     "bool_type": "true or false",
     "dict_type": "keys with values",
@@ -193,10 +196,6 @@ def parse_yaml(text: str, file: str, error: type[InputError]) -> Document:
         raise error(file, [Problem("is not YAML: it is nested too deeply")]) from None
     except (yaml.YAMLError, ValueError) as why:
         raise error(file, [Problem(f"is not YAML: {why}")]) from None
-    except (AttributeError, LookupError, OverflowError, TypeError):
-        # So PyYAML's constructors end where a tag promises what is not there: `!!bool maybe`.
-        message = "is not YAML: a value is not what its tag (!!…) says"
-        raise error(file, [Problem(message)]) from None
     finally:
         if loader is not None:
             loader.dispose()
@@ -224,6 +223,9 @@ def _survey(
     if len(lines) > MOST_VALUES:
         raise ValueError(f"it has more than {MOST_VALUES:,} values")
     lines.setdefault(place, node.start_mark.line + 1)
+    if isinstance(node, yaml.ScalarNode) and (odd := UNWRITABLE.search(node.value)):
+        problem = f"a text can't have the character U+{ord(odd.group()):04X}"
+        return [Problem(problem, field_name(place), node.start_mark.line + 1)]
     within = above | {id(node)}
     problems: list[Problem] = []
     if isinstance(node, yaml.SequenceNode):
@@ -236,6 +238,7 @@ def _survey(
             if not isinstance(key, yaml.ScalarNode):
                 problems.append(Problem("a key is plain text", field_name(place), line))
                 continue
+            problems += _survey(key, place, lines, within)
             inner = (*place, str(key.value))
             if key.value in seen and key.tag != "tag:yaml.org,2002:merge":
                 problems.append(Problem("this key stands twice", field_name(inner), line))

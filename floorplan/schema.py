@@ -7,15 +7,22 @@ from typing import Annotated
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, Strict, model_validator
 
-LARGEST = 1e9
-"""No figure of a floor, a trial or a rule set is larger, in its unit: beyond, steps of a millimetre
-or a millisecond are soon lost to rounding, and in the end distances can't be recorded."""
+from .figures import LARGEST, size_fault
+
+
+def _checked_size(value: float) -> float:
+    if fault := size_fault(value):
+        raise ValueError(fault)
+    return value
+
 
 Number = Annotated[float, Strict(), Field(ge=-LARGEST, le=LARGEST, allow_inf_nan=False)]
 """A field of a file: a number from -1e9 to 1e9."""
 
-Positive = Annotated[float, Strict(), Field(gt=0, le=LARGEST, allow_inf_nan=False)]
-"""A field of a file: a number above 0, up to 1e9."""
+Positive = Annotated[
+    float, Strict(), Field(gt=0, le=LARGEST, allow_inf_nan=False), AfterValidator(_checked_size)
+]
+"""A field of a file: a number from 1e-6 to 1e9."""
 
 NotNegative = Annotated[float, Strict(), Field(ge=0, le=LARGEST, allow_inf_nan=False)]
 """A field of a file: a number from 0 to 1e9."""

@@ -15,10 +15,10 @@ import shapely
 
 from .checks import polygon_fault
 from .document import read_text
+from .figures import LARGEST
 from .flat import from_area
 from .model import Floorplan
 from .problems import FloorplanError, Problem
-from .schema import LARGEST
 
 
 def load_wkt(path: Path) -> Floorplan:

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import yaml
 from yaml.composer import Composer
-from yaml.constructor import SafeConstructor
+from yaml.constructor import ConstructorError, SafeConstructor
+from yaml.parser import Parser
+from yaml.reader import Reader
 from yaml.resolver import Resolver
+from yaml.scanner import Scanner
 
 
 def safe_loader(text: str) -> Any:
@@ -16,15 +20,56 @@ def safe_loader(text: str) -> Any:
     That is five times as fast. Nodes are composed in Python in any case, where nesting too deep
     is an error and not the end of the process.
     """
-    return _WithLibYaml(text) if yaml.__with_libyaml__ else yaml.SafeLoader(text)
+    return _WithLibYaml(text) if yaml.__with_libyaml__ else _Plain(text)
+
+
+HUGE = 10**1000
+"""No whole number is larger: Python would refuse to write one of 4,300 digits out again."""
+
+
+class _Constructor(SafeConstructor):
+    """Constructs values, and says on which line one is that can't be constructed."""
+
+
+def _placed(construct: Callable[[Any, yaml.Node], Any]) -> Callable[[Any, yaml.Node], Any]:
+    def placed(loader: Any, node: yaml.Node) -> Any:
+        try:
+            value = construct(loader, node)
+        except (AttributeError, LookupError, OverflowError, TypeError, ValueError):
+            # So PyYAML's constructors end where a tag promises what is not there: `!!bool maybe`.
+            tag, text = node.tag.rpartition(":")[2], str(node.value)
+            raise _misfit(node, f"{text[:60]!r} is not what its tag (!!{tag}) says") from None
+        if isinstance(value, int) and abs(value) > HUGE:
+            raise _misfit(node, "a whole number of more than 1,000 digits")
+        return value
+
+    return placed
+
+
+def _misfit(node: yaml.Node, message: str) -> ConstructorError:
+    return ConstructorError(None, None, message, node.start_mark)
+
+
+for _tag, _construct in SafeConstructor.yaml_constructors.items():
+    _Constructor.add_constructor(_tag, _placed(_construct))
+
+
+class _Plain(Reader, Scanner, Parser, Composer, _Constructor, Resolver):
+    def __init__(self, text: str) -> None:
+        Reader.__init__(self, text)
+        Scanner.__init__(self)
+        Parser.__init__(self)
+        Composer.__init__(self)
+        _Constructor.__init__(self)
+        Resolver.__init__(self)
 
 
 if yaml.__with_libyaml__:
     from yaml._yaml import CParser
 
-    class _WithLibYaml(Composer, CParser, SafeConstructor, Resolver):
+    class _WithLibYaml(Composer, CParser, _Constructor, Resolver):
         def __init__(self, text: str) -> None:
             CParser.__init__(self, text)
             Composer.__init__(self)
-            SafeConstructor.__init__(self)
+            _Constructor.__init__(self)
             Resolver.__init__(self)

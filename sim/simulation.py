@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 
 import bdi
-from floorplan import Floorplan, Gantry, suggestion
+from floorplan import Gantry, suggestion
 from navigation import CollisionWorld, PathPlanner
 
 from .agv import Agv
@@ -30,6 +30,7 @@ from .recordings.scene import scene_of
 from .referee import Pair, Referee
 from .summary import summarise
 from .trials.checks import check
+from .trials.names import fixed_places
 from .trials.programs import EXTERNAL
 from .trials.trial import PersonEntry, Start, Trial
 from .triggers import Triggers
@@ -57,7 +58,7 @@ class Simulation:
         self._over = self.clock.end()
         self.world = CollisionWorld(trial.floorplan)
         self._planners: dict[float, PathPlanner] = {}
-        self._places = _places(trial.floorplan)
+        self._places = fixed_places(trial.floorplan)
         self.people: list[Person] = []
         self._society = bdi.Society()
         self.agvs = [
@@ -381,14 +382,6 @@ def run(trial: Trial, *listeners: Listener) -> Run:
     simulation = Simulation(trial, *listeners)
     simulation.advance(trial.duration)
     return simulation.finish()
-
-
-def _places(plan: Floorplan) -> dict[str, Place]:
-    """Where the gantry finds what doesn't move: stations, and the middles of obstacles."""
-    middles = ((o.name, o.footprint.centroid) for o in plan.obstacles)
-    return {name: (middle.x, middle.y) for name, middle in middles} | {
-        station.name: station.position for station in plan.stations
-    }
 
 
 class _Keeper(Listener):

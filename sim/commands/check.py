@@ -59,10 +59,11 @@ def _read(file: str) -> str:
         keys = _keys(path)
         if "trials" in keys:
             return _study(Study.load(path))
-        if keys & {*RuleKeys.model_fields} - {"name"} and "floorplan" not in keys:
+        if {"boundary", "image"} & keys:
+            return _floor(floorplan.load(path))
+        if keys & {*RuleKeys.model_fields} - {"name", "source"} and "floorplan" not in keys:
             return f"the rule set {load_rules(path).name}"
-        if not {"boundary", "image"} & keys:
-            return _trial(Trial.load(path), file)
+        return _trial(Trial.load(path), file)
     return _floor(floorplan.load(file))
 
 

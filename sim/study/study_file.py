@@ -11,7 +11,7 @@ from pydantic import Field, Strict, model_validator
 import floorplan
 from floorplan import Document, Number, Pair, Positive, Problem, Strictly, field_name
 
-from ..trials.checks import faults
+from ..trials.checks import LARGEST_SEED, faults, name_fault
 from ..trials.comparison import is_number
 from ..trials.trial import Trial
 from .definition import Study, StudyError
@@ -47,7 +47,7 @@ class _Study(Strictly):
     grid: dict[str, list[Any]] = {}
     random: dict[str, _Draw] = {}
     repeat: Annotated[int, Strict(), Field(ge=1)] = 1
-    seed: Annotated[int, Strict(), Field(ge=0)] = 0
+    seed: Annotated[int, Strict(), Field(ge=0, le=LARGEST_SEED)] = 0
     metrics: Annotated[bool, Strict()] = False
 
 
@@ -68,10 +68,13 @@ def _build(document: Document, folder: Path) -> Study:
     trials = reader.trials(schema.trials)
     grid = reader.grid(schema.grid, trials)
     drawn = reader.random(schema.random, trials, schema.grid)
+    name = schema.name or Path(document.file).name.split(".")[0]
+    if fault := name_fault(name):
+        reader.problems.append(document.problem(fault, "name"))
     if reader.problems:
         raise StudyError(document.file, reader.problems)
     study = Study(
-        name=schema.name or Path(document.file).name.split(".")[0],
+        name=name,
         trials=trials,
         grid=grid,
         random=drawn,

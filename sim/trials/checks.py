@@ -12,7 +12,9 @@ from floorplan import (
     Gantry,
     Lane,
     Place,
+    Point,
     refuse,
+    size_fault,
     starting_fault,
     suggestion,
 )
@@ -20,12 +22,18 @@ from floorplan import (
 from ..rules import RuleSet
 from .event_kinds import EVENT_KINDS
 from .expectations import expectation_problems
-from .names import agvs, checked_name, orders, parts, people, places
+from .names import agvs, checked_name, fixed_places, orders, parts, people, places
 from .programs import EXTERNAL, find_program
 from .trial import GantryEntry, Job, PersonalityChange, PersonEntry, Start, Trial, TrialError
 
 NAME = r"[A-Za-z][A-Za-z0-9_-]*"
 """What people may be called."""
+
+LARGEST_SEED = 2**63 - 1
+"""Seeds of 63 bits are what studies draw, and what every table and recording can hold."""
+
+MOST_BYTES = 200
+"""A trial, or a study, is called by no more, in UTF-8: folders are called after them."""
 
 CONDITIONS = ("time", "part_placed", "order_submitted", "event")
 """What somebody can wait for, one of them, before they start or change."""
@@ -38,9 +46,13 @@ def check(trial: Trial) -> None:
 
 def faults(trial: Trial) -> Iterator[Fault]:
     """Everything about `trial` that can't be; its controller is not looked for."""
+    if fault := name_fault(trial.name):
+        yield fault, ("name",)
     yield from _size(trial.duration, "duration")
-    if not isinstance(trial.seed, int) or trial.seed < 0:
-        yield f"must be a whole number from 0 on, not {trial.seed!r}", ("seed",)
+    if not isinstance(trial.seed, int) or not 0 <= trial.seed <= LARGEST_SEED:
+        larger = isinstance(trial.seed, int) and trial.seed > 0
+        found = "a larger one" if larger else repr(trial.seed)
+        yield f"must be a whole number from 0 to 2**63 - 1, not {found}", ("seed",)
     yield from _below(_rule_faults(trial.rules), "rules")
     taken = {"gantry", *(lane.name for lane in trial.floorplan.lanes)}
     for k, person in enumerate(trial.people):
@@ -57,14 +69,22 @@ def faults(trial: Trial) -> Iterator[Fault]:
         yield message, ("until_submitted",)
 
 
+def name_fault(name: str) -> str:
+    """Why no folder can be called after a trial or a study of that `name`; empty if one can."""
+    size = len(name.encode(errors="replace"))
+    if not re.search(r"[\0\ud800-\udfff]", name) and size <= MOST_BYTES:
+        return ""
+    return f"no folder can be called so; give a name of at most {MOST_BYTES} bytes: {name[:60]!r}"
+
+
 def _below(found: Iterable[Fault], *place: str | int) -> Iterator[Fault]:
     for message, rest in found:
         yield message, (*place, *rest)
 
 
 def _size(value: float | None, *place: str | int) -> Iterator[Fault]:
-    if value is not None and not 0 < value <= LARGEST:
-        yield f"must be more than 0 and at most {LARGEST:g}, not {value!r}", place
+    if value is not None and (fault := size_fault(value)):
+        yield fault, place
 
 
 def _time(value: float, *place: str | int) -> Iterator[Fault]:
@@ -170,12 +190,14 @@ def _gantry_faults(trial: Trial) -> Iterator[Fault]:
     if entry.at is not None:
         for fault in gantry.faults(entry.at):
             yield fault, ("at",)
-    known = {*places(trial)}
+    known, fixed = {*places(trial)}, fixed_places(trial.floorplan)
     for k, job in enumerate(entry.jobs):
-        yield from _below(_job_faults(job, gantry, known), "jobs", k)
+        yield from _below(_job_faults(job, gantry, known, fixed), "jobs", k)
 
 
-def _job_faults(job: Job, gantry: Gantry, known: set[str]) -> Iterator[Fault]:
+def _job_faults(
+    job: Job, gantry: Gantry, known: set[str], fixed: Mapping[str, Point]
+) -> Iterator[Fault]:
     if job.kind == "move":
         for fault in gantry.faults(job.target):
             yield fault, ("move",)
@@ -185,6 +207,9 @@ def _job_faults(job: Job, gantry: Gantry, known: set[str]) -> Iterator[Fault]:
         for key, place in (("pick", job.pick), ("place", job.place)):
             if place not in known:
                 yield f"no obstacle, station or AGV is called {place!r}", (key,)
+            elif place in fixed:
+                for fault in gantry.faults((*fixed[place], gantry.start[2])):
+                    yield f"the gantry can't get to {place!r}: {fault}", (key,)
     elif job.kind != "submit":
         yield f"a job is one of move, wait, pick_place, submit, not {job.kind!r}", ()
 

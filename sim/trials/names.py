@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import bdi
-from floorplan import suggestion
+from floorplan import Floorplan, Point, suggestion
 
 if TYPE_CHECKING:
     from .event_kinds import Form
@@ -36,11 +36,15 @@ def stations(trial: Trial) -> list[str]:
 
 def places(trial: Trial) -> list[str]:
     """What the gantry can pick from and place onto."""
-    return [
-        *(obstacle.name for obstacle in trial.floorplan.obstacles),
-        *stations(trial),
-        *agvs(trial),
-    ]
+    return [*fixed_places(trial.floorplan), *agvs(trial)]
+
+
+def fixed_places(plan: Floorplan) -> dict[str, Point]:
+    """Where the gantry finds what doesn't move: stations, and the middles of obstacles."""
+    middles = ((o.name, o.footprint.centroid) for o in plan.obstacles)
+    return {name: (middle.x, middle.y) for name, middle in middles} | {
+        station.name: station.position for station in plan.stations
+    }
 
 
 def parts(trial: Trial) -> list[str]:

@@ -17,7 +17,7 @@ from ..ariac import reading
 from ..controllers import ControllerError, find_controller
 from ..rules import PAPER
 from .agvs_file import AgvKeys, agv_moves, yielding
-from .checks import faults
+from .checks import LARGEST_SEED, faults
 from .people_file import PersonKeys, people_of
 from .rules_file import RuleKeys, build_rules
 from .trial import GantryEntry, Job, Trial, TrialError
@@ -84,7 +84,7 @@ class _Trial(Strictly):
     floorplan: str
     folder: str = "."
     duration: Positive = 275.0
-    seed: Annotated[int, Strict(), Field(ge=0)] = 0
+    seed: Annotated[int, Strict(), Field(ge=0, le=LARGEST_SEED)] = 0
     rules: RuleKeys = RuleKeys.model_validate(PAPER.name)
     people: list[PersonKeys] = []
     gantry: _Gantry = _Gantry()

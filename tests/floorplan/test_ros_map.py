@@ -150,7 +150,11 @@ def test_missing_keys_are_named(load, key):
         ("image: map.pgm", "image: other.pgm", "other.pgm: there is no such image"),
         ("image: map.pgm", "image: map.yaml", "map.yaml: is not an image"),
         ("free_thresh: 0.196", "free_thresh: 0.0", "no cell of map.pgm is free"),
-        ("image: map.pgm", 'image: "a\\0b"', "is no name of a file"),
+        (
+            "image: map.pgm",
+            'image: "a\\0b"',
+            "line 1, image: a text can't have the character U+0000",
+        ),
         ("image: map.pgm", f"image: {'x' * 20_000}", "can't be read: File name too long"),
         ("resolution: 0.5", "resolution: 1.0e+308", "resolution: expected at most 1000"),
         ("resolution: 0.5", "resolution: 1.0e-300", "resolution: expected at least 0.0001"),

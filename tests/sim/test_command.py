@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import floorplan
 import sim
 
 TIMING = ("cpu_seconds", "realtime_factor")
@@ -165,6 +166,13 @@ def test_who_waits_for_somebody_outside_is_said(tmp_path, floorwalker):
         "ariac2023: operator and the gantry can only be driven from outside, and nobody does;"
         " `floorwalker bridge` serves the trial to those who would\n"
     )
+
+
+def test_the_files_of_the_built_in_floors_are_floors(floorwalker):
+    folder = Path(floorplan.__file__).parent / "data"
+    done = floorwalker("check", *sorted(folder.glob("*.yaml")), cwd=folder)
+    assert done.returncode == 0
+    assert done.stdout.count(": a floorplan of ") == len(floorplan.builtin())
 
 
 def test_an_expectation_that_is_not_met_is_said_and_exits_1(tmp_path, floorwalker):
