@@ -31,7 +31,10 @@ BOUNDARY = "boundary"
 SAGITTA = 1e-3
 """Metres. How far a drawn arc may be from the corners that stand for it."""
 
-DAMAGED = (ArithmeticError, AttributeError, LookupError, TypeError, ValueError)
+DAMAGED = (
+    *(ArithmeticError, AttributeError, LookupError, RuntimeError, StopIteration),
+    *(TypeError, ValueError),
+)
 """So ezdxf ends, too, where a drawing holds something else than it promises."""
 
 _OUTLINES = ("LWPOLYLINE", "POLYLINE", "CIRCLE")
@@ -101,7 +104,8 @@ def _drawing(path: Path) -> Drawing:
     except FileNotFoundError:
         raise FloorplanError(str(path), [Problem("there is no such file")]) from None
     except (DXFError, *DAMAGED) as why:
-        raise FloorplanError(str(path), [Problem(f"is not a DXF drawing: {why}")]) from None
+        message = f"is not a DXF drawing: {str(why) or 'it ends too early'}"
+        raise FloorplanError(str(path), [Problem(message)]) from None
     except OSError as why:
         # ezdxf says this without a system's reason of a file that it does not recognise.
         message = f"can't be read: {why.strerror}" if why.strerror else "is not a DXF drawing"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -74,11 +75,14 @@ class Study:
         return parse(text, file, Path(folder))
 
     def __len__(self) -> int:
-        """How many rows there are."""
-        count = len(self.trials) * self.repeat
-        for values in self.grid.values():
-            count *= len(values)
-        return count
+        """The number of rows; `OverflowError` if it does not fit into 63 bits (see `size`)."""
+        return self.size
+
+    @property
+    def size(self) -> int:
+        """The number of rows, however large."""
+        combinations = math.prod(len(values) for values in self.grid.values())
+        return len(self.trials) * self.repeat * combinations
 
     def rows(self, first: int = 0) -> Iterator[Row]:
         """The rows from the number `first` on: every combination once, then all once more."""

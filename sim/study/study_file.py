@@ -83,8 +83,9 @@ def _build(document: Document, folder: Path) -> Study:
         metrics=schema.metrics,
         folder=folder,
     )
-    if len(study) > MOST_ROWS:
-        message = f"{len(study):,} rows are more than the {MOST_ROWS:,} that a study may have"
+    if study.size > MOST_ROWS:
+        message = f"the rows are more than the {MOST_ROWS:,} that a study may have"
+        message += " (trials × grid × repeat)"
         raise StudyError(document.file, [Problem(message)])
     return study
 

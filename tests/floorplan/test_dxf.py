@@ -129,3 +129,14 @@ def test_no_drawing(tmp_path):
     (tmp_path / "empty.dxf").write_text("")
     with pytest.raises(floorplan.FloorplanError, match=r"empty\.dxf: "):
         floorplan.load(tmp_path / "empty.dxf")
+
+
+def test_a_drawing_may_be_cut_anywhere(drawing, tmp_path):
+    outline(drawing, HALL, "boundary")
+    whole, cut = tmp_path / "whole.dxf", tmp_path / "cut.dxf"
+    drawing.saveas(whole)
+    data = whole.read_bytes()
+    for length in (*range(100), *range(100, len(data) - 50, 797)):
+        cut.write_bytes(data[:length])
+        with pytest.raises(floorplan.FloorplanError):
+            floorplan.load(cut)

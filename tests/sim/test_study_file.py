@@ -266,6 +266,7 @@ def test_draws_follow_their_distributions():
         (("[-1, 3, 0]]", "[-1, 8, 0]]"), "y = 8 is outside the gantry's range"),
         (("repeat: 5", "repeat: 0"), "repeat: expected at least 1"),
         (("repeat: 5", "repeat: 5000000"), "rows are more than the 1,000,000"),
+        (("repeat: 5", f"repeat: 1{'0' * 30}"), "rows are more than the 1,000,000"),
         (("seed: 3", "seed: -3"), "seed: expected at least 0"),
     ],
 )
