@@ -2,15 +2,16 @@
 
     python benchmarks/simulation.py [--repetitions N]
 
-The trial is the main job, `ariac2023`: 275 s, one person, the gantry parked, one AGV that moves.
-Loading it (files, personality) is not counted in `sim.run`. The first run on a floor works out its
-roadmap, which the runs after it in the same process find there. Whole processes count everything,
-the interpreter's start included.
+The main job is the trial `ariac2023`: 275 s, one person, the gantry parked, one AGV that moves.
+Beside it are trials with more to do (`TRIALS`), each by `sim.run` in a process that knows the floor,
+and as `floorwalker run` prints it, which works out the floor's roadmap and writes a recording.
+Loading files is not counted. Whole processes count everything, the interpreter's start included.
 """
 
 from __future__ import annotations
 
 import argparse
+import json
 import math
 import resource
 import statistics
@@ -25,6 +26,31 @@ import navigation
 import sim
 
 ROOT = Path(__file__).resolve().parents[1]
+
+ONE = "people: [{name: p, personality: helpful}]\n"
+FIVE = "people:\n" + "".join(
+    f"  - {{name: p{k}, personality: {name}, start: {{time: {20 * k}}}}}\n"
+    for k, name in enumerate(("helpful", "indifferent", "curious", "antagonistic", "scared"))
+)
+WORK = """\
+gantry:
+  controller: {controller}
+  jobs:
+    - {{pick: bin2, place: agv1, part: purple pump}}
+    - {{pick: bin6, place: agv4, part: blue battery}}
+    - {{pick: bin3, place: agv2, part: green sensor}}
+  repeat: true
+agvs:
+  agv1: [{{time: 60.0, to: as1}}, {{time: 120.0, to: kitting}}]
+  agv4: [{{time: 90.0, to: as4}}, {{time: 150.0, to: kitting}}]
+"""
+CONTROLLERS = ("oblivious", "pausing", "avoiding")
+TRIALS = {"one person": ONE, "one person, 10 s": f"duration: 10\n{ONE}", "five people": FIVE}
+for crowd, people in (("one person", ONE), ("five people", FIVE)):
+    for controller in CONTROLLERS:
+        work = WORK.format(controller=controller)
+        TRIALS[f"{crowd}, {controller} gantry, AGVs"] = people + work
+"""Trials on the ARIAC floor, 275 s if not told otherwise, the gantry parked or at work."""
 
 
 def cpu_of_run(trial: sim.Trial) -> float:
@@ -56,6 +82,21 @@ def _resident() -> float:
     except OSError:
         return math.nan
     return int(pages) * resource.getpagesize() / 1e6
+
+
+def speeds(text: str, repetitions: int) -> tuple[float, float]:
+    """How many times as fast as real time: by `sim.run`, and as `floorwalker run` prints it."""
+    text = f"floorplan: ariac2023\n{text}"
+    trial = sim.Trial.parse(text)
+    known = statistics.median(cpu_of_run(trial) for _ in range(repetitions))
+    factors = []
+    with tempfile.TemporaryDirectory() as folder:
+        Path(folder, "t.trial.yaml").write_text(text, encoding="utf-8")
+        for _ in range(repetitions):
+            cpu_of_process("run", f"{folder}/t.trial.yaml", "--out", f"{folder}/run")
+            summary = json.loads(Path(folder, "run", "summary.json").read_text(encoding="utf-8"))
+            factors.append(summary["realtime_factor"])
+    return trial.duration / known, statistics.median(factors)
 
 
 def cpu_of_process(*arguments: str) -> float:
@@ -106,6 +147,10 @@ def main() -> None:
         seconds = [cpu_of_run(trial) for _ in range(repetitions)]
         median = statistics.median(seconds)
         print(f"{personality:32} {median:9.4f} {min(seconds):9.4f} {275 / median:12,.0f}")
+    print(f"{'× real time':40} {'sim.run':>9} {'command':>9}")
+    for name, text in TRIALS.items():
+        known, command = speeds(text, repetitions)
+        print(f"{name:40} {known:9,.0f} {command:9,.0f}", flush=True)
     print(f"{'whole process':32} {'median s':>9}")
     helps = [cpu_of_process("--help") for _ in range(repetitions)]
     print(f"{'floorwalker --help':32} {statistics.median(helps):9.4f}")
