@@ -1,4 +1,4 @@
-"""The table and the picture of docs/competitor-study.md, from the results of that study.
+"""The tables and the picture of docs/competitor-study.md, from the results of that study.
 
 floorwalker study examples/competitor.study.yaml
 python benchmarks/competitor.py studies/competitor/results.csv docs/images/competitor.png
@@ -7,6 +7,7 @@ python benchmarks/competitor.py studies/competitor/results.csv docs/images/compe
 from __future__ import annotations
 
 import csv
+import itertools
 import statistics
 import sys
 from collections.abc import Callable, Sequence
@@ -16,6 +17,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from sim.study.comparison import spread
+from sim.study.effects import cliffs_delta
 
 PERSONALITIES = ("indifferent", "antagonistic", "helpful")
 CONTROLLERS = ("oblivious", "pausing", "avoiding")
@@ -35,6 +37,10 @@ MEASURES: dict[str, Callable[[Row], float]] = {
     "nearest, m": lambda row: float(row["minimum_separation.distance"]),
     "person's visits": lambda row: float(row["people.operator.visits"]),
 }
+
+
+COMPARED = ("score", "penalties", "gantry disabled, s", "person's visits")
+"""The measures by which personalities are set against each other."""
 
 
 def interval(values: Sequence[float]) -> tuple[float, float]:
@@ -67,6 +73,26 @@ def table(rows: Sequence[Row]) -> str:
     return "\n".join(lines)
 
 
+def effects(rows: Sequence[Row]) -> str:
+    """Cliff's delta between personalities, with 95 % intervals, as Markdown."""
+    lines = ["| controller, persons | " + " | ".join(COMPARED) + " |"]
+    lines.append("|---" * (len(COMPARED) + 1) + "|")
+    for controller in CONTROLLERS:
+        for one, other in itertools.combinations(PERSONALITIES, 2):
+            shown = []
+            for measure in COMPARED:
+                figures = (
+                    np.array([MEASURES[measure](row) for row in chosen(rows, who, controller)])
+                    for who in (one, other)
+                )
+                found = cliffs_delta(*figures)
+                if found is None:
+                    raise ValueError("there are no rows of this pair")
+                shown.append(f"{found.delta:+.2f} ({found.low:+.2f} … {found.high:+.2f})")
+            lines.append(f"| {controller}: {one} and {other} | {' | '.join(shown)} |")
+    return "\n".join(lines).replace("-0", "−0").replace("-1", "−1")
+
+
 def picture(rows: Sequence[Row], path: Path) -> None:
     """Score and penalties of every pair, with 95 % intervals."""
     figure = Figure(figsize=(7.2, 2.9), layout="constrained")
@@ -96,12 +122,12 @@ def picture(rows: Sequence[Row], path: Path) -> None:
 
 
 def main() -> None:
-    """Print the table, and draw the picture if a path is given for it."""
+    """Print the tables, and draw the picture if a path is given for it."""
     if len(sys.argv) not in (2, 3):
         sys.exit(__doc__)
     with Path(sys.argv[1]).open(encoding="utf-8", newline="") as file:
         rows = [row for row in csv.DictReader(file) if not row["error"]]
-    print(table(rows))
+    print(table(rows), effects(rows), sep="\n\n")
     if len(sys.argv) == 3:
         picture(rows, Path(sys.argv[2]))
 

@@ -3,9 +3,9 @@
     python benchmarks/simulation.py [--repetitions N]
 
 The main job is the trial `ariac2023`: 275 s, one person, the gantry parked, one AGV that moves.
-Beside it are trials with more to do (`TRIALS`), each by `sim.run` in a process that knows the floor,
-and as `floorwalker run` prints it, which works out the floor's roadmap and writes a recording.
-Loading files is not counted. Whole processes count everything, the interpreter's start included.
+Beside it are trials with more to do (`TRIALS`): by `sim.run` in a process that knows the floor, and
+as `floorwalker run` prints it, which works out the floor's roadmap and writes a recording. Loading
+files is not counted. Whole processes count everything, the interpreter's start included.
 """
 
 from __future__ import annotations

@@ -3,6 +3,7 @@
 from .comparison import Comparison, Group, Measure, Spread
 from .definition import Row, Study, StudyError
 from .draws import Choice, Distribution, Normal, Shuffled, Uniform
+from .effects import Contrast, Effect
 from .folder import save_trial
 from .report import figure
 from .results import StudyResults
@@ -13,7 +14,9 @@ __all__ = [
     "KINDS",
     "Choice",
     "Comparison",
+    "Contrast",
     "Distribution",
+    "Effect",
     "Group",
     "Measure",
     "Normal",

@@ -119,11 +119,15 @@ class Group:
 
 @dataclass(frozen=True)
 class Comparison:
-    """Groups of rows, and for each measure the spread of each group (None: no figures)."""
+    """Groups of rows, and for each measure the spread of each group (None: no figures).
+
+    `values` has the figure of every row, NaN where there is none.
+    """
 
     factors: tuple[str, ...]
     groups: tuple[Group, ...]
     spreads: dict[Measure, tuple[Spread | None, ...]]
+    values: dict[Measure, Floats]
 
     def constant(self, measure: Measure) -> float | None:
         """The figure that every row has, if all have the same, or NaN where none has any."""
@@ -150,12 +154,13 @@ def compare(columns: Columns, factors: Sequence[str]) -> Comparison:
         Group(key, np.array([k for k, other in enumerate(keys) if other == key]))
         for key in dict.fromkeys(keys)
     )
-    spreads = {}
-    for measure in MEASURES:
-        values = measure.values(columns)
-        if values is not None:
-            spreads[measure] = tuple(spread(values[group.rows]) for group in groups)
-    return Comparison(tuple(factors), groups, spreads)
+    found = {measure: measure.values(columns) for measure in MEASURES}
+    values = {measure: figures for measure, figures in found.items() if figures is not None}
+    spreads = {
+        measure: tuple(spread(figures[group.rows]) for group in groups)
+        for measure, figures in values.items()
+    }
+    return Comparison(tuple(factors), groups, spreads, values)
 
 
 def spread(values: Floats) -> Spread | None:

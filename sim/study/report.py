@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import resources
@@ -11,11 +12,15 @@ import numpy as np
 
 from .charts import chart
 from .comparison import Comparison
+from .effects import contrasts
 from .results import StudyResults
 from .table import Cell
 
 STANDING_OUT = 3
 """So many rows are named for what makes them stand out."""
+
+MOST_CONTRASTS = 200
+"""So many pairs of combinations are set against each other."""
 
 MOST_ERRORS = 50
 """So many failed rows are listed."""
@@ -54,6 +59,8 @@ def write_report(results: StudyResults, path: Path) -> None:
         hours=sum(float(t) for t in columns.get("duration", ()) if t is not None) / 3600,
         compared=compared,
         charts=charts,
+        contrasts=[*itertools.islice(contrasts(compared), MOST_CONTRASTS)],
+        most_contrasts=MOST_CONTRASTS,
         remarkable=list(_remarkable(columns, compared)),
         errors=list(results.failed.items())[:MOST_ERRORS],
         error_count=len(results.failed),

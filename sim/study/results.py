@@ -8,6 +8,7 @@ from pathlib import Path
 
 from .comparison import Comparison, compare, factors
 from .definition import Study
+from .effects import Contrast, contrasts
 from .table import Cell
 
 
@@ -27,6 +28,11 @@ class StudyResults:
     def comparison(self) -> Comparison:
         """The rows in groups, one for each combination, and how their figures are spread."""
         return compare(self.columns, factors(self.study))
+
+    @cached_property
+    def contrasts(self) -> tuple[Contrast, ...]:
+        """How much combinations that differ in one factor do so: Cliff's delta with intervals."""
+        return tuple(contrasts(self.comparison))
 
     @property
     def failed(self) -> dict[int, str]:
