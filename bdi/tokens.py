@@ -5,12 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from functools import cache
 from importlib.resources import files
+from itertools import islice
 
 from lark import Lark, Token
 
 #: What a trigger or a body formula may follow; a sign after one of these is an UPDATE.
 _BEFORE_A_STEP = frozenset({"<-", ";", "{", "}", "|||", "|&|"})
 _UPDATES = frozenset({"++", "+<", "+>", "--", "-+"})
+#: What a step may be followed by.
+_AFTER_A_STEP = frozenset({";", ")", "}", "|||", "|&|", "."})
+_AFTER_A_SIGNED_LITERAL = _AFTER_A_STEP | {":", "<-"}
+_OPENING = frozenset({"LPAR", "LSQB", "LBRACE"})
+_CLOSING = frozenset({"RPAR", "RSQB", "RBRACE"})
 
 
 @cache
@@ -27,30 +33,65 @@ def tokenize(source: str, previous: str = "") -> Iterator[Token]:
     """
     reading = grammar().parse_interactive(source)
     tokens = reading.lexer_thread.lex(reading.parser_state)  # type: ignore[no-untyped-call]
-    return _with_updates(tokens, previous)
+    return _with_updates(list(tokens), previous)
 
 
-def _with_updates(tokens: Iterator[Token], previous: str) -> Iterator[Token]:
+def _with_updates(tokens: Sequence[Token], previous: str) -> Iterator[Token]:
     """Joins the signs that begin a trigger or a body formula to one UPDATE token."""
+    around_terms = _brackets_around_terms(tokens)
+    begins_step = previous == "" or previous in _BEFORE_A_STEP
     in_label = False
     depth = 0
-    following = next(tokens, None)
-    while following is not None:
-        token, following = following, next(tokens, None)
+    numbered = enumerate(tokens)
+    for index, token in numbered:
         if token.value == "@" and token.type != "STRING":
             in_label, depth = True, 0
         depth += {"[": 1, "]": -1}.get(token.value, 0)
-        begins_step = previous == "" or previous in _BEFORE_A_STEP or (in_label and depth == 0)
-        if token.type in ("PLUS", "MINUS") and begins_step:
-            both = token.value + (following.value if following is not None else "")
+        begins_step = begins_step or (in_label and depth == 0)
+        if token.type in ("PLUS", "MINUS") and begins_step and not _is_compared(tokens, index):
+            both = token.value + "".join(tokens[index + 1 : index + 2])
             if both in _UPDATES:
-                following = next(tokens, None)
+                next(numbered)
             else:
                 both = token.value
             token = Token.new_borrow_pos("UPDATE", both, token)
             in_label = False
         yield token
-        previous = "" if token.type == "DOT" else token.value
+        if token.type == "LPAR":
+            begins_step = begins_step and index not in around_terms
+        else:
+            begins_step = token.type == "DOT" or token.value in _BEFORE_A_STEP
+
+
+def _is_compared(tokens: Sequence[Token], index: int) -> bool:
+    """Whether the step that begins with the sign at `index` is a comparison, as `-X < 3`."""
+    depth = 0
+    for token in islice(tokens, index + 1, None):
+        if depth == 0 and token.value in _AFTER_A_SIGNED_LITERAL:
+            return False
+        if depth == 0 and token.type == "RELATION" and token is not tokens[index + 1]:
+            return True
+        depth += (token.type in _OPENING) - (token.type in _CLOSING)
+    return False
+
+
+def _brackets_around_terms(tokens: Sequence[Token]) -> set[int]:
+    """Numbers of the opening brackets that cannot be those of a group of steps.
+
+    `(-X) < 3` and `(-b; a)` begin alike: what follows the closing bracket decides.
+    """
+    found: set[int] = set()
+    opened: list[int] = []
+    for index, token in enumerate(tokens):
+        if token.type == "DOT":
+            opened.clear()
+        elif token.type == "LPAR":
+            opened.append(index)
+        elif token.type == "RPAR" and opened:
+            begin = opened.pop()
+            if index + 1 < len(tokens) and tokens[index + 1].value not in _AFTER_A_STEP:
+                found.add(begin)
+    return found
 
 
 def clauses(tokens: Iterator[Token]) -> Iterator[list[Token]]:

@@ -146,6 +146,11 @@ def test_what_is_written_reads_the_same(source):
         ("((a; b))", "a; b"),
         ("x; (a ||| b); c", "x; a ||| b; c"),
         ("if (p) { (a; b) }", "if (p) { a; b }"),
+        ("(+q(a); ?q(X); X)", "+q(a); ?q(X); X"),
+        ("a; ((-p; b); (-+q(1); ++r))", "a; -p; b; -+q(1); ++r"),
+        ("(-p) |&| (+q; a)", "-p |&| (+q; a)"),
+        ("X = 1; ((-X) + 1 < 2; (-X) < 3); -X < 3; a", "X = 1; (-X) + 1 < 2; (-X) < 3; (-X < 3); a"),
+        ("X = 1; -3 < X; (-3 < X; a)", "X = 1; (-3) < X; -3 < X; a"),
     ],
 )
 def test_brackets_around_steps_make_no_difference(written, meant):
