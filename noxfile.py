@@ -51,6 +51,16 @@ def lowest(session: nox.Session) -> None:
 
 
 @nox.session
+def explore(session: nox.Session) -> None:
+    """Property tests with many cases that are drawn at random; more arguments are pytest's."""
+    session.install("-e", ".[test]")
+    session.run(
+        *("python", "-m", "pytest", "-m", "hypothesis and not slow", *session.posargs),
+        env={"HYPOTHESIS_PROFILE": "explore"},
+    )
+
+
+@nox.session
 def coverage(session: nox.Session) -> None:
     """Which lines and branches the tests take, in this process, workers and commands."""
     session.install("-e", ".[test]")

@@ -1,19 +1,29 @@
-"""What all tests share: the real data beside the repository, and how hypothesis runs."""
+"""What all tests share: the real data beside the repository, and how Hypothesis runs."""
 
 import os
 import signal
+from contextlib import suppress
 from importlib.metadata import entry_points
 from pathlib import Path
 
 import pytest
-from hypothesis import settings
+from hypothesis import HealthCheck, settings
 
-settings.register_profile(
-    "default", deadline=None, derandomize=True, print_blob=True, max_examples=50
-)
-settings.register_profile("ci", settings.get_profile("default"), max_examples=100)
-settings.register_profile("thorough", deadline=None, max_examples=3000)
+ALWAYS = {
+    "deadline": None,
+    "print_blob": True,
+    "suppress_health_check": [HealthCheck.too_slow],
+}
+settings.register_profile("explore", max_examples=1000, derandomize=False, **ALWAYS)
+settings.register_profile("default", max_examples=50, derandomize=True, **ALWAYS)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "default"))
+
+# Hypothesis also tries the constants of whichever modules are loaded when a test begins, which
+# depends on the tests that ran before it in the same worker; there is no setting against it.
+with suppress(ImportError):
+    from hypothesis.internal.conjecture import providers
+
+    providers._get_local_constants = lambda: providers._local_constants
 
 pytest_plugins = ["pytester"]
 if "floorwalker" not in entry_points(group="pytest11").names:
