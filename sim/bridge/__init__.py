@@ -8,6 +8,7 @@ of an agent there.
 
 from .connection import ConnectError, Connection, ServiceError
 from .exchange import Exchange
+from .origins import OriginError, Origins
 from .remote_agent import RemoteAgent
 from .server import AddressError, RosbridgeServer, listen_at
 from .session import Session
@@ -19,6 +20,8 @@ __all__ = [
     "ConnectError",
     "Connection",
     "Exchange",
+    "OriginError",
+    "Origins",
     "RemoteAgent",
     "RosbridgeServer",
     "ServiceError",

@@ -21,6 +21,7 @@ from .message_types import (
     message_type,
 )
 from .protocol import (
+    LONGEST_MESSAGE,
     Advertise,
     CallService,
     Fragment,
@@ -124,7 +125,7 @@ class Exchange:
     def publish(self, topic: Topic, message: dict[str, Any]) -> None:
         """Send a message of ours to everybody who subscribed to its topic."""
         if topic.is_needed:
-            self._spread(topic, message)
+            self._spread(topic, publication(topic.name, message))
 
     # What clients say.
 
@@ -185,7 +186,7 @@ class Exchange:
         self._require_type(topic, type_)
         self._require_open(topic)
         topic.publishers.add(client)
-        client.advertised.add(name)
+        client.advertise(topic.name)
         self.changed(client)
 
     def _hear(self, client: Client, publish: Publish) -> None:
@@ -196,13 +197,19 @@ class Exchange:
             raise RefusedError(f"no topic is called {name!r}; advertise it first ({near})")
         self._require_open(topic)
         message = conform(topic.type, publish.msg)
+        text = publication(topic.name, message)
+        if len(text) > LONGEST_MESSAGE:
+            raise RefusedError(
+                f"a message of {len(text)} characters once it is complete;"
+                f" {LONGEST_MESSAGE} is the most that is passed on"
+            )
         if client not in topic.publishers:
             topic.publishers.add(client)
-            client.advertised.add(name)
+            client.advertise(topic.name)
             self.changed(client)
         if topic.heard is not None:
             topic.heard(client, message)
-        self._spread(topic, message)
+        self._spread(topic, text)
 
     def _subscribe(self, client: Client, request: Subscribe) -> None:
         if request.compression not in (None, "none"):
@@ -219,8 +226,8 @@ class Exchange:
         if subscription is None:
             if len(client.subscriptions) >= MOST_TOPICS:
                 raise RefusedError(f"{MOST_TOPICS} subscriptions are the most")
-            subscription = Subscription(name, client)
-            client.subscriptions[name] = topic.subscriptions[client] = subscription
+            subscription = Subscription(topic.name, client)
+            client.subscriptions[topic.name] = topic.subscriptions[client] = subscription
         if subscription.wishes >= MOST_TOPICS:
             raise RefusedError(f"{MOST_TOPICS} subscriptions are the most")
         subscription.add(request.id, Wish.of(request))
@@ -242,7 +249,7 @@ class Exchange:
         return found
 
     def _withdraw(self, client: Client, name: str) -> None:
-        client.advertised.discard(name)
+        client.withdraw(name)
         topic = self.topics.get(name)
         if topic is not None:
             topic.publishers.discard(client)
@@ -274,8 +281,7 @@ class Exchange:
         if topic.ours and topic.heard is None:
             raise RefusedError(f"{topic.name} is published by the simulation alone")
 
-    def _spread(self, topic: Topic, message: dict[str, Any]) -> None:
-        text = publication(topic.name, message)
+    def _spread(self, topic: Topic, text: str) -> None:
         topic.kept.append(text)
         for subscription in tuple(topic.subscriptions.values()):
             subscription.offer(text)
@@ -302,9 +308,7 @@ class Exchange:
             _discard(answer)
             self._respond(client, request, f"{MOST_CALLS} calls are the most", result=False)
             return
-        call = asyncio.ensure_future(self._await(client, request, answer))
-        client.calls.add(call)
-        call.add_done_callback(client.calls.discard)
+        client.begin_call(asyncio.ensure_future(self._await(client, request, answer)))
 
     async def _await(self, client: Client, request: CallService, answer: Awaitable[Answer]) -> None:
         try:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import asyncio
 from collections import deque
 
+from .ledger import Account, size_of
+
 LONGEST_QUEUE = 1000
 """Messages. The most that wait of one topic, whatever a client asks for."""
 
@@ -13,13 +15,6 @@ USUAL_QUEUE = 100
 
 MOST_REPLIES = 1000
 """Answers and status messages that may wait; a client that reads none of them is let go."""
-
-MOST_CHARACTERS = 8_000_000
-"""Characters. What may wait altogether; a client for which more does is let go."""
-
-
-class NotReadingError(Exception):
-    """A client lets pile up what can't be thrown away."""
 
 
 Item = tuple[str, ...]
@@ -37,55 +32,62 @@ class Stream:
 class Outbox:
     """Hands messages out in the order in which they came, without those that grew too old.
 
-    `characters` is how much waits.
+    What waits is counted to `account`, and what was handed out last until the next one is asked
+    for; nothing is kept where that is closed.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, account: Account) -> None:
+        self._account = account
         self._replies = Stream(MOST_REPLIES)
         self._order: deque[Stream] = deque()
         self._filled = asyncio.Event()
-        self.characters = 0
+        self._under_way: Item = ()
 
     def __len__(self) -> int:
         return len(self._order)
 
     def reply(self, item: Item) -> None:
-        """Put an answer in; `NotReadingError` where too many wait already."""
+        """Put an answer in; a client for which too many wait is let go."""
         if len(self._replies.waiting) >= MOST_REPLIES:
-            raise NotReadingError(f"{MOST_REPLIES} answers wait to be read")
+            self._account.refuse(f"{MOST_REPLIES} answers wait to be read")
         self._put(self._replies, item)
 
     def put(self, stream: Stream, item: Item) -> None:
         """Put a topic's message in; the oldest one of the topic goes where too many wait."""
         while len(stream.waiting) >= stream.limit:
-            self.characters -= _length(stream.waiting.popleft())
+            self._account.add(-_size(stream.waiting.popleft()))
             self._order.remove(stream)
         self._put(stream, item)
 
     def drop(self, stream: Stream) -> None:
         """Throw away what waits of a topic."""
-        self.characters -= sum(map(_length, stream.waiting))
+        self._account.add(-sum(map(_size, stream.waiting)))
         stream.waiting.clear()
         self._order = deque(one for one in self._order if one is not stream)
 
+    def clear(self) -> None:
+        """Throw everything away."""
+        for stream in set(self._order):
+            self.drop(stream)
+
     async def get(self) -> Item:
         """The next message, as soon as there is one."""
+        self._account.add(-_size(self._under_way))
+        self._under_way = ()
         while not self._order:
             self._filled.clear()
             await self._filled.wait()
-        item = self._order.popleft().waiting.popleft()
-        self.characters -= _length(item)
-        return item
+        self._under_way = self._order.popleft().waiting.popleft()
+        return self._under_way
 
     def _put(self, stream: Stream, item: Item) -> None:
-        length = _length(item)
-        if self.characters + length > MOST_CHARACTERS:
-            raise NotReadingError(f"{MOST_CHARACTERS} characters wait to be read")
-        self.characters += length
+        self._account.add(_size(item))
+        if self._account.is_closed:
+            return
         stream.waiting.append(item)
         self._order.append(stream)
         self._filled.set()
 
 
-def _length(item: Item) -> int:
-    return sum(map(len, item))
+def _size(item: Item) -> int:
+    return sum(map(size_of, item))

@@ -9,6 +9,8 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 from pydantic_core import from_json
 
+from .ledger import Account, size_of
+
 LONGEST_MESSAGE = 1_000_000
 """Characters. A longer message is refused."""
 
@@ -17,6 +19,9 @@ LONGEST_NAME = 256
 
 _MOST_UNFINISHED = 16
 """How many messages one client may have in pieces at once."""
+
+_UNFINISHED = 1000
+"""Bytes. The place that a message in pieces takes, beside them."""
 
 _MOST_FRAGMENTS = 10_000
 _SMALLEST_FRAGMENT = 64
@@ -182,9 +187,10 @@ def fragments(text: str, size: int, id: str) -> Iterator[str]:
 
 
 class Reassembly:
-    """Puts the fragments of one client's messages together again."""
+    """Puts the fragments of one client's messages together again; `account` counts them."""
 
-    def __init__(self) -> None:
+    def __init__(self, account: Account) -> None:
+        self._account = account
         self._unfinished: dict[str | int, _Pieces] = {}
 
     def add(self, fragment: Fragment) -> str | None:
@@ -194,31 +200,47 @@ class Reassembly:
         """
         if fragment.num >= fragment.total:
             raise ProtocolError(f"fragment {fragment.num} of {fragment.total}", fragment.id)
+        if fragment.id not in self._unfinished:
+            self._account.add(_UNFINISHED)
         pieces = self._unfinished.setdefault(fragment.id, _Pieces())
-        pieces.add(fragment)
+        self._account.add(pieces.add(fragment))
         if pieces.length > LONGEST_MESSAGE:
-            del self._unfinished[fragment.id]
+            self._give_up(fragment.id)
             raise ProtocolError(f"fragments of more than {LONGEST_MESSAGE} characters", fragment.id)
         if len(pieces.data) == fragment.total:
-            del self._unfinished[fragment.id]
+            self._give_up(fragment.id)
             return "".join(pieces.data[num] for num in sorted(pieces.data))
         if len(self._unfinished) > _MOST_UNFINISHED:
             oldest = next(iter(self._unfinished))
-            del self._unfinished[oldest]
+            self._give_up(oldest)
             raise ProtocolError(f"{_MOST_UNFINISHED} messages in fragments are the most", oldest)
         return None
 
+    def clear(self) -> None:
+        """Give up everything that is not complete."""
+        for id in list(self._unfinished):
+            self._give_up(id)
+
+    def _give_up(self, id: str | int) -> None:
+        self._account.add(-_UNFINISHED - self._unfinished.pop(id).size)
+
 
 class _Pieces:
-    """What is there of one message: its fragments by number, and their length in characters."""
+    """What is there of one message: its fragments by number, their characters and bytes."""
 
     def __init__(self) -> None:
         self.data: dict[int, str] = {}
         self.length = 0
+        self.size = 0
 
-    def add(self, fragment: Fragment) -> None:
-        self.length += len(fragment.data) - len(self.data.get(fragment.num, ""))
+    def add(self, fragment: Fragment) -> int:
+        """Take a fragment in, instead of the one of that number; the bytes that it adds."""
+        before = self.data.get(fragment.num)
+        added = size_of(fragment.data) - (0 if before is None else size_of(before))
+        self.length += len(fragment.data) - len(before or "")
+        self.size += added
         self.data[fragment.num] = fragment.data
+        return added
 
 
 def _id_of(data: dict[str, Any]) -> str | int | None:

@@ -13,6 +13,7 @@ from .client import Client
 from .exchange import Exchange, RefusedError
 from .gantry_topics import TRAJECTORY
 from .human_topics import COMMANDS, START
+from .origins import Origins
 from .pace import Pace
 from .rosapi import provide_rosapi
 from .server import RosbridgeServer, listen_at
@@ -40,6 +41,7 @@ class Session:
     `speed` is simulated seconds a second; with 0 time goes on as soon as everybody has read and
     acted on what was last published. With `hold` nothing happens before a client has called
     /ariac/start_competition. `notice(text)` tells the user of the command what goes on.
+    `origins` says which web pages may take part; left out, those of this machine.
     """
 
     def __init__(
@@ -50,11 +52,18 @@ class Session:
         speed: float = 1.0,
         hold: bool = False,
         notice: Callable[[str], None] = lambda _: None,
+        origins: Origins | None = None,
     ) -> None:
         if not (math.isfinite(speed) and speed >= 0):
             raise BridgeError(f"speed must be 0 or more, not {speed:g}")
         trial = workcell.simulation.trial
-        self.server = RosbridgeServer(exchange, left=self._left, failed=self._fail)
+        self.server = RosbridgeServer(
+            exchange,
+            left=self._left,
+            failed=self._fail,
+            origins=origins,
+            notice=notice,
+        )
         self._workcell = workcell
         self._pace = Pace(speed)
         self._notice = notice

@@ -35,6 +35,13 @@ def bridge(
     hold: Annotated[
         bool, typer.Option("--hold", help="Begin only when /ariac/start_competition is called.")
     ] = False,
+    origin: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="ORIGIN",
+            help="Let web pages from there take part, as http://host:8080; may be repeated.",
+        ),
+    ] = None,
     out: RecordingFolder = None,
     connect: Annotated[
         str | None,
@@ -64,17 +71,29 @@ def bridge(
 
         _be_the_agent(chosen, driven_person(given), connect, waypoints)
     else:
-        _serve(chosen, host, port, speed, hold, out)
+        _serve(chosen, host, port, speed, hold, origin or [], out)
 
 
-def _serve(trial: Trial, host: str, port: int, speed: float, hold: bool, out: Path | None) -> None:
+def _serve(
+    trial: Trial,
+    host: str,
+    port: int,
+    speed: float,
+    hold: bool,
+    origins: list[str],
+    out: Path | None,
+) -> None:
     import asyncio
 
     from sim import Recording
-    from sim.bridge import Exchange, Session, Workcell, listen_at
+    from sim.bridge import Exchange, OriginError, Origins, Session, Workcell, listen_at
 
     if not (math.isfinite(speed) and speed >= 0):
         raise typer.BadParameter(f"must be 0 or more, not {speed:g}", param_hint="speed")
+    try:
+        trusted = Origins(origins)
+    except OriginError as why:
+        raise typer.BadParameter(str(why), param_hint="--origin") from None
     at = listen_at(host, port)
     if not _is_loopback(host):
         _notice(f"everybody who can reach {host} can take part, without a password")
@@ -84,7 +103,9 @@ def _serve(trial: Trial, host: str, port: int, speed: float, hold: bool, out: Pa
         exchange = Exchange()
         workcell = Workcell(trial, exchange, recording)
         try:
-            session = Session(workcell, exchange, speed=speed, hold=hold, notice=_notice)
+            session = Session(
+                workcell, exchange, speed=speed, hold=hold, notice=_notice, origins=trusted
+            )
             leave_to_asyncio()
             asyncio.run(_open_and_run(session, at))
         except KeyboardInterrupt:

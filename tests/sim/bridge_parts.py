@@ -106,14 +106,17 @@ def served(a_trial=None, *listeners, speed=0.0, hold=False):
 
 
 @contextmanager
-def relay():
-    """A rosbridge server with no simulation behind it: clients hear each other. Its address."""
+def relay(**options):
+    """A rosbridge server with no simulation behind it: clients hear each other. Its address.
+
+    `options` are those of a server.
+    """
     loop = asyncio.new_event_loop()
     opened = threading.Event()
     address = []
 
     async def main():
-        server = RosbridgeServer(Exchange(), left=lambda _: None, failed=print)
+        server = RosbridgeServer(Exchange(), left=lambda _: None, failed=print, **options)
         at = listen_at("127.0.0.1", 0)
         await server.open(at)
         address.append(f"ws://127.0.0.1:{at.getsockname()[1]}")

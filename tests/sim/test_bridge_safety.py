@@ -10,7 +10,8 @@ from bridge_parts import Client, require_whole, served, trial
 from websockets.exceptions import ConnectionClosed
 
 import sim
-from sim.bridge.outbox import LONGEST_QUEUE, MOST_CHARACTERS
+from sim.bridge.ledger import MOST_FOR_ONE
+from sim.bridge.outbox import LONGEST_QUEUE
 
 SOUND = ("/clock", "/ariac_human/state", "/tf", "/joint_states")
 
@@ -38,9 +39,9 @@ def require_undisturbed(session):
         assert tenths == list(range(tenths[0], tenths[0] + 20))
 
 
-def test_a_message_of_10_mb_is_refused_and_its_sender_stays(busy):
+def test_a_message_of_3_mb_is_refused_and_its_sender_stays(busy):
     with Client(busy.url) as client:
-        client.socket.send(json.dumps({"op": "publish", "topic": "/x", "msg": "x" * 10_000_000}))
+        client.socket.send(json.dumps({"op": "publish", "topic": "/x", "msg": "x" * 3_000_000}))
         assert "is the most that is taken" in client.error()["msg"]
         assert client.call("/rosapi/nodes")[0]
     require_undisturbed(busy)
@@ -48,7 +49,7 @@ def test_a_message_of_10_mb_is_refused_and_its_sender_stays(busy):
 
 def test_a_message_that_is_longer_still_ends_the_connection(busy):
     with Client(busy.url) as client, pytest.raises(ConnectionClosed):
-        client.socket.send("x" * 17_000_000)
+        client.socket.send("x" * 5_000_000)
         client.socket.recv(10)
     require_undisturbed(busy)
 
@@ -78,9 +79,9 @@ def test_a_client_that_never_reads_costs_others_nothing(busy):
         lazy.subscribe(*SOUND, queue_length=1_000_000)
         for _ in range(3):
             require_undisturbed(busy)
-        outboxes = busy.do(lambda: [client.outbox for client in busy.session.server.clients])
-        assert all(outbox.characters <= MOST_CHARACTERS for outbox in outboxes)
-        assert max(len(outbox) for outbox in outboxes) <= len(SOUND) * LONGEST_QUEUE
+        clients = busy.do(lambda: list(busy.session.server.clients))
+        assert all(client.account.held <= MOST_FOR_ONE for client in clients)
+        assert max(len(client.outbox) for client in clients) <= len(SOUND) * LONGEST_QUEUE
 
 
 def test_a_client_that_asks_and_never_reads_is_let_go(busy):

@@ -9,8 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sim.bridge.conformance import MessageError, blank, conform
+from sim.bridge.ledger import MOST_FOR_ONE, Account, Ledger
 from sim.bridge.message_types import MESSAGES, SERVICES, UnknownTypeError, message_type
-from sim.bridge.outbox import MOST_REPLIES, NotReadingError, Outbox, Stream
+from sim.bridge.outbox import MOST_REPLIES, Outbox, Stream
 from sim.bridge.protocol import (
     Fragment,
     ProtocolError,
@@ -158,10 +159,16 @@ def test_fragments_in_any_order_make_the_message_again(text, size, random):
         assert pieces == [text]
         return
     random.shuffle(pieces)
-    reassembly = Reassembly()
+    account = an_account()
+    reassembly = Reassembly(account)
     whole = [reassembly.add(decode(piece)) for piece in pieces]
     assert whole[:-1] == [None] * (len(pieces) - 1)
     assert whole[-1] == text
+    assert account.held == 0
+
+
+def an_account(let_go=lambda why: None):
+    return Account(Ledger(), let_go)
 
 
 def fragment(id, num, total, data="x"):
@@ -169,7 +176,8 @@ def fragment(id, num, total, data="x"):
 
 
 def test_fragments_do_not_pile_up():
-    reassembly = Reassembly()
+    account = an_account()
+    reassembly = Reassembly(account)
     with pytest.raises(ProtocolError, match="more than"):
         for num in range(100):
             reassembly.add(fragment("big", num, 1000, "x" * 100_000))
@@ -178,11 +186,14 @@ def test_fragments_do_not_pile_up():
             reassembly.add(fragment(f"many{id}", 0, 2))
     with pytest.raises(ProtocolError, match="fragment 3 of 2"):
         reassembly.add(fragment("odd", 3, 2))
+    assert account.held
+    reassembly.clear()
+    assert account.held == 0
 
 
 def test_a_nested_fragment_is_still_one_operation():
     inner = '{"op":"publish","topic":"/a","msg":{}}'
-    (whole,) = filter(None, map(Reassembly().add, [fragment("a", 0, 1, inner)]))
+    (whole,) = filter(None, map(Reassembly(an_account()).add, [fragment("a", 0, 1, inner)]))
     assert isinstance(decode(whole), Publish)
 
 
@@ -197,7 +208,8 @@ def everything_in(outbox):
 
 
 def test_the_oldest_messages_of_a_topic_go_first_when_too_many_wait():
-    outbox = Outbox()
+    account = an_account()
+    outbox = Outbox(account)
     short, long = Stream(2), Stream(10)
     for k in range(4):
         outbox.put(short, (f"short{k}",))
@@ -207,23 +219,49 @@ def test_the_oldest_messages_of_a_topic_go_first_when_too_many_wait():
     for k in (2, 3):
         expected += [f"short{k}", f"long{k}", "rest", f"reply{k}"]
     assert everything_in(outbox) == expected
+    last = account.held
+    assert 0 < last < 200  # what was handed out last is under way
 
 
 def test_what_can_not_be_thrown_away_is_bounded():
-    outbox = Outbox()
-    with pytest.raises(NotReadingError, match="answers"):
-        for _ in range(MOST_REPLIES + 1):
-            outbox.reply(("x",))
-    outbox = Outbox()
-    with pytest.raises(NotReadingError, match="characters"):
-        for _ in range(100):
-            outbox.reply(("x" * 100_000,))
+    for text, many, told in (
+        ("x", MOST_REPLIES, f"{MOST_REPLIES} answers wait"),
+        ("x" * 100_000, MOST_FOR_ONE // 100_000, f"more than {MOST_FOR_ONE} bytes"),
+        ("\U0001f600" * 25_000, MOST_FOR_ONE // 100_000, f"more than {MOST_FOR_ONE} bytes"),
+    ):
+        refused = []
+        outbox = Outbox(an_account(refused.append))
+        for _ in range(many - 1):
+            outbox.reply((text,))
+        assert refused == []
+        for _ in range(5):
+            outbox.reply((text,))
+        assert len(refused) == 1
+        assert told in refused[0]
+        assert len(outbox) <= many
+
+
+def test_of_all_clients_the_one_with_the_most_is_let_go():
+    ledger, gone = Ledger(most_for_all=10_000_000), []
+    accounts = [Account(ledger, lambda _, k=k: gone.append(k)) for k in range(30)]
+    for round in range(1, 8):
+        for k, account in enumerate(accounts):
+            account.add(1_000_000 if k % 2 else round)
+            assert ledger.held <= ledger.most_for_all
+    assert gone
+    assert all(k % 2 for k in gone)
+    for account in accounts:
+        account.close()
+    assert ledger.held == 0
 
 
 def test_what_waits_of_a_topic_can_be_dropped():
-    outbox = Outbox()
+    account = an_account()
+    outbox = Outbox(account)
     stream = Stream(10)
-    outbox.put(stream, ("gone",))
     outbox.reply(("kept",))
+    before = account.held
+    outbox.put(stream, ("gone",))
     outbox.drop(stream)
+    assert account.held == before
     assert everything_in(outbox) == ["kept"]
