@@ -49,11 +49,17 @@ gantry:
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """Add the option that says where replay pages go."""
-    parser.getgroup("floorwalker").addoption(
+    """Add the options that say where replay pages go, and what trials may name."""
+    group = parser.getgroup("floorwalker")
+    group.addoption(
         "--floorwalker-replays",
         metavar="DIR",
         help="keep the replay pages of trials that failed in this folder",
+    )
+    group.addoption(
+        "--no-own-code",
+        action="store_true",
+        help="refuse trials that name Python of somebody's own: laws, controllers",
     )
 
 
@@ -115,7 +121,9 @@ def ariac_cell(request: pytest.FixtureRequest) -> Trial:
     """The ARIAC 2023 floor for 120 s: an indifferent operator, a gantry that carries parts."""
     from sim import Trial
 
-    return Trial.parse(_CELL, file="ariac_cell", folder=request.path.parent)
+    own_code = _own_code(request.config)
+    folder = request.path.parent
+    return Trial.parse(_CELL, file="ariac_cell", folder=folder, own_code=own_code)
 
 
 @pytest.fixture
@@ -146,12 +154,18 @@ def run_trial(
 
         __tracebackhide__ = True
         if not isinstance(chosen, Trial):
-            chosen = find_trial(chosen, request.path.parent)
+            own_code = _own_code(request.config)
+            chosen = find_trial(chosen, request.path.parent, own_code=own_code)
             if _floorwalker_variation is not None:
                 chosen = _floorwalker_variation.of(chosen)
         return _floorwalker_failures.run(chosen)
 
     return run
+
+
+def _own_code(config: pytest.Config) -> bool:
+    """Whether trials may name Python of the user's own."""
+    return not config.getoption("--no-own-code")
 
 
 @pytest.fixture

@@ -16,7 +16,7 @@ from .agv import Agv
 from .ariac import Dispatcher
 from .body import Body
 from .clock import Clock
-from .controllers import find_controller, supervised
+from .controllers import Controller, find_controller, parked, supervised
 from .crossing import CrossingWatch
 from .gantry import GantryRobot, Sighting, Surroundings
 from .minds import Mind, Outside, kept_beliefs, make_agent
@@ -31,6 +31,7 @@ from .referee import Pair, Referee
 from .summary import summarise
 from .trials.checks import check
 from .trials.names import fixed_places
+from .trials.own_law import load_laws
 from .trials.programs import EXTERNAL
 from .trials.trial import PersonEntry, Start, Trial
 from .triggers import Triggers
@@ -42,12 +43,15 @@ class Simulation:
     """One trial, run step by step.
 
     `listeners` are told of events and motions as they happen. `advance` as far as you like,
-    then `finish` for the `Run`. `TrialError` if there is something in the trial that can't be.
+    then `finish` for the `Run`. `TrialError` if there is something in the trial that can't be,
+    `LawError` or `ControllerError` if a law or controller of the user's own can't be imported.
     """
 
     def __init__(self, trial: Trial, *listeners: Listener) -> None:
         self._cpu_begin = time.process_time()
         check(trial)
+        load_laws(trial.rules)
+        self._controller = _controller_of(trial)
         self.trial = trial
         self.clock = Clock(0.0)
         self.events: list[Event] = []
@@ -321,9 +325,8 @@ class Simulation:
             self.trial.duration,
             partial(gantry.interrupt, "person_close"),
         )
-        entry = self.trial.gantry
-        controller = find_controller(entry.controller, self.trial.folder)
-        gantry.start(supervised(entry.controller_name, controller, gantry))
+        name = self.trial.gantry.controller_name
+        gantry.start(supervised(name, self._controller, gantry))
 
     def _see(self) -> tuple[Sighting, ...]:
         """The people as the gantry sees them now."""
@@ -376,12 +379,19 @@ class Simulation:
 def run(trial: Trial, *listeners: Listener) -> Run:
     """Run `trial` to its end; `listeners` are told of events and motions as they happen.
 
-    Raises `TrialError` if there is something in the trial that can't be, `ControllerError` or
-    `MindError` when the user's own programs go wrong.
+    Raises `TrialError` if there is something in the trial that can't be, `ControllerError`,
+    `LawError` or `MindError` when the user's own programs go wrong.
     """
     simulation = Simulation(trial, *listeners)
     simulation.advance(trial.duration)
     return simulation.finish()
+
+
+def _controller_of(trial: Trial) -> Controller:
+    """The controller of the trial's gantry; `parked` where the floor has none."""
+    if trial.floorplan.gantry is None:
+        return parked
+    return find_controller(trial.gantry.controller, trial.folder, own_code=trial.own_code)
 
 
 class _Keeper(Listener):

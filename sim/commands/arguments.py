@@ -39,6 +39,10 @@ Rules = Annotated[
     str | None,
     typer.Option(help="Rule set: a name, or a YAML file.", autocompletion=completion.rules),
 ]
+NoOwnCode = Annotated[
+    bool,
+    typer.Option("--no-own-code", help="Refuse trials that name Python of somebody's own."),
+]
 RecordingFolder = Annotated[
     Path | None, typer.Option(help="Folder for the recording (runs/TRIAL if not given).")
 ]

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from . import completion
-from .arguments import Duration, RecordingFolder, Rules, Seed, TrialName
+from .arguments import Duration, NoOwnCode, RecordingFolder, Rules, Seed, TrialName
 from .interrupts import leave_to_asyncio
 from .run import INTERRUPTED, changed, free_folder, tell_result
 
@@ -60,11 +60,12 @@ def bridge(
     duration: Duration = None,
     seed: Seed = None,
     rules: Rules = None,
+    no_own_code: NoOwnCode = False,
 ) -> None:
     """Talk ROS: serve a trial over rosbridge, or be the agent of one that is served elsewhere."""
     from sim import Trial
 
-    given = Trial.load(trial)
+    given = Trial.load(trial, own_code=not no_own_code)
     chosen = changed(given, personality, duration, seed, rules)
     if connect is not None:
         from sim.bridge import driven_person

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from . import completion
+from .arguments import NoOwnCode
 from .run import tell_notices
 
 if TYPE_CHECKING:
@@ -24,26 +25,31 @@ def check(
             autocompletion=completion.checked,
         ),
     ],
+    no_own_code: NoOwnCode = False,
 ) -> None:
-    """Check files of every kind: all their problems, each with its place; exit 1 if any."""
-    faults = [fault for file in files for fault in [_fault(file)] if fault]
+    """Check files of every kind: all their problems, each with its place; exit 1 if any.
+
+    Nothing is run: Python that they name is read, not imported.
+    """
+    own_code = not no_own_code
+    faults = [fault for file in files for fault in [_fault(file, own_code)] if fault]
     for fault in faults:
         typer.echo(fault, err=True)
     if faults:
         raise typer.Exit(1)
 
 
-def _fault(file: str) -> str:
+def _fault(file: str, own_code: bool) -> str:
     """What is wrong with a file, or an empty text after saying what was read from it."""
     try:
-        content = _read(file)
+        content = _read(file, own_code)
     except (ValueError, OSError) as why:
         return str(why)
     typer.echo(f"{file}: {content}")
     return ""
 
 
-def _read(file: str) -> str:
+def _read(file: str, own_code: bool) -> str:
     """What stands in a file or built-in of that name, in words."""
     import bdi
     import floorplan
@@ -58,12 +64,12 @@ def _read(file: str) -> str:
     if path.suffix in (".yaml", ".yml") and path.exists():
         keys = _keys(path)
         if "trials" in keys:
-            return _study(Study.load(path))
+            return _study(Study.load(path, own_code=own_code))
         if {"boundary", "image"} & keys:
             return _floor(floorplan.load(path))
         if keys & {*RuleKeys.model_fields} - {"name", "source"} and "floorplan" not in keys:
-            return f"the rule set {load_rules(path).name}"
-        return _trial(Trial.load(path), file)
+            return f"the rule set {load_rules(path, own_code=own_code).name}"
+        return _trial(Trial.load(path, own_code=own_code), file)
     return _floor(floorplan.load(file))
 
 

@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from . import completion
+from .arguments import NoOwnCode
 
 
 class FormatName(str, Enum):
@@ -41,6 +42,7 @@ def export(
         FormatName | None, typer.Option(help="If the name of the file does not say it.")
     ] = None,
     rate: Annotated[float, typer.Option(help="Instants a second, in Hz.")] = 20.0,
+    no_own_code: NoOwnCode = False,
 ) -> None:
     """Write a run in the format of another tool, sampled from the exact motions."""
     from sim.exports import Export
@@ -48,6 +50,6 @@ def export(
 
     name = format.value if format is not None else None
     chosen = Export.to(out, rate=rate, format=name)
-    run = run_from(source)
+    run = run_from(source, own_code=not no_own_code)
     chosen.write(run)
     typer.echo(f"{out} holds {run.duration:g} s of {run.scene.trial} at {rate:g} Hz")

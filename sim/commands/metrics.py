@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from . import completion
+from .arguments import NoOwnCode
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -29,6 +30,7 @@ def metrics(
         ),
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    no_own_code: NoOwnCode = False,
 ) -> None:
     """Measure how a run went: ways, speeds, distances, and time in people's spaces."""
     import json
@@ -36,7 +38,8 @@ def metrics(
     import sim
     from sim.recordings.sources import run_from
 
-    figures = sim.metrics(run_from(source), radii=dict(map(_radius, radius or [])))
+    radii = dict(map(_radius, radius or []))
+    figures = sim.metrics(run_from(source, own_code=not no_own_code), radii=radii)
     if as_json:
         typer.echo(json.dumps(figures, indent=2, ensure_ascii=False))
         return

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from . import completion
-from .arguments import Floor, Source
+from .arguments import Floor, NoOwnCode, Source
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -35,13 +35,14 @@ def floorplan(
     floor: Floor,
     out: Out,
     width: Columns = "double",
+    no_own_code: NoOwnCode = False,
 ) -> None:
     """The floor from above, with everything that has a name."""
     from sim import plots
     from sim.recordings.sources import floorplan_from
 
     plots.require_savable(out)
-    _save(plots.floorplan(floorplan_from(floor), width=width), out)
+    _save(plots.floorplan(floorplan_from(floor, own_code=not no_own_code), width=width), out)
 
 
 @app.command(context_settings={"ignore_unknown_options": True})
@@ -56,6 +57,7 @@ def path(
         float | None, typer.Option(help="Of the person, in metres; the floor's own by default.")
     ] = None,
     width: Columns = "double",
+    no_own_code: NoOwnCode = False,
 ) -> None:
     """A person's way across a floor, and how much room there is along it."""
     from navigation import CollisionWorld, PathPlanner
@@ -63,7 +65,7 @@ def path(
     from sim.recordings.sources import floorplan_from
 
     plots.require_savable(out)
-    world = CollisionWorld(floorplan_from(floor))
+    world = CollisionWorld(floorplan_from(floor, own_code=not no_own_code))
     wide = world.plan.human.radius if radius is None else radius
     way = PathPlanner(world, wide).plan((x0, y0), (x1, y1))
     _save(plots.path(world, way, radius=wide, width=width), out)
@@ -71,19 +73,29 @@ def path(
 
 @app.command()
 def trails(
-    source: Source, out: Out, begin: Begin = None, end: End = None, width: Columns = "double"
+    source: Source,
+    out: Out,
+    begin: Begin = None,
+    end: End = None,
+    width: Columns = "double",
+    no_own_code: NoOwnCode = False,
 ) -> None:
     """The ways that people and machines took, and where somebody came too close."""
-    run = _run(source, out)
+    run = _run(source, out, own_code=not no_own_code)
     _save(run.plot.trails(within=_within(begin, end), width=width), out)
 
 
 @app.command()
 def spacetime(
-    source: Source, out: Out, begin: Begin = None, end: End = None, width: Columns = "double"
+    source: Source,
+    out: Out,
+    begin: Begin = None,
+    end: End = None,
+    width: Columns = "double",
+    no_own_code: NoOwnCode = False,
 ) -> None:
     """A space–time diagram: x and y of everybody who moves, over time."""
-    run = _run(source, out)
+    run = _run(source, out, own_code=not no_own_code)
     _save(run.plot.space_time(within=_within(begin, end), width=width), out)
 
 
@@ -98,9 +110,10 @@ def separation(
     begin: Begin = None,
     end: End = None,
     width: Columns = "double",
+    no_own_code: NoOwnCode = False,
 ) -> None:
     """Distance and required distance over time, violations shaded."""
-    run = _run(source, out)
+    run = _run(source, out, own_code=not no_own_code)
     figure = run.plot.separation(person, machine, within=_within(begin, end), width=width)
     _save(figure, out)
 
@@ -117,22 +130,24 @@ def heatmap(
     ],
     out: Out,
     width: Columns = "double",
+    no_own_code: NoOwnCode = False,
 ) -> None:
     """Where people were, and for how long."""
     from sim import plots
     from sim.recordings.sources import run_from
 
     plots.require_savable(out)
-    _save(plots.heat_map([run_from(source) for source in sources], width=width), out)
+    runs = [run_from(source, own_code=not no_own_code) for source in sources]
+    _save(plots.heat_map(runs, width=width), out)
 
 
-def _run(source: str, out: Path) -> Recorded:
+def _run(source: str, out: Path, *, own_code: bool) -> Recorded:
     """The run to be drawn into `out`, if that can be done at all."""
     from sim import plots
     from sim.recordings.sources import run_from
 
     plots.require_savable(out)
-    return run_from(source)
+    return run_from(source, own_code=own_code)
 
 
 def _within(begin: float | None, end: float | None) -> tuple[float, float] | None:

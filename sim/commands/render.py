@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from .arguments import Source
+from .arguments import NoOwnCode, Source
 
 
 def render(
@@ -20,6 +20,7 @@ def render(
     end: Annotated[
         float | None, typer.Option("--to", help="Film up to this time, seconds.")
     ] = None,
+    no_own_code: NoOwnCode = False,
 ) -> None:
     """Film a run: a GIF, or an MP4."""
     from sim import plots
@@ -27,7 +28,7 @@ def render(
     from sim.recordings.sources import run_from
 
     plots.require_renderable(out)
-    run = run_from(source)
+    run = run_from(source, own_code=not no_own_code)
     within = (begin, float("inf") if end is None else end)
     with progress_bars() as progress:
         bar = progress.add_task("filming", total=1.0)

@@ -12,7 +12,7 @@ import typer
 from ..folder_names import folder_for
 from ..pages.browser import open_in_browser
 from . import completion
-from .arguments import Duration, RecordingFolder, Rules, Seed, TrialName
+from .arguments import Duration, NoOwnCode, RecordingFolder, Rules, Seed, TrialName
 
 if TYPE_CHECKING:
     from sim import Recording, Run, Simulation, Trial
@@ -56,16 +56,18 @@ def run(
     no_open: Annotated[
         bool, typer.Option("--no-open", help="With --watch: only say where the page is.")
     ] = False,
+    no_own_code: NoOwnCode = False,
 ) -> None:
     """Simulate a trial and record it: summary, events, motions, trajectory, replay page."""
     from sim import Recording, Trial
 
-    for given, option in ((speed is not None, "--speed"), (no_open, "--no-open")):
-        if given and not watch:
+    for asked, option in ((speed is not None, "--speed"), (no_open, "--no-open")):
+        if asked and not watch:
             raise typer.BadParameter("needs --watch", param_hint=option)
     if speed is not None and not (math.isfinite(speed) and speed > 0):
         raise typer.BadParameter(f"must be more than 0, not {speed:g}", param_hint="--speed")
-    chosen = changed(Trial.load(trial), personality, duration, seed, rules, controller)
+    given = Trial.load(trial, own_code=not no_own_code)
+    chosen = changed(given, personality, duration, seed, rules, controller)
     tell_notices(chosen)
     _tell_who_waits(chosen)
     _tell_what_is_not_done(chosen)
@@ -135,7 +137,8 @@ def changed(
 ) -> Trial:
     """The trial with what the options say instead; `TrialError` if it can't be run so."""
     from floorplan import is_there
-    from sim import find_controller, find_rules
+    from sim import find_rules
+    from sim.controllers import controller_source
     from sim.trials.checks import check
 
     if personality is not None:
@@ -143,14 +146,14 @@ def changed(
         is_file = is_there(path) and path.is_file()
         trial = trial.with_personality(str(path.resolve()) if is_file else personality)
     if controller is not None:
-        find_controller(controller, trial.folder)
+        controller_source(controller, trial.folder, own_code=trial.own_code)
         trial = replace(trial, gantry=replace(trial.gantry, controller=controller))
     if duration is not None:
         trial = replace(trial, duration=duration, until_submitted=False)
     if seed is not None:
         trial = replace(trial, seed=seed)
     if rules is not None:
-        trial = replace(trial, rules=find_rules(rules))
+        trial = replace(trial, rules=find_rules(rules, own_code=trial.own_code))
     check(trial)
     return trial
 

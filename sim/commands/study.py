@@ -9,6 +9,7 @@ import typer
 
 from ..folder_names import folder_for
 from . import completion
+from .arguments import NoOwnCode
 from .run import INTERRUPTED
 
 if TYPE_CHECKING:
@@ -40,11 +41,12 @@ def study(
     row: Annotated[
         int | None, typer.Option(help="Only write the trial file of this row, and run nothing.")
     ] = None,
+    no_own_code: NoOwnCode = False,
 ) -> None:
     """Run the trials of a study in all their variations; go on where it was stopped before."""
     from sim.study import Study, save_trial
 
-    chosen = Study.load(file)
+    chosen = Study.load(file, own_code=not no_own_code)
     folder = folder_for(chosen.name, "studies") if out is None else out
     if row is not None:
         typer.echo(str(save_trial(chosen, row, folder)))

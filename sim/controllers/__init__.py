@@ -7,7 +7,7 @@ things to wait for. Copy one of these files to write your own, and name it in a 
 
 from .avoiding import avoiding
 from .caution import Caution
-from .finding import CONTROLLERS, Controller, ControllerError, find_controller
+from .finding import CONTROLLERS, Controller, ControllerError, controller_source, find_controller
 from .oblivious import oblivious
 from .parked import parked
 from .pausing import pausing
@@ -19,6 +19,7 @@ __all__ = [
     "Controller",
     "ControllerError",
     "avoiding",
+    "controller_source",
     "find_controller",
     "oblivious",
     "parked",

@@ -13,7 +13,7 @@ from simpy.events import Event
 
 from ..drive import Steps
 from ..gantry import GantryRobot
-from ..trials.own_code import in_words
+from ..trials.own_source import in_words
 from .finding import Controller, ControllerError
 
 MOST_AT_ONCE = 1000

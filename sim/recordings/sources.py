@@ -14,26 +14,27 @@ from .outcome import Recorded
 from .run_folder import load_run
 
 
-def run_from(source: str | Path) -> Recorded:
+def run_from(source: str | Path, *, own_code: bool = True) -> Recorded:
     """The run in the folder `source`, read back; or that of the trial `source`, which is run.
 
-    Errors are those of `load_run`, `Trial.load` and `run`.
+    `own_code` is as of `Trial.load`. Errors are those of `load_run`, `Trial.load` and `run`.
     """
     if Path(source).is_dir():
         return load_run(source)
-    return run(Trial.load(source))
+    return run(Trial.load(source, own_code=own_code))
 
 
-def floorplan_from(source: str | Path) -> Floorplan:
+def floorplan_from(source: str | Path, *, own_code: bool = True) -> Floorplan:
     """The floor of that name, in that file, of that trial, or of the run in that folder.
 
-    A name that both a floorplan and a trial have means the floorplan.
+    A name that both a floorplan and a trial have means the floorplan. `own_code` is as of
+    `Trial.load`.
     """
     path, name = Path(source), str(source)
     if path.is_dir():
         return load_run(path).floorplan
     if name in set(builtin_trials()) - set(floorplan.builtin()) or _is_trial(path):
-        return Trial.load(source).floorplan
+        return Trial.load(source, own_code=own_code).floorplan
     return floorplan.load(source)
 
 

@@ -58,21 +58,32 @@ class Study:
     folder: Path = Path()
 
     @classmethod
-    def load(cls, path: str | Path) -> Study:
+    def load(cls, path: str | Path, *, own_code: bool = True) -> Study:
         """The study in the YAML file at `path`.
 
+        Without `own_code` its trials may name no Python of the user's own, as of `Trial.load`.
         `StudyError` with everything that is wrong, each with its place.
         """
         from .study_file import load
 
-        return load(path)
+        return load(path, own_code)
 
     @classmethod
-    def parse(cls, text: str, *, file: str = "<text>", folder: str | Path = ".") -> Study:
-        """The study in `text`; its files are looked up from `folder`, errors call it `file`."""
+    def parse(
+        cls,
+        text: str,
+        *,
+        file: str = "<text>",
+        folder: str | Path = ".",
+        own_code: bool = True,
+    ) -> Study:
+        """The study in `text`, as if it stood in `folder`; errors call it `file`.
+
+        `own_code` is as of `load`.
+        """
         from .study_file import parse
 
-        return parse(text, file, Path(folder))
+        return parse(text, file, Path(folder), own_code)
 
     def __len__(self) -> int:
         """The number of rows; `OverflowError` if it does not fit into 63 bits (see `size`)."""

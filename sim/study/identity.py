@@ -12,7 +12,7 @@ from pathlib import Path
 
 from shapely.geometry.base import BaseGeometry
 
-from ..controllers import find_controller
+from ..controllers import controller_source, find_controller
 from ..trials.trial import Trial
 from .definition import Study
 
@@ -47,11 +47,12 @@ def _parts(trial: Trial) -> Iterator[tuple[str, str]]:
         yield f"the program {person.personality}", _digest(str(person.program))
     if trial.workload is not None:
         yield f"the orders of {trial.name}", _digest(repr(trial.workload))
-    controller = find_controller(trial.gantry.controller, trial.folder)
-    source = inspect.getsourcefile(controller)
-    if source is not None:
+    controller = trial.gantry.controller
+    own = controller_source(controller, trial.folder)
+    file = own.file if own else inspect.getsourcefile(find_controller(controller, trial.folder))
+    if file is not None:
         name = trial.gantry.controller_name
-        yield f"the controller {name}", _digest(Path(source).read_text(encoding="utf-8"))
+        yield f"the controller {name}", _digest(Path(file).read_text(encoding="utf-8"))
 
 
 def _digest(text: str) -> str:

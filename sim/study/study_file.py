@@ -49,22 +49,23 @@ class _Study(Strictly):
     repeat: Annotated[int, Strict(), Field(ge=1)] = 1
     seed: Annotated[int, Strict(), Field(ge=0, le=LARGEST_SEED)] = 0
     metrics: Annotated[bool, Strict()] = False
+    own_code: Annotated[bool, Strict()] = True
 
 
-def load(path: str | Path) -> Study:
+def load(path: str | Path, own_code: bool) -> Study:
     """See `Study.load`."""
     path = Path(path)
-    return _build(floorplan.read_yaml(path, StudyError), path.parent)
+    return _build(floorplan.read_yaml(path, StudyError), path.parent, own_code)
 
 
-def parse(text: str, file: str, folder: Path) -> Study:
+def parse(text: str, file: str, folder: Path, own_code: bool) -> Study:
     """See `Study.parse`."""
-    return _build(floorplan.parse_yaml(text, file, StudyError), folder)
+    return _build(floorplan.parse_yaml(text, file, StudyError), folder, own_code)
 
 
-def _build(document: Document, folder: Path) -> Study:
+def _build(document: Document, folder: Path, own_code: bool) -> Study:
     schema = document.checked(_Study, StudyError)
-    reader = _Reader(document, folder)
+    reader = _Reader(document, folder, own_code and schema.own_code)
     trials = reader.trials(schema.trials)
     grid = reader.grid(schema.grid, trials)
     drawn = reader.random(schema.random, trials, schema.grid)
@@ -93,10 +94,11 @@ def _build(document: Document, folder: Path) -> Study:
 class _Reader:
     """Reads the parts of a study, and gathers what is wrong with them."""
 
-    def __init__(self, document: Document, folder: Path) -> None:
+    def __init__(self, document: Document, folder: Path, own_code: bool) -> None:
         self.problems: list[Problem] = []
         self._document = document
         self._folder = folder
+        self._own_code = own_code
 
     def trials(self, sources: list[str]) -> tuple[Trial, ...]:
         trials: list[Trial] = []
@@ -108,7 +110,8 @@ class _Reader:
             seen.add(source)
             try:
                 path = self._folder / source
-                trial = Trial.load(path if path.suffix or floorplan.is_there(path) else source)
+                found = path if path.suffix or floorplan.is_there(path) else source
+                trial = Trial.load(found, own_code=self._own_code)
             except (ValueError, OSError) as why:
                 self._problem(str(why), "trials", k)
                 continue

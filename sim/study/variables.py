@@ -10,7 +10,7 @@ from typing import Any
 
 from floorplan import is_there, suggestion
 
-from ..controllers import find_controller
+from ..controllers import controller_source
 from ..trials.comparison import is_number
 from ..trials.rules_file import find_rules
 from ..trials.trial import AgvMove, Job, PersonEntry, Start, Trial
@@ -81,7 +81,7 @@ def _start_time(trial: Trial, value: Any, whose: str, folder: Path) -> Trial:
 
 
 def _controller(trial: Trial, value: Any, whose: str, folder: Path) -> Trial:
-    find_controller(_text(value), trial.folder)
+    controller_source(_text(value), trial.folder, own_code=trial.own_code)
     return replace(trial, gantry=replace(trial.gantry, controller=value))
 
 
@@ -121,7 +121,8 @@ def _agv_delay(trial: Trial, value: Any, whose: str, folder: Path) -> Trial:
 
 
 def _rules(trial: Trial, value: Any, whose: str, folder: Path) -> Trial:
-    return replace(trial, rules=find_rules(_text(value), folder))
+    rules = find_rules(_text(value), folder, own_code=trial.own_code)
+    return replace(trial, rules=rules)
 
 
 def _duration(trial: Trial, value: Any, whose: str, folder: Path) -> Trial:

@@ -16,6 +16,7 @@ from ..pages.replay_data import replay_data
 from ..person import MindError
 from ..recordings.outcome import Run
 from ..simulation import Simulation
+from ..trials.own_law import LawError
 from ..trials.trial import Trial
 
 _LONGEST_NAME = 120
@@ -35,14 +36,15 @@ class Failures:
     def run(self, trial: Trial) -> Run:
         """Run `trial` to its end; what happened is kept also if a program of the user's fails."""
         __tracebackhide__ = True
-        simulation = Simulation(trial)
         try:
-            simulation.advance(trial.duration)
-        except (ControllerError, MindError, bdi.ProgramError) as why:
+            simulation = Simulation(trial)
+            try:
+                simulation.advance(trial.duration)
+            finally:
+                self.runs.append(simulation.finish())
+        except (ControllerError, LawError, MindError, bdi.ProgramError) as why:
             # Its message has the place; the way through the event loop tells nothing.
             raise why.with_traceback(None) from None
-        finally:
-            self.runs.append(simulation.finish())
         return self.runs[-1]
 
     def report(self) -> str:

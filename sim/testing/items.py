@@ -14,12 +14,13 @@ from floorplan import Document, InputError
 
 from ..controllers import ControllerError
 from ..person import MindError
+from ..trials.own_law import LawError
 from ..trials.trial import Trial, TrialError
 from ..trials.trial_file import build
 from ..trials.verdict import Verdict
 from .failures import Failures
 
-_TOLD = (InputError, bdi.ProgramError, ControllerError, MindError)
+_TOLD = (InputError, bdi.ProgramError, ControllerError, LawError, MindError)
 """Errors that say what is wrong with the user's own files."""
 
 
@@ -34,7 +35,8 @@ class TrialFile(pytest.File):
         """One test, if the trial expects something; one that can't be run is an error."""
         try:
             document = floorplan.read_yaml(self.path, TrialError)
-            trial = build(document, self.path.parent)
+            own_code = not self.config.getoption("--no-own-code")
+            trial = build(document, self.path.parent, own_code)
             if "expect" in document.data:
                 yield TrialItem.from_parent(self, name=trial.name, trial=trial, document=document)
         except (*_TOLD, OSError) as why:

@@ -12,7 +12,7 @@ import pytest
 
 import bdi
 
-from ..controllers import CONTROLLERS, find_controller
+from ..controllers import CONTROLLERS, controller_source
 from ..rules import RULE_SETS, RuleSet
 from ..trials.programs import EXTERNAL, load_program
 from ..trials.rules_file import find_rules
@@ -46,10 +46,12 @@ class Variation:
 def vary(metafunc: pytest.Metafunc) -> None:
     """Run a test once for every combination of what its markers give."""
     choices = []
+    own_code = not metafunc.config.getoption("--no-own-code")
+    place = _Place(metafunc.definition.path.parent, own_code)
     for marker, option in _OPTIONS.items():
         mark = metafunc.definition.get_closest_marker(marker)
         if mark is not None:
-            choices.append(_choices(marker, mark, option, metafunc.definition.path.parent))
+            choices.append(_choices(marker, mark, option, place))
     if FIXTURE not in metafunc.fixturenames:
         pytest.fail(
             f"{metafunc.definition.nodeid} is to be run with several trials, but takes none;"
@@ -65,9 +67,21 @@ def vary(metafunc: pytest.Metafunc) -> None:
     )
 
 
-def find_trial(source: str | Path, folder: Path) -> Trial:
-    """The built-in trial called `source`, or the one in that file, seen from `folder`."""
-    return Trial.load(source if str(source) in builtin_trials() else folder / source)
+def find_trial(source: str | Path, folder: Path, *, own_code: bool) -> Trial:
+    """The built-in trial called `source`, or the one in that file, seen from `folder`.
+
+    `own_code` is as of `Trial.load`.
+    """
+    found = source if str(source) in builtin_trials() else folder / source
+    return Trial.load(found, own_code=own_code)
+
+
+@dataclass(frozen=True)
+class _Place:
+    """The folder of a test, from which its files are seen; and if it may name code there."""
+
+    folder: Path
+    own_code: bool
 
 
 @dataclass(frozen=True)
@@ -78,7 +92,7 @@ class _Option:
     """
 
     every: Iterable[str]
-    read: Callable[[Any, Path], Trial | Change]
+    read: Callable[[Any, _Place], Trial | Change]
 
 
 def _variation(made: Iterable[Trial | Change]) -> Variation:
@@ -93,7 +107,7 @@ def _variation(made: Iterable[Trial | Change]) -> Variation:
 
 
 def _choices(
-    marker: str, mark: pytest.Mark, option: _Option, folder: Path
+    marker: str, mark: pytest.Mark, option: _Option, place: _Place
 ) -> list[tuple[str, Trial | Change]]:
     """Every value that a marker gives: its name, and what is made of it."""
     values: list[Any] = []
@@ -109,7 +123,7 @@ def _choices(
     found, faults = [], []
     for value in values:
         try:
-            found.append((_name(value), option.read(value, folder)))
+            found.append((_name(value), option.read(value, place)))
         except (ValueError, OSError) as why:
             faults.append(f"@pytest.mark.{marker}: {why}")
     if faults:
@@ -131,36 +145,41 @@ def _text(value: Any) -> str:
     return str(value)
 
 
-def _trial(value: Any, folder: Path) -> Trial:
-    return value if isinstance(value, Trial) else find_trial(_text(value), folder)
+def _trial(value: Any, place: _Place) -> Trial:
+    if isinstance(value, Trial):
+        return value
+    return find_trial(_text(value), place.folder, own_code=place.own_code)
 
 
-def _personality(value: Any, folder: Path) -> Change:
+def _personality(value: Any, place: _Place) -> Change:
     name = _text(value)
-    path = folder / name
+    path = place.folder / name
     chosen = str(path) if path.suffix == ".asl" else name
-    load_program(chosen, folder)
+    load_program(chosen, place.folder)
     return lambda trial: trial.with_personality(chosen)
 
 
-def _controller(value: Any, folder: Path) -> Change:
+def _controller(value: Any, place: _Place) -> Change:
     given = value if callable(value) else _text(value)
-    find_controller(given, folder)
+    controller_source(given, place.folder, own_code=place.own_code)
 
     def change(trial: Trial) -> Trial:
         # One that is named is looked up beside the test, as trials look beside themselves.
-        home = trial.folder if callable(given) or given in CONTROLLERS else folder
+        home = trial.folder if callable(given) or given in CONTROLLERS else place.folder
         return replace(trial, folder=home, gantry=replace(trial.gantry, controller=given))
 
     return change
 
 
-def _rules(value: Any, folder: Path) -> Change:
-    rules = value if isinstance(value, RuleSet) else find_rules(_text(value), folder)
+def _rules(value: Any, place: _Place) -> Change:
+    if isinstance(value, RuleSet):
+        rules = value
+    else:
+        rules = find_rules(_text(value), place.folder, own_code=place.own_code)
     return lambda trial: replace(trial, rules=rules)
 
 
-def _seed(seed: Any, _: Path) -> Change:
+def _seed(seed: Any, _: _Place) -> Change:
     if not isinstance(seed, int) or isinstance(seed, bool) or seed < 0:
         raise ValueError(f"expected whole numbers of at least 0, found {seed!r}")
     return lambda trial: replace(trial, seed=seed)

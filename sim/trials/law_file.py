@@ -6,8 +6,9 @@
 
 from __future__ import annotations
 
+import ast
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import MISSING, Field, fields
 from pathlib import Path
 from typing import Any
@@ -15,7 +16,8 @@ from typing import Any
 from floorplan import LARGEST, suggestion
 from navigation import AnyLaw, ApproachLaw, FixedDistance, IntegralLaw, SeparationLaw
 
-from .own_law import LawError, OwnLaw
+from .own_law import LAW, OwnLaw
+from .own_source import REFUSED, OwnCodeError, find_source, parameters
 
 LAWS: dict[str, Any] = {
     "iso_ts_15066": SeparationLaw,
@@ -37,10 +39,13 @@ class WrittenLawError(ValueError):
         self.place = place
 
 
-def read_law(terms: Mapping[str, Any], folder: Path) -> AnyLaw:
+def read_law(
+    terms: Mapping[str, Any], folder: Path, *, own_code: bool = True, place: str = ""
+) -> AnyLaw:
     """The law that is written as `terms`; `WrittenLawError` if there is something wrong with it.
 
-    Laws of one's own are looked up in `folder` and as `import` does.
+    Laws of one's own stand in `folder`, and are not imported yet: what only that can show they say
+    when they are first asked, with their `place`. Without `own_code` they are refused.
     """
     if len(terms) != 1:
         raise WrittenLawError(
@@ -59,32 +64,54 @@ def read_law(terms: Mapping[str, Any], folder: Path) -> AnyLaw:
             f"expected the terms of the law with their values, found {given!r}", name
         )
     if ":" in name:
-        try:
-            return OwnLaw(name, given, folder)  # type: ignore[return-value]
-        except LawError as why:
-            raise WrittenLawError(str(why), name) from why
+        return _own_law(name, given, folder, own_code, place)
     form = LAWS[name]
     known = {term.name: term for term in fields(form)}
     for term, value in given.items():
         _check_term(name, term, value, known)
-    missing = [
-        term for term, field in known.items() if field.default is MISSING and term not in given
-    ]
-    if missing:
-        raise WrittenLawError(f"{' and '.join(missing)} missing", name)
+    needed = [term for term, field in known.items() if field.default is MISSING]
+    _require_terms(name, needed, given)
     try:
         law: AnyLaw = form(**{term: value for term, value in given.items() if value is not None})
         return law
     except ValueError as why:
-        place = next((term for term in given if str(why).startswith(f"{term} ")), None)
-        raise WrittenLawError(str(why), name, *([place] if place else [])) from why
+        at = next((term for term in given if str(why).startswith(f"{term} ")), None)
+        raise WrittenLawError(str(why), name, *([at] if at else [])) from why
+
+
+def _own_law(
+    name: str, given: Mapping[str, Any], folder: Path, own_code: bool, place: str
+) -> AnyLaw:
+    if not own_code:
+        raise WrittenLawError(REFUSED, name)
+    try:
+        source = find_source(name, folder, LAW)
+    except OwnCodeError as why:
+        raise WrittenLawError(f"the law {why}", name) from why
+    assert isinstance(source.definition, ast.ClassDef)  # as it is a law
+    takes = parameters(source.definition)
+    if takes is not None:
+        for term in given:
+            if term not in takes.names and not takes.any_name:
+                raise _no_term(name, term, takes.names)
+        _require_terms(name, takes.needed, given)
+    return OwnLaw(name, given, folder, place)
+
+
+def _no_term(law: str, term: str, known: Iterable[str]) -> WrittenLawError:
+    there = ", ".join(known)
+    hint = f"its terms: {there}" if there else "it has none"
+    return WrittenLawError(f"{law} has no term {term!r}; {hint}", law, term)
+
+
+def _require_terms(law: str, needed: Iterable[str], given: Mapping[str, Any]) -> None:
+    if missing := [term for term in needed if term not in given]:
+        raise WrittenLawError(f"{' and '.join(missing)} missing", law)
 
 
 def _check_term(law: str, term: str, value: object, known: Mapping[str, Field[Any]]) -> None:
     if term not in known:
-        raise WrittenLawError(
-            f"{law} has no term {term!r}; its terms: {', '.join(known)}", law, term
-        )
+        raise _no_term(law, term, known)
     if value is None and known[term].default is None:
         return
     if isinstance(value, bool) or not isinstance(value, int | float):

@@ -1,74 +1,60 @@
-"""Python of the user's own, named in a trial as `package.module:name`."""
+"""Python of the user's own, imported from the folder in which it stands."""
 
 from __future__ import annotations
 
 import importlib
 import sys
-import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager
+from importlib.machinery import BuiltinImporter, FrozenImporter
 from pathlib import Path
 from types import ModuleType
 from typing import Any
+
+from .own_source import OwnCodeError, Source, in_words, line_in, misfit
 
 _imported: dict[Path, dict[str, ModuleType]] = {}
 """What was imported from the folders of trials, by its name there."""
 
 
-class OwnCodeError(ValueError):
-    """Something of the user's own that can't be found."""
+def import_own(source: Source) -> Any:
+    """The object at `source`, whose module is imported.
 
-
-def find_own(name: str, folder: Path) -> Any:
-    """What `package.module:name` names.
-
-    Modules are looked up in `folder`, where the trial stands, and as `import` does. A module or a
-    package beside the trial is that one, whatever else of its name was imported before.
-    `OwnCodeError` says what is missing.
+    It is the module in that file, whatever else of its name was imported before. `OwnCodeError`
+    if it can't be imported, or if what has the name then was not defined there or is not of the
+    kind that is wanted.
     """
-    module_name, colon, attribute = name.partition(":")
-    if not (colon and module_name and attribute):
-        raise OwnCodeError(f"{name!r} is not of the form package.module:name")
-    file = None
+    _refuse_names_of_python(source)
     try:
-        file = _file_of(module_name, folder)
-        with _looked_up_in(folder.resolve(), _top(module_name) if file else ""):
-            module = importlib.import_module(module_name)
-    except Exception as why:
-        place = line_in(why, file)
-        raise OwnCodeError(f"{name!r} can't be imported{place}: {in_words(why)}") from why
-    found = getattr(module, attribute, None)
-    if found is None:
-        raise OwnCodeError(f"{module_name} has no {attribute!r}")
+        with _looked_up_in(source.folder, _top(source.module)):
+            module = importlib.import_module(source.module)
+    except (Exception, SystemExit) as why:
+        place = line_in(why, source.file)
+        raise OwnCodeError(f"{source.name!r} can't be imported{place}: {in_words(why)}") from why
+    if module.__file__ is None or Path(module.__file__).resolve() != source.file.resolve():
+        raise OwnCodeError(
+            f"{source.name!r} can't be imported: Python finds {source.module} in"
+            f" {module.__file__} before; give yours another name, or an __init__.py"
+        )
+    found = getattr(module, source.attribute, None)
+    if getattr(found, "__module__", None) != module.__name__:
+        raise OwnCodeError(
+            f"{source.name!r} is {found!r} once {source.file.name} is imported, which is not"
+            " defined there"
+        )
+    if not source.kind.made(found):
+        raise misfit(source)
     return found
 
 
-def source_of(name: str, folder: Path) -> str | None:
-    """The file in which `name`, found before by `find_own`, is written; None if unknown."""
-    module_name = name.partition(":")[0]
-    file = _file_of(module_name, folder)
-    return file or getattr(sys.modules.get(module_name), "__file__", None)
-
-
-def in_words(why: BaseException) -> str:
-    """What went wrong, with its type: a `KeyError` says no more than the key."""
-    return f"{type(why).__name__}: {why}".removesuffix(": ")
-
-
-def line_in(why: BaseException, file: str | None) -> str:
-    """Where in the source `file` an error arose, as " (FILE, line N)"; nothing if elsewhere."""
-    frames = traceback.extract_tb(why.__traceback__)
-    lines = [frame.lineno for frame in frames if frame.filename == file]
-    if isinstance(why, SyntaxError) and why.filename == file:
-        lines.append(why.lineno)
-    return f" ({Path(file).name}, line {lines[-1]})" if file and lines else ""
-
-
-def _file_of(module_name: str, folder: Path) -> str | None:
-    """The file of a module or package beside the trial, if it is one."""
-    path = folder.resolve().joinpath(*module_name.split("."))
-    files = (path / "__init__.py", path.parent / f"{path.name}.py")
-    return next((str(file) for file in files if file.is_file()), None)
+def _refuse_names_of_python(source: Source) -> None:
+    """Refuse a module that could not be imported: Python finds its own ones first."""
+    top = _top(source.module)
+    if BuiltinImporter.find_spec(top) or FrozenImporter.find_spec(top):
+        raise OwnCodeError(
+            f"{source.name!r} can't be imported: Python itself has a module {top!r}; give yours"
+            " another name"
+        )
 
 
 def _top(module_name: str) -> str:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import ast
+import inspect
 import math
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -9,9 +11,29 @@ from typing import Any, TypeVar
 
 from navigation import Enclosure, Encounter, MotionLaw, TooClose, minimum_margin, standing, walk
 
-from .own_code import OwnCodeError, find_own, in_words, line_in, source_of
+from ..rules import RuleSet
+from .own_code import import_own
+from .own_source import Definition, Kind, OwnCodeError, find_source, in_words, is_plain, line_in
+from .own_source import methods as written_methods
 
 _Answer = TypeVar("_Answer")
+
+METHODS = ("distance", "required")
+"""A law has one of these, or both (see `navigation.Law` and `navigation.MotionLaw`)."""
+
+
+def _may_be_law(definition: Definition) -> bool:
+    if not isinstance(definition, ast.ClassDef):
+        return False
+    return not is_plain(definition) or not written_methods(definition).isdisjoint(METHODS)
+
+
+LAW = Kind(
+    words=f"law: a law is a class with a method {' or '.join(METHODS)}",
+    written=_may_be_law,
+    made=lambda law: inspect.isclass(law) and any(hasattr(law, method) for method in METHODS),
+)
+"""The kind of class that a rule set names."""
 
 
 class LawError(ValueError):
@@ -19,22 +41,43 @@ class LawError(ValueError):
 
 
 class OwnLaw:
-    """The law at `package.module:Class`, made with `terms` by their names.
+    """The law at `package.module:Class` in `folder`, made with `terms` by their names.
 
-    It has the methods that the user's class has. Two are equal if they have the same name and
-    terms and come from the same folder; it travels between processes by these.
+    It is imported, made and tried by `load`, at the latest when it is first asked; then it has the
+    methods that the user's class has. Two are equal if they have the same name and terms and come
+    from the same folder; it travels between processes by these. `place` is where it is written,
+    for messages.
     """
 
-    def __init__(self, name: str, terms: Mapping[str, Any], folder: str | Path = ".") -> None:
+    def __init__(
+        self, name: str, terms: Mapping[str, Any], folder: str | Path = ".", place: str = ""
+    ) -> None:
         self.name = name
         self.terms = dict(terms)
         self.folder = Path(folder).resolve()
-        self._file: str | None = None
-        self._law = self._made()
-        for method, asked in (("distance", self._distance), ("required", self._required)):
-            if hasattr(self._law, method):
-                setattr(self, method, asked)
-        self._try()
+        self.place = place
+        self._law: Any = None
+
+    def load(self) -> None:
+        """Import the class, make the law and try it, if that was not done before.
+
+        `LawError` if there is no such class, or if trying the law shows that it makes no sense.
+        """
+        if self._law is not None:
+            return
+        try:
+            self._make()
+            self._try()
+        except LawError as why:
+            self._forget()
+            raise LawError(f"{self.place}: {why}" if self.place else str(why)) from why
+
+    def __getattr__(self, name: str) -> Any:
+        if name in METHODS and self._law is None:
+            self.load()
+            if name in self.__dict__:
+                return self.__dict__[name]
+        raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
 
     def __repr__(self) -> str:
         terms = ", ".join(f"{name}={term!r}" for name, term in self.terms.items())
@@ -46,21 +89,28 @@ class OwnLaw:
     def __hash__(self) -> int:
         return hash(repr(self._key()))
 
-    def __reduce__(self) -> tuple[type[OwnLaw], tuple[str, dict[str, Any], Path]]:
-        return OwnLaw, (self.name, self.terms, self.folder)
+    def __reduce__(self) -> tuple[type[OwnLaw], tuple[str, dict[str, Any], Path, str]]:
+        return OwnLaw, (self.name, self.terms, self.folder, self.place)
 
     def _key(self) -> tuple[str, dict[str, Any], Path]:
         return self.name, self.terms, self.folder
 
-    def _made(self) -> Any:
+    def _make(self) -> None:
         try:
-            law = find_own(self.name, self.folder)
+            source = find_source(self.name, self.folder, LAW)
+            form = import_own(source)
         except OwnCodeError as why:
             raise LawError(f"the law {why}") from why
-        if not callable(law):
-            raise LawError(f"{self.name} is not a class")
-        self._file = source_of(self.name, self.folder)
-        return self._asked(law, **self.terms)
+        self._file = source.file
+        self._law = self._asked(form, **self.terms)
+        for method, asked in zip(METHODS, (self._distance, self._required), strict=True):
+            if hasattr(self._law, method):
+                setattr(self, method, asked)
+
+    def _forget(self) -> None:
+        self._law = None
+        for method in METHODS:
+            self.__dict__.pop(method, None)
 
     def _distance(self, human_speed: float, robot_speed: float) -> float:
         metres = self._asked(self._law.distance, human_speed, robot_speed)
@@ -86,10 +136,17 @@ class OwnLaw:
         """`LawError` if it is no law, or if trying it shows that it makes no sense."""
         person, machine = walk([(-3.0, 0.0), (3.0, 0.5)]), standing((0.0, 0.0))
         try:
-            TooClose(self)  # type: ignore[arg-type]
+            TooClose(self)
             if isinstance(self, MotionLaw):
                 minimum_margin(person, machine, self, 0.0, 8.0)
         except LawError:
             raise
         except ValueError as why:
             raise LawError(f"the law makes no sense: {why}") from why
+
+
+def load_laws(rules: RuleSet) -> None:
+    """Load the laws of the user's own in `rules`; `LawError` if there is something wrong in one."""
+    for law in (rules.gantry_law, rules.agv_law, rules.notice.law.law):
+        if isinstance(law, OwnLaw):
+            law.load()

@@ -59,33 +59,35 @@ class RuleKeys(Strictly):
         return value
 
 
-def load_rules(path: str | Path) -> RuleSet:
-    """The rule set in the YAML file at `path`; laws of one's own are looked up beside it.
+def load_rules(path: str | Path, *, own_code: bool = True) -> RuleSet:
+    """The rule set in the YAML file at `path`; laws of one's own stand beside it.
 
+    They are imported when the rules are first applied; without `own_code` they are refused.
     `RulesError` has everything that is wrong with it, each with its line.
     """
     path = Path(path)
     document = floorplan.read_yaml(path, RulesError)
     keys = document.checked(RuleKeys, RulesError)
-    rules, problems = build_rules(keys, document, path.parent)
+    rules, problems = build_rules(keys, document, path.parent, own_code=own_code)
     if problems:
         raise RulesError(document.file, problems)
     return rules if keys.name else replace(rules, name=path.name.split(".")[0])
 
 
-def find_rules(source: str, folder: Path = Path()) -> RuleSet:
+def find_rules(source: str, folder: Path = Path(), *, own_code: bool = True) -> RuleSet:
     """The built-in rule set called `source`, or the one in a file seen from `folder`.
 
-    `RulesError` for a file that holds none, `ValueError` if there is neither.
+    `own_code` is as of `load_rules`. `RulesError` for a file that holds none, `ValueError` if
+    there is neither.
     """
     path = folder / source
     if source not in RULE_SETS and floorplan.is_there(path) and path.is_file():
-        return load_rules(path)
+        return load_rules(path, own_code=own_code)
     return rule_set(source)
 
 
 def build_rules(
-    keys: RuleKeys, document: Document, folder: Path, *place: str
+    keys: RuleKeys, document: Document, folder: Path, *place: str, own_code: bool = True
 ) -> tuple[RuleSet, list[Problem]]:
     """The rule set that `keys` describe, which stand at `place` in `document`.
 
@@ -93,7 +95,7 @@ def build_rules(
     """
     if keys.source is not None:
         try:
-            return find_rules(keys.source, folder), []
+            return find_rules(keys.source, folder, own_code=own_code), []
         except RulesError:
             raise
         except ValueError as why:
@@ -108,8 +110,9 @@ def build_rules(
     def law(terms: Terms | None, *key: str) -> AnyLaw | None:
         if terms is None:
             return None
+        at = f"{document.file}: {document.problem('', *place, *key)}".removesuffix(": ")
         try:
-            return read_law(terms, folder)
+            return read_law(terms, folder, own_code=own_code, place=at)
         except WrittenLawError as why:
             problems.append(document.problem(str(why), *place, *key, *why.place))
             return None

@@ -140,6 +140,8 @@ class Trial:
     from no file. `workload` are the orders of an ARIAC trial; `until_submitted` ends the run as
     soon as they are all submitted, or without a workload those of the gantry's jobs. `notices` are
     what the file says that makes no difference, or may mean something else than its author thought.
+    Without `own_code` a controller or a law of the user's own is refused that it, or whatever
+    changes it, names.
     """
 
     floorplan: Floorplan
@@ -157,29 +159,43 @@ class Trial:
     workload: Workload | None = None
     until_submitted: bool = False
     notices: tuple[Problem, ...] = field(default=(), compare=False)
+    own_code: bool = field(default=True, compare=False)
 
     @classmethod
-    def load(cls, source: str | Path) -> Trial:
+    def load(cls, source: str | Path, *, own_code: bool = True) -> Trial:
         """The built-in trial called `source`, or the one in the YAML file at `source`.
 
+        Python of the user's own that it names (a controller, a law) has to stand beside it. It is
+        read, but not imported before the trial is run; without `own_code` it is refused.
         Raises `TrialError` (or `FloorplanError`, `bdi.ProgramError` for what it names) with
         everything that is wrong, each with its place.
         """
         from .trial_file import load
 
-        return load(source)
+        return load(source, own_code)
 
     @classmethod
-    def parse(cls, text: str, *, file: str = "<text>", folder: str | Path = ".") -> Trial:
-        """The trial in `text`; its files are looked up from `folder`, errors call it `file`."""
+    def parse(
+        cls,
+        text: str,
+        *,
+        file: str = "<text>",
+        folder: str | Path = ".",
+        own_code: bool = True,
+    ) -> Trial:
+        """The trial in `text`, as if it stood in `folder`; errors call it `file`.
+
+        `own_code` is as of `load`.
+        """
         from .trial_file import parse
 
-        return parse(text, file, Path(folder))
+        return parse(text, file, Path(folder), own_code)
 
     def to_yaml(self, folder: str | Path = ".") -> str:
         """The text of a trial file that stands in `folder`, to be read as the same trial.
 
-        `ValueError` if its floorplan, its orders, a law or a program came from no file.
+        `ValueError` if its floorplan, its orders, a law or a program came from no file, or if it
+        names code of the user's own that stands neither in `folder` nor above it.
         """
         from .trial_writing import to_yaml
 

@@ -14,10 +14,11 @@ import floorplan
 from floorplan import Document, Floorplan, Number, Place, Positive, Problem, Strictly, suggestion
 
 from ..ariac import reading
-from ..controllers import ControllerError, find_controller
+from ..controllers import ControllerError, controller_source
 from ..rules import PAPER
 from .agvs_file import AgvKeys, agv_moves, yielding
 from .checks import LARGEST_SEED, faults
+from .own_names import out_of_reach
 from .people_file import PersonKeys, people_of
 from .rules_file import RuleKeys, build_rules
 from .trial import GantryEntry, Job, Trial, TrialError
@@ -29,22 +30,22 @@ def builtin_trials() -> tuple[str, ...]:
     return tuple(sorted(Path(f.name).stem for f in files if f.name.endswith(".yaml")))
 
 
-def load(source: str | Path) -> Trial:
+def load(source: str | Path, own_code: bool) -> Trial:
     """See `Trial.load`."""
     text = str(source)
     if text in builtin_trials():
         data = resources.files("sim").joinpath("data", "trials", f"{text}.yaml")
-        return parse(data.read_text(encoding="utf-8"), text, Path())
+        return parse(data.read_text(encoding="utf-8"), text, Path(), own_code)
     path = Path(source)
     if not path.suffix and not floorplan.is_there(path):
         message = f"no such file, nor a built-in trial; {suggestion(text, builtin_trials())}"
         raise TrialError(text, [Problem(message)])
-    return build(floorplan.read_yaml(path, TrialError), path.parent)
+    return build(floorplan.read_yaml(path, TrialError), path.parent, own_code)
 
 
-def parse(text: str, file: str, folder: Path) -> Trial:
+def parse(text: str, file: str, folder: Path, own_code: bool) -> Trial:
     """See `Trial.parse`."""
-    return build(floorplan.parse_yaml(text, file, TrialError), folder)
+    return build(floorplan.parse_yaml(text, file, TrialError), folder, own_code)
 
 
 class _Job(Strictly):
@@ -94,14 +95,14 @@ class _Trial(Strictly):
     expect: dict[str, Any] = {}
 
 
-def build(document: Document, folder: Path) -> Trial:
-    """The trial in `document`; its files are looked up from `folder`. Errors as of `Trial.load`."""
+def build(document: Document, folder: Path, own_code: bool = True) -> Trial:
+    """The trial in `document`, which stands in `folder`. Errors as of `Trial.load`."""
     if reading.is_ariac(document):
-        return reading.build(document, folder)
+        return replace(reading.build(document, folder), own_code=own_code)
     schema = document.checked(_Trial, TrialError)
-    folder = folder / schema.folder
+    home, folder = folder, folder / schema.folder
     plan = _floorplan(schema.floorplan, folder, document)
-    rules, rule_problems = build_rules(schema.rules, document, folder, "rules")
+    rules, rule_problems = build_rules(schema.rules, document, folder, "rules", own_code=own_code)
     trial = Trial(
         floorplan=plan,
         name=Path(document.file).name.split(".")[0] if schema.name is None else schema.name,
@@ -121,10 +122,13 @@ def build(document: Document, folder: Path) -> Trial:
         folder=folder,
         floorplan_source=schema.floorplan,
         until_submitted=bool(schema.until_submitted),
+        own_code=own_code,
     )
     if schema.ariac is not None:
         trial = _with_orders(trial, schema, schema.ariac, document)
     problems = [*rule_problems, *_problems(trial, schema, document)]
+    if fault := out_of_reach(trial, home):
+        problems.append(document.problem(fault, "folder"))
     if problems:
         raise TrialError(document.file, problems)
     return trial
@@ -168,7 +172,7 @@ def _problems(trial: Trial, schema: _Trial, document: Document) -> Iterator[Prob
         yield document.problem(message, *_in_file(place, schema))
     if trial.floorplan.gantry is not None:
         try:
-            find_controller(trial.gantry.controller, trial.folder)
+            controller_source(trial.gantry.controller, trial.folder, own_code=trial.own_code)
         except ControllerError as why:
             yield document.problem(str(why), "gantry", "controller")
 

@@ -16,6 +16,7 @@ import floorplan
 from ..ariac import Workload
 from ..controllers import CONTROLLERS
 from .agvs_file import written_agv
+from .own_names import out_of_reach
 from .programs import is_read_from
 from .rules_file import written_rules
 from .trial import GantryEntry, Job, PersonalityChange, PersonEntry, Start, Trial
@@ -29,6 +30,8 @@ def to_yaml(trial: Trial, folder: Path) -> str:
     for entry in trial.people:
         _see_to_programs(entry, trial)
     data = _trial(trial)
+    if fault := out_of_reach(trial, folder):
+        raise ValueError(f"the trial {trial.name!r} can't be written into {folder}: {fault}")
     if trial.folder.resolve() != folder.resolve():
         data["folder"] = Path(os.path.relpath(trial.folder, folder)).as_posix()
     text: str = yaml.dump(

@@ -191,7 +191,6 @@ def back_and_forth(gantry):
             "x = 5 is outside the gantry's range",
         ),
         ("def go(gantry):\n    yield 'lunch'\n", "yielded 'lunch'"),
-        ("def go(gantry):\n    return 3\n", "is no generator"),
         ("def go(gantry):\n    yield gantry.wait(-1)\n", "can't wait -1 s"),
         (
             "def go(gantry):\n    yield gantry.pick('moon')\n",

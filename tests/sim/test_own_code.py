@@ -1,13 +1,22 @@
 """Python of the user's own: what stands beside the trial, whatever else has its name."""
 
+import ast
 import sys
+from pathlib import Path
 
 import pytest
 
 import sim
-from sim.trials.own_code import OwnCodeError, find_own, source_of
+from sim.cli import main
+from sim.controllers import controller_source
+from sim.trials.own_source import Parameters, parameters
 
-CTL = "from .words import WORD\n\n\ndef go(gantry=None):\n    return WORD\n"
+CTL = "from .words import WORD\n\n\ndef go(gantry=None):\n    yield WORD\n"
+
+
+def said(name, folder):
+    """What the controller of that name yields."""
+    return next(sim.find_controller(name, folder)(None))
 
 
 @pytest.fixture
@@ -39,20 +48,22 @@ def _nothing_stays():
 @pytest.mark.parametrize("regular", [(True, True), (False, False), (True, False), (False, True)])
 def test_packages_of_one_name_beside_two_trials(package, regular):
     ca, cb = (package(name, regular=one) for name, one in zip(("ca", "cb"), regular, strict=True))
-    assert [find_own("pk.ctl:go", folder)() for folder in (ca, cb, ca, cb)] == [
+    assert [said("pk.ctl:go", folder) for folder in (ca, cb, ca, cb)] == [
         "ca",
         "cb",
         "ca",
         "cb",
     ]
-    assert source_of("pk.ctl:go", cb) == str(cb / "pk" / "ctl.py")
-    assert find_own("pk.ctl:go", ca) is find_own("pk.ctl:go", ca)
+    assert controller_source("pk.ctl:go", cb).file == cb / "pk" / "ctl.py"
+    assert sim.find_controller("pk.ctl:go", ca) is sim.find_controller("pk.ctl:go", ca)
 
 
 def test_a_package_itself_has_what_is_named(package):
     ca, cb = (package(name, regular=True) for name in ("ca", "cb"))
-    assert [find_own("pk:WORD", folder) for folder in (ca, cb, ca)] == ["ca", "cb", "ca"]
-    assert source_of("pk:WORD", cb) == str(cb / "pk" / "__init__.py")
+    for folder in (ca, cb):
+        (folder / "pk" / "__init__.py").write_text(CTL)
+    assert [said("pk:go", folder) for folder in (ca, cb, ca)] == ["ca", "cb", "ca"]
+    assert controller_source("pk:go", cb).file == cb / "pk" / "__init__.py"
 
 
 def test_modules_beside_one_another_import_each_other(tmp_path):
@@ -60,7 +71,7 @@ def test_modules_beside_one_another_import_each_other(tmp_path):
         (tmp_path / name).mkdir()
         (tmp_path / name / "ctl.py").write_text(CTL.replace(".words", "words"))
         (tmp_path / name / "words.py").write_text(f"WORD = {name!r}\n")
-    assert [find_own("ctl:go", tmp_path / name)() for name in ("ca", "cb", "ca")] == [
+    assert [said("ctl:go", tmp_path / name) for name in ("ca", "cb", "ca")] == [
         "ca",
         "cb",
         "ca",
@@ -75,31 +86,129 @@ def test_what_others_imported_stays_theirs(package, monkeypatch):
 
     theirs = {"pk": pk, "pk.ctl": pk.ctl}
     for _ in range(2):
-        assert find_own("pk.ctl:go", cb)() == "cb"
+        assert said("pk.ctl:go", cb) == "cb"
         assert {name: sys.modules[name] for name in theirs} == theirs
-    assert find_own("pk.ctl:go", ca) is pk.ctl.go
+    assert sim.find_controller("pk.ctl:go", ca) is pk.ctl.go
 
 
-def test_a_package_that_is_not_beside_the_trial_is_imported_as_ever(package, tmp_path, monkeypatch):
+def test_what_is_importable_but_stands_elsewhere_is_refused(package, tmp_path, monkeypatch):
     monkeypatch.syspath_prepend(package("ca", regular=True))
-    assert find_own("pk.ctl:go", tmp_path)() == "ca"
-    with pytest.raises(OwnCodeError, match=r"'pk.none:go' can't be imported: ModuleNotFound"):
-        find_own("pk.none:go", tmp_path)
+    for name in ("pk.ctl:go", "subprocess:check_output", "os.path:join"):
+        with pytest.raises(sim.ControllerError, match=r"there is no [\w/]+\.py in"):
+            sim.find_controller(name, tmp_path)
+    (tmp_path / "pk").mkdir()
+    (tmp_path / "pk" / "ctl.py").write_text(CTL)  # a namespace is found after a package
+    with pytest.raises(sim.ControllerError, match=r"Python finds pk\.ctl in .*ca"):
+        sim.find_controller("pk.ctl:go", tmp_path)
 
 
 def test_what_fails_in_a_package_is_told_with_its_line(package):
     ca, cb = (package(name, regular=True) for name in ("ca", "cb"))
-    (ca / "pk" / "ctl.py").write_text("\n1 / 0\n")
+    (ca / "pk" / "ctl.py").write_text(f"\n1 / 0\n{CTL}")
     for _ in range(2):
-        with pytest.raises(OwnCodeError, match=r"'pk.ctl:go' can't be imported \(ctl.py, line 2\)"):
-            find_own("pk.ctl:go", ca)
-        assert find_own("pk.ctl:go", cb)() == "cb"
+        message = r"'pk.ctl:go' can't be imported \(ctl.py, line 2\)"
+        with pytest.raises(sim.ControllerError, match=message):
+            sim.find_controller("pk.ctl:go", ca)
+        assert said("pk.ctl:go", cb) == "cb"
 
 
-@pytest.mark.parametrize("name", ["..:go", ".:go", "a..b:go", "/:go", "a\0b:go", "\ud800:go"])
+@pytest.mark.parametrize(
+    "name", ["..:go", ".:go", "a..b:go", "/:go", "a\0b:go", "a.if:go", "a:b.c"]
+)
 def test_odd_names_are_told(tmp_path, name):
-    with pytest.raises(OwnCodeError, match="can't be imported"):
-        find_own(name, tmp_path)
+    with pytest.raises(sim.ControllerError, match="is not of the form package"):
+        sim.find_controller(name, tmp_path)
+
+
+NO_CONTROLLERS = """
+from os import walk
+from subprocess import check_output
+
+
+def plain(gantry):
+    def inner():
+        yield 1
+    return [inner]
+
+
+async def later(gantry):
+    yield 1
+
+
+class Stands:
+    pass
+
+
+def swapped(gantry):
+    yield 1
+
+
+def given(gantry):
+    yield 1
+
+
+def wrap(function):
+    return lambda gantry: function(gantry)
+
+
+@wrap
+def wrapped(gantry):
+    yield 1
+
+
+if True:
+    from os import walk as given
+    swapped = len
+"""
+
+
+@pytest.mark.parametrize(
+    ("name", "message", "shown_by_source"),
+    [
+        ("walk", r"m.py defines no class or function 'walk' at its top level", True),
+        ("check_output", "no class or function 'check_output' at its top level", True),
+        ("inner", "no class or function 'inner' at its top level", True),
+        ("plain", r"'m:plain' \(m.py, line 6\) is no generator function, nor a class", True),
+        ("later", r"'m:later' \(m.py, line 12\) is no generator function", True),
+        ("Stands", "is no generator function, nor a class with a method __iter__", True),
+        ("swapped", "<built-in function len> once m.py is imported, which is not defined", False),
+        ("given", r"'m:given' is <function walk at", False),
+        ("wrapped", "is no generator function, nor a class", False),
+    ],
+)
+def test_only_a_controller_that_is_defined_there_is_one(tmp_path, name, message, shown_by_source):
+    (tmp_path / "m.py").write_text(NO_CONTROLLERS)
+    with pytest.raises(sim.ControllerError, match=message):
+        sim.find_controller(f"m:{name}", tmp_path)
+    if shown_by_source:
+        with pytest.raises(sim.ControllerError, match=message):
+            controller_source(f"m:{name}", tmp_path)
+    else:
+        assert controller_source(f"m:{name}", tmp_path).definition.name == name
+
+
+def test_a_module_that_python_would_not_look_for_is_refused(tmp_path):
+    (tmp_path / "sys.py").write_text("def go(gantry):\n    yield\n")
+    with pytest.raises(sim.ControllerError, match="Python itself has a module 'sys'"):
+        sim.find_controller("sys:go", tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("text", "names", "needed"),
+    [
+        ("class C:\n def __init__(self, a, b=1, *, c, d=2): pass", "abcd", "ac"),
+        ("@dataclass(frozen=True)\nclass C:\n a: float\n b: float = 1\n", "ab", "a"),
+        ("@dataclasses.dataclass\nclass C:\n def distance(self, a, b): pass", "", ""),
+        ("class C:\n def distance(self, a, b): pass", "", ""),
+        ("class C(Base):\n pass", None, None),
+        ("@dataclass\nclass C:\n a: float = field(init=False)", None, None),
+        ("@dataclass\nclass C:\n a: ClassVar[float] = 1", None, None),
+        ("@register\nclass C:\n pass", None, None),
+    ],
+)
+def test_the_parameters_of_a_class_are_read_from_its_source(text, names, needed):
+    found = parameters(ast.parse(text).body[0])
+    assert found == (None if names is None else Parameters(tuple(names), tuple(needed)))
 
 
 def test_trials_are_run_with_the_packages_of_their_own_folder(package):
@@ -115,3 +224,147 @@ def test_trials_are_run_with_the_packages_of_their_own_folder(package):
         runs.append(sim.Trial.load(folder / f"{name}.trial.yaml"))
     ends = [sim.run(trial).motions["gantry"].position(20.0)[0] for trial in runs]
     assert ends == pytest.approx([-3.0, -5.0])
+
+
+def test_the_folder_of_a_trial_leads_to_no_code_elsewhere(tmp_path):
+    (tmp_path / "code").mkdir()
+    (tmp_path / "code" / "ctl.py").write_text(CTL.replace(".words", "words"))
+    text = "floorplan: ariac2023\nfolder: {}\ngantry: {{controller: 'ctl:go'}}\n".format
+    for folder, up in (("code/rows", ".."), (".", "code"), ("code", ".")):
+        trial = sim.Trial.parse(text(up), folder=tmp_path / folder)
+        assert trial.folder.resolve() == tmp_path / "code"
+        trial.to_yaml(tmp_path / "code" / "rows")
+    with pytest.raises(sim.TrialError, match=r"line 2, folder: ctl:go stands in .*/code: a trial"):
+        sim.Trial.parse(text("../code"), folder=tmp_path / "elsewhere")
+    with pytest.raises(ValueError, match=r"can't be written into .*elsewhere: ctl:go stands in"):
+        trial.to_yaml(tmp_path / "elsewhere")
+
+
+LOUD = """
+from pathlib import Path
+
+Path({touched!r}).touch()
+
+
+class Law:
+    def __init__(self, least=1.0):
+        self.least = least
+
+    def distance(self, human_speed, robot_speed):
+        return self.least
+
+
+def go(gantry):
+    yield gantry.wait(1.0)
+"""
+
+OWN_LAW = """\
+floorplan: ariac2023
+duration: 2
+people: [{name: ada}]
+rules:
+  gantry_law: {"loud:Law": {least: 2.0}}
+"""
+OWN_CONTROLLER = """\
+floorplan: ariac2023
+duration: 2
+gantry: {controller: "loud:go"}
+"""
+
+
+def floorwalker(monkeypatch, capsys, *words):
+    """The exit code and stderr of a command."""
+    monkeypatch.setattr(sys, "argv", ["floorwalker", *map(str, words)])
+    with pytest.raises(SystemExit) as ended:
+        main()
+    return ended.value.code, capsys.readouterr().err
+
+
+@pytest.fixture
+def loud(tmp_path, monkeypatch):
+    """A folder with code that leaves a file when it is imported."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "loud.py").write_text(LOUD.format(touched=str(tmp_path / "touched")))
+    (tmp_path / "law.trial.yaml").write_text(OWN_LAW)
+    (tmp_path / "controller.trial.yaml").write_text(OWN_CONTROLLER)
+    (tmp_path / "rules.yaml").write_text("gantry_law: {'loud:Law': {}}\n")
+    (tmp_path / "loud.study.yaml").write_text("trials: [controller.trial.yaml]\n")
+    yield tmp_path
+    sys.modules.pop("loud", None)
+
+
+@pytest.mark.parametrize("command", ["check", "run"])
+@pytest.mark.parametrize(
+    ("named", "line"),
+    [
+        ("rules: {gantry_law: {'subprocess:check_output': {args: [touch, touched]}}}", 3),
+        ("rules:\n  agv_law:\n    subprocess:Popen: {args: [touch, touched]}", 5),
+        ("gantry: {controller: 'subprocess:check_output'}", 3),
+    ],
+)
+def test_a_trial_by_itself_runs_nothing(tmp_path, monkeypatch, capsys, command, named, line):
+    monkeypatch.chdir(tmp_path)
+    Path("t.yaml").write_text(f"floorplan: ariac2023\nduration: 2\n{named}\n")
+    code, err = floorwalker(monkeypatch, capsys, command, "t.yaml")
+    assert code == 1
+    assert f"t.yaml: line {line}, " in err
+    assert "there is no subprocess.py in" in err
+    assert {path.name for path in tmp_path.iterdir()} == {"t.yaml"}
+
+
+@pytest.mark.parametrize(
+    "file", ["law.trial.yaml", "controller.trial.yaml", "rules.yaml", "loud.study.yaml"]
+)
+def test_check_imports_nothing(loud, monkeypatch, capsys, file):
+    assert floorwalker(monkeypatch, capsys, "check", file)[0] == 0
+    assert not (loud / "touched").exists()
+    code, err = floorwalker(monkeypatch, capsys, "check", "--no-own-code", file)
+    assert code == 1
+    assert "code of your own is refused here" in err
+    assert "line " in err
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["run", "law.trial.yaml", "--out", "out"],
+        ["run", "ariac2023", "--controller", "loud:go", "--duration", "2", "--out", "out"],
+        ["run", "ariac2023", "--rules", "rules.yaml", "--duration", "2", "--out", "out"],
+        ["study", "loud.study.yaml", "--jobs", "1", "--out", "out"],
+        ["metrics", "law.trial.yaml"],
+        ["export", "controller.trial.yaml", "--out", "out.csv"],
+        ["plot", "trails", "controller.trial.yaml", "--out", "out.svg"],
+        ["plot", "heatmap", "law.trial.yaml", "--out", "out.svg"],
+        ["render", "controller.trial.yaml", "--out", "out.gif", "--fps", "1"],
+    ],
+    ids=lambda words: " ".join(words[:2]),
+)
+def test_own_code_runs_when_a_trial_does_unless_it_is_refused(loud, monkeypatch, capsys, words):
+    code, err = floorwalker(monkeypatch, capsys, *words, "--no-own-code")
+    assert (code, "code of your own is refused here" in err) == (1, True)
+    assert not [path for path in loud.iterdir() if path.name in ("touched", "out")]
+    assert floorwalker(monkeypatch, capsys, *words)[0] == 0
+    assert (loud / "touched").exists()
+
+
+def test_a_study_may_refuse_own_code(loud, monkeypatch, capsys):
+    (loud / "quiet.trial.yaml").write_text("floorplan: ariac2023\nduration: 2\n")
+    study = "trials: [{trial}.trial.yaml]\nown_code: false\n"
+    for text, place in (
+        (study.format(trial="controller"), "line 1, trials[0]: "),
+        (study.format(trial="quiet") + "grid: {controller: ['loud:go']}", "grid.controller[0]: "),
+        (study.format(trial="quiet") + "grid: {rules: [paper, rules.yaml]}", "grid.rules[1]: "),
+    ):
+        with pytest.raises(sim.StudyError, match="code of your own is refused here") as caught:
+            sim.Study.parse(text, folder=loud)
+        assert place in str(caught.value)
+    assert not (loud / "touched").exists()
+
+
+def test_a_law_that_cannot_be_imported_leaves_no_recording(loud, monkeypatch, capsys):
+    (loud / "loud.py").write_text((loud / "loud.py").read_text() + "\n1 / 0\n")
+    code, err = floorwalker(monkeypatch, capsys, "run", "law.trial.yaml", "--out", "out")
+    assert code == 1
+    assert "law.trial.yaml: line 5, rules.gantry_law: the law 'loud:Law' can't be imported" in err
+    assert "(loud.py, line 18): ZeroDivisionError" in err
+    assert not (loud / "out").exists()

@@ -199,7 +199,7 @@ def test_plain(ariac_cell, trial):
     [
         ('personalities("helpfull")', "*did you mean 'helpful'?*"),
         ('controllers("pasing")', "*did you mean 'pausing'?*"),
-        ('controllers("nowhere:mine")', "*can't be imported*"),
+        ('controllers("nowhere:mine")', "*there is no nowhere.py in*"),
         ('rule_sets("papper")', "*did you mean 'paper'?*"),
         ("personalities(3)", "*expected a name or a file, found 3"),
         ("rule_sets(lambda: 1, 'papr')", "*did you mean 'paper'?*"),

@@ -167,25 +167,39 @@ def test_laws_by_name(text, law):
             "agv_law: {'nowhere:Law': {}}",
             "line 6, rules.agv_law.nowhere:Law: the law 'nowhere:Law'",
         ),
-        ("agv_law: {'braking:Law': {}}", "braking has no 'Law'"),
-        (
-            "agv_law: {'broken:Law': {}}",
-            "can't be imported (broken.py, line 2): ZeroDivisionError: division",
-        ),
-        ("agv_law: {'garbled:Law': {}}", "can't be imported (garbled.py, line 1)"),
+        ("agv_law: {'braking:Law': {}}", "braking.py defines no class or function 'Law' at its"),
+        ("agv_law: {'garbled:Law': {}}", "can't be read (garbled.py, line 1): SyntaxError"),
+        ("agv_law: {'braking:Silent': {}}", "'braking:Silent' (braking.py, line 25) is no law"),
         ("agv_law: {'braking:': {}}", "'braking:' is not of the form package.module:name"),
-        ("agv_law: {'braking:BrakingLaw': {}}", "missing 1 required positional argument"),
+        ("agv_law: {'braking:BrakingLaw': {}}", "braking:BrakingLaw: deceleration missing"),
+        (
+            "agv_law: {'braking:BrakingLaw': {deceleration: 1, most: 2}}",
+            "line 6, rules.agv_law.braking:BrakingLaw.most: braking:BrakingLaw has no term 'most'",
+        ),
         (
             "agv_law: {fixd: 2}",
             "line 6, rules.agv_law: no law is called 'fixd'; did you mean 'fixed'?",
         ),
         ("agv_law: {'braking:BrakingLaw': 3}", "expected the terms of the law"),
+    ],
+)
+def test_what_makes_no_sense_is_said_with_its_line(folder, rules, message):
+    (folder / "garbled.py").write_text("def\n")
+    assert message in problems(rules, folder)
+
+
+@pytest.mark.parametrize(
+    ("rules", "message"),
+    [
+        (
+            "agv_law: {'broken:Law': {}}",
+            "can't be imported (broken.py, line 2): ZeroDivisionError: division",
+        ),
         (
             "agv_law: {'braking:BrakingLaw': {deceleration: -1}}",
             "braking:BrakingLaw(deceleration=-1) failed (braking.py, line 11): ValueError: decel",
         ),
         ("agv_law: {'braking:Timid': {}}", "a law must not ask for less when speeds grow"),
-        ("agv_law: {'braking:Silent': {}}", "braking:Silent() has neither"),
         ("agv_law: {'braking:Vague': {}}", "asks for 'far' m at speeds of 0 (human)"),
         ("agv_law: {'braking:Off': {}}", "answers with 3.0, not with an Enclosure"),
         (
@@ -194,10 +208,14 @@ def test_laws_by_name(text, law):
         ),
     ],
 )
-def test_what_makes_no_sense_is_said_with_its_line(folder, rules, message):
-    (folder / "broken.py").write_text("# A law.\n1 / 0\n")
-    (folder / "garbled.py").write_text("def\n")
-    assert message in problems(rules, folder)
+def test_what_only_a_run_shows_of_a_law_is_said_when_it_begins(folder, rules, message):
+    (folder / "broken.py").write_text(
+        "# A law.\n1 / 0\n\nclass Law:\n    def distance(self, human, robot): ...\n"
+    )
+    with pytest.raises(sim.LawError) as caught:
+        sim.run(trial(rules, folder))
+    assert str(caught.value).startswith("t.yaml: line 6, rules.agv_law: the law ")
+    assert message in str(caught.value)
 
 
 def test_everything_that_is_wrong_is_told_at_once(folder):

@@ -101,7 +101,7 @@ def test_every_builtin_trial_loads(name):
         (("[station4]", "station4"), "expected a list of stations"),
         (("people:", "peopel:"), "peopel: unknown key (known are: agvs"),
         (("controller: oblivious", "controller: oblvious"), "did you mean 'oblivious'?"),
-        (("controller: oblivious", "controller: a.b:c"), "can't be imported"),
+        (("controller: oblivious", "controller: a.b:c"), "there is no a/b.py in"),
         (
             ("duration: 60", "until_submitted: true"),
             "line 2, until_submitted: nothing is handed in",

@@ -1,5 +1,6 @@
 """Trials written as files and read again are the same trials."""
 
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,6 +12,7 @@ from hypothesis import strategies as st
 import bdi
 import floorplan
 import sim
+from sim.trials.own_names import own_names
 
 ROOT = Path(__file__).resolve().parents[2]
 FLOOR = floorplan.load("ariac2023")
@@ -93,10 +95,13 @@ def test_what_is_written_is_read_as_the_same_trial(trial):
 
 @pytest.mark.parametrize("path", sorted((ROOT / "examples").glob("*.trial.yaml")), ids=str)
 def test_a_trial_saved_elsewhere_finds_its_files(path, tmp_path):
-    trial = sim.Trial.load(path)
-    (tmp_path / "deep").mkdir()
-    trial.save(tmp_path / "deep" / "again.yaml")
-    again = sim.Trial.load(tmp_path / "deep" / "again.yaml")
+    shutil.copytree(path.parent, tmp_path / "examples")
+    trial = sim.Trial.load(tmp_path / "examples" / path.name)
+    # A trial that names code stands with it: see test_own_code.py.
+    deep = tmp_path / ("examples" if [*own_names(trial)] else "elsewhere") / "deep"
+    deep.mkdir(parents=True)
+    trial.save(deep / "again.yaml")
+    again = sim.Trial.load(deep / "again.yaml")
     assert again.folder.resolve() == trial.folder.resolve()
     assert replace(again, folder=trial.folder) == trial
     short = [replace(one, duration=5.0, folder=one.folder) for one in (trial, again)]

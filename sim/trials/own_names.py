@@ -1,0 +1,34 @@
+"""Code of the user's own that a trial names, and if a file in some folder may name it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from ..controllers import CONTROLLERS
+from .own_law import OwnLaw
+from .trial import Trial
+
+
+def own_names(trial: Trial) -> Iterator[str]:
+    """Yield the names of the controller and of the laws that stand in the trial's folder."""
+    controller = trial.gantry.controller
+    if controller not in (*CONTROLLERS, *CONTROLLERS.values()):
+        yield trial.gantry.controller_name
+    rules = trial.rules
+    for law in dict.fromkeys((rules.gantry_law, rules.agv_law, rules.notice.law.law)):
+        if isinstance(law, OwnLaw) and law.folder == trial.folder.resolve():
+            yield law.name
+
+
+def out_of_reach(trial: Trial, folder: Path) -> str:
+    """Return the fault of a file in `folder` that holds `trial`, or an empty text.
+
+    The code that a file names stands in its folder, or in one below or above it to which its
+    `folder` leads; so no file leads to code that is installed, or that has nothing to do with it.
+    """
+    here, there = folder.resolve(), trial.folder.resolve()
+    names = ", ".join(own_names(trial))
+    if not names or here.is_relative_to(there) or there.is_relative_to(here):
+        return ""
+    return f"{names} stands in {there}: a trial that names code has to stand there too, or below"

@@ -1,0 +1,196 @@
+"""Python of the user's own as it is written: found beside the file that names it, and never run."""
+
+from __future__ import annotations
+
+import ast
+import keyword
+import re
+import traceback
+import warnings
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeAlias
+
+from floorplan import is_there, suggestion
+
+Definition: TypeAlias = "ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef"
+
+REFUSED = "code of your own is refused here (own_code: false, --no-own-code)"
+"""The message where files may name nothing but built-in things."""
+
+
+class OwnCodeError(ValueError):
+    """Code of the user's own that can't be found, or is not of the kind that is wanted."""
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of code that files name.
+
+    `words` say what it has to be. `written` is False for a definition whose source shows that it
+    is something else, `made` for an object that is.
+    """
+
+    words: str
+    written: Callable[[Definition], bool]
+    made: Callable[[Any], bool]
+
+
+@dataclass(frozen=True)
+class Source:
+    """The place of `module`:`attribute` below `folder`: its file, and its definition there."""
+
+    folder: Path
+    module: str
+    attribute: str
+    file: Path
+    definition: Definition
+    kind: Kind
+
+    @property
+    def name(self) -> str:
+        """Its name as files have it."""
+        return f"{self.module}:{self.attribute}"
+
+
+def find_source(name: str, folder: Path, kind: Kind) -> Source:
+    """The definition of `package.module:name` in a module or package that stands in `folder`.
+
+    Nothing is imported. `OwnCodeError` if there is no such file, if it can't be parsed, or if it
+    does not define a class or function of that name, of that `kind`, at its top level.
+    """
+    module, colon, attribute = name.partition(":")
+    parts = module.split(".")
+    if not (colon and all(map(_is_name, [*parts, attribute]))):
+        raise OwnCodeError(f"{name!r} is not of the form package.module:name")
+    path = folder.resolve().joinpath(*parts)
+    files = (path / "__init__.py", path.parent / f"{path.name}.py")
+    file = next((file for file in files if is_there(file) and file.is_file()), None)
+    if file is None:
+        raise OwnCodeError(
+            f"{name!r} can't be found: there is no {'/'.join(parts)}.py in {folder.resolve()};"
+            " code of your own stands beside the file that names it"
+        )
+    definitions = _definitions(name, file)
+    if attribute not in definitions:
+        hint = f"; {suggestion(attribute, definitions)}" if definitions else ""
+        raise OwnCodeError(
+            f"{name!r} can't be found: {file.name} defines no class or function {attribute!r} at"
+            f" its top level{hint}"
+        )
+    source = Source(folder.resolve(), module, attribute, file, definitions[attribute], kind)
+    if not kind.written(source.definition):
+        raise misfit(source)
+    return source
+
+
+def misfit(source: Source) -> OwnCodeError:
+    """The error that something is not of its kind."""
+    place = f"{source.file.name}, line {source.definition.lineno}"
+    return OwnCodeError(f"{source.name!r} ({place}) is no {source.kind.words}")
+
+
+def in_words(why: BaseException) -> str:
+    """The error with its type: a `KeyError` says no more than the key."""
+    return f"{type(why).__name__}: {why}".removesuffix(": ")
+
+
+def line_in(why: BaseException, file: Path) -> str:
+    """The line of the source `file` in which an error arose, as " (FILE, line N)", or nothing."""
+    frames = traceback.extract_tb(why.__traceback__)
+    lines = [frame.lineno for frame in frames if frame.filename == str(file)]
+    if isinstance(why, SyntaxError) and why.filename == str(file):
+        lines.append(why.lineno)
+    return f" ({file.name}, line {lines[-1]})" if lines else ""
+
+
+def is_plain(definition: ast.ClassDef) -> bool:
+    """Whether a class has only what its body says: no base, no metaclass, no decorator."""
+    return not (definition.bases or definition.keywords or definition.decorator_list)
+
+
+def methods(definition: ast.ClassDef) -> set[str]:
+    """The names that the body of a class binds with `def` or `=`."""
+    bound = {node.name for node in definition.body if isinstance(node, ast.FunctionDef)}
+    for node in definition.body:
+        if isinstance(node, ast.Assign):
+            bound |= {target.id for target in node.targets if isinstance(target, ast.Name)}
+    return bound
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """The names by which a class takes values when it is made, and those it can't do without."""
+
+    names: tuple[str, ...]
+    needed: tuple[str, ...]
+    any_name: bool = False
+
+
+def parameters(definition: ast.ClassDef) -> Parameters | None:
+    """The parameters of a class as far as its source shows them; None if only a run can."""
+    for node in definition.body:
+        if isinstance(node, ast.FunctionDef) and node.name == "__init__":
+            return None if definition.decorator_list or node.decorator_list else _of_init(node)
+    if is_plain(definition):
+        return None if "__new__" in methods(definition) else Parameters((), ())
+    decorators = [ast.unparse(one).partition("(")[0] for one in definition.decorator_list]
+    if decorators in (["dataclass"], ["dataclasses.dataclass"]) and not definition.bases:
+        return _of_fields(definition)
+    return None
+
+
+def _of_init(node: ast.FunctionDef) -> Parameters:
+    given = node.args
+    by_place = [one.arg for one in (*given.posonlyargs, *given.args)]
+    needed = by_place[: len(by_place) - len(given.defaults)]
+    named = [one.arg for one in given.kwonlyargs]
+    needed += [one for one, usual in zip(named, given.kw_defaults, strict=True) if usual is None]
+    return Parameters(
+        (*by_place[1:], *named),
+        tuple(name for name in needed if name not in by_place[:1]),
+        given.kwarg is not None,
+    )
+
+
+def _of_fields(definition: ast.ClassDef) -> Parameters | None:
+    """The fields of a dataclass; None where `field()` and the like say more than a value."""
+    names, needed = [], []
+    for node in definition.body:
+        if not (isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name)):
+            continue
+        if isinstance(node.value, ast.Call) or re.search(
+            r"\b(ClassVar|InitVar|KW_ONLY)\b", ast.unparse(node.annotation)
+        ):
+            return None
+        names.append(node.target.id)
+        if node.value is None:
+            needed.append(node.target.id)
+    return Parameters(tuple(names), tuple(needed))
+
+
+def _is_name(text: str) -> bool:
+    return text.isidentifier() and not keyword.iskeyword(text)
+
+
+def _definitions(name: str, file: Path) -> dict[str, Definition]:
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # they are told when the file is imported
+            tree = ast.parse(file.read_bytes(), filename=str(file))
+        return {found.name: found for found in _defined(tree.body)}
+    except (SyntaxError, ValueError, OSError, RecursionError, MemoryError) as why:
+        raise OwnCodeError(f"{name!r} can't be read{line_in(why, file)}: {in_words(why)}") from why
+
+
+def _defined(body: list[ast.stmt]) -> Iterator[Definition]:
+    """The classes and functions of a module, also those under `if`, `try` and the like."""
+    for node in body:
+        if isinstance(node, ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
+            yield node
+            continue
+        for block in ("body", "orelse", "finalbody"):
+            yield from _defined(getattr(node, block, []))
+        for handler in getattr(node, "handlers", []):
+            yield from _defined(handler.body)
