@@ -6,11 +6,13 @@ browser lets pages of all hosts open websockets to all hosts, the loopback inclu
 
 from __future__ import annotations
 
+import ipaddress
 import re
 from collections.abc import Iterable
 
 _LOOPBACK = re.compile(r"https?://(localhost|127(\.\d{1,3}){3}|\[::1\])(:\d{1,5})?")
 _ORIGIN = re.compile(r"null|[a-z][a-z0-9+.-]*://[^\s/?#@,]*")
+_HOST = re.compile(r"\[(?P<six>[^\]]*)\](:\d+)?|(?P<four>[^:]*)(:\d+)?")
 _USUAL_PORTS = {"http": ":80", "https": ":443"}
 
 
@@ -26,20 +28,43 @@ class Origins:
     """
 
     def __init__(self, named: Iterable[str] = ()) -> None:
-        self._named = {_normal(origin) for origin in named}
-        for origin in self._named:
-            if not _ORIGIN.fullmatch(origin):
+        self._named = set()
+        for origin in named:
+            normal = _normal(origin)
+            if not _ORIGIN.fullmatch(normal):
                 raise OriginError(
                     f"{origin!r} is no origin of a page; one looks like http://host:8080"
                 )
+            self._named.add(normal)
 
-    def trust(self, origin: str) -> bool:
-        """Whether a page of that origin may take part."""
+    def trust(self, origin: str, host: str) -> bool:
+        """Whether a client that says `origin` may take part; `host` is how it calls the server.
+
+        Some clients that are no browsers say the server's own address, and old ones leave out the
+        scheme, which browsers don't. By a number that is safe: no page comes from here. A name may
+        be anybody's, who has it lead to this machine once their page is loaded (DNS rebinding).
+        """
         normal = _normal(origin)
-        return normal in self._named or _LOOPBACK.fullmatch(normal) is not None
+        if "://" not in normal and normal != "null":
+            normal = f"http://{normal}"
+        if normal in self._named or _LOOPBACK.fullmatch(normal):
+            return True
+        return _is_number(host) and normal in (_normal(f"{s}://{host}") for s in _USUAL_PORTS)
 
 
 def _normal(origin: str) -> str:
-    """An origin as browsers send it: in small letters, without the port that is usual."""
+    """Return an origin as browsers send it: in small letters, without the port that is usual."""
     origin = origin.lower()
     return origin.removesuffix(_USUAL_PORTS.get(origin.partition("://")[0], "/"))
+
+
+def _is_number(host: str) -> bool:
+    """Whether a Host header has an IP address, not a name."""
+    found = _HOST.fullmatch(host)
+    if found is None:
+        return False
+    try:
+        ipaddress.ip_address(found["six"] or found["four"] or "")
+    except ValueError:
+        return False
+    return True

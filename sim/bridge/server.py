@@ -169,8 +169,9 @@ class RosbridgeServer:
 
     def _admit(self, connection: ServerConnection, request: Request) -> Response | None:
         """Refuse a web page that has no business here; let in what is no web page."""
+        host = ",".join(request.headers.get_all("Host"))
         for origin in request.headers.get_all("Origin"):
-            if not self._origins.trust(origin):
+            if not self._origins.trust(origin, host):
                 page = f"web page of {origin[:_LONGEST_TOLD]!a}"
                 self._tell(f"a {page} was not let in; --origin would let it in")
                 return connection.respond(403, f"a {page} is not let in here\n")
@@ -181,7 +182,7 @@ class RosbridgeServer:
         why = context.get("exception")
         if "socket" in context and isinstance(why, OSError) and why.errno in _EXHAUSTED:
             self._tell(f"no more clients can be taken for now: {why.strerror}")
-        elif self._is_closed and "_start_serving" in context["message"]:
+        elif self._is_closed and "_start_serving" in context.get("message", ""):
             pass  # asyncio tries again to take clients, at a socket that is closed
         elif self._pass_on is not None:
             self._pass_on(loop, context)

@@ -21,6 +21,10 @@ from sim.bridge import OriginError, Origins
 from sim.bridge.ledger import Ledger
 
 TEXT = "std_msgs/String"
+UPGRADE = (
+    b"GET / HTTP/1.1\r\nHost: x\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+    b"Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\nSec-WebSocket-Version: 13\r\n\r\n"
+)
 
 
 def until(holds, seconds=20.0):
@@ -28,6 +32,11 @@ def until(holds, seconds=20.0):
     while not holds():
         assert time.monotonic() < deadline
         time.sleep(0.01)
+
+
+def place_of(url):
+    host, port = url.removeprefix("ws://").split(":")
+    return host, int(port)
 
 
 def settle(client):
@@ -71,6 +80,25 @@ def test_pages_from_elsewhere_are_not_let_in():
     assert "--origin" in notices[0]
     with relay(origins=Origins(["null"])) as url:
         assert is_let_in(url, "null")
+
+
+def test_a_page_behind_a_name_of_its_own_is_not_let_in():
+    """A name may come to lead here once its page is loaded; a number leads to no other page."""
+    with relay() as url:
+        for host, origin, status in (
+            (b"evil.example:9090", b"http://evil.example:9090", b"403"),
+            (b"192.0.2.7:9090", b"http://192.0.2.7:9090", b"101"),
+            (b"[2001:db8::7]:9090", b"http://[2001:db8::7]:9090", b"101"),
+            (b"192.0.2.7:9090", b"http://192.0.2.7:8080", b"403"),
+            (b"192.0.2.7:9090", b"http://evil.example:9090", b"403"),
+            (b"localhost:9090", b"localhost:9090", b"101"),
+            (b"evil.example", b"evil.example", b"403"),
+        ):
+            with socket.create_connection(place_of(url), timeout=20) as client:
+                client.sendall(
+                    UPGRADE.replace(b"Host: x", b"Host: %b\r\nOrigin: %b" % (host, origin))
+                )
+                assert client.recv(100).split()[1] == status, origin
 
 
 @pytest.mark.parametrize("origin", ["robot:8080", "*", "http://robot/page", "", "http://a b"])
@@ -148,10 +176,6 @@ def test_fragments_of_all_clients_count_together():
         until(lambda: ledger.held == 0)
 
 
-UPGRADE = (
-    b"GET / HTTP/1.1\r\nHost: x\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
-    b"Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\nSec-WebSocket-Version: 13\r\n\r\n"
-)
 MASK = b"mask"
 ATTACKS = {
     "frames of one message": (b"\x01\x80" + MASK, b"\x00\xfe\x03\xe8" + MASK + b"x" * 1000),
@@ -176,8 +200,7 @@ def test_what_is_not_complete_or_not_read_counts(attack):
     watching = threading.Thread(target=watch)
     with relay(ledger=ledger) as url:
         watching.start()
-        host, port = url.removeprefix("ws://").split(":")
-        with socket.create_connection((host, int(port)), timeout=20) as wrong:
+        with socket.create_connection(place_of(url), timeout=20) as wrong:
             wrong.sendall(UPGRADE + beginning)
             with pytest.raises(ConnectionError):
                 while True:  # and nothing is read
@@ -244,6 +267,21 @@ def test_nothing_counts_any_more_once_it_is_gone():
 
 FEW = 80
 """Files that a process may have open."""
+
+
+def test_connections_that_say_nothing_are_bounded(monkeypatch):
+    monkeypatch.setattr("sim.bridge.server._MOST_CONNECTIONS", 3)
+    with relay() as url:
+        silent = [socket.create_connection(place_of(url), timeout=20) for _ in range(5)]
+        for one in silent[3:]:
+            with suppress(ConnectionResetError):
+                assert one.recv(1) == b""
+        silent[0].sendall(UPGRADE)
+        assert silent[0].recv(100).split()[1] == b"101"
+        for one in silent:
+            one.close()
+        with Client(url) as client:
+            settle(client)
 
 
 def test_too_many_sockets_are_a_line_on_stderr(tmp_path):
