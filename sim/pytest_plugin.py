@@ -164,7 +164,7 @@ def run_trial(
 
 
 def _own_code(config: pytest.Config) -> bool:
-    """Whether trials may name Python of the user's own."""
+    """Return False if trials may name no Python of the user's own."""
     return not config.getoption("--no-own-code")
 
 

@@ -50,7 +50,7 @@ def _may_be_controller(definition: Definition) -> bool:
 
 
 def _yields(function: ast.FunctionDef) -> bool:
-    """Whether `yield` stands in the function itself, and not only in one inside it."""
+    """Return True if `yield` stands in the function itself, and not only in one inside it."""
     left: list[ast.AST] = [*function.body]
     while left:
         node = left.pop()

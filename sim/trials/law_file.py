@@ -17,7 +17,8 @@ from floorplan import LARGEST, suggestion
 from navigation import AnyLaw, ApproachLaw, FixedDistance, IntegralLaw, SeparationLaw
 
 from .own_law import LAW, OwnLaw
-from .own_source import REFUSED, OwnCodeError, find_source, parameters
+from .own_parameters import parameters
+from .own_source import REFUSED, OwnCodeError, find_source
 
 LAWS: dict[str, Any] = {
     "iso_ts_15066": SeparationLaw,

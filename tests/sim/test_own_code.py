@@ -9,7 +9,7 @@ import pytest
 import sim
 from sim.cli import main
 from sim.controllers import controller_source
-from sim.trials.own_source import Parameters, parameters
+from sim.trials.own_parameters import Parameters, parameters
 
 CTL = "from .words import WORD\n\n\ndef go(gantry=None):\n    yield WORD\n"
 
