@@ -31,7 +31,7 @@ from .referee import Pair, Referee
 from .summary import summarise
 from .trials.checks import check
 from .trials.names import fixed_places
-from .trials.own_law import load_laws
+from .trials.own_law import own_laws
 from .trials.programs import EXTERNAL
 from .trials.trial import PersonEntry, Start, Trial
 from .triggers import Triggers
@@ -50,7 +50,8 @@ class Simulation:
     def __init__(self, trial: Trial, *listeners: Listener) -> None:
         self._cpu_begin = time.process_time()
         check(trial)
-        load_laws(trial.rules)
+        for law in own_laws(trial.rules):
+            law.load()
         self._controller = _controller_of(trial)
         self.trial = trial
         self.clock = Clock(0.0)

@@ -108,13 +108,14 @@ class StudyFolder:
 def save_trial(study: Study, number: int, folder: str | Path) -> Path:
     """Write the trial of one row into `folder`; running it gives the row's figures again.
 
-    The path of the file; `ValueError` if there is no such row.
+    The path of the file; `ValueError` if there is no such row, or if its trial can't stand there.
     """
     row = study.row(number)
     path = Path(folder) / "trials" / f"{number:06d}.yaml"
+    text = row.trial.to_yaml(path.parent)
     with writing_to(path):
         path.parent.mkdir(parents=True, exist_ok=True)
-        row.trial.save(path)
+        path.write_text(text, encoding="utf-8")
     return path
 
 

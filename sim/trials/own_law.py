@@ -5,11 +5,20 @@ from __future__ import annotations
 import ast
 import inspect
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
-from navigation import Enclosure, Encounter, MotionLaw, TooClose, minimum_margin, standing, walk
+from navigation import (
+    Enclosure,
+    Encounter,
+    MotionLaw,
+    Scaled,
+    TooClose,
+    minimum_margin,
+    standing,
+    walk,
+)
 
 from ..rules import RuleSet
 from .own_code import import_own
@@ -145,8 +154,10 @@ class OwnLaw:
             raise LawError(f"the law makes no sense: {why}") from why
 
 
-def load_laws(rules: RuleSet) -> None:
-    """Load the laws of the user's own in `rules`; `LawError` if there is something wrong in one."""
-    for law in (rules.gantry_law, rules.agv_law, rules.notice.law.law):
+def own_laws(rules: RuleSet) -> Iterator[OwnLaw]:
+    """Yield the laws of the user's own in `rules`, also those that another one scales."""
+    for law in (rules.gantry_law, rules.agv_law, rules.notice.law):
+        while isinstance(law, Scaled):
+            law = law.law
         if isinstance(law, OwnLaw):
-            law.load()
+            yield law

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from ..controllers import CONTROLLERS
-from .own_law import OwnLaw
+from .own_law import own_laws
 from .trial import Trial
 
 
@@ -15,9 +15,8 @@ def own_names(trial: Trial) -> Iterator[str]:
     controller = trial.gantry.controller
     if controller not in (*CONTROLLERS, *CONTROLLERS.values()):
         yield trial.gantry.controller_name
-    rules = trial.rules
-    for law in dict.fromkeys((rules.gantry_law, rules.agv_law, rules.notice.law.law)):
-        if isinstance(law, OwnLaw) and law.folder == trial.folder.resolve():
+    for law in dict.fromkeys(own_laws(trial.rules)):
+        if law.folder == trial.folder.resolve():
             yield law.name
 
 
@@ -31,4 +30,4 @@ def out_of_reach(trial: Trial, folder: Path) -> str:
     names = ", ".join(own_names(trial))
     if not names or here.is_relative_to(there) or there.is_relative_to(here):
         return ""
-    return f"{names} stands in {there}: a trial that names code has to stand there too, or below"
+    return f"its code, {names}, stands in {there}: so does a trial that names it, or below"

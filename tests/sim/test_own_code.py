@@ -234,9 +234,9 @@ def test_the_folder_of_a_trial_leads_to_no_code_elsewhere(tmp_path):
         trial = sim.Trial.parse(text(up), folder=tmp_path / folder)
         assert trial.folder.resolve() == tmp_path / "code"
         trial.to_yaml(tmp_path / "code" / "rows")
-    with pytest.raises(sim.TrialError, match=r"line 2, folder: ctl:go stands in .*/code: a trial"):
+    with pytest.raises(sim.TrialError, match=r"2, folder: its code, ctl:go, stands in .*/code: so"):
         sim.Trial.parse(text("../code"), folder=tmp_path / "elsewhere")
-    with pytest.raises(ValueError, match=r"can't be written into .*elsewhere: ctl:go stands in"):
+    with pytest.raises(ValueError, match=r"written into .*elsewhere: its code, ctl:go, stands in"):
         trial.to_yaml(tmp_path / "elsewhere")
 
 
