@@ -273,7 +273,7 @@ def test_two_processes_cannot_work_on_one_folder(study, tmp_path):
 
 @pytest.mark.slow
 def test_a_worker_that_dies_is_told(folder):
-    (folder / "moody.py").write_text("import os\ndef moody(gantry): os._exit(7)\n")
+    (folder / "moody.py").write_text("import os\ndef moody(gantry): yield os._exit(7)\n")
     code, out, err = finished(command(folder, "--out", "out", "--jobs", "2"))
     assert (code, out) == (1, "")
     assert err.startswith("floorwalker: a worker process was killed or ran out of memory")
@@ -368,9 +368,9 @@ def test_study_json_names_what_decides(study, tmp_path):
     assert list(json.loads((tmp_path / "study.json").read_text())) == [
         "floorwalker",
         "the study",
+        "the trial short",
         "the floorplan ariac2023",
         "the program indifferent",
         "the controller moody:moody",
         "the program antagonistic",
-        "the trial short",
     ]
