@@ -43,6 +43,9 @@ class AxisState:
 NOWHERE = 1e-9
 """Metres or radians. A way shorter than this is none."""
 
+STANDSTILL = (1e-12, 1e-7)
+"""m/s and m/s² (or in radians). An axis of less velocity and acceleration than these stands."""
+
 Phases = list[tuple[float, Cubic]]
 """The duration of each phase of one axis (seconds), and its cubic."""
 
@@ -103,12 +106,19 @@ def to_rest(current: Sequence[AxisState], limits: Sequence[AxisLimits]) -> list[
 def _task(current: Sequence[AxisState], limits: Sequence[AxisLimits]) -> Any:
     task = ruckig.InputParameter(len(current))
     task.current_position = [state.position for state in current]
+    current = [AxisState(state.position) if _stands(state) else state for state in current]
     task.current_velocity = [state.velocity for state in current]
     task.current_acceleration = [state.acceleration for state in current]
     task.max_velocity = [axis.max_speed for axis in limits]
     task.max_acceleration = [axis.max_acceleration for axis in limits]
     task.max_jerk = [axis.max_jerk for axis in limits]
     return task
+
+
+def _stands(state: AxisState) -> bool:
+    """Return whether the axis is at rest but for rounding, which Ruckig takes for motion."""
+    velocity, acceleration = STANDSTILL
+    return abs(state.velocity) < velocity and abs(state.acceleration) < acceleration
 
 
 def _solve(task: Any) -> list[Phases]:

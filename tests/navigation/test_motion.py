@@ -136,6 +136,16 @@ def test_gantry_moves_keep_the_limits_of_every_axis_even_when_replaced(a, b, c, 
                     assert abs(now.acceleration[axis]) <= limits.max_acceleration + 1e-6
 
 
+def test_a_gantry_move_can_be_given_again_a_nanosecond_before_its_end():
+    for x, left in itertools.product(np.linspace(-14, 0, 60), np.geomspace(5e-10, 1e-8, 25)):
+        target = (float(x), 2.5, 1.0)
+        first = navigation.gantry_move((-5.0, 1.0, 0.0), target)
+        t = first.end - left
+        again = navigation.gantry_move(first.state(t), target, t)
+        assert again.end <= first.end + 1e-3
+        assert again.position(again.end) == pytest.approx(target[:2], abs=1e-9)
+
+
 @given(pose, pose)
 def test_gantry_moves_from_rest_go_straight_and_their_axes_arrive_together(a, b):
     motion = navigation.gantry_move(a, b)
