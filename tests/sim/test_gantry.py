@@ -118,7 +118,7 @@ def test_violations_that_go_on_count_again_when_the_gantry_runs_again(tmp_path):
         """
 floorplan: ariac2023
 duration: 60
-people: [{name: a, personality: stay.asl, at: [-5.0, 3.75]}]
+people: [{name: a, personality: stay.asl, at: [-5.0, 3.75], home: [-5.0, 3.75]}]
 gantry:
   controller: oblivious
   at: [-9.0, 3.75, 0.0]
@@ -131,7 +131,7 @@ gantry:
     assert len(violations) >= 3
     for earlier, later in itertools.pairwise(violations):
         assert later["t"] >= earlier["t"] + 8.0
-    # This person started at station1, so that is where the referee puts them, too near as before.
+    # Their home is station1, so that is where the referee puts them, too near as before.
     assert [event["t"] for event in teleports] == [event["t"] for event in violations]
     assert teleports[0]["to"] == [-5.0, 3.75]
     assert run.summary["penalties"] == len(violations)
