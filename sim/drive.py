@@ -7,7 +7,7 @@ from collections.abc import Callable, Generator
 from dataclasses import replace
 from typing import Any
 
-from simpy.events import Event, Process
+from simpy.events import Event
 
 from floorplan import Gantry
 from navigation import AxisLimits, Motion, State, gantry_limits, gantry_move, gantry_stop, standing
@@ -48,6 +48,7 @@ class Drive:
         self._enabled: Event | None = None
         self._disabled_at = 0.0
         self._commands = 0
+        self._replaced = clock.event()
         self._braking = clock.event()
         self._ready = Alarm(clock, self._enable, Turn.MOTION_ENDS)
 
@@ -72,38 +73,63 @@ class Drive:
         """The fastest stop from `state` at `t` (seconds)."""
         return gantry_stop(state, t, limits=self._limits)
 
-    def move(self, target: Pose, speed_share: float, resume: bool) -> Process:
-        """Set out for `target`; see `GantryRobot.move_to`."""
-        motion = self.preview(target, speed_share)
+    def begin(self) -> int:
+        """Begin a command, which takes the place of the one under way: its number."""
         self._commands += 1
+        replaced, self._replaced = self._replaced, self._clock.event()
+        replaced.succeed()
+        return self._commands
+
+    def is_under_way(self, command: int) -> bool:
+        """Return whether no other command has taken the place of the one of this number."""
+        return command == self._commands
+
+    def move(
+        self,
+        target: Pose,
+        speed_share: float = 1.0,
+        *,
+        resume: bool = True,
+        command: int | None = None,
+    ) -> Steps:
+        """Set out for `target`, as a part of `command` or as one of its own, and wait for the end.
+
+        See `GantryRobot.move_to`.
+        """
+        motion = self.preview(target, speed_share)
+        number = self.begin() if command is None else command
         if not self.disabled:
             self.body.follow(motion)
 
         def set_out() -> None:
             self.body.follow(self.preview(target, speed_share))
 
-        return self._clock.process(self._move(self._commands, set_out, resume))
+        return self._move(number, set_out, resume)
 
-    def follow(self, motion: Motion) -> Process:
+    def follow(self, motion: Motion) -> Steps:
         """Go along `motion`, which begins here and now; see `GantryRobot.follow`."""
         if self.disabled:
             raise ValueError("the gantry is disabled")
-        self._commands += 1
+        number = self.begin()
         self.body.follow(motion)
-        return self._clock.process(self._move(self._commands, lambda: None, resume=False))
+        return self._move(number, lambda: None, resume=False)
 
-    def stop(self) -> Process:
-        """Brake; the move under way is forgotten."""
-        self._commands += 1
+    def stop(self) -> Steps:
+        """Brake, and wait for the end; the command under way is forgotten."""
+        self.begin()
         if not self.disabled:
             self._brake()
-        return self._clock.process(self._rest())
+        return self._rest()
 
-    def work(self, seconds: float) -> Process:
+    def wait(self, seconds: float) -> Steps:
         """Let `seconds` go by in which it is not disabled."""
         if not 0 <= seconds < math.inf:
             raise ValueError(f"can't wait {seconds} s")
-        return self._clock.process(self._work(seconds))
+        return self._enabled_for(seconds, None)
+
+    def work(self, seconds: float, command: int) -> Steps:
+        """Work for `seconds` as a part of `command`; the value is whether it was not replaced."""
+        return self._enabled_for(seconds, command)
 
     def disable(self, seconds: float, event: str = "gantry_disabled") -> None:
         """Brake, and stand for `seconds` from now on, or longer if it has to already.
@@ -154,17 +180,20 @@ class Drive:
     def _rest(self) -> Steps:
         yield self._clock.at(self.body.motion.end)
 
-    def _work(self, seconds: float) -> Steps:
-        while seconds > 0:
+    def _enabled_for(self, seconds: float, command: int | None) -> Steps:
+        """Let `seconds` go by in which it is not disabled, unless `command` is replaced before."""
+        while seconds > 0 and command in (None, self._commands):
             if self._enabled is not None:
                 yield self._enabled
+                continue
             begun = self._clock.now
             done = self._clock.at(begun + seconds)
-            yield done | self._braking
-            self.working_time += self._clock.now - begun
-            if done.processed:
-                return
-            seconds -= self._clock.now - begun
+            yield done | (self._braking if command is None else self._braking | self._replaced)
+            elapsed = self._clock.now - begun
+            if command is not None:
+                self.working_time += elapsed
+            seconds = 0.0 if done.processed else seconds - elapsed
+        return command in (None, self._commands)
 
 
 def _slower(axis: AxisLimits, share: float) -> AxisLimits:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
 
 from simpy.events import Event, Process
 
@@ -15,13 +14,11 @@ from navigation import Motion, State
 from .body import Body
 from .clock import Clock, Turn
 from .drive import Drive, Steps
+from .interruption import Interruption, Interrupts
 from .recordings.recorder import Record
 from .rules import PAPER, RuleSet
 from .tasks import Handling, Pose, Step, Task, Tasks, tasks_of
 from .trials.trial import GantryEntry
-
-Interruption = Literal["person_close", "disabled", "enabled"]
-"""What can interrupt a controller that asked for it."""
 
 OBSERVATION_RATE = 10.0
 """Hz. How often the gantry sees where people are."""
@@ -63,8 +60,9 @@ class GantryRobot:
     """The gantry, to be told what to do.
 
     A controller is a function or class of one argument, this robot, that yields what its
-    methods return: `yield gantry.move_to(-2.5, 0.5)`. While the gantry is disabled it stands,
-    and whatever was under way goes on afterwards.
+    methods return: `yield gantry.move_to(-2.5, 0.5)`. It does one thing at a time: moving,
+    stopping, picking, placing and handling take the place of what was under way. While the gantry
+    is disabled it stands, and whatever was under way goes on afterwards.
     """
 
     def __init__(
@@ -91,13 +89,12 @@ class GantryRobot:
             record=record,
             disabled_or_enabled=self.interrupt,
         )
+        self._interrupts = Interrupts()
         self._clock = clock
         self._entry = entry
         self._surroundings = surroundings
         self._record = record
         self._floor_changed = clock.event()
-        self._controller: Process | None = None
-        self._interests: dict[str, float] = {}
         self._begin_round()
 
     # What it sees.
@@ -134,7 +131,7 @@ class GantryRobot:
         """
         if not 0 <= after < math.inf:
             raise ValueError(f"can't wait {after} s")
-        return self._clock.process(self._look(after))
+        return self._command(self._look(after))
 
     def interrupt_on(self, reason: Interruption, distance: float = math.inf) -> None:
         """From now on, interrupt the controller where it waits when this happens.
@@ -142,12 +139,13 @@ class GantryRobot:
         It is interrupted in SimPy's manner: the `yield` raises `simpy.Interrupt` with `reason` as
         its cause. "person_close" happens when a person comes within `distance` metres of the
         gantry's axis, "disabled" and "enabled" when the referee stops it and lets it go on.
+
+        After an interrupt there is no other until the controller gives a command outside the
+        `except` that handles it; what happens meanwhile interrupts it then, each reason once. An
+        interrupt ends the waiting alone: the gantry goes on with what it does until it is given
+        another command. `ValueError` for another reason, or a distance that is none.
         """
-        if reason not in ("person_close", "disabled", "enabled"):
-            raise ValueError(f"nothing called {reason!r} interrupts a controller")
-        if reason == "person_close" and not 0 < distance < math.inf:
-            raise ValueError(f"give the distance for person_close in metres, not {distance}")
-        self._interests[reason] = distance
+        self._interrupts.ask_for(reason, distance)
         self.on_interest()
 
     # What it can be told.
@@ -167,7 +165,8 @@ class GantryRobot:
         this one; being disabled does so unless it is to `resume` by itself afterwards.
         `ValueError` if that is outside the gantry's range.
         """
-        return self.drive.move(self._target(x, y, rotation), speed_share, resume)
+        target = self._target(x, y, rotation)
+        return self._command(self.drive.move(target, speed_share, resume=resume))
 
     def preview(
         self, x: float, y: float, rotation: float | None = None, *, speed_share: float = 1.0
@@ -181,11 +180,11 @@ class GantryRobot:
         A move or a stop takes its place; so does being disabled, and it isn't gone on with.
         `ValueError` while disabled.
         """
-        return self.drive.follow(motion)
+        return self._command(self.drive.follow(motion))
 
     def stop(self) -> Process:
         """Stop as fast as it can, to be waited for; the move under way is forgotten."""
-        return self.drive.stop()
+        return self._command(self.drive.stop())
 
     def stopping(self, state: State, t: float) -> Motion:
         """The fastest stop from `state` at `t` (seconds); nothing moves by it."""
@@ -193,15 +192,18 @@ class GantryRobot:
 
     def wait(self, seconds: float) -> Process:
         """Let `seconds` go by in which the gantry is not disabled."""
-        return self.drive.work(seconds)
+        return self._command(self.drive.wait(seconds))
 
     def pick(self, place: str) -> Process:
-        """Go to `place` (an obstacle, a station or an AGV by name) and take something there."""
-        return self._clock.process(self._visit(Step("pick", self.handling.pick, place=place)))
+        """Go to `place` (an obstacle, a station or an AGV by name) and take something there.
+
+        The value is whether it was done: not if another command took its place before the end.
+        """
+        return self._visit("pick", self.handling.pick, place)
 
     def place(self, place: str) -> Process:
-        """Go to `place` and put down what was taken."""
-        return self._clock.process(self._visit(Step("place", self.handling.place, place=place)))
+        """Go to `place` and put down what was taken; the value is as that of `pick`."""
+        return self._visit("place", self.handling.place, place)
 
     # What there is to do.
 
@@ -212,11 +214,16 @@ class GantryRobot:
 
     def next_task(self) -> Event:
         """The preferred open task, as soon as there is one; None when there won't be any."""
+        self._interrupts.command_given()
         return self.tasks.next()
 
     def do(self, task: Task) -> Process:
-        """All of a task, the straight way."""
-        return self._clock.process(self._do(task))
+        """Do what is left of a task, the straight way.
+
+        The value is whether it is done: not if another command took the place of this one. A step
+        that was broken off begins anew when it is done again.
+        """
+        return self._command(self._do(task, self.drive.begin()))
 
     def where(self, task: Task) -> Pose | None:
         """Where the task's next step is now: x, y, rotation; None if it can't be reached now.
@@ -233,34 +240,42 @@ class GantryRobot:
 
     def locate(self, task: Task) -> Process:
         """Begin the task, or go on with it: `where` its next step is, once it can be reached."""
-        return self._clock.process(self._find(task))
+        return self._command(self._find(task))
 
     def handle(self, task: Task) -> Process:
-        """Do what the task's next step needs, here. The value is whether it could be done."""
-        return self._clock.process(self._handle(task))
+        """Do what the task's next step needs, here. The value is whether it was done.
+
+        It was not if this is not the place, or if another command took the place of this one: the
+        step then begins anew when it is handled again. `ValueError` if the task is done already.
+        """
+        if not self._is_at(_next_step(task)):
+            return self._command(_not_done())
+        return self._command(self._handle(task, self.drive.begin()))
 
     # What others do with it.
 
     def start(self, controller: Steps) -> None:
         """Let `controller` tell it what to do from now on."""
-        self._controller = self._clock.process(controller)
+        self._interrupts.start(self._clock, controller)
 
     def interrupt(self, reason: str) -> None:
-        """Interrupt the controller, if it asked for it and is waiting for something."""
-        controller = self._controller
-        if reason in self._interests and controller is not None and controller.is_alive:
-            controller.interrupt(reason)
+        """Interrupt the controller, as soon as it can be, if it asked for it."""
+        self._interrupts.happened(reason)
 
     @property
     def close_distance(self) -> float | None:
         """Metres within which a person's coming interrupts the controller, if it asked for it."""
-        return self._interests.get("person_close")
+        return self._interrupts.close_distance
 
     def floor_changed(self) -> None:
         """An AGV has come to rest."""
         changed, self._floor_changed = self._floor_changed, self._clock.event()
         changed.succeed()
         self.tasks.reconsider()
+
+    def _command(self, steps: Steps) -> Process:
+        self._interrupts.command_given()
+        return self._clock.process(steps)
 
     def _target(self, x: float, y: float, rotation: float | None) -> Pose:
         return (x, y, self.position[2] if rotation is None else rotation)
@@ -284,36 +299,54 @@ class GantryRobot:
     def _find(self, task: Task) -> Steps:
         step = _next_step(task)
         self._begin(task)
-        pose = self._pose(step)
-        while pose is None:
-            yield self._floor_changed
-            pose = self._pose(step)
-        return pose
+        return (yield from self._reached(step))
 
-    def _visit(self, step: Step) -> Steps:
+    def _reached(self, step: Step) -> Steps:
+        """Wait until a step can be reached; the value is where it is then."""
         while (pose := self._pose(step)) is None:
             yield self._floor_changed
-        yield self.move_to(*pose)
-        yield self.wait(step.seconds)
+        return pose
 
-    def _handle(self, task: Task) -> Steps:
-        step = _next_step(task)
+    def _visit(self, action: str, seconds: float, place: str) -> Process:
+        """Go to a place and handle something there, as one command."""
+        step, command = Step(action, seconds, place), self.drive.begin()
+
+        def steps() -> Steps:
+            yield from self._go_to(step, command)
+            return (yield from self.drive.work(seconds, command))
+
+        return self._command(steps())
+
+    def _is_at(self, step: Step) -> bool:
+        """Return whether the gantry stands where `step` can be handled."""
         pose = self._pose(step)
         moving = self.now < self.body.motion.end
-        if pose is None or moving or math.dist(pose[:2], self.position[:2]) > REACH:
-            return False
-        self._begin(task)
-        yield self.wait(step.seconds)
-        task.advance()
-        if task.finished:
-            self._finish(task)
-        return True
+        return not (pose is None or moving or math.dist(pose[:2], self.position[:2]) > REACH)
 
-    def _do(self, task: Task) -> Steps:
-        while task.next_step is not None:
-            pose = yield self.locate(task)
-            yield self.move_to(*pose)
-            yield self.handle(task)
+    def _go_to(self, step: Step, command: int) -> Steps:
+        """As a part of `command`, go to where `step` is, once it can be reached."""
+        pose = yield from self._reached(step)
+        if self.drive.is_under_way(command):
+            yield from self.drive.move(pose, command=command)
+
+    def _handle(self, task: Task, command: int) -> Steps:
+        self._begin(task)
+        done: bool = yield from self.drive.work(_next_step(task).seconds, command)
+        if done:
+            task.advance()
+            if task.finished:
+                self._finish(task)
+        return done
+
+    def _do(self, task: Task, command: int) -> Steps:
+        while self.drive.is_under_way(command) and task.next_step is not None:
+            step = task.next_step
+            self._begin(task)
+            yield from self._go_to(step, command)
+            # An AGV may have left in the meantime.
+            if self.drive.is_under_way(command) and self._is_at(step):
+                yield from self._handle(task, command)
+        return task.finished
 
     def _begin(self, task: Task) -> None:
         if not task.announced:
@@ -337,6 +370,11 @@ class GantryRobot:
         self._round_began = self.now
         self._round = tasks_of(self._entry.jobs, self.handling)
         self.tasks.add(self._round)
+
+
+def _not_done() -> Steps:
+    return False
+    yield
 
 
 def _next_step(task: Task) -> Step:

@@ -3,6 +3,7 @@
 import pkgutil
 import re
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -85,22 +86,38 @@ def test_the_example_of_a_trial_is_one():
     assert len(trial.gantry.jobs) == 3
 
 
-CONTROLLERS_SHOWN = list(blocks(ROOT / "docs" / "write-a-controller.md", "python"))
+CONTROLLERS_SHOWN = {
+    found[1]: text
+    for page in ("write-a-controller.md", "tutorial.md")
+    for _, text in blocks(ROOT / "docs" / page, "python")
+    for found in [re.search(r"def (\w+)\(gantry\)", text)]
+    if found
+}
 
 
-@pytest.mark.parametrize("k", range(len(CONTROLLERS_SHOWN)))
-def test_controllers_that_are_shown_run(k, tmp_path):
-    _, controller = CONTROLLERS_SHOWN[k]
-    function = re.search(r"def (\w+)", controller)[1]
-    module = f"shown_{function}"
-    (tmp_path / f"{module}.py").write_text(controller)
-    ((_, text),) = blocks(ROOT / "docs" / "write-a-controller.md", "yaml")
-    text = text.replace("mine:back_and_forth", f"{module}:{function}")
-    jobs = "jobs: [{move: [-2.3, 3.0, 0.0]}]}"
-    run = sim.run(sim.Trial.parse(text.replace('"}', f'", {jobs}'), folder=tmp_path))
-    gantry = run.motions["gantry"]
-    assert gantry.position(0.0) == pytest.approx((-7.0, 0.0))
-    assert abs(gantry.position(range(120))[:, 0] - -7.0).max() > 1.0
+@pytest.mark.parametrize("people", [2, 5])
+@pytest.mark.parametrize("name", CONTROLLERS_SHOWN)
+def test_controllers_that_are_shown_work_beside_people(name, people):
+    """As they stand on the page, however many come near, and whenever they are interrupted."""
+    exec(compile(CONTROLLERS_SHOWN[name], name, "exec"), namespace := {})
+    minds = ["antagonistic", "curious", "indifferent", "helpful", "scared"][:people]
+    trial = sim.Trial.parse(
+        f"""
+floorplan: ariac2023
+duration: 120.0
+people: [{", ".join(f"{{name: {p}, personality: {p}}}" for p in minds)}]
+gantry: {{jobs: [{{move: [-2.3, 3.0, 0.0]}}, {{pick: bin6, place: agv4}}]}}
+"""
+    )
+    gantry = replace(trial.gantry, controller=namespace[name])
+    simulation = sim.Simulation(replace(trial, gantry=gantry))
+    for t in range(8, 120, 13):
+        simulation.clock.call_at(t, lambda: simulation.gantry.interrupt("person_close"))
+        simulation.clock.call_at(t + 0.01, lambda: simulation.gantry.interrupt("person_close"))
+    simulation.advance(120.0)
+    motion = simulation.finish().motions["gantry"]
+    assert motion.position(0.0) == pytest.approx((-7.0, 0.0))
+    assert abs(motion.position(range(120))[:, 0] - -7.0).max() > 1.0
 
 
 @pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: path.name)

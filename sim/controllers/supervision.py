@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from simpy.events import Event
+from simpy.exceptions import Interrupt
 
 from ..drive import Steps
 from ..gantry import GantryRobot
@@ -35,8 +36,15 @@ def supervised(name: str, controller: Controller, gantry: GantryRobot) -> Steps:
     except Exception as why:
         raise ControllerError(
             f"the gantry controller {name!r} failed at t = {gantry.now:g} s"
-            f"{_place(why, controller, steps)}: {in_words(why)}"
+            f"{_place(why, controller, steps)}: {_told(why)}"
         ) from why
+
+
+def _told(why: Exception) -> str:
+    """What went wrong, with its type; of an interrupt, what to do."""
+    if isinstance(why, Interrupt):
+        return f"it was interrupted by {why.cause!r} where no `except simpy.Interrupt` catches it"
+    return in_words(why)
 
 
 def _iterated(steps: Any) -> Steps:
