@@ -25,7 +25,7 @@ RUN_FILES = (
     "thoughts.jsonl",
     "violations.jsonl",
 )
-STUDY_FILES = ("study.json", "results.csv")
+STUDY_FILES = ("study.json", "results.csv", "results.sha256")
 
 TRIAL = """
 floorplan: ariac2023

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..recordings.output import writing
+from ..recordings.output import replacing, writing
 from . import completion
 
 if TYPE_CHECKING:
@@ -115,11 +115,13 @@ def _print_table(rows: Sequence[Row]) -> None:
 def _write(attempts: Sequence[Attempt], out: Path, seed: int) -> None:
     from navigation.benchmark import write_csv, write_ompl_log
 
-    write_csv(attempts, out / "benchmark.csv")
+    with replacing(out / "benchmark.csv") as unfinished:
+        write_csv(attempts, unfinished)
     floors = list(dict.fromkeys(attempt.floorplan for attempt in attempts))
     for floor in floors:
         there = [attempt for attempt in attempts if attempt.floorplan == floor]
-        write_ompl_log(there, out / f"{floor}.log", seed=seed)
+        with replacing(out / f"{floor}.log") as unfinished:
+            write_ompl_log(there, unfinished, seed=seed)
         _plot(there, out / f"{floor}.png")
     typer.echo(f"wrote {out}/benchmark.csv and a log for each floor", err=True)
 
@@ -138,4 +140,5 @@ def _plot(attempts: Sequence[Attempt], path: Path) -> None:
     below.boxplot([[a.ratio for a in attempts if a.planner == n and a.solved] for n in names])
     below.set(ylabel="length ÷ shortest", xticks=range(1, len(names) + 1))
     below.set_xticklabels(names, rotation=45, ha="right")
-    figure.savefig(path)
+    with replacing(path) as unfinished:
+        figure.savefig(unfinished)

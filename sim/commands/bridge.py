@@ -12,7 +12,7 @@ import typer
 from . import completion
 from .arguments import Duration, NoOwnCode, RecordingFolder, Rules, Seed, TrialName
 from .interrupts import leave_to_asyncio
-from .run import INTERRUPTED, changed, free_folder, tell_result
+from .run import INTERRUPTED, changed, recording_of, tell_result
 
 if TYPE_CHECKING:
     import socket
@@ -86,7 +86,6 @@ def _serve(
 ) -> None:
     import asyncio
 
-    from sim import Recording
     from sim.bridge import Exchange, OriginError, Origins, Session, Workcell, listen_at
 
     if not (math.isfinite(speed) and speed >= 0):
@@ -98,7 +97,7 @@ def _serve(
     at = listen_at(host, port)
     if not _is_loopback(host):
         _notice(f"everybody who can reach {host} can take part, without a password")
-    recording = Recording(out if out is not None else free_folder(trial.name))
+    recording = recording_of(trial.name, out)
     interrupted = False
     try:
         exchange = Exchange()

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import typer
 
 from ..pages.browser import open_in_browser
-from ..recordings.output import writing
+from ..recordings.output import write_whole, writing
 
 
 def replay(
@@ -78,7 +78,7 @@ def _page(run: Path, other: Path | None) -> str:
 
 def _write(page: str, file: Path) -> None:
     with writing(file):
-        file.write_text(page, encoding="utf-8", newline="\n")
+        write_whole(file, page)
 
 
 def _page_file(run: Path) -> Path:

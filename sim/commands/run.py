@@ -59,7 +59,7 @@ def run(
     no_own_code: NoOwnCode = False,
 ) -> None:
     """Simulate a trial and record it: summary, events, motions, trajectory, replay page."""
-    from sim import Recording, Trial
+    from sim import Trial
 
     for asked, option in ((speed is not None, "--speed"), (no_open, "--no-open")):
         if asked and not watch:
@@ -71,7 +71,7 @@ def run(
     tell_notices(chosen)
     _tell_who_waits(chosen)
     _tell_what_is_not_done(chosen)
-    recording = Recording(out if out is not None else free_folder(chosen.name))
+    recording = recording_of(chosen.name, out)
     try:
         if watch:
             finished, interrupted = _watched(chosen, recording, speed or 1.0, opened=not no_open)
@@ -158,14 +158,11 @@ def changed(
     return trial
 
 
-def free_folder(name: str) -> Path:
-    """`runs/NAME`, or the first of `runs/NAME-2`, `runs/NAME-3` … that is not there yet."""
-    folder = first = folder_for(name, "runs")
-    number = 1
-    while folder.exists():
-        number += 1
-        folder = first.with_name(f"{first.name}-{number}")
-    return folder
+def recording_of(name: str, out: Path | None) -> Recording:
+    """The recording of a trial called `name` into `out`, or else into a new folder in `runs`."""
+    from sim import Recording
+
+    return Recording(folder_for(name, "runs"), numbered=True) if out is None else Recording(out)
 
 
 def _carried_out(trial: Trial, recording: Recording) -> tuple[Run, bool]:

@@ -2,11 +2,7 @@
 
 from __future__ import annotations
 
-import shutil
-import sqlite3
-import tempfile
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
@@ -15,7 +11,7 @@ from typing import cast
 from floorplan import suggestion
 
 from ..recordings.outcome import Recorded
-from ..recordings.output import OutputError
+from ..recordings.output import OutputError, replacing, writing
 from ..recordings.sampling import require_instants, require_rate
 
 DEFAULT_RATE = 20.0
@@ -93,8 +89,10 @@ class Export:
         `ValueError` if the rate is so high that nobody would wait for the end.
         """
         require_instants(run.duration, self.rate)
-        with _whole(self.path) as unfinished:
-            self.format.writer()(run, unfinished, self.rate)
+        with writing(self.path):
+            self.path.parent.mkdir(parents=True, exist_ok=True)
+            with replacing(self.path) as unfinished:
+                self.format.writer()(run, unfinished, self.rate)
 
 
 def export(
@@ -125,22 +123,3 @@ def _by_suffix(path: Path) -> Format:
         f"{path}: no format ends in {path.suffix}; there are {', '.join(ends)}, and names without"
         " an ending (rosbag)"
     )
-
-
-@contextmanager
-def _whole(path: Path) -> Iterator[Path]:
-    """A place to write to that becomes `path` when all went well, and vanishes when not."""
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        folder = Path(tempfile.mkdtemp(prefix=".export-", dir=path.parent))
-    except OSError as why:
-        raise OutputError(f"can't write to {path}: {why.strerror}") from None
-    try:
-        yield folder / path.name
-        (folder / path.name).replace(path)
-    except OSError as why:
-        raise OutputError(f"can't write to {path}: {why.strerror or why}") from None
-    except sqlite3.Error as why:
-        raise OutputError(f"can't write to {path}: {why}") from None
-    finally:
-        shutil.rmtree(folder, ignore_errors=True)

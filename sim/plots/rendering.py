@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..recordings.outcome import Recorded
-from ..recordings.output import OutputError, writing
+from ..recordings.output import OutputError, replacing, writing
 from .curves import Span, span_of
 from .film import Film, Frame
 from .style import MissingExtraError, styled
@@ -60,10 +60,11 @@ def render(
     require_renderable(path)
     film = Film(run, _times(run, speed, fps, within), width=_checked(width), mark=MARKED * speed)
     frames = _told(film.frames(), len(film.times), progress)
-    if path.suffix.lower() == ".gif":
-        _write_gif(film, frames, path, fps)
-    else:
-        _write_mp4(film, frames, path, fps)
+    with writing(path), replacing(path) as unfinished:
+        if path.suffix.lower() == ".gif":
+            _write_gif(film, frames, unfinished, fps)
+        else:
+            _write_mp4(film, frames, unfinished, fps)
 
 
 def require_renderable(path: str | Path) -> None:
@@ -122,8 +123,7 @@ def _write_gif(film: Film, frames: Iterator[Frame], path: Path, fps: int) -> Non
     )
     # What is drawn is at hand only once: PIL takes the first picture, and the others as they come.
     first = next(images)
-    with writing(path):
-        first.save(path, save_all=True, append_images=images, duration=1000 / fps, loop=0)
+    first.save(path, save_all=True, append_images=images, duration=1000 / fps, loop=0)
 
 
 def _palette(film: Film) -> Image:
@@ -163,4 +163,4 @@ def _write_mp4(film: Film, frames: Iterator[Frame], path: Path, fps: int) -> Non
             complaints.seek(0)
             said = complaints.read().decode(errors="replace").strip().splitlines()
             why = said[-1] if said else f"ffmpeg ended with {status}"
-            raise OutputError(f"can't write {path}: {why}")
+            raise OSError(why)

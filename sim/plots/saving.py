@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..recordings.output import OutputError, writing
+from ..recordings.output import OutputError, replacing, writing
 from .style import styled
 
 if TYPE_CHECKING:
@@ -28,8 +28,8 @@ def save(figure: Figure, path: str | Path) -> None:
     """
     path = Path(path)
     require_savable(path)
-    with styled(), writing(path):
-        figure.savefig(path, metadata=_METADATA[path.suffix.lower()])
+    with styled(), writing(path), replacing(path) as unfinished:
+        figure.savefig(unfinished, metadata=_METADATA[path.suffix.lower()])
 
 
 def require_savable(path: str | Path) -> None:

@@ -1,7 +1,10 @@
-"""What is told where something can't be written."""
+"""Files that are there only when all of them is, and what is told where one can't be written."""
 
 from __future__ import annotations
 
+import os
+import shutil
+import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -20,3 +23,28 @@ def writing(path: Path, words: str = "can't write") -> Iterator[None]:
         raise
     except OSError as why:
         raise OutputError(f"{words} {path}: {why.strerror or why}") from None
+
+
+@contextmanager
+def replacing(path: Path) -> Iterator[Path]:
+    """A path to write to that becomes `path` when all went well, and vanishes when not.
+
+    It has the same name, in a folder beside `path`, so that renaming it is atomic. A link stays a
+    link; what is no file, as /dev/stdout, is written to itself.
+    """
+    target = Path(os.path.realpath(path))
+    if target.exists() and not (target.is_file() or target.is_dir()):
+        yield path
+        return
+    folder = Path(tempfile.mkdtemp(prefix=".unfinished-", dir=target.parent))
+    try:
+        yield folder / target.name
+        (folder / target.name).replace(target)
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def write_whole(path: Path, text: str) -> None:
+    """Write `text` (UTF-8, as it is) to `path`, or leave `path` as it was; `OSError` says why."""
+    with replacing(path) as unfinished:
+        unfinished.write_text(text, encoding="utf-8", newline="\n")

@@ -21,7 +21,7 @@ from ..pages.replay_data import replay_data
 from .lines import WholeLines
 from .mind_inspector import Thought
 from .outcome import Run
-from .output import OutputError
+from .output import OutputError, replacing
 from .recorder import Event, Listener, rounded
 from .scene import Scene
 from .scene_file import write_scene
@@ -43,21 +43,26 @@ TRAJECTORY_RATE = 10.0
 class Recording(Listener):
     """Writes a run into a folder, which is made as the run begins if it isn't there.
 
-    `OutputError` if the folder holds another run already, or can't be written to.
+    A `numbered` one goes into a `folder` of its own: as the run begins it takes the first name that
+    isn't there of NAME, NAME-2, NAME-3 …, also where other processes do the same. `OutputError` if
+    the folder holds another run already, or can't be written to.
     """
 
     wants_thoughts = True
 
-    def __init__(self, folder: str | Path) -> None:
+    def __init__(self, folder: str | Path, *, numbered: bool = False) -> None:
         self.folder = Path(folder)
+        self._numbered = numbered
         self._lines: dict[str, WholeLines] = {}
-        for name in FILES:
+        for name in () if numbered else FILES:
             if (self.folder / name).exists():
                 raise self._taken(name)
 
     def begin(self, scene: Scene) -> None:
         """Take the folder, and write down where the run takes place."""
         try:
+            if self._numbered:
+                self.folder = _made(self.folder)
             self.folder.mkdir(parents=True, exist_ok=True)
             for name in LINES:
                 self._lines[name] = WholeLines(self.folder / name)
@@ -123,21 +128,34 @@ class Recording(Listener):
     @contextmanager
     def _whole(self, name: str) -> Iterator[TextIO]:
         """A file to write that is there only when all of it is."""
-        path, unfinished = self.folder / name, self.folder / f"{name}.part"
         try:
-            with unfinished.open("w", encoding="utf-8", newline="\n") as file:
+            with (
+                replacing(self.folder / name) as unfinished,
+                unfinished.open("w", encoding="utf-8", newline="\n") as file,
+            ):
                 yield file
-            unfinished.replace(path)
         except OSError as why:
             raise self._full(why) from None
-        finally:
-            unfinished.unlink(missing_ok=True)
 
     def _full(self, why: OSError) -> OutputError:
         return OutputError(
             f"can't go on writing to {self.folder}: {why.strerror or why};"
             " what was recorded until then is kept"
         )
+
+
+def _made(first: Path) -> Path:
+    """The folder `first`, or the first of NAME-2, NAME-3 … that wasn't there, made."""
+    first.parent.mkdir(parents=True, exist_ok=True)
+    folder, number = first, 1
+    while True:
+        try:
+            folder.mkdir()
+        except FileExistsError:
+            number += 1
+            folder = first.with_name(f"{first.name}-{number}")
+        else:
+            return folder
 
 
 def _piece(piece: Piece) -> list[Any]:

@@ -8,12 +8,11 @@ from functools import partial
 from pathlib import Path
 from typing import IO
 
-from ..recordings.output import OutputError, writing
+from ..recordings.output import OutputError, write_whole, writing
 from ..recordings.strict_json import parse_json
-from .comparison import factors
 from .definition import Study
 from .identity import identity
-from .table import Table, TableError
+from .table import Table
 
 RESULTS = "results.csv"
 """One line for each row."""
@@ -42,7 +41,7 @@ class StudyFolder:
             self._identify()
             self._take()
             try:
-                self.table = self._open_table()
+                self.table = Table(self.path / RESULTS)
             except BaseException:
                 self._release()
                 raise
@@ -54,13 +53,6 @@ class StudyFolder:
             self.table.close()
         self._release()
 
-    def _open_table(self) -> Table:
-        table = Table(self.path / RESULTS)
-        if lacking := [name for name in factors(self._study) if not table.has(name)]:
-            table.close()
-            raise TableError(f"{self.path / RESULTS} has no column {lacking[0]!r}")
-        return table
-
     def _identify(self) -> None:
         """Write down which study this is, or refuse the folder of another one."""
         path, now = self.path / IDENTITY, identity(self._study)
@@ -70,12 +62,7 @@ class StudyFolder:
                     f"{self.path} holds results, but no {IDENTITY} that tells of what;"
                     " give another folder with --out"
                 )
-            unfinished = path.with_name(f"{IDENTITY}.part")
-            try:
-                unfinished.write_text(json.dumps(now, indent=2) + "\n", encoding="utf-8")
-                unfinished.replace(path)
-            finally:
-                unfinished.unlink(missing_ok=True)
+            write_whole(path, json.dumps(now, indent=2) + "\n")
             return
         known = _known(path)
         changed = [name for name in {**known, **now} if known.get(name) != now.get(name)]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from ..recordings.output import replacing
 from .table import Cell
 
 
@@ -16,7 +17,8 @@ def write_parquet(columns: Mapping[str, Sequence[Cell]], path: Path) -> bool:
     except ImportError:
         return False
     arrays = {name: pyarrow.array(_alike(values)) for name, values in columns.items()}
-    parquet.write_table(pyarrow.table(arrays), path)
+    with replacing(path) as unfinished:
+        parquet.write_table(pyarrow.table(arrays), unfinished)
     return True
 
 

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..recordings.output import write_whole
 from .charts import chart
 from .comparison import Comparison
 from .effects import contrasts
@@ -65,7 +66,7 @@ def write_report(results: StudyResults, path: Path) -> None:
         errors=list(results.failed.items())[:MOST_ERRORS],
         error_count=len(results.failed),
     )
-    path.write_text(page, encoding="utf-8")
+    write_whole(path, page)
 
 
 def figure(value: float | None) -> str:

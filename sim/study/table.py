@@ -9,11 +9,16 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from ..recordings.output import replacing
 from ..recordings.strict_json import LARGEST
+from .digests import Digests, digest_of
 from .measuring import Record
 
 Cell = str | float | None
 """A text, a number, or nothing."""
+
+DIGESTS = "results.sha256"
+"""The digest of each row."""
 
 DIGITS = 19
 """A whole number of so many characters may not fit into 64 bits; it is taken for a float."""
@@ -26,9 +31,11 @@ class TableError(ValueError):
 class Table:
     """The CSV file at `path`, opened to be gone on with.
 
-    Every line is on disk as soon as it is added. A last line that was not written to its end is
-    taken off again. When a record brings a column that no record before had, the file is written
-    anew with that column, and takes the old one's place at once. `TableError` if it is damaged.
+    Every line is on disk as soon as it is added, and its digest in the file `DIGESTS` beside it. A
+    last line that was not written to its end is taken off again, and so are lines without a digest.
+    When a record brings a column that no record before had, the file is written anew with that
+    column, and takes the old one's place at once. `TableError` if it is damaged, or if a line is
+    not as it was written.
     """
 
     def __init__(self, path: Path) -> None:
@@ -36,16 +43,16 @@ class Table:
         self._columns: list[str] = []
         self.rows = 0
         """How many lines there are, without that of the columns' names."""
-        if path.exists():
-            _take_off_torn_line(path)
-            lines = _lines(path)
-            self._columns = next(lines, [])
-            self.rows = sum(1 for _ in lines)
-        self._file = path.open("a", encoding="utf-8", newline="")
-
-    def has(self, column: str) -> bool:
-        """Whether there is such a column, or room for one since there are no rows."""
-        return not self.rows or column in self._columns
+        self._digests = Digests(path.with_name(DIGESTS))
+        try:
+            if path.exists():
+                _take_off_torn_line(path)
+                self._verify()
+            self._digests.keep(self.rows)
+            self._file = path.open("a", encoding="utf-8", newline="")
+        except BaseException:
+            self._digests.close()
+            raise
 
     def add(self, record: Record) -> None:
         """Write `record` as the next line."""
@@ -54,26 +61,44 @@ class Table:
             self._widen([*self._columns, *fresh])
         self._file.write(_line(_text(record.get(column)) for column in self._columns))
         self._file.flush()
+        self._digests.add(
+            digest_of((column, _text(record.get(column))) for column in self._columns)
+        )
         self.rows += 1
 
     def close(self) -> None:
         """Stop writing."""
+        self._digests.close()
         self._file.close()
+
+    def _verify(self) -> None:
+        """Hold the lines to their digests; those without one are taken off."""
+        lines = _lines(self._path)
+        self._columns = next(lines, [])
+        for cells in lines:
+            if self.rows < len(self._digests):
+                digest = digest_of(zip(self._columns, cells, strict=True))
+                if not self._digests.knows(self.rows, digest):
+                    message = f"row {self.rows} is not as it was measured; take this line and all"
+                    message += " below off to have them measured again, or give another folder"
+                    raise TableError(f"{self._path}, line {self.rows + 2}: {message} with --out")
+                self.rows += 1
+        if not self.rows:
+            self._columns = []
+        _keep_lines(self._path, self.rows + 1 if self.rows else 0)
 
     def _widen(self, columns: list[str]) -> None:
         """Give every line the columns that it lacks, empty."""
         self._file.close()
-        wider = self._path.with_name(self._path.name + ".wider")
         lack = [""] * (len(columns) - len(self._columns))
-        try:
-            with wider.open("w", encoding="utf-8", newline="") as file:
-                file.write(_line(columns))
-                lines = _lines(self._path)
-                next(lines, None)
-                file.writelines(_line([*line, *lack]) for line in lines)
-            wider.replace(self._path)
-        finally:
-            wider.unlink(missing_ok=True)
+        with (
+            replacing(self._path) as wider,
+            wider.open("w", encoding="utf-8", newline="") as file,
+        ):
+            file.write(_line(columns))
+            lines = _lines(self._path)
+            next(lines, None)
+            file.writelines(_line([*line, *lack]) for line in lines)
         self._columns = columns
         self._file = self._path.open("a", encoding="utf-8", newline="")
 
@@ -160,6 +185,16 @@ def _take_off_torn_line(path: Path) -> None:
         whole = text.rfind(b"\n") + 1
         if whole < len(text):
             file.truncate(whole)
+
+
+def _keep_lines(path: Path, count: int) -> None:
+    """Cut the file after its first `count` lines, if it has more."""
+    with path.open("rb+") as file:
+        for _ in range(count):
+            file.readline()
+        end = file.tell()
+        if file.read(1):
+            file.truncate(end)
 
 
 def lines_of(columns: dict[str, list[Cell]]) -> Iterator[dict[str, Cell]]:

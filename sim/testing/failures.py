@@ -15,6 +15,7 @@ from ..pages.replay import render
 from ..pages.replay_data import replay_data
 from ..person import MindError
 from ..recordings.outcome import Run
+from ..recordings.output import write_whole
 from ..simulation import Simulation
 from ..trials.own_law import LawError
 from ..trials.trial import Trial
@@ -62,7 +63,7 @@ class Failures:
         page = folder / _file_name(self._item.nodeid, k)
         try:
             folder.mkdir(parents=True, exist_ok=True)
-            page.write_text(render(replay_data(self.runs[k])), encoding="utf-8")
+            write_whole(page, render(replay_data(self.runs[k])))
         except OSError as why:
             return f"can't be written to {folder}: {why.strerror}"
         return str(page)

@@ -203,8 +203,10 @@ class Trial:
 
     def save(self, path: str | Path) -> None:
         """Write the trial into the file at `path`, from where its files are found as well."""
+        from ..recordings.output import write_whole
+
         path = Path(path)
-        path.write_text(self.to_yaml(path.parent), encoding="utf-8")
+        write_whole(path, self.to_yaml(path.parent))
 
     def with_personality(self, personality: str) -> Trial:
         """The same trial in which everybody has this personality all along (a name, an .asl file).

@@ -206,6 +206,28 @@ def test_a_finished_study_runs_nothing_again(study, tmp_path):
     assert (table.read_bytes(), table.stat().st_mtime_ns) == before
 
 
+def test_a_row_that_was_changed_is_told_and_one_without_a_digest_measured_again(study, tmp_path):
+    sim.run_study(study, tmp_path, jobs=1)
+    table, digests = tmp_path / "results.csv", tmp_path / "results.sha256"
+    whole = table.read_bytes()
+    written = whole.splitlines(keepends=True)
+    cells = written[4].split(b",")
+    digit = next(k for k in reversed(range(len(cells))) if cells[k].strip().isdigit())
+    cells[digit] = b"7" + cells[digit]
+    table.write_bytes(b"".join([*written[:4], b",".join(cells), *written[5:]]))
+    with pytest.raises(ValueError, match=r"results\.csv, line 5: row 3 is not as it was measured"):
+        sim.run_study(study, tmp_path, jobs=1)
+    table.write_bytes(b"".join(written[:4]))
+    sim.run_study(study, tmp_path, jobs=1)
+    assert table.read_bytes() == whole
+    known = digests.read_bytes()
+    digests.write_bytes(known[:-20])
+    begun = []
+    sim.run_study(study, tmp_path, jobs=1, begin=begun.append)
+    assert begun == [len(written) - 3]
+    assert (table.read_bytes(), digests.read_bytes()) == (whole, known)
+
+
 @pytest.mark.parametrize(
     ("file", "change", "told"),
     [
@@ -257,7 +279,7 @@ def test_a_full_disk_is_told_and_what_was_written_is_gone_on_with(study, tmp_pat
         finally:
             resource.setrlimit(resource.RLIMIT_FSIZE, limits)
         left = {path.name for path in (tmp_path / "full").iterdir()}
-        assert left <= {"study.json", "results.csv"}
+        assert left <= {"study.json", "results.csv", "results.sha256"}
     sim.run_study(study, tmp_path / "full", jobs=1)
     whole, full = (tmp_path / name / "results.csv" for name in ("whole", "full"))
     assert full.read_bytes() == whole.read_bytes()
