@@ -104,6 +104,8 @@ class Agent:
         max_goals: int = 1_000_000,
         max_depth: int = 200_000,
     ) -> None:
+        if not isinstance(program, Program):
+            raise TypeError(f"expected a program, as bdi.load reads one, found {program!r}")
         self.program = program
         self.name = name
         self.random = Random(seed)

@@ -14,6 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator
 from decimal import Decimal
+from numbers import Real
 from typing import TYPE_CHECKING, NoReturn, TypeAlias, cast
 
 from .errors import TooDeepError
@@ -77,7 +78,8 @@ class RestVar(Var):
 class Literal:
     """A functor with arguments and annotations, perhaps strongly negated; an atom has neither.
 
-    `annots` are sorted in standard order and without doubles.
+    `annots` are sorted in standard order and without doubles. Numbers of any type are taken for
+    floats; `TypeError` for an argument that is no term.
     """
 
     __slots__ = (
@@ -101,8 +103,13 @@ class Literal:
         self.ground = True
         self.size = 1
         self.depth = 0
-        if args:
+        try:
             self._weigh(args)
+        except AttributeError:
+            # Somebody's own numbers: whole ones, or NumPy's.
+            self.args = tuple(map(_term, args))
+            self.size, self.depth, self.ground = 1, 0, True
+            self._weigh(self.args)
         if annots:
             self._weigh(annots)
 
@@ -402,6 +409,15 @@ class Not:
 
     def __hash__(self) -> int:
         return hash(("not", self.formula))
+
+
+def _term(value: object) -> Term:
+    """`value` as a term: what was put together in Python may have other numbers than floats."""
+    if isinstance(value, Real):
+        return float(value)
+    if not isinstance(value, str) and not hasattr(value, "ground"):
+        raise TypeError(f"an argument is a number, a text or a term, not {value!r}")
+    return value  # type: ignore[return-value]
 
 
 Term: TypeAlias = (

@@ -13,6 +13,7 @@ from .document import (
     refuse,
 )
 from .figures import LARGEST, size_fault
+from .kinds import require, require_fields
 from .loading import build, builtin, load, parse
 from .model import (
     Axis,
@@ -61,6 +62,8 @@ __all__ = [
     "read_text",
     "read_yaml",
     "refuse",
+    "require",
+    "require_fields",
     "size_fault",
     "standing_fault",
     "starting_fault",

@@ -12,6 +12,7 @@ from shapely.validation import explain_validity
 
 from .document import Fault, Place, refuse
 from .figures import figure_faults
+from .kinds import require, require_fields
 from .model import Floorplan, Gantry, Lane
 from .problems import FloorplanError
 
@@ -22,8 +23,12 @@ _TOUCHES = 1e-6
 def check(plan: Floorplan, *, file: str = "") -> None:
     """See that `plan` can be: `FloorplanError` has everything about it that can't.
 
+    `TypeError` if it is no floorplan, or a field of it is not of its type.
+
     The error says that it is about `file`, or else about the plan by its name.
     """
+    require(plan, Floorplan, "floorplan.load")
+    require_fields(plan)
     refuse(file or f"floorplan {plan.name!r}", faults(plan), FloorplanError)
 
 

@@ -15,6 +15,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Protocol
 
+from floorplan import require
+
 from .encounter import Encounter, encounters
 from .motion import Motion
 from .odometer import Enclosure
@@ -259,6 +261,8 @@ def first_violation(
     the floor, or between the surfaces of `shapes`. At most `RESOLUTION` late.
     None if there is none.
     """
+    require(person, Motion)
+    require(machine, Motion)
     return first_time(TooClose(law), person, machine, begin, end, shapes=shapes)
 
 
@@ -276,6 +280,8 @@ def violations(
     `person`, `machine`, `law` and `shapes` are as in `first_violation`; the intervals are cut at
     `begin` and `end`.
     """
+    require(person, Motion)
+    require(machine, Motion)
     return list(when(TooClose(law), person, machine, begin, end, shapes=shapes))
 
 
@@ -292,6 +298,8 @@ def minimum_separation(
     Between the centres on the floor, or between the surfaces of `shapes`. The first of several
     such instants. The distance is exact to 1e-9 m.
     """
+    require(person, Motion)
+    require(machine, Motion)
     return _least(Encounter.apart, _meetings(person, machine, begin, end, shapes), EXACT)
 
 

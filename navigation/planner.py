@@ -9,7 +9,7 @@ from collections.abc import Collection, Mapping
 import numpy as np
 from numpy.typing import ArrayLike
 
-from floorplan import Point, suggestion
+from floorplan import Point, require, suggestion
 
 from . import ground
 from .bodies import Body
@@ -54,6 +54,7 @@ class PathPlanner:
         *,
         step: float = COARSE,
     ) -> None:
+        require(world, CollisionWorld)
         self.world = world
         self.radius = world.plan.human.radius if radius is None else float(radius)
         if not 0 < self.radius < math.inf:

@@ -120,7 +120,7 @@ class Person:
 
         What was under way is dropped: the person stands, until the new mind wants something. It
         believes what every mind does at the start, and where the person is going; percepts count
-        on. `FileNotFoundError` or `bdi.ProgramError` if there is no such program, `ValueError` if
+        on. `TrialError` or `bdi.ProgramError` if there is no such program, `ValueError` if
         the person has no mind of their own.
         """
         if not isinstance(self._mind, bdi.Agent):

@@ -8,7 +8,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import cast
 
-from floorplan import suggestion
+from floorplan import require, suggestion
 
 from ..recordings.outcome import Recorded
 from ..recordings.output import OutputError, replacing, writing
@@ -88,6 +88,7 @@ class Export:
 
         `ValueError` if the rate is so high that nobody would wait for the end.
         """
+        require(run, Recorded, "sim.load_run")
         require_instants(run.duration, self.rate)
         with writing(self.path):
             self.path.parent.mkdir(parents=True, exist_ok=True)

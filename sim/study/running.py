@@ -9,6 +9,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from floorplan import require
+
 from ..folder_names import folder_for
 from .backends import backend as on_backend
 from .definition import Study
@@ -48,6 +50,7 @@ def run_study(
     are done is told to `begin` before they are run, and to `progress` whenever it changes.
     `OutputError` if the folder holds another study, `WorkerError` if a worker process dies.
     """
+    require(study, Study, "sim.Study.load")
     path = folder_for(study.name, "studies") if out is None else Path(out)
     with StudyFolder(path, study) as folder:
         done = folder.table.rows

@@ -14,6 +14,8 @@ from floorplan import (
     Place,
     Point,
     refuse,
+    require,
+    require_fields,
     size_fault,
     starting_fault,
     suggestion,
@@ -40,7 +42,9 @@ CONDITIONS = ("time", "part_placed", "order_submitted", "event")
 
 
 def check(trial: Trial) -> None:
-    """`TrialError` with everything about `trial` that can't be."""
+    """`TrialError` with everything about `trial` that can't be; `TypeError` if it is no trial."""
+    require(trial, Trial, "sim.Trial.load")
+    require_fields(trial)
     refuse(f"trial {trial.name!r}", faults(trial), TrialError)
 
 
@@ -130,8 +134,8 @@ def _personality_faults(person: PersonEntry, trial: Trial) -> Iterator[Fault]:
         try:
             if one.program is None and one.personality != EXTERNAL:
                 find_program(one.personality, trial.folder)
-        except FileNotFoundError as why:
-            yield str(why), place
+        except TrialError as why:
+            yield why.problems[0].message, place
 
 
 def _start_faults(start: Start, trial: Trial, *place: str | int) -> Iterator[Fault]:

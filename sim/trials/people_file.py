@@ -13,6 +13,7 @@ import bdi
 from floorplan import NotNegative, Pair, Positive, Strictly
 
 from .checks import CONDITIONS, NAME
+from .errors import TrialError
 from .programs import load_program
 from .trial import PersonalityChange, PersonEntry, Start
 
@@ -107,5 +108,5 @@ def _person(keys: PersonKeys, program_of: Callable[[str], bdi.Program | None]) -
 def _program(personality: str, folder: Path) -> bdi.Program | None:
     try:
         return load_program(personality, folder)
-    except FileNotFoundError:
+    except TrialError:
         return None  # told together with everything else that is wrong

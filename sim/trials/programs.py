@@ -6,7 +6,9 @@ from functools import lru_cache
 from pathlib import Path
 
 import bdi
-from floorplan import is_there, suggestion
+from floorplan import Problem, is_there, suggestion
+
+from .errors import TrialError
 
 EXTERNAL = "external"
 """The personality of a person who runs no program, but is told from outside what to do; likewise
@@ -16,7 +18,7 @@ the controller of a gantry."""
 def find_program(personality: str, folder: Path) -> str | Path:
     """The built-in personality of that name, or the path of an .asl file seen from `folder`.
 
-    `FileNotFoundError` says what there is.
+    `TrialError` says what there is.
     """
     if personality in bdi.programs():
         return personality
@@ -24,10 +26,8 @@ def find_program(personality: str, folder: Path) -> str | Path:
     if is_there(path) and path.is_file():
         return path
     known = (*bdi.programs(), EXTERNAL)
-    raise FileNotFoundError(
-        f"no personality and no .asl file is called {personality!r};"
-        f" {suggestion(personality, known)}"
-    )
+    message = f"no personality and no .asl file is called {personality!r};"
+    raise TrialError("personality", [Problem(f"{message} {suggestion(personality, known)}")])
 
 
 def is_read_from(program: bdi.Program, personality: str, folder: Path) -> bool:

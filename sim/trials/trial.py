@@ -8,17 +8,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import bdi
-from floorplan import Floorplan, InputError, Problem, SafeZone
+from floorplan import Floorplan, Problem, SafeZone
 
 from ..rules import PAPER, RuleSet
+from .errors import TrialError as TrialError
 from .programs import load_program
 
 if TYPE_CHECKING:
     from ..ariac import Workload
-
-
-class TrialError(InputError):
-    """A trial that can't be run."""
 
 
 @dataclass(frozen=True)
@@ -211,7 +208,7 @@ class Trial:
     def with_personality(self, personality: str) -> Trial:
         """The same trial in which everybody has this personality all along (a name, an .asl file).
 
-        `FileNotFoundError` if there is none, `bdi.ProgramError` if there is something wrong in it.
+        `TrialError` if there is none, `bdi.ProgramError` if there is something wrong in it.
         """
         program = load_program(personality, self.folder)
         people = tuple(

@@ -386,7 +386,7 @@ def test_a_full_disk_is_told_and_nothing_half_is_left(tmp_path):
     told = done.stdout.splitlines()
     assert len(told) == len(ENDINGS)
     for ending, line in zip(ENDINGS, told, strict=True):
-        assert line.startswith(f"can't write to full{ending}: ")
+        assert line.startswith(f"can't write full{ending}: ")
     left = sorted(path.name for path in tmp_path.iterdir())
     assert left == sorted(["t.yaml", *(f"whole{ending}" for ending in ENDINGS)])
 

@@ -114,7 +114,7 @@ def test_a_program_is_swapped_while_the_simulation_runs(tmp_path):
     assert [event["t"] for event in events(run, "personality_changed")] == [12.0, 30.0]
     goals = [event["at"] for event in events(run, "goal") if event["t"] >= 12.0]
     assert goals == [[-15, -10], [-10.8, -3.75]]
-    with pytest.raises(FileNotFoundError, match="did you mean 'helpful'"):
+    with pytest.raises(sim.TrialError, match="did you mean 'helpful'"):
         person.change_personality("helpfull")
     with pytest.raises(ValueError, match="nobody is called 'oprator'; did you mean 'operator'"):
         simulation.person("oprator")

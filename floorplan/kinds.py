@@ -1,0 +1,140 @@
+"""Values put together in Python: each of the type that is wanted, or a `TypeError` that says so."""
+
+from __future__ import annotations
+
+import dataclasses
+import sys
+import types
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cache
+from numbers import Integral, Real
+from pathlib import Path
+from typing import Any, Union, get_args, get_origin
+
+import numpy as np
+
+from .document import Fault, field_name
+
+_PLAIN: dict[Any, tuple[Any, str]] = {
+    float: (Real, "a number"),
+    int: (Integral, "a whole number"),
+    str: (str, "text"),
+    bool: (bool | np.bool_, "True or False"),
+}
+"""Which values stand for a plain type, and what it is called. Whole numbers are numbers."""
+
+
+def require(value: object, kind: type, reader: str = "") -> None:
+    """See that `value` is a `kind`; `TypeError` says what it is instead.
+
+    And that `reader` reads one, if the value may be the name of a file or of something built in.
+    """
+    if not isinstance(value, kind):
+        message = f"expected {_article(kind)}, found {_shown(value)}"
+        if reader and isinstance(value, str | Path):
+            message += f"; {reader}({str(value)!r}) reads one"
+        raise TypeError(message)
+
+
+def require_fields(value: object) -> None:
+    """See that all fields of a dataclass, and of those within it, are of the types they say.
+
+    `TypeError` says which is not. Lists and arrays stand for tuples, whole numbers for floats.
+    """
+    for message, place in _field_faults(value):
+        raise TypeError(f"{type(value).__name__}.{field_name(place)}: {message}")
+
+
+def _field_faults(value: Any) -> Iterator[Fault]:
+    for name, hint in _fields(value.__class__):
+        held = getattr(value, name)
+        if held.__class__ is not hint or hint not in _PLAIN:
+            for message, rest in _faults(held, hint):
+                yield message, (name, *rest)
+
+
+@cache
+def _fields(kind: type) -> tuple[tuple[str, Any], ...]:
+    """The fields of a dataclass that make it up, with their types.
+
+    What it is not compared by is left out; a type that is imported for type checkers only is Any.
+    """
+    known = vars(sys.modules[kind.__module__])
+    found = []
+    for field in dataclasses.fields(kind) if dataclasses.is_dataclass(kind) else ():
+        if not field.compare:
+            continue
+        try:
+            hint = eval(field.type, known) if isinstance(field.type, str) else field.type
+        except NameError:
+            hint = Any
+        found.append((field.name, hint))
+    return tuple(found)
+
+
+def _faults(value: object, hint: Any) -> Iterator[Fault]:
+    origin = get_origin(hint)
+    if origin in (Union, types.UnionType):
+        options = [option for option in get_args(hint) if option is not type(None)]
+        if value is None and len(options) < len(get_args(hint)):
+            return
+        found = [list(_faults(value, option)) for option in options]
+        if all(found):
+            wanted = " or ".join(map(_article, options))
+            alone = len(options) == 1
+            yield from found[0] if alone else [(f"expected {wanted}, found {_shown(value)}", ())]
+    elif hint is Any:
+        return
+    elif hint in _PLAIN:
+        kind, _ = _PLAIN[hint]
+        odd = isinstance(value, bool) and hint is not bool
+        if odd or not isinstance(value, kind):
+            yield _misfit(value, hint)
+    elif origin is tuple:
+        yield from _tuple_faults(value, hint)
+    elif isinstance(origin, type) and issubclass(origin, Mapping):
+        if not isinstance(value, Mapping):
+            yield _misfit(value, hint)
+            return
+        for key, one in value.items():
+            for message, rest in _faults(one, get_args(hint)[1]):
+                yield message, (str(key), *rest)
+    elif isinstance(hint, type) and not getattr(hint, "_is_protocol", False):
+        if not isinstance(value, hint):
+            yield _misfit(value, hint)
+        elif dataclasses.is_dataclass(hint):
+            yield from _field_faults(value)
+
+
+def _tuple_faults(value: object, hint: Any) -> Iterator[Fault]:
+    inner = get_args(hint)
+    if isinstance(value, str) or not isinstance(value, Sequence | np.ndarray):
+        yield _misfit(value, hint)
+        return
+    if inner[-1] is Ellipsis:
+        inner = inner[:1] * len(value)
+    elif len(value) != len(inner):
+        yield f"expected {len(inner)} of them, found {len(value)}", ()
+        return
+    for k, (one, wanted) in enumerate(zip(value, inner, strict=True)):
+        for message, rest in _faults(one, wanted):
+            yield message, (k, *rest)
+
+
+def _misfit(value: object, hint: Any) -> Fault:
+    return f"expected {_article(hint)}, found {_shown(value)}", ()
+
+
+def _article(hint: Any) -> str:
+    if hint in _PLAIN:
+        return _PLAIN[hint][1]
+    name = getattr(get_origin(hint) or hint, "__name__", str(hint))
+    return f"{'an' if name[0] in 'AEIOUaeiou' else 'a'} {name}"
+
+
+def _shown(value: object) -> str:
+    text = repr(value)
+    return text if len(text) <= 60 else f"{text[:59]}…"
+
+
+__all__ = ["require", "require_fields"]

@@ -1,0 +1,139 @@
+"""Values put together in Python: whole numbers will do, and a wrong type is told in its place."""
+
+import dataclasses
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from shapely.geometry import box
+
+import bdi
+import floorplan
+import navigation
+import sim
+
+AXIS = floorplan.Axis(0.0, 12.0, 1.0, 1.0, 2.0)
+FLOOR = floorplan.Floorplan(
+    "hall",
+    box(0.0, 0.0, 12.0, 12.0),
+    obstacles=(floorplan.Obstacle("table", box(5.0, 5.0, 6.0, 6.0), 0.0, 1.0),),
+    stations=(floorplan.Station("a", (2.0, 2.0)), floorplan.Station("b", (10.0, 10.0))),
+    safe_zone=floorplan.SafeZone((2.0, 10.0), 3.0),
+    human=floorplan.Human(0.3, 2.0, 1.0, 2.0, 0.25),
+    lanes=(
+        floorplan.Lane(
+            "agv1", (4.0, 3.0), 0.0, (0.0, 4.0), {"home": 0.0, "away": 4.0}, "home", *[1.0] * 5
+        ),
+    ),
+    gantry=floorplan.Gantry(
+        x=AXIS,
+        y=AXIS,
+        rotation=replace(AXIS, low=-7.0, high=7.0),
+        start=(8.0, 3.0, 0.0),
+        torso=(1.0, 1.0, 1.0, 3.0),
+        arm_mount=(1.0, 0.0),
+        arm_reach=1.0,
+        arm_bottom=1.0,
+        rail_height=3.0,
+        tray_height=1.0,
+    ),
+)
+TRIAL = sim.Trial(
+    FLOOR,
+    duration=30.0,
+    rules=replace(sim.PAPER, grace=1.0),
+    people=(
+        sim.PersonEntry(
+            "ada",
+            "helpful",
+            start=sim.Start(1.0),
+            at=(1.0, 5.0),
+            max_speed=1.0,
+            changes=(sim.PersonalityChange(sim.Start(12.0), "antagonistic"),),
+        ),
+        sim.PersonEntry("ben", radius=1.0, max_acceleration=2.0),
+    ),
+    gantry=sim.GantryEntry(
+        "pausing",
+        at=(8.0, 4.0, 0.0),
+        jobs=(
+            sim.Job("move", target=(3.0, 9.0, 1.0)),
+            sim.Job("wait", seconds=1.0),
+            sim.Job("pick_place", pick="table", place="a", part="x"),
+        ),
+    ),
+    agvs={"agv1": (sim.AgvMove(2.0, 3.0), sim.AgvMove(9.0, "home"))},
+)
+
+
+def told_as(number, value):
+    """`value` with every float that is whole, at any depth, as `number` has it."""
+    if isinstance(value, float) and value.is_integer():
+        return number(value)
+    if isinstance(value, tuple):
+        return tuple(told_as(number, one) for one in value)
+    if isinstance(value, dict):
+        return {key: told_as(number, one) for key, one in value.items()}
+    if dataclasses.is_dataclass(value) and not isinstance(value, bdi.Program):
+        fields = {f.name: getattr(value, f.name) for f in dataclasses.fields(value) if f.init}
+        return replace(value, **{name: told_as(number, one) for name, one in fields.items()})
+    return value
+
+
+@pytest.mark.parametrize("number", [int, np.int64, np.float64])
+def test_numbers_of_any_type_are_numbers(number):
+    assert isinstance(told_as(number, FLOOR).stations[0].position[0], number)
+    run, other = sim.run(TRIAL), sim.run(told_as(number, TRIAL))
+    assert len(run.events) > 10
+    assert other.events == run.events
+
+
+def trial(**given):
+    return lambda: sim.run(replace(TRIAL, **given))
+
+
+def person(**given):
+    return trial(people=(replace(TRIAL.people[0], **given),))
+
+
+LAW = navigation.FixedDistance(1.0)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: sim.run("ariac2023"), r"expected a Trial, .*; sim.Trial.load\('ariac2023'\)"),
+        (lambda: sim.Simulation(Path("t.yaml")), r"a Trial, .*; sim.Trial.load\('t.yaml'\)"),
+        (lambda: sim.run_study("s.yaml"), r"a Study, .*; sim.Study.load\('s.yaml'\)"),
+        (lambda: sim.export("run", "a.csv"), r"a Recorded, .*; sim.load_run\('run'\)"),
+        (lambda: navigation.CollisionWorld("warehouse"), r"floorplan.load\('warehouse'\)"),
+        (lambda: navigation.PathPlanner(FLOOR), "expected a CollisionWorld"),
+        (lambda: navigation.first_violation((0, 0), (1, 1), LAW, 0, 1), "expected a Motion"),
+        (lambda: bdi.Agent("human.asl"), "expected a program, as bdi.load reads"),
+        (lambda: bdi.Literal("at", (None,)), "is a number, a text or a term, not None"),
+        (trial(floorplan="ariac2023"), "Trial.floorplan: expected a Floorplan"),
+        (trial(duration="5"), "Trial.duration: expected a number, found '5'"),
+        (trial(people=("ada",)), r"Trial.people\[0\]: expected a PersonEntry"),
+        (trial(people=TRIAL.people[0]), "Trial.people: expected a tuple"),
+        (trial(rules="paper"), "Trial.rules: expected a RuleSet, found 'paper'"),
+        (trial(gantry="pausing"), "Trial.gantry: expected a GantryEntry"),
+        (trial(gantry=sim.GantryEntry(jobs=("pick",))), r"jobs\[0\]: expected a Job"),
+        (trial(agvs={"agv1": [(0, 2)]}), r"Trial.agvs.agv1\[0\]: expected an AgvMove"),
+        (person(at=(1.0,)), r"people\[0\].at: expected 2 of them, found 1"),
+        (person(at=("a", 1.0)), r"people\[0\].at\[0\]: expected a number, found 'a'"),
+        (person(start=5.0), r"people\[0\].start: expected a Start, found 5.0"),
+        (person(beliefs="tired"), r"people\[0\].beliefs: expected a tuple, found 'tired'"),
+        (person(max_speed=True), r"people\[0\].max_speed: expected a number, found True"),
+        (person(personality=None), r"people\[0\].personality: expected text, found None"),
+    ],
+)
+def test_a_wrong_type_is_told_with_what_is_wanted(call, message):
+    with pytest.raises(TypeError, match=message):
+        call()
+
+
+def test_an_unknown_personality_is_one_kind_of_error():
+    for call in (person(personality="hepful"), lambda: TRIAL.with_personality("hepful")):
+        with pytest.raises(sim.TrialError, match="'hepful'; did you mean 'helpful'"):
+            call()
