@@ -37,7 +37,7 @@ def require(value: object, kind: type, reader: str = "") -> None:
 
 
 def require_fields(value: object) -> None:
-    """See that all fields of a dataclass, and of those within it, are of the types they say.
+    """See that all fields of `value`, a dataclass, and of those within it are of their types.
 
     `TypeError` says which is not. Lists and arrays stand for tuples, whole numbers for floats.
     """

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sqlite3
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import import_module
@@ -93,7 +94,10 @@ class Export:
         with writing(self.path):
             self.path.parent.mkdir(parents=True, exist_ok=True)
             with replacing(self.path) as unfinished:
-                self.format.writer()(run, unfinished, self.rate)
+                try:
+                    self.format.writer()(run, unfinished, self.rate)
+                except sqlite3.Error as why:
+                    raise OSError(str(why)) from None
 
 
 def export(

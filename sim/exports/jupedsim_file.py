@@ -48,14 +48,11 @@ class Agent:
 
 
 def write(run: Recorded, path: Path, rate: float) -> None:
-    """Write the people of `run` to `path` at `rate` frames a second; `OSError` if it can't be."""
-    try:
-        with closing(sqlite3.connect(path)) as database:
-            database.executescript(_TABLES)
-            _write(run, database, rate)
-            database.commit()
-    except sqlite3.Error as why:
-        raise OSError(str(why)) from None
+    """Write the people of `run` to `path` at `rate` frames a second."""
+    with closing(sqlite3.connect(path)) as database:
+        database.executescript(_TABLES)
+        _write(run, database, rate)
+        database.commit()
 
 
 def _write(run: Recorded, database: sqlite3.Connection, rate: float) -> None:

@@ -102,7 +102,7 @@ def save_trial(study: Study, number: int, folder: str | Path) -> Path:
     text = row.trial.to_yaml(path.parent)
     with writing_to(path):
         path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text, encoding="utf-8")
+        write_whole(path, text)
     return path
 
 
