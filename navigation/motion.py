@@ -138,6 +138,14 @@ class Motion:
         jumps = frozenset(t for t in self.jumps if begin < t < end)
         return Motion(tuple(pieces), jumps)
 
+    def translated(self, dx: float, dy: float) -> Motion:
+        """Return the same motion `dx` and `dy` metres further along x and y."""
+        pieces = [
+            piece._replace(x=(piece.x[0] + dx, *piece.x[1:]), y=(piece.y[0] + dy, *piece.y[1:]))
+            for piece in self.pieces
+        ]
+        return Motion(tuple(pieces), self.jumps)
+
     def pieces_from(self, t: float) -> Sequence[Piece]:
         """The pieces that are not over at `t` (seconds)."""
         return self.pieces[max(0, bisect_right(self._begins, t) - 1) :]

@@ -192,7 +192,10 @@ class FixedDistance:
 
 @dataclass(frozen=True)
 class Scaled:
-    """`factor` times another law, at most `cap` metres: when people notice a machine."""
+    """`factor` times another law, capped at `cap` metres first: when people notice a machine.
+
+    The distance is at most `factor` · `cap` metres. `ValueError` if either is negative.
+    """
 
     law: AnyLaw
     factor: float
@@ -210,15 +213,15 @@ class Scaled:
         """
         if not is_of_speeds(self.law):
             raise TypeError(f"{self.law!r} asks for more than two speeds")
-        return min(self.factor * self.law.distance(human_speed, robot_speed), self.cap)
+        return self.factor * min(self.law.distance(human_speed, robot_speed), self.cap)
 
     def required(self, encounter: Encounter, begin: float, end: float) -> Enclosure:
         """See `MotionLaw`."""
-        scaled = requirement(self.law, encounter, begin, end) * self.factor
-        low, high = scaled.range((end - begin) / 2)
+        whole = requirement(self.law, encounter, begin, end)
+        low, high = whole.range((end - begin) / 2)
         if high <= self.cap:
-            return scaled
-        return Enclosure.between(min(low, self.cap), self.cap)
+            return whole * self.factor
+        return Enclosure.between(self.factor * min(low, self.cap), self.factor * self.cap)
 
 
 def is_of_speeds(law: AnyLaw) -> TypeGuard[Law]:

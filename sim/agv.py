@@ -7,7 +7,6 @@ from functools import partial
 
 from floorplan import Lane
 from navigation import (
-    AnyLaw,
     AxisState,
     agv_run,
     agv_stop,
@@ -18,6 +17,7 @@ from navigation import (
 from .body import Body
 from .clock import Alarm, Clock, Turn
 from .recordings.recorder import Record
+from .rules import RuleSet
 from .trials.trial import AgvMove
 from .yielding import LOOK, Foresight, Sighting
 
@@ -53,6 +53,7 @@ class Agv:
         self._target: str | float | None = None
         self._under_way_to: str | float | None = None
         self._has_said = False
+        self._held = False
         self._arrival = Alarm(clock, self._arrive, Turn.MOTION_ENDS)
         self._looking = Alarm(clock, self._look, Turn.MOTION_ENDS)
         for move in moves:
@@ -74,24 +75,36 @@ class Agv:
             self._foresight.watch(person, top_speed)
             person.on_jump.append(self._look)
 
-    def zone(self, law: AnyLaw, top_speed: float) -> float:
+    def zone(self, rules: RuleSet, top_speed: float) -> float:
         """How far (metres) from its centre somebody must stand so that it can set out.
 
-        Under `law`, for somebody who may walk at `top_speed` (m/s).
+        Under `rules`, for somebody who may walk at `top_speed` (m/s).
         """
         fastest = self.lane.max_speed
         if self._foresight is None:
-            return required_at_speeds(law, 0.0, fastest)
+            return required_at_speeds(rules.agv_law, 0.0, fastest) + abs(rules.agv_offset)
         stopping = fastest / self.lane.max_acceleration
-        return required_at_speeds(law, top_speed, fastest) + top_speed * (RESUME + stopping)
+        kept = required_at_speeds(rules.agv_law, top_speed, fastest) + abs(rules.agv_offset)
+        return kept + top_speed * (RESUME + stopping)
 
     def drive(self, to: str | float) -> None:
         """Set out for a location or a lane position, from whatever it is doing now."""
         self._target = to
+        if self._held:
+            return
         hindered = self._try()
         if hindered is not None and self._under_way_to is None:
             self._wait(hindered)
         # While it still drives elsewhere, it goes on till it looks: until then stopping is safe.
+
+    def hold(self, stands: bool) -> None:
+        """Brake and stand until `hold(False)`, then go on: a protective stop."""
+        self._held = stands
+        if stands:
+            self._looking.set(None)
+            self._stop()
+        elif self._target is not None:
+            self.drive(self._target)
 
     def _try(self) -> Sighting | None:
         """Set out for the target, or tell who is in the way."""
@@ -113,7 +126,7 @@ class Agv:
     def _look(self) -> None:
         """Go on, stop, or set out again, as people allow."""
         now, motion = self._clock.now, self.body.motion
-        if self._foresight is None or self._target is None:
+        if self._foresight is None or self._target is None or self._held:
             return
         if self._under_way_to == self._target:
             hindered = self._foresight.in_the_way(motion, now, LOOK)
@@ -126,12 +139,7 @@ class Agv:
 
     def _wait(self, hindered: Sighting) -> None:
         """Stop, or go on standing, until the way is clear."""
-        now = self._clock.now
-        if self._under_way_to is not None:
-            self._under_way_to = None
-            stop = agv_stop(self.lane, lane_state(self.lane, self.body.state), now)
-            self.body.follow(stop)
-            self._arrival.set(stop.end)
+        self._stop()
         if not self._has_said:
             self._has_said = True
             self._record(
@@ -141,7 +149,16 @@ class Agv:
                 distance=hindered.distance,
                 required=hindered.required,
             )
-        self._looking.set(now + LOOK)
+        self._looking.set(self._clock.now + LOOK)
+
+    def _stop(self) -> None:
+        """Brake, if it drives."""
+        if self._under_way_to is not None:
+            self._under_way_to = None
+            state = lane_state(self.lane, self.body.state)
+            stop = agv_stop(self.lane, state, self._clock.now)
+            self.body.follow(stop)
+            self._arrival.set(stop.end)
 
     def _arrive(self) -> None:
         if self._under_way_to == self._target:

@@ -46,7 +46,8 @@ class Drive:
         self._record = record
         self._tell = disabled_or_enabled
         self._enabled: Event | None = None
-        self._disabled_at = 0.0
+        self._disabled_at: float | None = None
+        self._held = False
         self._commands = 0
         self._replaced = clock.event()
         self._braking = clock.event()
@@ -56,6 +57,12 @@ class Drive:
     def disabled(self) -> bool:
         """Whether it is made to stand."""
         return self._enabled is not None
+
+    @property
+    def top_speed(self) -> float:
+        """The highest speed over the floor, both axes at theirs, m/s."""
+        x, y, _ = self._limits
+        return math.hypot(x.max_speed, y.max_speed)
 
     def preview(self, target: Pose, speed_share: float) -> Motion:
         """The motion from here and now to `target`, at that share of the top speeds.
@@ -138,26 +145,43 @@ class Drive:
         """
         self._record(event, seconds=seconds)
         self._ready.set(max(self._clock.now + seconds, self._ready.time or 0.0))
-        if self._enabled is not None:
-            return
-        self._enabled = self._clock.event()
-        self._disabled_at = self._clock.now
-        self._brake()
-        self.braking_time += self.body.motion.end - self._clock.now
-        self._tell("disabled")
+        if self._disabled_at is None:
+            self._disabled_at = self._clock.now
+        self._stand()
+
+    def hold(self, stands: bool) -> None:
+        """Brake and stand until `hold(False)`: a protective stop."""
+        self._held = stands
+        if stands:
+            self._stand()
+        else:
+            self._go_on()
 
     def close(self) -> None:
         """The trial is over: count the time it was disabled until now."""
-        if self.disabled:
+        if self._disabled_at is not None:
             self.disabled_time += self._clock.now - self._disabled_at
 
     def _enable(self) -> None:
+        assert self._disabled_at is not None
         self.disabled_time += self._clock.now - self._disabled_at
+        self._disabled_at = None
         self._record("gantry_enabled")
-        enabled, self._enabled = self._enabled, None
-        assert enabled is not None
-        enabled.succeed()
-        self._tell("enabled")
+        self._go_on()
+
+    def _stand(self) -> None:
+        if self._enabled is None:
+            self._enabled = self._clock.event()
+            self._brake()
+            self.braking_time += self.body.motion.end - self._clock.now
+            self._tell("disabled")
+
+    def _go_on(self) -> None:
+        """Be free to move, if neither disabled nor held."""
+        if self._enabled is not None and self._disabled_at is None and not self._held:
+            enabled, self._enabled = self._enabled, None
+            enabled.succeed()
+            self._tell("enabled")
 
     def _brake(self) -> None:
         self.body.follow(self.stopping(self.body.state, self._clock.now))

@@ -42,7 +42,8 @@ class MindError(ValueError):
 class Person:
     """One person of a trial.
 
-    `synchronise` puts the AGVs of the collision world where they are now; `thought` is called
+    `synchronise` puts the AGVs of the collision world where they are now; `started` is called
+    when the person begins; `thought` is called
     when the mind has thought, so that others can hear what it said; `make_mind` makes another
     mind, whose program is looked up from `folder`. `zone(agv)` is how far (metres) from an
     AGV the person must stand for it to set out; `home` is where they are put after a violation.
@@ -60,6 +61,7 @@ class Person:
         gantry: Body | None,
         record: Record,
         synchronise: Callable[[], None],
+        started: Callable[[], None],
         thought: Callable[[], None],
         make_mind: Callable[[bdi.Program], Mind],
         folder: Path,
@@ -77,6 +79,7 @@ class Person:
         self._gantry = gantry
         self._record = record
         self._synchronise = synchronise
+        self._started = started
         self._thought = thought
         self._make_mind = make_mind
         self._folder = folder
@@ -146,6 +149,7 @@ class Person:
         if self.started_at is None:
             self.started_at = self._clock.now
             self._record("human_started", person=self.name)
+            self._started()
             self._perceive("human_start")
 
     def warn(self, percept: str, machine: Body) -> None:

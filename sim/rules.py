@@ -3,44 +3,80 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import Literal
 
-from floorplan import suggestion
+from floorplan import Lane, suggestion
 from navigation import AnyLaw, FixedDistance, Scaled, SeparationLaw
+
+MachineMeasure = Literal["none", "stop", "disable"]
+"""What a violation does to the machine."""
+
+PersonMeasure = Literal["none", "teleport"]
+"""What a violation does to the person."""
+
+NO_TIME = "must be more than 0; for violations that leave the machine alone say machine: none"
+"""The fault of a rule set that disables the gantry for no time."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Notice:
-    """When a person notices the gantry: inside `law` and getting closer.
+    """When a person notices the gantry: inside `law` and approaching.
 
-    A person is told once per approach. The approach is over when the two have parted by
-    `parting` metres again, or, if `every` is given, that many seconds after the telling.
+    A person notices once per approach. The approach is over when the two have parted by
+    `parting` metres again, or, if `every` is given, that many seconds after the noticing. For
+    `silent` seconds after the person's start and after being teleported nothing is noticed.
     """
 
     law: Scaled
     parting: float = 1.0
     every: float | None = None
+    silent: float = 0.0
 
 
 @dataclass(frozen=True, kw_only=True)
 class RuleSet:
-    """The figures of a competition or a standard; times in seconds.
+    """The figures of a competition or a standard; times in seconds, lengths in metres.
 
-    A violation between a person and the gantry costs a penalty and disables the gantry for
-    `gantry_disabled`; for `grace` after that, a new one costs nothing. The person is put into
-    the safe zone and waits `pause_after_violation`. Near an AGV that moves the person is put
-    there as well, without penalty, and waits `pause_after_agv`.
+    A violation is a person nearer to the gantry than `gantry_law` requires, or nearer to an AGV
+    that moves than `agv_law` requires. What it does to the `machine` is one of
+
+    - "none";
+    - "stop": the machine stops at once and stands until the distance is enough for its top
+      speed (a protective stop);
+    - "disable": the gantry is disabled for `gantry_disabled` seconds, and the violation is a
+      penalty. In the `grace` after that a violation neither disables nor is a penalty; while the
+      gantry is still disabled it does both, and the time starts anew. AGVs drive on.
+
+    What it does to the `person` is "none" or "teleport": they are put into the safe zone and wait
+    there, `pause_after_violation` or `pause_after_agv`. With `report_every`, a person is told of
+    violations and teleported at most every so many seconds; one that still lasts then counts anew.
+
+    Distances to an AGV are measured to the point that lies `agv_offset` along its lane from its
+    centre.
     """
 
     name: str
     summary: str = field(default="", compare=False)
     gantry_law: AnyLaw
     agv_law: AnyLaw
+    agv_offset: float = 0.0
     notice: Notice
-    gantry_disabled: float
+    machine: MachineMeasure = "disable"
+    person: PersonMeasure = "teleport"
+    gantry_disabled: float = 8.0
     grace: float = 0.0
-    pause_after_violation: float
-    pause_after_agv: float
+    report_every: float | None = None
+    pause_after_violation: float = 8.0
+    pause_after_agv: float = 8.0
+
+    def measured_at(self, lane: Lane) -> tuple[float, float]:
+        """Return where distances to the AGV on `lane` are measured to, from its centre.
+
+        Metres along x and y.
+        """
+        along_x, along_y = lane.direction
+        return (self.agv_offset * along_x, self.agv_offset * along_y)
 
 
 _ARIAC_LAW = SeparationLaw(t1=1.0, t2=1.5, stopping=0.0, intrusion=1.0)
@@ -53,7 +89,7 @@ PAPER = RuleSet(
     notice=Notice(law=Scaled(_ARIAC_LAW, 2.0)),
     gantry_disabled=8.0,
     pause_after_violation=8.0,
-    pause_after_agv=5.0,
+    pause_after_agv=8.0,
 )
 """The rules as the paper on the competition has them."""
 
@@ -62,24 +98,45 @@ ARIAC2023 = RuleSet(
     summary="as the ARIAC 2023 competition ran it: 15 s disabled, AGVs at 2.1 m",
     gantry_law=_ARIAC_LAW,
     agv_law=FixedDistance(2.1),
+    agv_offset=-0.2,  # the frame of its tray
     notice=Notice(
         law=Scaled(SeparationLaw(t1=1.0, t2=1.5, stopping=0.0, intrusion=1.2), 1.75, cap=5.0),
         parting=math.inf,
         every=20.0,
+        silent=20.0,
     ),
     gantry_disabled=15.0,
     grace=10.0,
+    report_every=10.0,
     pause_after_violation=10.0,
     pause_after_agv=5.0,
 )
 """The rules as the competition's software had them."""
 
-RULE_SETS = {rules.name: rules for rules in (PAPER, ARIAC2023)}
+OBSERVE = replace(
+    PAPER,
+    name="observe",
+    summary="the distances of paper; violations are recorded and have no consequence",
+    machine="none",
+    person="none",
+)
+"""The distances of `PAPER`, without consequences."""
+
+PROTECTIVE_STOP = replace(
+    PAPER,
+    name="protective_stop",
+    summary="the distances of paper; a machine stops while somebody is too close",
+    machine="stop",
+    person="none",
+)
+"""Speed and separation monitoring as industry applies it: the machine stops, then goes on."""
+
+RULE_SETS = {rules.name: rules for rules in (PAPER, ARIAC2023, OBSERVE, PROTECTIVE_STOP)}
 """The built-in rule sets by name."""
 
 
 def rule_set(name: str) -> RuleSet:
-    """The rule set called `name`; `ValueError` that names those there are."""
+    """Return the rule set called `name`; `ValueError` that names those there are."""
     try:
         return RULE_SETS[name]
     except KeyError:

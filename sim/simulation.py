@@ -73,9 +73,7 @@ class Simulation:
                 trial.agvs.get(lane.name, ()),
                 record=self._record,
                 stopped=self._agv_stopped,
-                foresight=Foresight(lane, trial.rules.agv_law)
-                if lane.name in trial.yielding
-                else None,
+                foresight=Foresight(lane, trial.rules) if lane.name in trial.yielding else None,
             )
             for lane in trial.floorplan.lanes
         ]
@@ -87,6 +85,7 @@ class Simulation:
             record=self._record,
             warn=self._warn,
             disable_gantry=self.gantry.drive.disable if self.gantry else lambda _: None,
+            hold=self._hold,
         )
         self.dispatcher = self._make_dispatcher()
         self._end_with_jobs()
@@ -134,8 +133,7 @@ class Simulation:
     def finish(self) -> Run:
         """The run as far as it went."""
         interrupted = not self.over
-        for watch in self.referee.watches:
-            watch.close()
+        self.referee.close()
         if self.gantry is not None:
             self.gantry.drive.close()
         self._record("trial_ended", interrupted=interrupted)
@@ -203,11 +201,12 @@ class Simulation:
             gantry=self.gantry.body if self.gantry else None,
             record=self._record,
             synchronise=self._synchronise,
+            started=lambda: self.referee.started(walker.body),
             thought=lambda: self._thought(person, inspector),
             make_mind=lambda program: make_mind(replace(entry, program=program)),
             folder=self.trial.folder,
             home=home,
-            zone=lambda name: self._agv(name).zone(self.trial.rules.agv_law, human.max_speed),
+            zone=lambda name: self._agv(name).zone(self.trial.rules, human.max_speed),
         )
         inspector = self._inspector(entry.name)
         make_mind = partial(self._make_mind, person=person, inspector=inspector)
@@ -217,9 +216,9 @@ class Simulation:
             other = partial(person.change_personality, change.program or change.personality)
             self._triggers.add(change.when, other, who=entry.name)
         if self.gantry is not None:
-            self.referee.watch_gantry(walker.body, self.gantry.body)
+            self.referee.watch_gantry(walker.body, self.gantry.body, self.gantry.drive.top_speed)
         for agv in self.agvs:
-            self.referee.watch_agv(walker.body, agv.body)
+            self.referee.watch_agv(walker.body, agv.body, agv.lane)
             agv.look_out_for(walker.body, human.max_speed)
             pair = Pair(self.clock, walker.body, agv.body, self.trial.duration)
             CrossingWatch(pair, human, agv.lane, person.let_pass)
@@ -341,6 +340,12 @@ class Simulation:
         for person in self.people:
             if person.walker.body is body:
                 person.warn(percept, machine)
+
+    def _hold(self, machine: Body, stands: bool) -> None:
+        if self.gantry is not None and machine is self.gantry.body:
+            self.gantry.drive.hold(stands)
+        else:
+            self._agv(machine.name).hold(stands)
 
     def _agv_stopped(self, agv: Agv) -> None:
         self._synchronise()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
-from typing import Any
+from typing import Any, get_args
 
 from navigation import Motion, minimum_separation
 
@@ -31,10 +31,10 @@ def summarise(
     """The figures of a run that depend on nothing but the trial.
 
     `minimum_separation` is the nearest that anybody came to the gantry's centre: distance and
-    required distance at that instant in metres, time in seconds. `violations` are the penalties by
-    whose doing they were. Times and distances of people count from their start. `work`
-    are the figures of orders, where there are any. `law_audit` has a `ShortLaw` for each machine
-    whose law counts on a shorter stop than it may take.
+    required distance at that instant in metres, time in seconds. `violations` are counted by
+    cause. Times and distances of people count from their start. `work` are the figures of orders,
+    where there are any. `law_audit` has a `ShortLaw` for each machine whose law counts on a shorter
+    stop than it may take.
     """
     started = {person.name: person.started_at for person in people}
     nearest = {
@@ -50,9 +50,11 @@ def summarise(
         "seed": trial.seed,
         "duration": now,
         "interrupted": interrupted,
-        "penalties": referee.penalties.total(),
-        "violations": _violations(referee.penalties, None),
+        "penalties": referee.penalties,
+        "violations": _violations(referee.violations, None),
         "agv_teleports": referee.agv_teleports,
+        "protective_stops": referee.protective_stops,
+        "protective_stop_time": referee.protective_stop_time,
         **_gantry_figures(gantry, motions, now),
         **work,
         "law_audit": [asdict(short) for short in short_laws(trial)],
@@ -61,7 +63,7 @@ def summarise(
         ),
         "people": {
             person.name: _person_figures(person, motions[person.name], now)
-            | {"violations": _violations(referee.penalties, person.name)}
+            | {"violations": _violations(referee.violations, person.name)}
             | {"minimum_separation": nearest.get(person.name)}
             for person in people
         },
@@ -104,10 +106,10 @@ def _nearest(
     }
 
 
-def _violations(penalties: Mapping[tuple[str, Cause], int], person: str | None) -> dict[str, int]:
-    """How many penalties were whose doing: all of them, or those of one person."""
-    found = {"gantry": 0, "person": 0}
-    for (who, cause), count in penalties.items():
+def _violations(counts: Mapping[tuple[str, Cause], int], person: str | None) -> dict[str, int]:
+    """Return how many violations had which cause: all of them, or those of one person."""
+    found: dict[str, int] = dict.fromkeys(get_args(Cause), 0)
+    for (who, cause), count in counts.items():
         if person in (who, None):
             found[cause] += count
     return found

@@ -9,9 +9,10 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from floorplan import Lane
-from navigation import AnyLaw, AxisState, Motion, lane_state, required_at_speeds
+from navigation import AxisState, Motion, lane_state, required_at_speeds
 
 from .body import Body
+from .rules import RuleSet
 
 LOOK = 0.1
 """Seconds. How often an AGV that yields looks where people are."""
@@ -39,12 +40,13 @@ class Foresight:
     """What an AGV on a lane must know to yield: where people are, and how fast they may come.
 
     A way is safe if all along it nobody who walks straight at the AGV from now on, at top speed,
-    gets closer than the law asks of somebody of that speed.
+    gets closer than the rules' law requires of somebody of that speed.
     """
 
-    def __init__(self, lane: Lane, law: AnyLaw) -> None:
+    def __init__(self, lane: Lane, rules: RuleSet) -> None:
         self._lane = lane
-        self._law = law
+        self._law = rules.agv_law
+        self._offset = rules.agv_offset
         self._people: list[tuple[Body, float, list[float]]] = []
 
     def watch(self, person: Body, top_speed: float) -> None:
@@ -86,10 +88,13 @@ class Foresight:
         return lane_state(self._lane, motion.state(t))
 
     def _on_lane(self, at: tuple[float, float]) -> tuple[float, float]:
-        """How far along the lane a place is, and how far from it (metres)."""
+        """Return how far along the lane a place is, and how far from it (metres).
+
+        Along the lane from where the AGV's measured point is at position 0.
+        """
         (x0, y0), (c, s) = self._lane.origin, self._lane.direction
         x, y = at[0] - x0, at[1] - y0
-        return x * c + y * s, abs(y * c - x * s)
+        return x * c + y * s - self._offset, abs(y * c - x * s)
 
     def _grade(self, speed: float) -> int:
         return min(math.ceil(speed / self._lane.max_speed * SPEEDS - 1e-9), SPEEDS)

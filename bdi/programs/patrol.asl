@@ -5,7 +5,7 @@
 //     station(Name, X, Y)            the stations, in the order of the patrol
 //     pause_after_violation(Ms)      how long to stand after coming too close to
 //                                    the gantry (8000 when it is not believed)
-//     pause_after_agv(Ms)            the same for an AGV (5000)
+//     pause_after_agv(Ms)            the same for an AGV (8000)
 //     patience(Ms), tries(N)         how long to wait where the way is blocked (2000),
 //                                    and how often before the next station (3)
 //     linger(Ms)                     how long to wait beside a station on which an AGV
@@ -19,7 +19,7 @@
 violation_pause(Ms) :- pause_after_violation(Ms).
 violation_pause(8000) :- not pause_after_violation(_).
 agv_pause(Ms) :- pause_after_agv(Ms).
-agv_pause(5000) :- not pause_after_agv(_).
+agv_pause(8000) :- not pause_after_agv(_).
 blocked_pause(Ms) :- patience(Ms).
 blocked_pause(2000) :- not patience(_).
 most_tries(N) :- tries(N).

@@ -161,4 +161,4 @@ class HumanTopics:
         self._gate.enter("penalty")
         counted = self._referee.penalise(self._person.walker.body)
         told = "a penalty, and the gantry is disabled" if counted else "counted already"
-        return {"success": True, "message": f"{told}; penalties: {self._referee.penalties.total()}"}
+        return {"success": True, "message": f"{told}; penalties: {self._referee.penalties}"}

@@ -98,6 +98,7 @@ class RemotePerson:
     def _start(self, message: dict[str, Any]) -> None:
         if message["data"] and not self._started:
             self._started = True
+            self._noticing.start_over(self._now())
             self._see_that("human_start")
 
     def _see(self, state: dict[str, Any]) -> None:
@@ -122,8 +123,8 @@ class RemotePerson:
         gantry: bool = message["data"]
         if DETECTED not in self._offered:
             rules = self._rules
-            quiet = rules.gantry_disabled + rules.grace if gantry else rules.pause_after_agv
-            self._quiet_until = self._now() + quiet
+            pause = rules.gantry_disabled + rules.grace if gantry else rules.pause_after_agv
+            self._quiet_until = self._now() + (rules.report_every or pause)
         if gantry:
             self._see_gantry()
         self._count("gantry_disabled" if gantry else "agv_danger")
@@ -175,7 +176,7 @@ class RemotePerson:
             return self._move_to_gantry()
         if action.functor in ("teleport_safe", "teleport_agv"):
             self._way.clear()
-            self._noticing.start_over()
+            self._noticing.start_over(self._now())
             return self._publish(GO_HOME, action.functor == "teleport_safe")
         if ACTION in self._offered and self._connection is not None:
             self._connection.publish(ACTION, _STRING, {"data": str(action)})

@@ -44,7 +44,8 @@ class SampledNotice:
             self._stage = "parting"
         return False
 
-    def start_over(self) -> None:
-        """The person was put elsewhere: whatever approach there was, it is over."""
+    def start_over(self, t: float) -> None:
+        """Begin anew at `t` (s), after `rule.silent` seconds: they start, or were put elsewhere."""
         self._stage = "alert"
+        self._silent_until = max(self._silent_until, t + self._rule.silent)
         self._before = math.inf

@@ -11,7 +11,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 CONTROLLERS = ("avoiding", "external", "oblivious", "parked", "pausing")
-RULE_SETS = ("ariac2023", "paper")
+RULE_SETS = ("ariac2023", "observe", "paper", "protective_stop")
 PLANNERS = (
     *("Roadmap", "AORRTC", "BFMT", "BITstar", "BKPIECE1", "FMT", "InformedRRTstar", "KPIECE1"),
     *("LBKPIECE1", "PRM", "PRMstar", "RRT", "RRTConnect", "RRTstar", "SORRTstar"),

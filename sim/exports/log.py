@@ -12,6 +12,7 @@ Level = Literal["info", "warning", "error"]
 LEVELS: dict[str, Level] = {
     "violation": "error",
     "gantry_disabled": "warning",
+    "protective_stop": "warning",
     "robot_malfunction": "warning",
     "notice": "warning",
     "path_blocked": "warning",
@@ -34,11 +35,12 @@ class Line:
 def line(event: Event) -> Line:
     """The line for an event: its kind, and its fields as name=value."""
     kind = event["kind"]
-    who = event.get("person") or event.get("agv") or ("trial" if "trial" in kind else "gantry")
+    named = (event.get(role) for role in ("person", "agv", "machine"))
+    who = next(filter(None, named), "trial" if "trial" in kind else "gantry")
     fields = [
         f"{name}={_shown(value)}"
         for name, value in event.items()
-        if name not in ("t", "kind", "person", "agv")
+        if name not in ("t", "kind", "person", "agv", "machine")
     ]
     return Line(event["t"], LEVELS.get(kind, "info"), who, " ".join([kind, *fields]))
 

@@ -120,6 +120,8 @@ def _watches(run: Recorded) -> list[dict[str, Any]]:
         watch["law"] = _law(law) if curve is None else {"curve": curve}
         if machine == "gantry":
             watch |= _notice(rules)
+        if (at := run.scene.measured_at(machine)) != (0.0, 0.0):
+            watch["measured_at"] = at
         watches.append(watch)
     return watches
 

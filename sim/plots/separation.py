@@ -23,9 +23,6 @@ SHOWN = 3.0
 _PANEL = 1.9
 """Inches. The height of one pair's panel."""
 
-_SAME = 1e-6
-"""Seconds. Times of events are rounded by less than this."""
-
 Pair = tuple[str, str]
 
 
@@ -37,7 +34,7 @@ def separation(
     within: Span | None = None,
     width: Width = "double",
 ) -> Figure:
-    """The distance between centres over time, the required one, and where it was not kept.
+    """The distance over time, the required one, and where it was not kept.
 
     One panel for each person (or the one called `person`) beside `machine`: the gantry if no
     other is named, or where there is none, the AGV that drives first. What is required of an
@@ -78,7 +75,7 @@ def _order(run: Recorded, machine: str) -> tuple[bool, float]:
 def _draw_pair(axes: Axes, run: Recorded, pair: Pair, span: Span) -> None:
     human, robot = (run.motions[name] for name in pair)
     t = instants([human, robot], *span)
-    distance = np.hypot(*(human.position(t) - robot.position(t)).T)
+    distance = run.distance(*pair, t)
     required = _required(run, pair, t)
     close = distance < required
     highest = SHOWN * float(np.nanmax(required)) if np.isfinite(required).any() else np.inf
@@ -113,35 +110,25 @@ def _required(run: Recorded, pair: Pair, t: Array) -> Array:
 
 
 def _mark_violations(axes: Axes, run: Recorded, pair: Pair, span: Span) -> None:
-    """A mark where they came too close, filled where it counted; a band for as long as it went on.
-
-    It does not count while the gantry is disabled for an earlier one.
-    """
+    """A mark where they came too close, and a band for as long as it went on."""
     begin, end = span
-    counted = [
-        event["t"]
-        for event in run.events
-        if event["kind"] == "violation" and (event["person"], event["with"]) == pair
-    ]
-    marks: dict[bool, list[float]] = {True: [], False: []}
+    times = []
     for since, until in run.violations.get(pair, ()):
         if until >= begin and since <= end:
             axes.axvspan(since, until, facecolor=VERMILION, alpha=0.15, linewidth=0)
-            marks[any(since - _SAME <= t <= until + _SAME for t in counted)].append(since)
-    for is_counted, times in marks.items():
-        if times:
-            axes.plot(
-                [max(t, begin) for t in times],
-                [1.0] * len(times),
-                "v",
-                color=VERMILION,
-                markersize=5,
-                fillstyle="full" if is_counted else "none",
-                transform=axes.get_xaxis_transform(),
-                clip_on=False,
-                label="violation" if is_counted else "too close, not counted",
-                zorder=5,
-            )
+            times.append(max(since, begin))
+    if times:
+        axes.plot(
+            times,
+            [1.0] * len(times),
+            "v",
+            color=VERMILION,
+            markersize=5,
+            transform=axes.get_xaxis_transform(),
+            clip_on=False,
+            label="violation",
+            zorder=5,
+        )
 
 
 def _mark_disabled(axes: Axes, run: Recorded) -> None:

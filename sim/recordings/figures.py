@@ -11,11 +11,15 @@ from typing import Any
 def figures_in_words(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
     """The figures of a summary that people look at first: what it is, and how much."""
     figures = [
-        ("penalties", _penalties(summary)),
+        ("violations", _violations(summary)),
+        ("penalties", str(summary["penalties"])),
         ("teleports by AGVs", str(summary["agv_teleports"])),
         ("gantry disabled", f"{summary['gantry_disabled_time']:.1f} s"),
         ("gantry jobs done", str(summary["jobs_done"])),
     ]
+    if summary.get("protective_stops"):
+        stood = f"{summary['protective_stops']}, {summary['protective_stop_time']:.1f} s"
+        figures.append(("protective stops", stood))
     if "orders" in summary:
         figures.append(("score", f"{summary['score']} of {summary['best_score']}"))
         figures += [(f"order {name}", _order(order)) for name, order in summary["orders"].items()]
@@ -41,10 +45,11 @@ def figures_in_words(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
     return figures
 
 
-def _penalties(summary: Mapping[str, Any]) -> str:
-    """How many, and whose doing they were."""
-    causes = [f"{cause} {count}×" for cause, count in summary["violations"].items() if count]
-    return f"{summary['penalties']}" + (f" ({', '.join(causes)})" if causes else "")
+def _violations(summary: Mapping[str, Any]) -> str:
+    """Return how many there were, and by which cause."""
+    counts = {cause: count for cause, count in summary["violations"].items() if count}
+    causes = [f"{cause} {count}×" for cause, count in counts.items()]
+    return f"{sum(counts.values())}" + (f" ({', '.join(causes)})" if causes else "")
 
 
 def _short(found: Sequence[Mapping[str, Any]]) -> str:

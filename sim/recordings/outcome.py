@@ -50,6 +50,15 @@ class Recorded:
         """The floor it took place on."""
         return self.scene.floorplan
 
+    def distance(self, person: str, machine: str, t: ArrayLike) -> NDArray[np.float64]:
+        """Return the distance in metres between two bodies at `t` (seconds), as the rules measure.
+
+        One figure for each time: between centres, but for AGVs under rules with an `agv_offset`.
+        `KeyError` if there is no such body.
+        """
+        apart = self.motions[machine].position(t) - self.motions[person].position(t)
+        return np.asarray(np.linalg.norm(apart + self.scene.measured_at(machine), axis=-1))
+
     def required(self, person: str, machine: str, t: ArrayLike) -> NDArray[np.float64]:
         """The distance in metres that the rules required between two bodies at `t` (seconds).
 

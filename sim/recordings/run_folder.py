@@ -220,7 +220,8 @@ def _worked_out(
             condition: Condition = TooClose(law)
             if kind == "agv":
                 condition = Both(Moving(), condition)
-            pair, tracks = (person.name, machine), (motions[person.name], motions[machine])
+            measured = motions[machine].translated(*scene.measured_at(machine))
+            pair, tracks = (person.name, machine), (motions[person.name], measured)
             found[pair] = tuple(when(condition, *tracks, 0.0, end))
             if not is_plain(law):
                 one, other = (Plans(0.0, track) for track in tracks)

@@ -50,6 +50,12 @@ class Scene:
             return "person"
         return "gantry" if body == "gantry" else "agv"
 
+    def measured_at(self, machine: str) -> tuple[float, float]:
+        """Return where distances to `machine` are measured to, from its centre (x, y in metres)."""
+        if self.kind(machine) != "agv":
+            return (0.0, 0.0)
+        return self.rules.measured_at(self.floorplan.lane(machine))
+
 
 def scene_of(trial: Trial, bodies: Iterable[Body]) -> Scene:
     """The scene of a trial that is about to be run with these bodies."""

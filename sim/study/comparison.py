@@ -57,8 +57,11 @@ class Measure:
 MEASURES = (
     Measure("Score", "score", meaning="of all orders", chief=True),
     Measure("Penalties", "penalties", meaning="violations that cost one", chief=True),
-    Measure("Penalties, gantry", "violations.gantry", meaning="of these, the gantry was moving"),
-    Measure("Penalties, person", "violations.person", meaning="of these, the gantry stood"),
+    Measure("Violations, gantry", "violations.gantry", meaning="with the gantry, which moved"),
+    Measure("Violations, person", "violations.person", meaning="with the gantry, which stood"),
+    Measure("Violations, AGV", "violations.agv", meaning="with an AGV that moved"),
+    Measure("Protective stops", "protective_stops", meaning="of gantry and AGVs"),
+    Measure("Stopped", "protective_stop_time", "s", "in protective stops, all machines together"),
     Measure(
         "Least separation",
         "minimum_separation.distance",

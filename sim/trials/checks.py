@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping
+from typing import get_args
 
 import bdi
 from floorplan import (
@@ -21,7 +22,7 @@ from floorplan import (
     suggestion,
 )
 
-from ..rules import RuleSet
+from ..rules import NO_TIME, MachineMeasure, PersonMeasure, RuleSet
 from .event_kinds import EVENT_KINDS
 from .expectations import expectation_problems
 from .names import agvs, checked_name, fixed_places, orders, parts, people, places
@@ -99,6 +100,15 @@ def _time(value: float, *place: str | int) -> Iterator[Fault]:
 def _rule_faults(rules: RuleSet) -> Iterator[Fault]:
     for name in ("gantry_disabled", "grace", "pause_after_violation", "pause_after_agv"):
         yield from _time(getattr(rules, name), name)
+    if rules.gantry_disabled == 0:
+        yield NO_TIME, ("gantry_disabled",)
+    for name, known in (("machine", MachineMeasure), ("person", PersonMeasure)):
+        if (value := getattr(rules, name)) not in get_args(known):
+            yield f"must be one of {', '.join(get_args(known))}, not {value!r}", (name,)
+    if not abs(rules.agv_offset) <= LARGEST:
+        yield f"must be a length in metres, not {rules.agv_offset!r}", ("agv_offset",)
+    yield from _size(rules.report_every, "report_every")
+    yield from _time(rules.notice.silent, "notice", "silent")
     if not rules.notice.parting > 0:
         yield f"must be more than 0, not {rules.notice.parting!r}", ("notice", "parting")
     yield from _size(rules.notice.every, "notice", "every")

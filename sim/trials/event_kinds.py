@@ -57,6 +57,8 @@ EVENT_KINDS: dict[str, dict[str, Form]] = {
     },
     "penalty": {"person": "person", "cause": "cause"},
     "teleport": {"person": "person", "reason": "reason", "to": "point"},
+    "protective_stop": {"machine": "machine", "person": "person"},
+    "protective_stop_ended": {"machine": "machine"},
     "gantry_disabled": {"seconds": "number"},
     "gantry_enabled": {},
     "agv_moved": {"agv": "agv", "to": "location", "arrives": "number"},

@@ -6,20 +6,48 @@ import math
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
-from pydantic import model_validator
+from pydantic import AfterValidator, model_validator
 
 import floorplan
-from floorplan import Document, InputError, NotNegative, Positive, Problem, Strictly, suggestion
+from floorplan import (
+    Document,
+    InputError,
+    NotNegative,
+    Number,
+    Positive,
+    Problem,
+    Strictly,
+    suggestion,
+)
 from navigation import AnyLaw, Scaled
 
-from ..rules import PAPER, RULE_SETS, Notice, RuleSet, rule_set
+from ..rules import (
+    NO_TIME,
+    PAPER,
+    RULE_SETS,
+    MachineMeasure,
+    Notice,
+    PersonMeasure,
+    RuleSet,
+    rule_set,
+)
 from .law_file import Terms, WrittenLawError, read_law, written_law
 
 
 class RulesError(InputError):
     """A file that holds no rule set."""
+
+
+def _lasting(seconds: float) -> float:
+    if seconds == 0:
+        raise ValueError(NO_TIME)
+    return seconds
+
+
+Lasting = Annotated[NotNegative, AfterValidator(_lasting)]
+"""For how long a machine is disabled, seconds."""
 
 
 class NoticeKeys(Strictly):
@@ -30,6 +58,13 @@ class NoticeKeys(Strictly):
     cap: Positive | None = None
     every: Positive | None = None
     parting: Positive | None = None
+    silent: NotNegative | None = None
+
+
+class Disable(Strictly):
+    """What a violation does to the machine, with its time: short for `gantry_disabled`."""
+
+    disable: Lasting
 
 
 class RuleKeys(Strictly):
@@ -43,9 +78,13 @@ class RuleKeys(Strictly):
     name: str | None = None
     gantry_law: Terms | None = None
     agv_law: Terms | None = None
+    agv_offset: Number | None = None
     notice: NoticeKeys = NoticeKeys()
-    gantry_disabled: NotNegative | None = None
+    machine: MachineMeasure | Disable | None = None
+    person: PersonMeasure | None = None
+    gantry_disabled: Lasting | None = None
     grace: NotNegative | None = None
+    report_every: Positive | None = None
     pause_after_violation: NotNegative | None = None
     pause_after_agv: NotNegative | None = None
 
@@ -119,7 +158,6 @@ def build_rules(
 
     gantry_law = law(keys.gantry_law, "gantry_law")
     noticed_by = law(keys.notice.law, "notice", "law") or gantry_law or base.notice.law.law
-    times = ("gantry_disabled", "grace", "pause_after_violation", "pause_after_agv")
     rules = replace(
         base,
         name=keys.name or f"{base.name}, changed",
@@ -127,9 +165,30 @@ def build_rules(
         gantry_law=gantry_law or base.gantry_law,
         agv_law=law(keys.agv_law, "agv_law") or base.agv_law,
         notice=_notice(keys.notice, base.notice, noticed_by),
-        **{time: value for time in times if (value := getattr(keys, time)) is not None},
+        **_plain(keys),
     )
     return rules, problems
+
+
+def _plain(keys: RuleKeys) -> dict[str, Any]:
+    """Return what the keys say as it stands; what is left out or null is as in the base."""
+    given = {key: getattr(keys, key) for key in _PLAIN if key in keys.model_fields_set}
+    if isinstance(keys.machine, Disable):
+        given |= {"machine": "disable", "gantry_disabled": keys.machine.disable}
+    may_be_none = "report_every"
+    return {key: value for key, value in given.items() if value is not None or key == may_be_none}
+
+
+_PLAIN = (
+    "agv_offset",
+    "machine",
+    "person",
+    "gantry_disabled",
+    "grace",
+    "report_every",
+    "pause_after_violation",
+    "pause_after_agv",
+)
 
 
 def _notice(keys: NoticeKeys, base: Notice, law: AnyLaw) -> Notice:
@@ -140,7 +199,8 @@ def _notice(keys: NoticeKeys, base: Notice, law: AnyLaw) -> Notice:
     parting = keys.parting or base.parting
     if every is None and parting == math.inf:
         parting = Notice(law=base.law).parting
-    return Notice(law=Scaled(law, factor, cap), parting=parting, every=every)
+    silent = base.silent if keys.silent is None else keys.silent
+    return Notice(law=Scaled(law, factor, cap), parting=parting, every=every, silent=silent)
 
 
 def written_rules(rules: RuleSet) -> str | dict[str, Any]:
@@ -162,9 +222,7 @@ def written_rules(rules: RuleSet) -> str | dict[str, Any]:
             "cap": notice.law.cap if notice.law.cap < math.inf else None,
             "every": notice.every,
             **({"parting": notice.parting} if notice.parting < math.inf else {}),
+            "silent": notice.silent,
         },
-        "gantry_disabled": rules.gantry_disabled,
-        "grace": rules.grace,
-        "pause_after_violation": rules.pause_after_violation,
-        "pause_after_agv": rules.pause_after_agv,
+        **{key: getattr(rules, key) for key in _PLAIN},
     }

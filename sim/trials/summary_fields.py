@@ -20,13 +20,15 @@ _FIGURES = (
     "duration",
     "penalties",
     "agv_teleports",
+    "protective_stops",
+    "protective_stop_time",
     "gantry_disabled_time",
     "gantry_idle_time",
     "jobs_done",
 )
 _PERSON_FIGURES = ("started", "distance_walked", "time_standing", "replans")
 _SEPARATION = ("distance", "time", "required")
-_CAUSES = ("gantry", "person")
+_CAUSES = ("gantry", "agv", "person")
 
 
 @dataclass(frozen=True)
@@ -97,7 +99,9 @@ _Fields = dict[str, SummaryField]
 
 _EVENTS: dict[str, tuple[str, tuple[tuple[str, Any], ...]]] = {
     "penalties": ("violation", (("penalty", True),)),
-    "agv_teleports": ("violation", (("penalty", False),)),
+    "agv_teleports": ("teleport", (("reason", "agv"),)),
+    "protective_stops": ("protective_stop", ()),
+    "protective_stop_time": ("protective_stop", ()),
     "gantry_disabled_time": ("gantry_disabled", ()),
     "jobs_done": ("job_done", ()),
 }
@@ -123,12 +127,10 @@ def _separation(prefix: tuple[str, ...]) -> dict[str, SummaryField]:
 
 
 def _violations(path: tuple[str, ...], fields: tuple[tuple[str, Any], ...]) -> _Fields:
-    """The penalties by whose doing they were, by their names inside `path`."""
-    penalty = ("penalty", True)
+    """Return the violations by their cause, by their names inside `path`."""
     return {
         f"violations.{cause}": SummaryField(
-            (*path, "violations", cause),
-            events=("violation", (*fields, penalty, ("cause", cause))),
+            (*path, "violations", cause), events=("violation", (*fields, ("cause", cause)))
         )
         for cause in _CAUSES
     }

@@ -41,12 +41,14 @@ class Watch {
     this.noticeLaw = data.notice_law ?? data.law;
     this.noticeFactor = data.notice ?? null;
     this.noticeCap = data.notice_cap ?? Infinity;
+    this.measuredAt = data.measured_at ?? [0, 0];
     this.violations = [...data.violations].sort((a, b) => a[0] - b[0]);
     this.violationBegins = this.violations.map(violation => violation[0]);
     this.name = `${spoken(data.person)} – ${spoken(data.other)}`;
   }
 
-  /** Distances in metres between centres, speeds in m/s; `notice` is null where nobody notices. */
+  /** Distances in metres as the rules measure them, speeds in m/s; `notice` is null where nobody
+   *  notices. */
   at(t) {
     return this.#between(this.person.motion.at(t), this.other.motion.at(t), t);
   }
@@ -57,12 +59,12 @@ class Watch {
   }
 
   #between(person, other, t, before = false) {
-    const distance = Math.hypot(person.x - other.x, person.y - other.y);
+    const [dx, dy] = this.measuredAt;
+    const distance = Math.hypot(person.x - other.x - dx, person.y - other.y - dy);
     const required = requiredDistance(this.law, person.speed, other.speed, t, before);
     const notice = this.noticeFactor === null
-      ? null : Math.min(
-        requiredDistance(this.noticeLaw, person.speed, other.speed, t, before) * this.noticeFactor,
-        this.noticeCap);
+      ? null : this.noticeFactor * Math.min(
+        requiredDistance(this.noticeLaw, person.speed, other.speed, t, before), this.noticeCap);
     return {
       distance, required, margin: distance - required, notice,
       personSpeed: person.speed, otherSpeed: other.speed, violated: this.#violatedAt(t),

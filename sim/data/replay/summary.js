@@ -1,7 +1,7 @@
 /* The summaries of the runs, beside each other. */
 
 const UNITS = {
-  duration: "s", gantry_disabled_time: "s", started: "s", time_standing: "s", distance_walked: "m",
+  duration: "s", gantry_disabled_time: "s", protective_stop_time: "s", started: "s", time_standing: "s", distance_walked: "m",
 };
 const TRIAL_FIELDS = ["trial", "floorplan", "rules", "seed", "duration", "interrupted"];
 
