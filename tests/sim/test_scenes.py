@@ -208,4 +208,4 @@ agvs: {agv4: [{time: 2.0, to: assembly_back}]}
     assert math.dist(person.at, agv.at) == pytest.approx(
         LAW.distance(person.speed, agv.speed), abs=1e-4
     )
-    assert after(run, t + 1e-6, "goal")["t"] == pytest.approx(t + 5.0, abs=1e-9)
+    assert after(run, t + 1e-6, "goal")["t"] == pytest.approx(t + 8.0, abs=1e-9)

@@ -1,0 +1,276 @@
+"""What follows from a violation under each rule set, from end to end."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import sim
+
+SAMPLE = 1e-3
+"""Seconds between the samples that the monitor is checked against."""
+
+
+def run(text, **changes):
+    return sim.run(replace(sim.Trial.parse(text), **changes))
+
+
+def events(run, *kinds, **fields):
+    return [
+        event
+        for event in run.events
+        if event["kind"] in kinds and all(event.get(key) == fields[key] for key in fields)
+    ]
+
+
+def parked(rules, people, *, at="[-2.5, 0.5, 0.0]", duration=60, agvs=""):
+    """A trial around a gantry that stands at `at`."""
+    return (
+        f"floorplan: ariac2023\nduration: {duration}\nrules: {rules}\npeople: {people}\n"
+        f"gantry: {{controller: parked, at: {at}}}\n{agvs}"
+    )
+
+
+def walker(tmp_path, name, program):
+    """A person's program in a file."""
+    path = tmp_path / f"{name}.asl"
+    path.write_text(program)
+    return path
+
+
+# ---- ariac2023
+
+
+@pytest.mark.parametrize(
+    ("speeds", "metres"),
+    [((1.0, 0.0), 1.75 * 3.7), ((1.0, 1.0), 1.75 * 4.7), ((1.5, 1.0), 8.75), ((0.0, 0.0), 2.1)],
+)
+def test_the_noticing_distance_of_the_competition_is_capped_before_it_is_scaled(speeds, metres):
+    assert sim.ARIAC2023.notice.law.distance(*speeds) == pytest.approx(metres)
+
+
+def test_in_the_grace_the_person_is_sent_home_all_the_same(tmp_path):
+    """Walks into the gantry's distance again and again, right after each wait."""
+    program = walker(
+        tmp_path,
+        "stubborn",
+        "+human_start <- !go. +!go <- move(-4.5, 0, 0). "
+        "+gantry_disabled(_) <- teleport_safe; .wait(16000); !!go.",
+    )
+    people = f"[{{name: a, personality: {program}, at: [-8.0, 0], home: [-8.0, 0]}}]"
+    result = run(parked("ariac2023", people))
+    violations = events(result, "violation")
+    assert [v["penalty"] for v in violations[:2]] == [True, False]
+    assert violations[1]["t"] - violations[0]["t"] < 25.0  # 15 s disabled, 10 s of grace
+    assert [t["t"] for t in events(result, "teleport")] == [v["t"] for v in violations]
+    assert len(events(result, "gantry_disabled")) == result.summary["penalties"]
+    assert sum(end - begin for begin, end in result.violations["a", "gantry"]) < SAMPLE
+
+
+def test_the_person_of_the_competitions_sample_trial_never_stays_too_close(shared_data):
+    path = shared_data / "ariac2023" / "trials" / "sample.yaml"
+    result = sim.run(replace(sim.Trial.load(path), until_submitted=False, duration=400.0))
+    too_close = sum(end - begin for begin, end in result.violations["operator", "gantry"])
+    assert too_close < SAMPLE
+    assert result.summary["minimum_separation"]["distance"] > 1.0
+    assert len(events(result, "teleport", reason="gantry")) == result.summary["violations"]["person"]
+
+
+def test_a_violation_that_lasts_is_reported_every_ten_seconds():
+    """At home they are too close as well: standing, 1 m is required."""
+    people = "[{name: a, at: [-3.2, 0.5], home: [-3.2, 0.5]}]"
+    result = run(parked("ariac2023", people, duration=25))
+    assert [e["t"] for e in events(result, "teleport")] == pytest.approx([0.0, 10.0, 20.0])
+    assert [e["seconds"] for e in events(result, "gantry_disabled")] == [15.0] * 3
+    assert events(result, "gantry_enabled") == []
+
+
+@pytest.mark.parametrize("start", [0.0, 7.0])
+def test_nothing_is_noticed_for_twenty_seconds_after_the_start_and_after_a_teleport(start):
+    people = f"[{{name: a, start: {{time: {start}}}, at: [-8.5, 0]}}]"
+    result = run(parked("ariac2023", people, duration=200))
+    early = [event["t"] for event in events(result, "gantry_detected") if event["t"] < start]
+    assert early == []
+    silent = [start, *(event["t"] for event in events(result, "teleport"))]
+    noticed = [event["t"] for event in events(result, "gantry_detected")]
+    assert len(silent) > 2
+    assert noticed
+    for t in noticed:
+        assert all(t >= since + 20.0 for since in silent if since <= t)
+
+
+def test_distances_to_agvs_are_measured_to_their_tray():
+    """0.2 m from the centre, where the lane begins: against sampling that point."""
+    text = parked(
+        "{based_on: ariac2023, person: none}",
+        "[{name: a, at: [-9.5, 3.5], start: {time: 50}}]",
+        agvs="agvs: {agv1: [{time: 1.0, to: warehouse}, {time: 20.0, to: kitting}]}",
+    )
+    result = run(text)
+    t = np.arange(0.0, 40.0, SAMPLE)
+    agv, person = result.motions["agv1"], result.motions["a"]
+    apart = np.hypot(*(agv.position(t) + (0.2, 0.0) - person.position(t)).T)
+    moves = np.hypot(*agv.velocity(t).T) > 0.01
+    changes = t[1:][np.diff((apart < 2.1) & moves)]
+    found = [instant for span in result.violations["a", "agv1"] for instant in span]
+    assert len(found) == 4
+    assert found == pytest.approx(changes.tolist(), abs=1.1 * SAMPLE)
+    assert result.distance("a", "agv1", t) == pytest.approx(apart)
+    for event in events(result, "violation", **{"with": "agv1"}):
+        assert event["distance"] == pytest.approx(2.1, abs=1e-6)
+
+
+# ---- paper
+
+PLACES = (("near", -8.0), ("far", -10.0))
+
+
+def test_a_second_persons_violation_is_found_while_the_gantry_is_disabled(tmp_path):
+    straight = walker(tmp_path, "straight", "+human_start <- move(-4.5, 0.5, 0).")
+    people = [f"{{name: {name}, at: [{x}, 0.5], personality: {straight}}}" for name, x in PLACES]
+    result = run(parked("paper", f"[{', '.join(people)}]", duration=30))
+    first, second = events(result, "violation")
+    assert (first["person"], second["person"]) == ("near", "far")
+    assert 0 < second["t"] - first["t"] < 8.0
+    assert second["distance"] == pytest.approx(second["required"], abs=1e-6)
+    assert second["penalty"] is True
+    enabled = events(result, "gantry_enabled")[0]["t"]
+    assert enabled == pytest.approx(second["t"] + 8.0)
+
+
+def test_the_antagonistic_person_goes_on_to_the_next_station_after_the_gantry():
+    people = "[{name: a, personality: antagonistic}]"
+    result = run(parked("observe", people, at="[-7.0, 0.0, 0.0]", duration=60))
+    goals = [event["station"] for event in events(result, "goal")]
+    at_gantry = goals.index(None)
+    ring = ["station4", "station2", "station1", "station3"]
+    interrupted = ring.index(goals[at_gantry - 1])
+    assert goals[at_gantry + 1] == ring[(interrupted + 1) % 4]
+
+
+def test_after_an_agv_the_person_waits_as_long_as_after_the_gantry():
+    text = parked(
+        "paper",
+        "[{name: a, at: [-8.0, 4.0]}]",
+        agvs="agvs: {agv1: [{time: 1.0, to: assembly_front}]}",
+    )
+    result = run(text, duration=30)
+    teleport = events(result, "teleport", reason="agv")[0]["t"]
+    onwards = next(e["t"] for e in events(result, "goal") if e["t"] > teleport)
+    assert onwards == pytest.approx(teleport + 8.0)
+
+
+# ---- observe, protective_stop, and what a violation does
+
+
+@pytest.mark.parametrize("personality", ["antagonistic", "indifferent"])
+def test_observing_records_violations_and_does_nothing_else(personality):
+    people = f"[{{name: a, personality: {personality}}}]"
+    result = run(parked("observe", people, duration=120))
+    assert events(result, "violation")
+    assert events(result, "teleport", "gantry_disabled", "protective_stop", "penalty") == []
+    assert result.summary["penalties"] == 0
+    assert result.summary["gantry_disabled_time"] == 0.0
+    assert result.summary["violations"]["person"] == len(events(result, "violation"))
+
+
+@pytest.mark.parametrize(
+    ("machine", "person", "kinds"),
+    [
+        ("none", "none", set()),
+        ("none", "teleport", {"teleport"}),
+        ("stop", "none", {"protective_stop"}),
+        ("stop", "teleport", {"protective_stop", "teleport"}),
+        ("{disable: 3.0}", "none", {"gantry_disabled"}),
+        ("disable", "teleport", {"gantry_disabled", "teleport"}),
+    ],
+)
+def test_a_rule_set_chooses_what_a_violation_does(machine, person, kinds):
+    rules = f"{{name: ours, machine: {machine}, person: {person}}}"
+    result = run(parked(rules, "[{name: a, personality: antagonistic}]", duration=40))
+    instants = {event["t"] for event in events(result, "violation")}
+    followed = {event["kind"] for event in result.events if event["t"] in instants}
+    assert instants
+    assert followed & {"teleport", "gantry_disabled", "protective_stop"} == kinds
+    assert bool(result.summary["penalties"]) == ("gantry_disabled" in kinds)
+    if "disable:" in machine:
+        assert {e["seconds"] for e in events(result, "gantry_disabled")} == {3.0}
+
+
+WORK = """
+floorplan: ariac2023
+duration: 200
+rules: protective_stop
+people:
+  - {name: a, personality: indifferent}
+  - {name: b, personality: antagonistic, start: {time: 15}}
+gantry:
+  controller: oblivious
+  repeat: true
+  jobs: [{move: [-12, -3, 0]}, {wait: 3}, {move: [-4, 3, 0]}, {wait: 3}]
+agvs:
+  agv2: [{time: 20, to: warehouse}, {time: 60, to: kitting}, {time: 100, to: warehouse}]
+"""
+
+
+@pytest.fixture(scope="module")
+def stopped():
+    return run(WORK)
+
+
+def stops(run, machine):
+    """From when to when `machine` was held, and whether that ended within the run."""
+    spans, since = [], None
+    for event in events(run, "protective_stop", "protective_stop_ended", machine=machine):
+        if event["kind"] == "protective_stop":
+            since = event["t"]
+        else:
+            spans.append((since, event["t"]))
+            since = None
+    return spans if since is None else [*spans, (since, run.duration)]
+
+
+@pytest.mark.parametrize("machine", ["gantry", "agv2"])
+def test_a_protective_stop_lasts_from_the_violation_until_there_is_room(stopped, machine):
+    """Against sampling: once it has braked, the machine stands while anybody is too close."""
+    spans = stops(stopped, machine)
+    assert spans
+    motion = stopped.motions[machine]
+    t = np.arange(0.0, stopped.duration, 0.01)
+    moves = np.hypot(*motion.velocity(t).T) > 1e-6
+    held = np.zeros(len(t), dtype=bool)
+    for begin, end in spans:
+        held |= (t >= begin + 3.0) & (t < end)  # 2.5 s of braking at most
+    assert not (moves & held).any()
+    for person in ("a", "b"):
+        apart = stopped.distance(person, machine, t)
+        required = stopped.required(person, machine, t)
+        too_close = moves & (apart < required - 1e-6)
+        inside = np.zeros(len(t), dtype=bool)
+        for begin, end in spans:
+            inside |= (t >= begin - 0.01) & (t <= end)
+        assert not (too_close & ~inside).any()
+
+
+def test_a_machine_goes_on_after_a_protective_stop_and_does_not_creep(stopped):
+    spans = stops(stopped, "gantry")
+    assert stopped.summary["jobs_done"] >= 4
+    assert all(later - end > 0.1 for (_, end), (later, _) in zip(spans, spans[1:], strict=False))
+    assert stopped.motions["agv2"].position(stopped.duration) == pytest.approx((-19.27, 1.2))
+    assert events(stopped, "teleport", "gantry_disabled") == []
+    total = sum(end - begin for body in ("gantry", "agv2") for begin, end in stops(stopped, body))
+    assert stopped.summary["protective_stop_time"] == pytest.approx(total)
+    assert stopped.summary["protective_stops"] == len(events(stopped, "protective_stop"))
+
+
+def test_a_machine_in_a_protective_stop_waits_for_everybody():
+    people = "[{name: a, at: [-6.4, 0.0], start: {time: 5}}, {name: b, at: [-7.6, 0], start: {time: 9}}]"
+    text = parked("protective_stop", people, at="[-7.0, 0.0, 0.0]", duration=60)
+    result = run(text.replace("controller: parked", "controller: oblivious, jobs: [{move: [-2, 6, 0]}]"))
+    (span,) = stops(result, "gantry")[:1]
+    clear = [
+        math.dist(result.motions[name].position(span[1]), (-7.0, 0.0)) for name in ("a", "b")
+    ]
+    assert min(clear) >= 1.0 + 1.0 * math.sqrt(2)
+    assert result.summary["jobs_done"] == 1
