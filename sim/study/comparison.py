@@ -27,7 +27,8 @@ Floats = NDArray[np.float64]
 class Measure:
     """One figure by which rows are compared, and the columns that it is summed up from.
 
-    `NAME` in a column stands for everybody: a figure of all people is the sum of theirs.
+    `NAME` in a column stands for everybody: a figure of all people is the sum of theirs. A `rare`
+    one is left out where it is 0 in every row.
     """
 
     title: str
@@ -35,6 +36,7 @@ class Measure:
     unit: str = ""
     meaning: str = ""
     chief: bool = False
+    rare: bool = False
 
     @property
     def label(self) -> str:
@@ -42,7 +44,7 @@ class Measure:
         return f"{self.title}, {self.unit}" if self.unit else self.title
 
     def values(self, columns: Columns) -> Floats | None:
-        """The figure of every row (NaN where there is none), or None if there is no such column."""
+        """The figure of every row (NaN where there is none), or None where it is left out."""
         pattern = re.compile(re.escape(self.column).replace("NAME", r"[^.]+"))
         found = [column for key, column in columns.items() if pattern.fullmatch(key)]
         if not found:
@@ -51,6 +53,8 @@ class Measure:
             raise TableError(f"the results have a text where {self.column} should be a number")
         figures = np.array([[math.nan if v is None else float(v) for v in c] for c in found])
         there = ~np.isnan(figures)
+        if self.rare and not np.any(figures[there]):
+            return None
         return np.where(there.any(axis=0), np.nansum(figures, axis=0), math.nan)
 
 
@@ -59,9 +63,9 @@ MEASURES = (
     Measure("Penalties", "penalties", meaning="violations that cost one", chief=True),
     Measure("Violations, gantry", "violations.gantry", meaning="with the gantry, which moved"),
     Measure("Violations, person", "violations.person", meaning="with the gantry, which stood"),
-    Measure("Violations, AGV", "violations.agv", meaning="with an AGV that moved"),
-    Measure("Protective stops", "protective_stops", meaning="of gantry and AGVs"),
-    Measure("Stopped", "protective_stop_time", "s", "in protective stops, all machines together"),
+    Measure("Violations, AGV", "violations.agv", meaning="with an AGV that moved", rare=True),
+    Measure("Protective stops", "protective_stops", meaning="of gantry and AGVs", rare=True),
+    Measure("Stopped", "protective_stop_time", "s", "in protective stops", rare=True),
     Measure(
         "Least separation",
         "minimum_separation.distance",

@@ -33,7 +33,8 @@ def test_the_linear_form():
 def test_noticing_is_a_multiple_with_a_cap():
     law = Scaled(SeparationLaw(t1=1.0, t2=1.5, intrusion=1.2), 1.75, cap=5.0)
     assert law.distance(0.0, 0.0) == pytest.approx(2.1)
-    assert law.distance(1.0, 0.0) == 5.0
+    assert law.distance(1.0, 0.0) == pytest.approx(1.75 * 3.7)
+    assert law.distance(2.0, 0.0) == 1.75 * 5.0
 
 
 def test_a_fixed_distance_does_not_care():
@@ -204,10 +205,10 @@ def test_what_is_required_at_an_instant_and_of_steady_speeds_is_the_same(law):
     assert navigation.required_at(Scaled(law, 2.0), person, machine, 10.0) == pytest.approx(
         2 * steady, abs=1e-9
     )
-    assert navigation.required_at_speeds(Scaled(law, 2.0, cap=0.3), 1.3, 1.0) == 0.3
+    assert navigation.required_at_speeds(Scaled(law, 2.0, cap=0.3), 1.3, 1.0) == 0.6
 
 
-@pytest.mark.parametrize("cap", [math.inf, 1.6])
+@pytest.mark.parametrize("cap", [math.inf, 1.3])
 def test_a_scaled_law_that_looks_ahead_is_judged_as_its_figures_say(cap):
     """Somebody who walks to a stop beside a standing machine, against sampling the figures."""
     person = navigation.walk([(-6, 0.8), (-0.5, 0.8)], 0.0)

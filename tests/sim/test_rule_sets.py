@@ -74,7 +74,9 @@ def test_the_person_of_the_competitions_sample_trial_never_stays_too_close(share
     too_close = sum(end - begin for begin, end in result.violations["operator", "gantry"])
     assert too_close < SAMPLE
     assert result.summary["minimum_separation"]["distance"] > 1.0
-    assert len(events(result, "teleport", reason="gantry")) == result.summary["violations"]["person"]
+    assert (
+        len(events(result, "teleport", reason="gantry")) == result.summary["violations"]["person"]
+    )
 
 
 def test_a_violation_that_lasts_is_reported_every_ten_seconds():
@@ -265,12 +267,14 @@ def test_a_machine_goes_on_after_a_protective_stop_and_does_not_creep(stopped):
 
 
 def test_a_machine_in_a_protective_stop_waits_for_everybody():
-    people = "[{name: a, at: [-6.4, 0.0], start: {time: 5}}, {name: b, at: [-7.6, 0], start: {time: 9}}]"
+    people = (
+        "[{name: a, at: [-6.4, 0.0], start: {time: 5}}, {name: b, at: [-7.6, 0], start: {time: 9}}]"
+    )
     text = parked("protective_stop", people, at="[-7.0, 0.0, 0.0]", duration=60)
-    result = run(text.replace("controller: parked", "controller: oblivious, jobs: [{move: [-2, 6, 0]}]"))
+    result = run(
+        text.replace("controller: parked", "controller: oblivious, jobs: [{move: [-2, 6, 0]}]")
+    )
     (span,) = stops(result, "gantry")[:1]
-    clear = [
-        math.dist(result.motions[name].position(span[1]), (-7.0, 0.0)) for name in ("a", "b")
-    ]
+    clear = [math.dist(result.motions[name].position(span[1]), (-7.0, 0.0)) for name in ("a", "b")]
     assert min(clear) >= 1.0 + 1.0 * math.sqrt(2)
     assert result.summary["jobs_done"] == 1
