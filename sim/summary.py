@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
-from typing import Any, get_args
+from typing import Any
 
 from navigation import Motion, minimum_separation
 
@@ -31,9 +31,9 @@ def summarise(
     """The figures of a run that depend on nothing but the trial.
 
     `minimum_separation` is the nearest that anybody came to the gantry's centre: distance and
-    required distance at that instant in metres, time in seconds. `violations` are counted by
-    cause. Times and distances of people count from their start. `work` are the figures of orders,
-    where there are any. `law_audit` has a `ShortLaw` for each machine whose law counts on a shorter
+    required distance at that instant in metres, time in seconds. `violations` with the gantry are
+    counted by cause. Times and distances of people count from their start. `work` are the figures
+    of orders, where there are any. `law_audit` has a `ShortLaw` for each machine whose law counts on a shorter
     stop than it may take.
     """
     started = {person.name: person.started_at for person in people}
@@ -52,6 +52,7 @@ def summarise(
         "interrupted": interrupted,
         "penalties": referee.penalties,
         "violations": _violations(referee.violations, None),
+        "agv_violations": sum(n for (_, cause), n in referee.violations.items() if cause == "agv"),
         "agv_teleports": referee.agv_teleports,
         "protective_stops": referee.protective_stops,
         "protective_stop_time": referee.protective_stop_time,
@@ -107,12 +108,14 @@ def _nearest(
 
 
 def _violations(counts: Mapping[tuple[str, Cause], int], person: str | None) -> dict[str, int]:
-    """Return how many violations had which cause: all of them, or those of one person."""
-    found: dict[str, int] = dict.fromkeys(get_args(Cause), 0)
-    for (who, cause), count in counts.items():
-        if person in (who, None):
-            found[cause] += count
-    return found
+    """Return how many violations with the gantry had which cause: of all people, or of one."""
+    causes: tuple[Cause, ...] = ("gantry", "person")
+    return {
+        cause: sum(
+            count for (who, why), count in counts.items() if why == cause and person in (who, None)
+        )
+        for cause in causes
+    }
 
 
 def _person_figures(person: Person, motion: Motion, now: float) -> dict[str, Any]:

@@ -13,6 +13,7 @@ def figures_in_words(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
     figures = [
         ("violations", _violations(summary)),
         ("penalties", str(summary["penalties"])),
+        ("violations with AGVs", str(summary.get("agv_violations", summary["agv_teleports"]))),
         ("teleports by AGVs", str(summary["agv_teleports"])),
         ("gantry disabled", f"{summary['gantry_disabled_time']:.1f} s"),
         ("gantry jobs done", str(summary["jobs_done"])),
@@ -46,7 +47,7 @@ def figures_in_words(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
 
 
 def _violations(summary: Mapping[str, Any]) -> str:
-    """Return how many there were, and by which cause."""
+    """Return how many there were with the gantry, and by which cause."""
     counts = {cause: count for cause, count in summary["violations"].items() if count}
     causes = [f"{cause} {count}×" for cause, count in counts.items()]
     return f"{sum(counts.values())}" + (f" ({', '.join(causes)})" if causes else "")

@@ -63,7 +63,7 @@ MEASURES = (
     Measure("Penalties", "penalties", meaning="violations that cost one", chief=True),
     Measure("Violations, gantry", "violations.gantry", meaning="with the gantry, which moved"),
     Measure("Violations, person", "violations.person", meaning="with the gantry, which stood"),
-    Measure("Violations, AGV", "violations.agv", meaning="with an AGV that moved", rare=True),
+    Measure("AGV violations", "agv_violations", meaning="with an AGV that moved", rare=True),
     Measure("Protective stops", "protective_stops", meaning="of gantry and AGVs", rare=True),
     Measure("Stopped", "protective_stop_time", "s", "in protective stops", rare=True),
     Measure(

@@ -19,6 +19,7 @@ Form = Literal["number", "visits", "flag"]
 _FIGURES = (
     "duration",
     "penalties",
+    "agv_violations",
     "agv_teleports",
     "protective_stops",
     "protective_stop_time",
@@ -28,7 +29,7 @@ _FIGURES = (
 )
 _PERSON_FIGURES = ("started", "distance_walked", "time_standing", "replans")
 _SEPARATION = ("distance", "time", "required")
-_CAUSES = ("gantry", "agv", "person")
+_CAUSES = ("gantry", "person")
 
 
 @dataclass(frozen=True)
@@ -99,6 +100,7 @@ _Fields = dict[str, SummaryField]
 
 _EVENTS: dict[str, tuple[str, tuple[tuple[str, Any], ...]]] = {
     "penalties": ("violation", (("penalty", True),)),
+    "agv_violations": ("violation", (("cause", "agv"),)),
     "agv_teleports": ("teleport", (("reason", "agv"),)),
     "protective_stops": ("protective_stop", ()),
     "protective_stop_time": ("protective_stop", ()),
@@ -127,7 +129,7 @@ def _separation(prefix: tuple[str, ...]) -> dict[str, SummaryField]:
 
 
 def _violations(path: tuple[str, ...], fields: tuple[tuple[str, Any], ...]) -> _Fields:
-    """Return the violations by their cause, by their names inside `path`."""
+    """Return the violations with the gantry by their cause, by their names inside `path`."""
     return {
         f"violations.{cause}": SummaryField(
             (*path, "violations", cause), events=("violation", (*fields, ("cause", cause)))

@@ -79,7 +79,7 @@ def test_any_number_of_stations(name):
     [
         ("gantry_disabled(0)", "teleport_safe", None, 8.0),
         ("gantry_disabled(0)", "teleport_safe", "pause_after_violation(10000)", 10.0),
-        ("agv_danger(0)", "teleport_agv", None, 5.0),
+        ("agv_danger(0)", "teleport_agv", None, 8.0),
         ("agv_danger(0)", "teleport_agv", "pause_after_agv(2500)", 2.5),
     ],
 )
@@ -114,8 +114,8 @@ def test_antagonistic_walks_up_to_the_gantry_and_then_on():
     scene = Scene("antagonistic").walking()
     scene.did()
     assert scene.at(6.0, "gantry_detected(0)") == [(6.0, "stop_movement"), (6.0, "move_to_gantry")]
-    assert scene.at(9.0, "work_completed(1)") == [(9.0, PLACES["s2"])]
-    assert scene.at(15.0, "work_completed(2)") == [(15.0, PLACES["s3"])]
+    assert scene.at(9.0, "work_completed(1)") == [(9.0, PLACES["s3"])]
+    assert scene.at(15.0, "work_completed(2)") == [(15.0, PLACES["s4"])]
 
 
 def test_helpful_turns_round_but_not_on_the_spot():

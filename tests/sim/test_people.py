@@ -281,7 +281,7 @@ def test_the_rules_of_the_competition():
 
     finished = sim.run(dataclasses.replace(trial, rules=sim.ARIAC2023))
     noticed = events(finished, "gantry_detected")
-    assert noticed[0]["noticing_distance"] == 5.0
+    assert noticed[0]["noticing_distance"] == 6.475
     gaps = np.diff([event["t"] for event in noticed])
     assert gaps.min() >= 20.0 - 1e-9
     violation = events(finished, "violation")[0]

@@ -1,5 +1,6 @@
 """What follows from a violation under each rule set, from end to end."""
 
+import itertools
 import math
 from dataclasses import replace
 
@@ -7,6 +8,9 @@ import numpy as np
 import pytest
 
 import sim
+
+TRAY = np.array([0.2, 0.0])
+"""Metres from an AGV's centre to the frame of its tray."""
 
 SAMPLE = 1e-3
 """Seconds between the samples that the monitor is checked against."""
@@ -112,7 +116,7 @@ def test_distances_to_agvs_are_measured_to_their_tray():
     result = run(text)
     t = np.arange(0.0, 40.0, SAMPLE)
     agv, person = result.motions["agv1"], result.motions["a"]
-    apart = np.hypot(*(agv.position(t) + (0.2, 0.0) - person.position(t)).T)
+    apart = np.hypot(*(agv.position(t) - person.position(t) + TRAY).T)
     moves = np.hypot(*agv.velocity(t).T) > 0.01
     changes = t[1:][np.diff((apart < 2.1) & moves)]
     found = [instant for span in result.violations["a", "agv1"] for instant in span]
@@ -258,7 +262,7 @@ def test_a_protective_stop_lasts_from_the_violation_until_there_is_room(stopped,
 def test_a_machine_goes_on_after_a_protective_stop_and_does_not_creep(stopped):
     spans = stops(stopped, "gantry")
     assert stopped.summary["jobs_done"] >= 4
-    assert all(later - end > 0.1 for (_, end), (later, _) in zip(spans, spans[1:], strict=False))
+    assert all(later - end > 0.1 for (_, end), (later, _) in itertools.pairwise(spans))
     assert stopped.motions["agv2"].position(stopped.duration) == pytest.approx((-19.27, 1.2))
     assert events(stopped, "teleport", "gantry_disabled") == []
     total = sum(end - begin for body in ("gantry", "agv2") for begin, end in stops(stopped, body))

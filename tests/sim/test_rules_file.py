@@ -94,7 +94,7 @@ pause_after_agv: 0
     ).rules
     law = SeparationLaw(t1=0.5, t2=1.0, intrusion=0.8)
     assert (rules.name, rules.gantry_law, rules.agv_law) == ("ours", law, FixedDistance(1.5))
-    assert rules.notice == sim.Notice(law=Scaled(law, 3.0), parting=1.0, every=None)
+    assert rules.notice == sim.Notice(law=Scaled(law, 3.0), parting=1.0, every=None, silent=20.0)
     assert (rules.gantry_disabled, rules.grace) == (4.0, sim.ARIAC2023.grace)
     assert (rules.pause_after_violation, rules.pause_after_agv) == (10.0, 0.0)
 
