@@ -8,7 +8,7 @@ from floorplan import Human, Lane
 from navigation import Cylinder, FixedDistance, Motion, Shapes, TooClose, agv_box, first_time
 
 from .clock import Alarm, Turn
-from .referee import Pair
+from .watches import Pair
 
 AHEAD = 1.5
 """Seconds. How long before they would walk into an AGV people stop."""

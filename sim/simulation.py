@@ -27,7 +27,7 @@ from .recordings.outcome import Run
 from .recordings.recorder import Event, Listener, Listeners, recording_to, rounded
 from .recordings.requirement_curve import requirement_curve
 from .recordings.scene import scene_of
-from .referee import Pair, Referee
+from .referee import Referee
 from .summary import summarise
 from .trials.checks import check
 from .trials.names import fixed_places
@@ -36,6 +36,7 @@ from .trials.programs import EXTERNAL
 from .trials.trial import PersonEntry, Start, Trial
 from .triggers import Triggers
 from .walker import Place, Walker
+from .watches import Pair
 from .yielding import Foresight
 
 

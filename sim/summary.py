@@ -13,8 +13,9 @@ from .gantry import GantryRobot
 from .law_audit import short_laws
 from .person import Person
 from .recordings.recorder import rounded
-from .referee import Cause, Referee, SeparationWatch
+from .referee import Referee
 from .trials.trial import Trial
+from .watches import Cause, SeparationWatch
 
 
 def summarise(
@@ -33,8 +34,8 @@ def summarise(
     `minimum_separation` is the nearest that anybody came to the gantry's centre: distance and
     required distance at that instant in metres, time in seconds. `violations` with the gantry are
     counted by cause. Times and distances of people count from their start. `work` are the figures
-    of orders, where there are any. `law_audit` has a `ShortLaw` for each machine whose law counts on a shorter
-    stop than it may take.
+    of orders, where there are any. `law_audit` has a `ShortLaw` for each machine whose law counts
+    on a shorter stop than it may take.
     """
     started = {person.name: person.started_at for person in people}
     nearest = {
