@@ -10,7 +10,7 @@ from navigation import Apart, FixedDistance, TooClose
 
 from .body import Body
 from .clock import Alarm, Clock, Turn
-from .referee import Pair
+from .watches import Pair
 
 PARTING = 0.1
 """Metres. By how much more than the distance the two have to part until it is told again."""
