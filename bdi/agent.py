@@ -82,6 +82,7 @@ class Agent:
         max_goals: how many goals one cycle may try to prove: by default seconds of work,
             where a handful is usual.
         max_depth: how many plans an intention may hold.
+        max_intentions: how many intentions there may be at once.
 
     Raises:
         ProgramError: the program uses internal actions that do not exist, or one label twice.
@@ -103,6 +104,7 @@ class Agent:
         max_cycles: int = 3_000_000,
         max_goals: int = 1_000_000,
         max_depth: int = 200_000,
+        max_intentions: int = 20_000,
     ) -> None:
         if not isinstance(program, Program):
             raise TypeError(f"expected a program, as bdi.load reads one, found {program!r}")
@@ -120,6 +122,7 @@ class Agent:
         self.clock = _clock(start)
         self.max_depth = max_depth
         self._max_cycles = max_cycles
+        self._max_intentions = max_intentions
         self._act = act
         self._print = print
         self._on_event = on_event
@@ -222,7 +225,8 @@ class Agent:
 
         Raises:
             ValueError: the time is before `now`, or no number of seconds.
-            EndlessProgramError: a plan goes on for ever at one instant.
+            EndlessProgramError: a plan goes on for ever at one instant, or there are too many
+                intentions.
         """
         target = _clock(time)
         if target < self.clock:
@@ -345,7 +349,13 @@ class Agent:
         self._tasks.append(task)
 
     def next_intention_number(self) -> int:
-        """A number that no intention of this agent has yet."""
+        """A number that no intention of this agent has yet.
+
+        Raises:
+            TooDeepError: there are as many intentions as may be.
+        """
+        if self.circumstance.size >= self._max_intentions:
+            raise TooDeepError(f"more than {self._max_intentions:,} intentions at once")
         return next(self._intention_numbers)
 
     def changed(self, sort: str, literal: Literal, intention: Intention | None) -> bool:

@@ -98,21 +98,24 @@ class Circumstance:
         if intention.atomic:
             self.atomic = intention
         else:
+            intention.in_line = True
             self.running.append(intention)
         if self.waits:
             self._recheck()
 
     def is_running(self, intention: Intention) -> bool:
-        return intention is self.atomic or intention in self.running
+        return intention is self.atomic or intention.in_line
 
     def remove_running(self, intention: Intention) -> bool:
         if intention is self.atomic:
             self.atomic = None
             return True
-        if intention in self.running:
-            self.running.remove(intention)
-            return True
-        return False
+        # Most that end are not in line: there is no need to look through those that are.
+        if not intention.in_line:
+            return False
+        intention.in_line = False
+        self.running.remove(intention)
+        return True
 
     def drop_running(self, intention: Intention) -> None:
         if self.remove_running(intention):
@@ -125,7 +128,11 @@ class Circumstance:
                 return None
             intention, self.atomic = self.atomic, None
             return intention
-        return self.running.popleft() if self.running else None
+        if not self.running:
+            return None
+        intention = self.running.popleft()
+        intention.in_line = False
+        return intention
 
     def suspend(self, kind: str, intention: Intention, reason: Term | None = None) -> None:
         """Keeps an intention apart until something wakes it."""
@@ -202,6 +209,7 @@ class Circumstance:
         self.atomic = None
         self.atomic_waits = False
         for intention in list(self.running):
+            intention.in_line = False
             self._dropped(intention)
         self.running.clear()
         for _, intention in list(self.pending.values()):
@@ -221,6 +229,11 @@ class Circumstance:
         """An intention is over: tells whoever keeps account of them."""
         if self.on_end is not None:
             self.on_end(intention)
+
+    @property
+    def size(self) -> int:
+        """How many intentions run, or wait for an action or something else."""
+        return len(self.running) + len(self.pending) + len(self.pending_actions)
 
     def intentions(self) -> Iterator[Intention]:
         """All intentions, each once, in the order in which they are looked through."""

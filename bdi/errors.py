@@ -43,8 +43,8 @@ class ProgramError(ValueError):
 
 
 class EndlessProgramError(ProgramError):
-    """An agent was stopped: it ran out of its budget of cycles in one instant, or of depth."""
+    """An agent was stopped: it ran out of its budget of cycles, of depth, or of intentions."""
 
 
 class TooDeepError(Exception):
-    """Goals or rules call themselves more deeply than is allowed; told as EndlessProgramError."""
+    """More goals, terms or intentions than are allowed; told as EndlessProgramError."""

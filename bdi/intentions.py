@@ -116,12 +116,16 @@ class Fork:
 
 
 class Intention:
-    """A stack of means; the last one is at work. `atomic` counts the atomic plans in it."""
+    """A stack of means; the last one is at work. `atomic` counts the atomic plans in it.
+
+    `in_line` is whether it is among those that run, by turns.
+    """
 
     __slots__ = (
         "atomic",
         "fork",
         "fork_point",
+        "in_line",
         "is_suspended",
         "number",
         "reason",
@@ -133,6 +137,7 @@ class Intention:
         self.number = number
         self.stack: list[Means] = []
         self.is_suspended = False
+        self.in_line = False
         self.reason: Term | None = None
         self.wait: Wait | None = None
         self.fork: Fork | None = None

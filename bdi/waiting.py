@@ -9,7 +9,7 @@ from .failure import error_annots, fail
 from .intentions import Event, Intention, Means
 from .program import Act, TriggerTerm
 from .steps import compile_body
-from .terms import Literal, Term
+from .terms import TRUE, Literal, Term
 from .unify import unify
 
 if TYPE_CHECKING:
@@ -36,6 +36,9 @@ class Wait:
         self.means: Means = intention.top
         self._trigger = trigger
         self._condition = condition
+        self._awaited: Term = TRUE if condition is None else condition
+        if trigger is not None:
+            self._awaited = trigger.literal
         self._elapsed = elapsed
         self._began = agent.clock
         self._over = False
@@ -50,6 +53,8 @@ class Wait:
         """Looks whether an event, or what an event may have changed, is what it waits for."""
         if self._over:
             return
+        # Many that wait for much that happens are work like that of a query.
+        self._agent.logic.spend(1, self._awaited)
         u = self.means.u
         if event is not None and self._trigger is not None:
             if self._trigger.kind == event.sort:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .body import Body
-    from .clock import Clock
+    from .clock import Clock, StandstillError
     from .controllers import CONTROLLERS, Caution, Controller, ControllerError, find_controller
     from .drive import Steps
     from .exports import export
@@ -47,7 +47,7 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "body": ("Body",),
-    "clock": ("Clock",),
+    "clock": ("Clock", "StandstillError"),
     "exports": ("export",),
     "controllers": ("CONTROLLERS", "Caution", "Controller", "ControllerError", "find_controller"),
     "drive": ("Steps",),
@@ -122,6 +122,7 @@ __all__ = [
     "Scene",
     "Sighting",
     "Simulation",
+    "StandstillError",
     "Start",
     "Step",
     "Steps",

@@ -21,12 +21,52 @@ class Turn(IntEnum):
     INSISTENCE = 4
 
 
+MOMENT = 1e-3
+"""Seconds. Nothing on a factory floor happens more than a few times within one."""
+
+
+class StandstillError(ValueError):
+    """Simulated time does not go on: things happen again and again at an instant, or nearly so."""
+
+
 class Clock(simpy.Environment):
     """A SimPy environment that also knows how to wait for an instant, not only for a delay.
 
     SimPy adds a delay to the present time, which rounds; an instant at which two motions meet
     has to arrive as it was worked out.
+
+    `most` events may happen within a `MOMENT`; `StandstillError` where there are more, with
+    what `busy` says that happens.
     """
+
+    def __init__(
+        self,
+        initial_time: float = 0.0,
+        *,
+        most: int = 1000,
+        busy: Callable[[], str] = lambda: "the same again and again",
+    ) -> None:
+        super().__init__(initial_time)
+        self.most = most
+        self._busy = busy
+        self.begin_moment()
+
+    def begin_moment(self) -> None:
+        """Count anew what happens, because something has come from outside the simulation."""
+        self._moment_ends = self.now + MOMENT
+        self._happened = 0
+
+    def step(self) -> None:
+        """Let the next event happen."""
+        super().step()
+        if self.now >= self._moment_ends:
+            self.begin_moment()
+        self._happened += 1
+        if self._happened > self.most:
+            raise StandstillError(
+                f"time stands still at t = {self.now:.9g} s: more than {self.most:,} things have"
+                f" happened within a millisecond: {self._busy()}"
+            )
 
     def at(self, t: float, turn: Turn = Turn.MOTION_ENDS) -> Event:
         """An event that happens at `t` (seconds, not before now)."""

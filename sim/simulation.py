@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 import time
+from collections import Counter
 from dataclasses import replace
 from functools import partial
+from itertools import takewhile
 from pathlib import Path
 
 import bdi
@@ -15,7 +17,7 @@ from navigation import CollisionWorld, PathPlanner
 from .agv import Agv
 from .ariac import Dispatcher
 from .body import Body
-from .clock import Clock
+from .clock import MOMENT, Clock
 from .controllers import Controller, find_controller, parked, supervised
 from .crossing import CrossingWatch
 from .gantry import GantryRobot, Sighting, Surroundings
@@ -39,6 +41,12 @@ from .walker import Place, Walker
 from .watches import Pair
 from .yielding import Foresight
 
+MOST_AT_ONCE, MOST_AT_ONCE_EACH = 3000, 100
+"""So many events may happen within a millisecond, and so many more for each body."""
+
+MOST_NAMED = 5
+"""So many kinds of events are named where simulated time stands still."""
+
 
 class Simulation:
     """One trial, run step by step.
@@ -55,7 +63,7 @@ class Simulation:
             law.load()
         self._controller = _controller_of(trial)
         self.trial = trial
-        self.clock = Clock(0.0)
+        self.clock = Clock(busy=self._busy)
         self.events: list[Event] = []
         self.thoughts: list[Thought] = []
         self._triggers = Triggers(self.clock)
@@ -92,6 +100,7 @@ class Simulation:
         self._end_with_jobs()
         for entry in trial.people:
             self.people.append(self._make_person(entry))
+        self.clock.most = MOST_AT_ONCE + MOST_AT_ONCE_EACH * len(self.bodies)
         self.scene = scene_of(trial, self.bodies)
         self._listener.begin(self.scene)
         self._record("trial_started", trial=trial.name, floorplan=trial.floorplan.name)
@@ -124,7 +133,7 @@ class Simulation:
     def advance(self, until: float) -> None:
         """Let everything happen that happens before `until` (seconds), if that is still to come.
 
-        `ValueError` if it is no time.
+        `ValueError` if it is no time, `StandstillError` if simulated time does not go on.
         """
         if math.isnan(until):
             raise ValueError("a simulation can't be advanced to nan: give seconds")
@@ -267,6 +276,20 @@ class Simulation:
             place = {"file": Path(entry.file).name, "line": entry.line} if entry.file else {}
             self._record("warning", person=person.name, text=entry.text, **place)
 
+    def _busy(self) -> str:
+        """What happens in this moment, by what was recorded of it, the most frequent first."""
+        begin = rounded(self.clock.now - MOMENT)
+        recent = takewhile(lambda event: event["t"] >= begin, reversed(self.events))
+        kinds = Counter(_in_words(event) for event in recent)
+        if max(kinds.values(), default=0) > 1:
+            return ", ".join(words for words, n in kinds.most_common(MOST_NAMED) if n > 1)
+        if self.gantry is None:
+            return "nothing that is recorded"
+        return (
+            "nothing that is recorded, as where the gantry's controller"
+            f" ({self.trial.gantry.controller_name}) waits for next to no time"
+        )
+
     def _planner(self, radius: float) -> PathPlanner:
         """One planner for all people of a size: its network is worth sharing."""
         if radius not in self._planners:
@@ -387,7 +410,8 @@ def run(trial: Trial, *listeners: Listener) -> Run:
     """Run `trial` to its end; `listeners` are told of events and motions as they happen.
 
     Raises `TrialError` if there is something in the trial that can't be, `ControllerError`,
-    `LawError` or `MindError` when the user's own programs go wrong.
+    `LawError` or `MindError` when the user's own programs go wrong, `StandstillError` when things
+    happen again and again without letting time pass.
     """
     simulation = Simulation(trial, *listeners)
     simulation.advance(trial.duration)
@@ -399,6 +423,12 @@ def _controller_of(trial: Trial) -> Controller:
     if trial.floorplan.gantry is None:
         return parked
     return find_controller(trial.gantry.controller, trial.folder, own_code=trial.own_code)
+
+
+def _in_words(event: Event) -> str:
+    """The kind of an event, and who took part."""
+    who = [str(event[key]) for key in ("person", "with", "by", "agv", "job") if key in event]
+    return f"{event['kind']} ({', '.join(who)})" if who else str(event["kind"])
 
 
 class _Keeper(Listener):

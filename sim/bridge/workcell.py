@@ -102,6 +102,7 @@ class Workcell(Listener):
         """
         clock = self.simulation.clock
         until = min(until, self.simulation.trial.duration)
+        clock.begin_moment()
         try:
             while not self._asked and not self.is_over and clock.peek() < until:
                 clock.step()

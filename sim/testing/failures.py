@@ -10,6 +10,7 @@ import pytest
 
 import bdi
 
+from ..clock import StandstillError
 from ..controllers import ControllerError
 from ..pages.replay import render
 from ..pages.replay_data import replay_data
@@ -43,7 +44,13 @@ class Failures:
                 simulation.advance(trial.duration)
             finally:
                 self.runs.append(simulation.finish())
-        except (ControllerError, LawError, MindError, bdi.ProgramError) as why:
+        except (
+            ControllerError,
+            LawError,
+            MindError,
+            StandstillError,
+            bdi.ProgramError,
+        ) as why:
             # Its message has the place; the way through the event loop tells nothing.
             raise why.with_traceback(None) from None
         return self.runs[-1]

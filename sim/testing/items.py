@@ -12,6 +12,7 @@ import bdi
 import floorplan
 from floorplan import Document, InputError
 
+from ..clock import StandstillError
 from ..controllers import ControllerError
 from ..person import MindError
 from ..trials.own_law import LawError
@@ -20,7 +21,14 @@ from ..trials.trial_file import build
 from ..trials.verdict import Verdict
 from .failures import Failures
 
-_TOLD = (InputError, bdi.ProgramError, ControllerError, LawError, MindError)
+_TOLD = (
+    InputError,
+    bdi.ProgramError,
+    ControllerError,
+    LawError,
+    MindError,
+    StandstillError,
+)
 """Errors that say what is wrong with the user's own files."""
 
 

@@ -271,6 +271,29 @@ def test_what_never_ends_is_stopped(source, place):
     assert place in str(wrong.value)
 
 
+@pytest.mark.parametrize(
+    "source",
+    [
+        "!g.\n+!g <- !!g; !!g.",
+        "!g.\n+!g <- .wait(1); !!g; !!g.",
+        "!g.\n+!g <- !g |&| !g.",
+        "!g.\n+!g <- !!g; .wait({+never}).",
+    ],
+)
+def test_intentions_that_become_more_without_end_are_stopped(source):
+    agent = bdi.Agent(bdi.parse(source, "x.asl"), max_intentions=500)
+    with pytest.raises(bdi.EndlessProgramError, match=r"x\.asl:2.*500 intentions"):
+        agent.advance(60.0)
+    assert len(agent.intentions) <= 501
+
+
+def test_waiting_for_much_that_happens_is_work_that_ends():
+    source = "!g.\n+!g <- !!g; .wait({+never})."
+    agent = bdi.Agent(bdi.parse(source, "x.asl"), max_goals=1000)
+    with pytest.raises(bdi.EndlessProgramError, match=r"x\.asl:2.*goals"):
+        agent.advance(0.0)
+
+
 def test_goals_may_be_deep_but_not_endless():
     source = (
         "!go. +!go <- !sum(20000,S); .print(S). +!sum(0,0). +!sum(N,S) <- !sum(N-1,R); S = R+N."

@@ -1,0 +1,68 @@
+"""Runs in which simulated time does not go on end with a message, and keep what happened."""
+
+import json
+
+import pytest
+
+import sim
+
+REPEATED = """
+floorplan: ariac2023
+duration: 60.0
+gantry: {controller: oblivious, repeat: true, jobs: [{wait: 1.0e-6}]}
+"""
+
+ONLY_OBSERVED = """
+floorplan: ariac2023
+duration: 60.0
+rules: {based_on: paper, name: observe, gantry_disabled: 0}
+people: [{name: operator, personality: antagonistic, start: {time: 0.0}}]
+gantry: {controller: parked, at: [-2.5, 0.5, 0.0]}
+"""
+
+
+def halving(gantry):
+    """Waits shorter and shorter, so that one second never comes."""
+    seconds = 0.5
+    while True:
+        yield gantry.wait(seconds)
+        seconds /= 2
+
+
+def test_jobs_that_take_next_to_no_time_are_named(floorwalker, tmp_path):
+    (tmp_path / "t.trial.yaml").write_text(REPEATED)
+    ended = floorwalker("run", "t.trial.yaml", "--out", "run", cwd=tmp_path)
+    assert ended.returncode == 1
+    assert "t = " in ended.stderr
+    assert "job_done (wait)" in ended.stderr
+    run = sim.load_run(tmp_path / "run")
+    assert run.summary["interrupted"]
+    assert len(run.events) < 5000
+
+
+def test_a_controller_that_lets_time_stand_still_is_named():
+    trial = sim.Trial.parse("floorplan: ariac2023\nduration: 60.0\ngantry: {controller: parked}")
+    simulation = sim.Simulation(trial)
+    simulation.clock.process(halving(simulation.gantry))
+    with pytest.raises(sim.StandstillError, match=r"t = 1 s.*gantry's controller"):
+        simulation.advance(60.0)
+    assert simulation.finish().duration == pytest.approx(1.0)
+
+
+def test_rules_that_disable_for_no_time_come_to_an_end(floorwalker, tmp_path):
+    (tmp_path / "t.trial.yaml").write_text(ONLY_OBSERVED)
+    ended = floorwalker("run", "t.trial.yaml", "--out", "run", cwd=tmp_path)
+    assert ended.returncode == 0 or "violation (operator, gantry)" in ended.stderr
+    lines = (tmp_path / "run" / "events.jsonl").read_text().splitlines()
+    assert json.loads(lines[-1])["kind"] == "trial_ended"
+    assert sim.load_run(tmp_path / "run").duration > 20.0
+
+
+def test_much_may_happen_at_once_and_time_goes_on():
+    clock = sim.Clock(most=100)
+    happened = []
+    for t in range(50):
+        for _ in range(100):
+            clock.call_at(t * 0.0011, lambda t=t: happened.append(t))
+    clock.run()
+    assert len(happened) == 5000
