@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from difflib import get_close_matches
 from importlib.resources import files
@@ -36,6 +37,9 @@ if TYPE_CHECKING:
 
 MAX_TEXT = 4_000_000
 """A longer program (in characters) is refused: it would take minutes to read."""
+
+_HANDED_OVER = re.compile(r"/dev/(stdin|fd/\d+)|/proc/self/fd/\d+")
+"""What a shell hands over, as for `<(command)`, is read though it is no regular file."""
 
 _TOO_LONG = f"is longer than {MAX_TEXT:,} characters, which is more than anybody writes"
 
@@ -93,9 +97,7 @@ def _parse(source: str, name: str, folder: Path | None) -> Program:
             return Problem(place.file, place.line, place.column, found)
         text = _read(found)
         if isinstance(text, Problem):
-            return Problem(place.file, place.line, place.column, text.message)
-        if len(text) > MAX_TEXT:
-            return Problem(place.file, place.line, place.column, f"{found} {_TOO_LONG}")
+            return Problem(place.file, place.line, place.column, f"{found} {text.message}")
         return text, str(found)
 
     clauses, problems = parse_clauses(source, name, include)
@@ -127,13 +129,18 @@ def _find_included(name: str, folder: Path | None) -> Path | str:
 
 
 def _read(path: Path) -> str | Problem:
+    """The text of the regular file at `path`, or of what a shell hands over."""
     try:
-        return path.read_text(encoding="utf-8")
+        if not (path.is_file() or _HANDED_OVER.fullmatch(str(path))) and path.exists():
+            return Problem(str(path), 0, 0, "is no regular file")
+        with path.open(encoding="utf-8") as file:
+            text = file.read(MAX_TEXT + 1)
     except FileNotFoundError:
         return Problem(str(path), 0, 0, "there is no such file")
     except (OSError, UnicodeDecodeError) as error:
         reason = error.strerror if isinstance(error, OSError) else "it is not UTF-8 text"
         return Problem(str(path), 0, 0, f"cannot be read: {reason}")
+    return Problem(str(path), 0, 0, _TOO_LONG) if len(text) > MAX_TEXT else text
 
 
 # ---- what a program calls

@@ -6,9 +6,7 @@ from .document import (
     Fault,
     Place,
     field_name,
-    is_there,
     parse_yaml,
-    read_text,
     read_yaml,
     refuse,
 )
@@ -27,10 +25,18 @@ from .model import (
     Station,
 )
 from .problems import FloorplanError, InputError, Problem, suggestion
+from .reading import (
+    LARGEST_RECORDED,
+    is_there,
+    read_bytes,
+    read_lines,
+    read_text,
+)
 from .schema import NotNegative, Number, Pair, Positive, Strictly
 
 __all__ = [
     "LARGEST",
+    "LARGEST_RECORDED",
     "Axis",
     "Document",
     "Fault",
@@ -59,6 +65,8 @@ __all__ = [
     "load",
     "parse",
     "parse_yaml",
+    "read_bytes",
+    "read_lines",
     "read_text",
     "read_yaml",
     "refuse",

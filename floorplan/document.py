@@ -14,7 +14,8 @@ import yaml
 from pydantic import BaseModel, ValidationError
 
 from .problems import InputError, Problem
-from .yaml_loader import safe_loader
+from .reading import read_text
+from .yaml_loader import MOST_VALUES, safe_loader, too_many
 
 Place = tuple[str | int, ...]
 """The keys and indices that lead to a value."""
@@ -25,14 +26,15 @@ Fault: TypeAlias = tuple[str, Place]
 MOST_TEXT = 4_000_000
 """A longer document (in characters) is refused: it would take minutes to look at."""
 
-MOST_VALUES = 1_000_000
-"""A document with more values than this (aliases count each time) is refused."""
+MOST_PROBLEMS = 1_000
+"""Nobody reads more of what is wrong with one file."""
 
 EXPONENT = re.compile(r"[-+]?[0-9.]+[eE][-+]?[0-9]+")
 """Numbers that YAML 1.1 takes for text, unless they have a point and a sign."""
 
-UNWRITABLE = re.compile("[\0\ud800-\udfff]")
-"""What no text of a file can have, and an escape in YAML can: names of files and JSON lack them."""
+UNWRITABLE = re.compile("[\0-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff]")
+"""What no text of a file can have, and an escape in YAML can: names of files and JSON lack halves
+of characters, and a terminal obeys control characters."""
 
 EXPECTED = {
     "bool_type": "true or false",
@@ -83,10 +85,12 @@ class Document:
             return schema.model_validate(self.data)
         except ValidationError as misfits:
             known = sorted(schema.model_fields)
-            raise error(
-                self.file,
-                [self._misfit(dict(misfit), known) for misfit in misfits.errors()],
-            ) from None
+            errors = misfits.errors(include_url=False)
+            problems = [self._misfit(dict(one), known) for one in errors[:MOST_PROBLEMS]]
+            if len(errors) > MOST_PROBLEMS:
+                message = f"{len(errors):,} values are not what they should be; the first are:"
+                problems.insert(0, Problem(message))
+            raise error(self.file, problems) from None
 
     def _misfit(self, misfit: dict[str, Any], known: list[str]) -> Problem:
         kind, context = misfit["type"], misfit.get("ctx", {})
@@ -134,28 +138,6 @@ def refuse(about: str, faults: Iterable[Fault], error: type[InputError]) -> None
     problems = [Problem(message, field_name(place)) for message, place in faults]
     if problems:
         raise error(about, problems)
-
-
-def is_there(path: Path) -> bool:
-    """Whether there is something at `path`; at one that no file can have, there isn't."""
-    try:
-        return path.exists()
-    except (OSError, ValueError):
-        return False
-
-
-def read_text(path: Path, error: type[InputError]) -> str:
-    """The text of the UTF-8 file at `path`; `error` says why it can't be read."""
-    try:
-        return path.read_text(encoding="utf-8")
-    except FileNotFoundError:
-        raise error(str(path), [Problem("there is no such file")]) from None
-    except UnicodeDecodeError as why:
-        raise error(str(path), [Problem(f"is not UTF-8 text (byte {why.start})")]) from None
-    except OSError as why:
-        raise error(str(path), [Problem(f"can't be read: {why.strerror}")]) from None
-    except ValueError:
-        raise error(str(path), [Problem("there is no such file")]) from None
 
 
 def read_yaml(path: Path, error: type[InputError]) -> Document:
@@ -221,7 +203,7 @@ def _survey(
     if id(node) in above:
         return [Problem("an alias (*) to something that contains it", field_name(place))]
     if len(lines) > MOST_VALUES:
-        raise ValueError(f"it has more than {MOST_VALUES:,} values")
+        raise ValueError(too_many())  # aliases count each time
     lines.setdefault(place, node.start_mark.line + 1)
     if isinstance(node, yaml.ScalarNode) and (odd := UNWRITABLE.search(node.value)):
         problem = f"a text can't have the character U+{ord(odd.group()):04X}"

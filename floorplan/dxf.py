@@ -21,12 +21,16 @@ from .checks import polygon_fault
 from .flat import HEIGHT
 from .model import Floorplan, Obstacle
 from .problems import FloorplanError, Problem
+from .reading import require_readable
 
 if TYPE_CHECKING:
     from ezdxf.document import Drawing
 
 BOUNDARY = "boundary"
 """The layer of the outline of the floor, in any case."""
+
+LARGEST_FILE = 32_000_000
+"""Bytes: a hall that is drawn in all detail takes a few million."""
 
 SAGITTA = 1e-3
 """Metres. How far a drawn arc may be from the corners that stand for it."""
@@ -98,11 +102,10 @@ def _drawing(path: Path) -> Drawing:
     except ImportError:
         message = "DXF drawings can't be read without ezdxf; pip install 'floorwalker[floorplans]'"
         raise FloorplanError(str(path), [Problem(message)]) from None
+    require_readable(path, FloorplanError, LARGEST_FILE)
     try:
         with redirect_stdout(io.StringIO()):  # ezdxf prints some of its warnings
             return readfile(path)
-    except FileNotFoundError:
-        raise FloorplanError(str(path), [Problem("there is no such file")]) from None
     except (DXFError, *DAMAGED) as why:
         message = f"is not a DXF drawing: {str(why) or 'it ends too early'}"
         raise FloorplanError(str(path), [Problem(message)]) from None

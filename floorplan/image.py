@@ -1,46 +1,54 @@
-"""Grey images as arrays: PGM without further packages, anything else through Pillow."""
+"""Grey images as arrays: PGM without further packages, others of map_server's through Pillow."""
 
 from __future__ import annotations
 
+import io
 import re
+import warnings
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .problems import FloorplanError, Problem
+from .reading import read_bytes
 
-MOST_CELLS = 200_000_000
-"""Images with more pixels are refused."""
+if TYPE_CHECKING:
+    from PIL.Image import Image
+
+MOST_CELLS = 64_000_000
+"""Images with more pixels are refused: 8,000 × 8,000 are 400 m × 400 m at 0.05 m, where a floor of
+50 m × 50 m takes 1,000,000."""
+
+LARGEST_FILE = 2 * MOST_CELLS + 65_536
+"""Bytes: those of as many pixels of 16 bits, and of a header."""
+
+FORMATS = ("PNG", "BMP", "GIF", "JPEG", "PPM")
+"""Formats that Pillow may try; PPM stands for all of Netpbm's."""
+
+Levels: TypeAlias = "NDArray[np.uint8] | NDArray[np.uint16]"
 
 _PGM_HEADER = re.compile(rb"(P[25])" + rb"(?:\s|#[^\n]*\n)+(\d{1,20})" * 3 + rb"(?:#[^\n]*\n)?\s")
 
 
 @dataclass(frozen=True)
 class GreyImage:
-    """Brightness from 0 (black) to 1, (rows, columns), the top row first; and what is see-through.
+    """Brightness from 0 (black) to `top` (white), (rows, columns), the top row first.
 
-    `top` is the number that stands for white in the file.
+    `opaque` says which pixels are not see-through; None if all are not.
     """
 
-    brightness: NDArray[np.floating[Any]]
-    opaque: NDArray[np.bool_]
+    levels: Levels
+    opaque: NDArray[np.bool_] | None
     top: int
 
 
 def read_image(path: Path) -> GreyImage:
     """The grey image at `path`; `FloorplanError` says why it can't be used."""
-    try:
-        data = path.read_bytes()
-    except FileNotFoundError:
-        raise FloorplanError(str(path), [Problem("there is no such image")]) from None
-    except OSError as why:
-        raise FloorplanError(str(path), [Problem(f"can't be read: {why.strerror}")]) from None
-    except ValueError:
-        raise FloorplanError(repr(str(path)), [Problem("is no name of a file")]) from None
-    return _read_pgm(data, path) if data[:2] in (b"P2", b"P5") else _read_other(path)
+    data = read_bytes(path, FloorplanError, LARGEST_FILE)
+    return _read_pgm(data, path) if data[:2] in (b"P2", b"P5") else _read_other(data, path)
 
 
 def _read_pgm(data: bytes, path: Path) -> GreyImage:
@@ -52,29 +60,42 @@ def _read_pgm(data: bytes, path: Path) -> GreyImage:
     _check_size(width, height, path)
     if not 0 < top < 65536:
         raise FloorplanError(str(path), [Problem(f"is not a PGM image: its white is {top}")])
-    body = data[header.end() :]
-    values: NDArray[np.float64]
+    count, begin = width * height, header.end()
+    levels: Levels
     if kind == b"P5":
-        depth = np.dtype(">u2") if top > 255 else np.dtype("u1")
-        values = np.frombuffer(body[: width * height * depth.itemsize], depth).astype(float)
+        size = 2 if top > 255 else 1
+        there = min(count, (len(data) - begin) // size)
+        if size == 2:
+            levels = np.frombuffer(data, ">u2", there, begin).astype(np.uint16)
+        else:
+            levels = np.frombuffer(data, np.uint8, there, begin)
     else:
-        text = re.sub(rb"#[^\n]*", b"", body)
-        try:
-            values = np.array(text.split()[: width * height], dtype=float)
-        except ValueError:
-            message = "is not a PGM image: something in it is no number"
-            raise FloorplanError(str(path), [Problem(message)]) from None
-        if not ((values >= 0) & (values <= top)).all():
-            message = f"is not a PGM image: a number in it is not from 0 to {top}"
-            raise FloorplanError(str(path), [Problem(message)])
-    if len(values) < width * height:
-        message = f"is cut short: {len(values)} of {width * height} pixels"
+        levels = _plain_numbers(data[begin:], count, top, path)
+    if len(levels) < count:
+        message = f"is cut short: {len(levels)} of {count} pixels"
         raise FloorplanError(str(path), [Problem(message)])
-    brightness = (values / top).astype(np.float32).reshape(height, width)
-    return GreyImage(brightness, np.ones(brightness.shape, bool), top)
+    # What is brighter than white is white.
+    return GreyImage(np.minimum(levels, top).reshape(height, width), None, top)
 
 
-def _read_other(path: Path) -> GreyImage:
+def _plain_numbers(body: bytes, count: int, top: int, path: Path) -> NDArray[np.uint16]:
+    """The first `count` numbers in the text of a plain PGM, or all if they are fewer."""
+    if b"#" in body:
+        body = re.sub(rb"#[^\n]*", b"", body)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", DeprecationWarning)  # so older NumPy ends
+            found = np.fromstring(body, float, count, sep=" ") if body.strip() else np.empty(0)
+    except (DeprecationWarning, ValueError):
+        message = "is not a PGM image: something in it is no number"
+        raise FloorplanError(str(path), [Problem(message)]) from None
+    if not ((found >= 0) & (found <= top)).all():
+        message = f"is not a PGM image: a number in it is not from 0 to {top}"
+        raise FloorplanError(str(path), [Problem(message)])
+    return found.astype(np.uint16)
+
+
+def _read_other(data: bytes, path: Path) -> GreyImage:
     try:
         from PIL import Image, UnidentifiedImageError
     except ImportError:
@@ -82,32 +103,42 @@ def _read_other(path: Path) -> GreyImage:
             "only PGM images can be read without Pillow; pip install 'floorwalker[floorplans]'"
         )
         raise FloorplanError(str(path), [Problem(message)]) from None
-    # Our own limit is above the one at which Pillow suspects an attack.
+    # We look at the size ourselves: Pillow warns of larger ones, or refuses them, without it.
     limit, Image.MAX_IMAGE_PIXELS = Image.MAX_IMAGE_PIXELS, None
     try:
-        with Image.open(path) as image:
+        with Image.open(io.BytesIO(data), formats=FORMATS) as image:
             _check_size(*image.size, path)
-            sixteen = image.mode.startswith("I")
-            pixels: NDArray[np.float32] = np.asarray(
-                image if sixteen else image.convert("RGBA"), dtype=np.float32
-            )
+            return _grey(image, path)
     except UnidentifiedImageError:
         raise FloorplanError(str(path), [Problem("is not an image")]) from None
-    except (OSError, ValueError, SyntaxError) as why:
+    except (OSError, SyntaxError) as why:
+        raise FloorplanError(str(path), [Problem(f"can't be read: {why}")]) from None
+    except FloorplanError:
+        raise
+    except ValueError as why:
         raise FloorplanError(str(path), [Problem(f"can't be read: {why}")]) from None
     finally:
         Image.MAX_IMAGE_PIXELS = limit
-    if sixteen:
-        return GreyImage(pixels / 65535, np.ones(pixels.shape, bool), 65535)
-    red, green, blue, alpha = (pixels[..., k] for k in range(4))
+
+
+def _grey(image: Image, path: Path) -> GreyImage:
+    if image.mode.startswith("I"):
+        return GreyImage(np.asarray(image).astype(np.uint16), None, 65535)
+    if image.mode in ("1", "L") and "transparency" not in image.info:
+        return GreyImage(np.asarray(image.convert("L")), None, 255)
+    bands = image.convert("RGBA")
+    red, green, blue, alpha = (np.asarray(bands.getchannel(k)) for k in range(4))
     if (red != green).any() or (red != blue).any():
         raise FloorplanError(str(path), [Problem("is in colour; a map is grey")])
-    return GreyImage(red / 255, alpha == 255, 255)
+    return GreyImage(red, alpha == 255, 255)
 
 
 def _check_size(width: int, height: int, path: Path) -> None:
     if width * height == 0:
         raise FloorplanError(str(path), [Problem("has no pixels")])
     if width * height > MOST_CELLS:
-        message = f"has {width} × {height} pixels; at most {MOST_CELLS:,} can be read"
+        message = (
+            f"has {width} × {height} pixels; at most {MOST_CELLS:,} can be read:"
+            " give a map of a coarser resolution, or a part of it"
+        )
         raise FloorplanError(str(path), [Problem(message)])

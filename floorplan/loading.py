@@ -9,10 +9,11 @@ from pathlib import Path
 from shapely.geometry import Polygon, box
 
 from .checks import check, faults
-from .document import Document, is_there, parse_yaml, read_yaml
+from .document import Document, parse_yaml, read_yaml
 from .dxf import load_dxf
 from .model import Axis, Floorplan, Gantry, Human, Lane, Obstacle, SafeZone, Station
 from .problems import FloorplanError, Problem, suggestion
+from .reading import is_there
 from .ros_map import build_ros_map, is_ros_map
 from .schema import AgvsSchema, AxisSchema, FloorplanSchema, GantrySchema, ObstacleSchema
 from .wkt import load_wkt

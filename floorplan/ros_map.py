@@ -24,7 +24,7 @@ from .image import GreyImage, read_image
 from .model import Floorplan
 from .problems import FloorplanError, Problem
 from .schema import Number
-from .trace import trace
+from .trace import IntricateError, trace
 
 TOLERANCE = 0.45
 """Cells. How far outlines may move when they are simplified: less than half a cell from either
@@ -68,7 +68,14 @@ def build_ros_map(document: Document) -> Floorplan:
     schema = document.checked(RosMapSchema, FloorplanError)
     file = Path(document.file)
     free = _free_cells(read_image(file.parent / schema.image), schema)
-    pieces = shapely.get_parts(trace(free, TOLERANCE))
+    try:
+        pieces = shapely.get_parts(trace(free, TOLERANCE))
+    except IntricateError as why:
+        message = (
+            f"the free cells of {schema.image} have {why}: clear it of single cells (with a"
+            " median filter, say), or give a map of a coarser resolution"
+        )
+        raise FloorplanError(document.file, [Problem(message)]) from None
     if not shapely.area(pieces).any():
         message = f"no cell of {schema.image} is free: there is no floor"
         raise FloorplanError(document.file, [Problem(message)])
@@ -78,13 +85,15 @@ def build_ros_map(document: Document) -> Floorplan:
 
 def _free_cells(image: GreyImage, schema: RosMapSchema) -> NDArray[np.bool_]:
     """Which cells one may walk on, (rows, columns), the top row first."""
+    levels = np.arange(image.top + 1)
     if schema.mode == "raw":
         # Values up to 100 are percentages of being occupied, others mean unknown.
-        percent = np.rint(image.brightness * image.top)
-        low = (percent <= 100) & (percent < schema.free_thresh * 100)
-        return np.asarray(low & image.opaque, bool)
-    occupied = image.brightness if schema.negate else 1 - image.brightness
-    return np.asarray((occupied < schema.free_thresh) & image.opaque, bool)
+        is_free = (levels <= 100) & (levels < schema.free_thresh * 100)
+    else:
+        occupied = (levels if schema.negate else image.top - levels) / image.top
+        is_free = occupied < schema.free_thresh
+    free: NDArray[np.bool_] = is_free[image.levels]
+    return free if image.opaque is None else free & image.opaque
 
 
 def _in_metres(area: Polygon, rows: int, schema: RosMapSchema) -> Polygon:

@@ -2,29 +2,63 @@
 
 from __future__ import annotations
 
+from typing import TypeAlias
+
 import numpy as np
 import shapely
 from numpy.typing import NDArray
+
+MOST_CORNERS = 1_000_000
+"""Outlines with more corners are refused: the walls of a large hall have some 10,000."""
+
+MOST_OUTLINES = 100_000
+"""More outlines are refused: nothing could be planned among so many obstacles."""
 
 _INSET = 0.125
 """Cells. How far a ring keeps from a corner at which two of its cells touch diagonally."""
 
 Ints = NDArray[np.int64]
 
+Ring: TypeAlias = shapely.Geometry
+"""A closed line."""
+
+
+class IntricateError(ValueError):
+    """Cells that make up more outlines than can be worked with."""
+
 
 def trace(cells: NDArray[np.bool_], tolerance: float) -> shapely.Geometry:
     """The area of the cells that are set: (rows, columns), cell [r, c] covers x c…c+1, y r…r+1.
 
     Cells that touch only at a corner stay apart. Rings are simplified, but no point of them moves
-    by more than `tolerance` cells.
+    by more than `tolerance` cells. `IntricateError` if there are more than `MOST_OUTLINES`
+    of them, or if they have more than `MOST_CORNERS` corners.
     """
-    rings = _rings(np.pad(cells, 1))
-    area = shapely.build_area(shapely.geometrycollections(rings)) if rings else shapely.Polygon()
+    shells, holes = _rings(np.pad(cells, 1))
+    if (count := len(shells) + len(holes)) > MOST_OUTLINES:
+        raise IntricateError(f"{count:,} outlines, of at most {MOST_OUTLINES:,}")
+    area = shapely.MultiPolygon(_polygons(shells, holes))
     return shapely.simplify(area, tolerance, preserve_topology=True)
 
 
-def _rings(cells: NDArray[np.bool_]) -> list[shapely.Geometry]:
-    """The closed outlines, through the corners where they turn.
+def _polygons(shells: list[Ring], holes: list[Ring]) -> list[shapely.Geometry]:
+    """Each shell with the holes in it: a hole is in the smallest of the shells around it."""
+    if not holes:
+        return [shapely.polygons(shell) for shell in shells]
+    filled = shapely.polygons(shells)
+    tree = shapely.STRtree(shapely.get_point(holes, 0))
+    around, inside = tree.query(filled, predicate="contains")
+    inner_first = np.argsort(shapely.area(filled)[around], kind="stable")
+    _, first = np.unique(inside[inner_first], return_index=True)
+    owner = around[inner_first][first].tolist()
+    held: list[list[Ring]] = [[] for _ in shells]
+    for hole, shell in zip(holes, owner, strict=True):
+        held[shell].append(hole)
+    return [shapely.Polygon(shell, within) for shell, within in zip(shells, held, strict=True)]
+
+
+def _rings(cells: NDArray[np.bool_]) -> tuple[list[Ring], list[Ring]]:
+    """The closed outlines through the corners where they turn: those around cells, and of holes.
 
     Along every row of corners an outline comes and goes in turn, so sorted corners pair up into
     its horizontal sides; along every column into its vertical ones. The sides then chain up.
@@ -32,14 +66,17 @@ def _rings(cells: NDArray[np.bool_]) -> list[shapely.Geometry]:
     row, column, second, point = _corners(cells)
     count = len(row)
     if not count:
-        return []
+        return [], []
     across = _pairs(count, np.lexsort((np.arange(count), column, row)))
     # At a diagonal corner the first of two copies ends the side on the left, the second begins
     # the one on the right.
     # The copy that goes round the cell above comes first along the column.
     lower = cells[row, column] == second
     along = _pairs(count, np.lexsort((lower, row, column)))
-    rings = []
+    shells: list[Ring] = []
+    holes: list[Ring] = []
+    # Below and right of its first corner, in the order of rows, is the inside of an outline.
+    is_shell = cells[row + 1, column + 1].tolist()
     done = np.zeros(count, bool)
     across_list, along_list = across.tolist(), along.tolist()
     for first in range(count):
@@ -54,8 +91,9 @@ def _rings(cells: NDArray[np.bool_]) -> list[shapely.Geometry]:
             if here == first:
                 break
         done[chain] = True
-        rings.append(shapely.linearrings(point[[*chain, first]]))
-    return rings
+        ring = shapely.linearrings(point[[*chain, first]])
+        (shells if is_shell[first] else holes).append(ring)
+    return shells, holes
 
 
 def _corners(
@@ -70,7 +108,10 @@ def _corners(
     diagonal = (above_left == below_right) & (above_right == below_left)
     diagonal &= above_left != above_right
     odd = above_left ^ above_right ^ below_left ^ below_right
-    row, column = np.nonzero(odd | diagonal)
+    odd |= diagonal
+    if (count := np.count_nonzero(odd)) > MOST_CORNERS:
+        raise IntricateError(f"outlines of {count:,} corners, of at most {MOST_CORNERS:,}")
+    row, column = np.nonzero(odd)
     twice = diagonal[row, column]
     row, column = np.repeat(row, 1 + twice), np.repeat(column, 1 + twice)
     twice = np.repeat(twice, 1 + twice)

@@ -14,11 +14,11 @@ import numpy as np
 import shapely
 
 from .checks import polygon_fault
-from .document import read_text
 from .figures import LARGEST
 from .flat import from_area
 from .model import Floorplan
 from .problems import FloorplanError, Problem
+from .reading import read_text
 
 
 def load_wkt(path: Path) -> Floorplan:

@@ -23,8 +23,35 @@ def safe_loader(text: str) -> Any:
     return _WithLibYaml(text) if yaml.__with_libyaml__ else _Plain(text)
 
 
+MOST_VALUES = 300_000
+"""A document with more values than this is refused: a floor of 10,000 obstacles has
+100,000."""
+
 HUGE = 10**1000
 """No whole number is larger: Python would refuse to write one of 4,300 digits out again."""
+
+
+class _Counting(Composer):
+    """Composes nodes, and stops where they are too many: `ValueError`."""
+
+    def __init__(self) -> None:
+        Composer.__init__(self)
+        self._values = 0
+
+    def descend_resolver(self, parent: yaml.Node | None, index: object) -> None:
+        """Count a value; this is called for each node, to follow paths that resolve tags: we have
+        none. Keys have no index."""
+        self._values += index is not None
+        if self._values > MOST_VALUES:
+            raise ValueError(too_many())
+
+    def ascend_resolver(self) -> None:
+        """Called after each node."""
+
+
+def too_many() -> str:
+    """Say that a document has more than `MOST_VALUES` values."""
+    return f"it has more than {MOST_VALUES:,} values"
 
 
 class _Constructor(SafeConstructor):
@@ -54,12 +81,12 @@ for _tag, _construct in SafeConstructor.yaml_constructors.items():
     _Constructor.add_constructor(_tag, _placed(_construct))
 
 
-class _Plain(Reader, Scanner, Parser, Composer, _Constructor, Resolver):
+class _Plain(Reader, Scanner, Parser, _Counting, _Constructor, Resolver):
     def __init__(self, text: str) -> None:
         Reader.__init__(self, text)
         Scanner.__init__(self)
         Parser.__init__(self)
-        Composer.__init__(self)
+        _Counting.__init__(self)
         _Constructor.__init__(self)
         Resolver.__init__(self)
 
@@ -67,9 +94,9 @@ class _Plain(Reader, Scanner, Parser, Composer, _Constructor, Resolver):
 if yaml.__with_libyaml__:
     from yaml._yaml import CParser
 
-    class _WithLibYaml(Composer, CParser, _Constructor, Resolver):
+    class _WithLibYaml(_Counting, CParser, _Constructor, Resolver):
         def __init__(self, text: str) -> None:
             CParser.__init__(self, text)
-            Composer.__init__(self)
+            _Counting.__init__(self)
             _Constructor.__init__(self)
             Resolver.__init__(self)

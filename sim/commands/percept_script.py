@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import bdi
+from floorplan import InputError, read_lines
 
 from ..trials.comparison import is_number
 
@@ -24,14 +25,8 @@ def read_percepts(path: Path) -> list[Change]:
 
     `ValueError` names the line that is none.
     """
-    try:
-        text = path.read_text(encoding="utf-8")
-    except OSError as error:
-        raise ValueError(f"{path}: cannot be read: {error.strerror}") from None
-    except UnicodeDecodeError:
-        raise ValueError(f"{path}: it is not UTF-8 text") from None
     script: list[Change] = []
-    for number, line in enumerate(text.splitlines(), 1):
+    for number, line in enumerate(read_lines(path, InputError), 1):
         if line.strip():
             earliest = script[-1].time if script else 0.0
             script.append(_change(line, f"{path}:{number}", earliest))

@@ -94,6 +94,8 @@ def _page_file(run: Path) -> Path:
 
 def _recordings(path: Path) -> list[dict[str, Any]]:
     """What a page shows of a run, from its folder; or what a page has, of one run or of two."""
+    from floorplan import LARGEST_RECORDED, InputError, read_text
+
     from ..pages.replay import recordings_in
     from ..pages.replay_data import replay_data
     from ..recordings.run_folder import load_run
@@ -102,9 +104,8 @@ def _recordings(path: Path) -> list[dict[str, Any]]:
         raise ValueError(f"{path}: there is no such folder or file")
     if path.is_dir():
         return [replay_data(load_run(path))]
+    page = read_text(path, InputError, LARGEST_RECORDED)
     try:
-        return recordings_in(path.read_text(encoding="utf-8"))
-    except UnicodeDecodeError:
-        raise ValueError(f"{path}: is no replay page: it is not UTF-8 text") from None
+        return recordings_in(page)
     except ValueError as why:
         raise ValueError(f"{path}: {why}") from None

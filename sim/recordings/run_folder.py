@@ -8,7 +8,7 @@ from typing import Annotated, Any, TypeVar
 
 from pydantic import BaseModel, Field, FiniteFloat, ValidationError, model_validator
 
-from floorplan import InputError, Problem, read_text
+from floorplan import LARGEST_RECORDED, InputError, Problem, read_lines, read_text
 from navigation import Both, Condition, Motion, Moving, Piece, TooClose, join, standing, when
 
 from ..plans import Plans
@@ -117,7 +117,7 @@ def _scene(path: Path) -> Scene:
         message = f"{what}; a recording is a folder that `floorwalker run` has written"
         raise RecordingError(str(folder), [Problem(message)])
     try:
-        return read_scene(read_text(path, RecordingError))
+        return read_scene(read_text(path, RecordingError, LARGEST_RECORDED))
     except SceneError as why:
         raise RecordingError(str(path), [Problem(str(why))]) from None
 
@@ -126,7 +126,7 @@ def _summary(path: Path) -> dict[str, Any] | None:
     if not path.exists():
         return None
     try:
-        summary = parse_json(read_text(path, RecordingError))
+        summary = parse_json(read_text(path, RecordingError, LARGEST_RECORDED))
     except ValueError as why:
         if isinstance(why, RecordingError):
             raise
@@ -234,12 +234,7 @@ def _lines(path: Path, form: type[_Line], broken_off: bool) -> Iterator[tuple[in
 
     Where a run was broken off, the last line may be half a line; it is left out.
     """
-    text = read_text(path, RecordingError)
-    lines = text.split("\n")
-    rest = lines.pop()
-    if rest and not broken_off:
-        lines.append(rest)
-    for number, line in enumerate(lines, 1):
+    for number, line in enumerate(read_lines(path, RecordingError, torn=broken_off), 1):
         try:
             yield number, _read_line(form, line)
         except ValidationError as misfits:

@@ -8,6 +8,8 @@ from functools import partial
 from pathlib import Path
 from typing import IO
 
+from floorplan import InputError, read_text
+
 from ..recordings.output import OutputError, write_whole, writing
 from ..recordings.strict_json import parse_json
 from .definition import Study
@@ -112,7 +114,7 @@ writing_to = partial(writing, words="can't write to")
 
 def _known(path: Path) -> dict[str, str]:
     try:
-        found = parse_json(path.read_text(encoding="utf-8"))
+        found = parse_json(read_text(path, InputError))
     except ValueError:
         found = None
     return found if isinstance(found, dict) else {IDENTITY: "unreadable"}

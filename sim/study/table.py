@@ -46,6 +46,7 @@ class Table:
         self._digests = Digests(path.with_name(DIGESTS))
         try:
             if path.exists():
+                _require_regular(path)
                 _take_off_torn_line(path)
                 self._verify()
             self._digests.keep(self.rows)
@@ -146,6 +147,7 @@ def _lines(path: Path) -> Iterator[list[str]]:
     """The cells of each line: first the columns' names, then row after row, from 0 on."""
     names: list[str] | None = None
     number = 1
+    _require_regular(path)
     with path.open(encoding="utf-8", newline="") as file:
         lines = csv.reader(file)
         try:
@@ -168,6 +170,12 @@ def _lines(path: Path) -> Iterator[list[str]]:
 
 def _damaged(path: Path, line: int, message: str) -> TableError:
     return TableError(f"{path}, line {line}: {message}; mend it, or give another folder with --out")
+
+
+def _require_regular(path: Path) -> None:
+    """`TableError` if `path` is a named pipe or the like, which would be waited for."""
+    if path.exists() and not path.is_file():
+        raise TableError(f"{path} is no regular file; give another folder with --out")
 
 
 def _check_names(path: Path, names: list[str]) -> None:

@@ -147,7 +147,7 @@ def test_missing_keys_are_named(load, key):
         ("free_thresh: 0.196", "free_thresh: 0.9", "free_thresh (0.9) must not be above"),
         ("free_thresh: 0.196", "free_thresh: 25", "free_thresh"),
         ("negate: 0", "negate: maybe", "negate"),
-        ("image: map.pgm", "image: other.pgm", "other.pgm: there is no such image"),
+        ("image: map.pgm", "image: other.pgm", "other.pgm: there is no such file"),
         ("image: map.pgm", "image: map.yaml", "map.yaml: is not an image"),
         ("free_thresh: 0.196", "free_thresh: 0.0", "no cell of map.pgm is free"),
         (
@@ -179,7 +179,7 @@ def test_what_is_wrong_is_said(load, old, new, words):
         (b"P2\n2 1\n255\n7 x\n", "something in it is no number"),
         (b"P2\n2 1\n255\n7 1e300\n", "a number in it is not from 0 to 255"),
         (b"P5\n0 8\n255\n", "has no pixels"),
-        (b"P5\n99999999 99999999\n255\n", "at most 200,000,000 can be read"),
+        (b"P5\n99999999 99999999\n255\n", "at most 64,000,000 can be read"),
         (b"P5\n1 1\n99999\nx", "its white is 99999"),
     ],
 )
@@ -222,6 +222,26 @@ def test_outlines_hold_the_cells_that_are_set(seed, rows, columns, share):
     if cells.any():
         # No point moved farther than it may.
         assert exact.boundary.hausdorff_distance(simple.boundary) <= 0.45 + 1e-9
+
+
+def test_rooms_within_rooms_and_things_in_them():
+    rings = np.ones((39, 39), bool)
+    for k in range(0, 20, 2):
+        rings[k : 39 - k, k : 39 - k] = k // 2 % 2 == 0
+    found = trace(rings, 0.0)
+    assert found.is_valid
+    assert found.area == rings.sum()
+    assert sorted(len(piece.interiors) for piece in found.geoms) == [1] * 5
+
+
+def test_noise_is_no_floor(load):
+    speckled = np.where(np.random.default_rng(0).random((1500, 1500)) < 0.5, FREE, OCCUPIED)
+    with pytest.raises(floorplan.FloorplanError, match="corners, of at most 1,000,000: clear it"):
+        load(speckled)
+    dotted = np.full((800, 800), FREE)
+    dotted[1:-1:2, 1:-1:2] = OCCUPIED
+    with pytest.raises(floorplan.FloorplanError, match="outlines, of at most 100,000: clear it"):
+        load(dotted)
 
 
 def test_cells_that_touch_at_a_corner_are_apart():

@@ -1,0 +1,128 @@
+"""Files that users give: regular ones, no larger than their kind ever is, read in one place.
+
+A named pipe would be waited for without end, and a device never ends. What a shell hands over
+(`/dev/stdin`, or `/dev/fd/63` for `<(command)`) is read like a file.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import stat
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import BinaryIO
+
+from .problems import InputError, Problem
+
+LARGEST_DOCUMENT = 16_000_000
+"""Bytes of a document that people write: a floor of 10,000 obstacles takes 1 MB or so."""
+
+LARGEST_RECORDED = 1_000_000_000
+"""Bytes of a recorded file: 24 hours of one person take some 20 MB."""
+
+LARGEST_LINE = 64_000_000
+"""Bytes of one line of a recorded file: a motion of 100,000 pieces takes 20 MB."""
+
+_CHUNK = 1 << 20
+
+_HANDED_OVER = re.compile(r"/dev/(stdin|fd/\d+)|/proc/self/fd/\d+")
+
+_KINDS = {
+    stat.S_IFDIR: "a folder",
+    stat.S_IFIFO: "a named pipe",
+    stat.S_IFSOCK: "a socket",
+    stat.S_IFCHR: "a device",
+    stat.S_IFBLK: "a device",
+}
+
+
+def is_there(path: Path) -> bool:
+    """Whether there is something at `path`; at one that no file can have, there isn't."""
+    try:
+        return path.exists()
+    except (OSError, ValueError):
+        return False
+
+
+def read_bytes(path: Path, error: type[InputError], most: int = LARGEST_DOCUMENT) -> bytes:
+    """The contents of the file at `path`, at most `most` bytes; `error` says why it can't be read.
+
+    It can't if it is no regular file, or too large.
+    """
+    with _opened(path, error) as file:
+        chunks: list[bytes] = []
+        size = 0
+        while size <= most and (chunk := file.read(_CHUNK)):
+            chunks.append(chunk)
+            size += len(chunk)
+        if size > most:
+            raise error(str(path), [Problem(f"is larger than the {_megabytes(most)} it may have")])
+        return b"".join(chunks)
+
+
+def read_text(path: Path, error: type[InputError], most: int = LARGEST_DOCUMENT) -> str:
+    """The text of the UTF-8 file at `path`, at most `most` bytes; `error` as for `read_bytes`."""
+    text = _decoded(read_bytes(path, error, most), path, error)
+    return text.replace("\r\n", "\n").replace("\r", "\n") if "\r" in text else text
+
+
+def read_lines(path: Path, error: type[InputError], *, torn: bool = False) -> Iterator[str]:
+    """The lines of the recorded UTF-8 file at `path`, without their ends, as they are read.
+
+    With `torn`, a last line that has no end is left out. `error` says why the file can't be read.
+    """
+    with _opened(path, error) as file:
+        size = number = 0
+        while line := file.readline(LARGEST_LINE + 1):
+            number += 1
+            size += len(line)
+            if size > LARGEST_RECORDED:
+                message = f"is larger than the {_megabytes(LARGEST_RECORDED)} it may have"
+                raise error(str(path), [Problem(message)])
+            if len(line) > LARGEST_LINE:
+                message = f"is longer than the {_megabytes(LARGEST_LINE)} a line may have"
+                raise error(str(path), [Problem(message, line=number)])
+            if torn and not line.endswith(b"\n"):
+                return
+            yield _decoded(line.removesuffix(b"\n"), path, error, number)
+
+
+def require_readable(path: Path, error: type[InputError], most: int) -> None:
+    """See that what others open at `path` is a file of at most `most` bytes; else `error`."""
+    with _opened(path, error) as file:
+        if os.fstat(file.fileno()).st_size > most:
+            raise error(str(path), [Problem(f"is larger than the {_megabytes(most)} it may have")])
+
+
+@contextmanager
+def _opened(path: Path, error: type[InputError]) -> Iterator[BinaryIO]:
+    try:
+        kind = stat.S_IFMT(path.stat().st_mode)
+        if kind != stat.S_IFREG and not _HANDED_OVER.fullmatch(str(path)):
+            what = _KINDS.get(kind, "something else")
+            raise error(str(path), [Problem(f"is {what}; give a regular file")])
+        with path.open("rb") as file:
+            yield file
+    except FileNotFoundError:
+        raise error(str(path), [Problem("there is no such file")]) from None
+    except OSError as why:
+        raise error(str(path), [Problem(f"can't be read: {why.strerror}")]) from None
+    except InputError:
+        raise
+    except ValueError:  # a name that no file can have
+        raise error(str(path), [Problem("there is no such file")]) from None
+
+
+def _decoded(data: bytes, path: Path, error: type[InputError], line: int | None = None) -> str:
+    try:
+        return data.decode("utf-8")
+    except UnicodeDecodeError as why:
+        raise error(
+            str(path), [Problem(f"is not UTF-8 text (byte {why.start})", line=line)]
+        ) from None
+
+
+def _megabytes(size: int) -> str:
+    return f"{size / 1e6:,.0f} MB"
