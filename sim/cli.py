@@ -13,6 +13,7 @@ from .commands.agent import agent
 from .commands.benchmark import benchmark
 from .commands.bridge import bridge
 from .commands.check import check
+from .commands.consoles import say
 from .commands.export import export
 from .commands.interrupts import put_off_while_loading
 from .commands.list import list_all
@@ -38,7 +39,7 @@ def _version(asked: bool) -> None:
     if asked:
         from importlib.metadata import version
 
-        typer.echo(f"floorwalker {version('floorwalker')}")
+        say(f"floorwalker {version('floorwalker')}")
         raise typer.Exit
 
 
@@ -76,7 +77,7 @@ def main() -> None:
     except Exception as why:
         if not _is_told(why):
             raise
-        typer.echo(f"floorwalker: {_sentence(why)}", err=True)
+        say(f"floorwalker: {_sentence(why)}", err=True)
         sys.exit(1)
     finally:
         _drop_what_nobody_reads()
@@ -95,7 +96,7 @@ def _drop_what_nobody_reads() -> None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
         fine = not isinstance(ended, SystemExit) or ended.code in (None, 0)
         if fine and not isinstance(why, BrokenPipeError):
-            typer.echo(f"floorwalker: {_sentence(why)}", err=True)
+            say(f"floorwalker: {_sentence(why)}", err=True)
             sys.exit(1)
 
 

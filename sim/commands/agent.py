@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from . import completion
+from .consoles import say
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -46,21 +47,20 @@ def agent(
 ) -> None:
     """Run an AgentSpeak program alone and print its actions and what it says."""
     import json
-    import sys
 
     import bdi
 
     from .percept_script import literal, read_percepts
 
     def show(**entry: object) -> None:
-        print(json.dumps({"t": round(person.now, 9), **entry}, ensure_ascii=False))
+        say(json.dumps({"t": round(person.now, 9), **entry}, ensure_ascii=False))
 
     def act(action: bdi.Literal) -> bool:
         show(action=str(action))
         return True
 
     def follow(entry: bdi.Entry) -> None:
-        print(entry, file=sys.stderr)
+        say(str(entry), err=True)
 
     script = [] if percepts is None else read_percepts(percepts)
     beliefs = [literal(text, "--belief") for text in belief or []]

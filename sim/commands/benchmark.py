@@ -9,6 +9,7 @@ import typer
 
 from ..recordings.output import replacing, writing
 from . import completion
+from .consoles import plain_console, say
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -82,8 +83,6 @@ def _measure(
 def _print_table(rows: Sequence[Row]) -> None:
     from rich.table import Table
 
-    from sim.commands.consoles import plain_console
-
     table = Table("floor", "planner")
     for title in (
         "solved",
@@ -123,7 +122,7 @@ def _write(attempts: Sequence[Attempt], out: Path, seed: int) -> None:
         with replacing(out / f"{floor}.log") as unfinished:
             write_ompl_log(there, unfinished, seed=seed)
         _plot(there, out / f"{floor}.png")
-    typer.echo(f"wrote {out}/benchmark.csv and a log for each floor", err=True)
+    say(f"wrote {out}/benchmark.csv and a log for each floor", err=True)
 
 
 def _plot(attempts: Sequence[Attempt], path: Path) -> None:

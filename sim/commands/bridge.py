@@ -11,6 +11,7 @@ import typer
 
 from . import completion
 from .arguments import Duration, NoOwnCode, RecordingFolder, Rules, Seed, TrialName
+from .consoles import say
 from .interrupts import leave_to_asyncio
 from .run import INTERRUPTED, changed, recording_of, tell_result
 
@@ -130,7 +131,7 @@ def _be_the_agent(trial: Trial, who: int | None, url: str, waypoints: bool) -> N
     from sim.bridge import BridgeError, RemoteAgent
 
     def show(t: float, **what: str) -> None:
-        print(json.dumps({"t": round(t, 9), **what}, ensure_ascii=False), flush=True)
+        say(json.dumps({"t": round(t, 9), **what}, ensure_ascii=False))
 
     def did(t: float, action: bdi.Literal) -> None:
         show(t, action=str(action))
@@ -151,7 +152,7 @@ def _be_the_agent(trial: Trial, who: int | None, url: str, waypoints: bool) -> N
 
 
 def _notice(text: str) -> None:
-    typer.echo(text, err=True)
+    say(text, err=True)
 
 
 def _is_loopback(host: str) -> bool:

@@ -10,6 +10,7 @@ import typer
 
 from . import completion
 from .arguments import NoOwnCode
+from .consoles import say
 from .run import tell_notices
 
 if TYPE_CHECKING:
@@ -34,7 +35,7 @@ def check(
     own_code = not no_own_code
     faults = [fault for file in files for fault in [_fault(file, own_code)] if fault]
     for fault in faults:
-        typer.echo(fault, err=True)
+        say(fault, err=True)
     if faults:
         raise typer.Exit(1)
 
@@ -45,7 +46,7 @@ def _fault(file: str, own_code: bool) -> str:
         content = _read(file, own_code)
     except (ValueError, OSError) as why:
         return str(why)
-    typer.echo(f"{file}: {content}")
+    say(f"{file}: {content}")
     return ""
 
 
@@ -139,7 +140,7 @@ def _warn_of_short_laws(trial: Trial, file: str) -> None:
         place = laws.pop() if len(laws) == 1 and laws <= document.lines.keys() else ("rules",)
         if place in document.lines:
             problem = document.problem(message, *place)
-    typer.echo(f"{file}: {problem}", err=True)
+    say(f"{file}: {problem}", err=True)
 
 
 def _floor(plan: object) -> str:

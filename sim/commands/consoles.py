@@ -1,8 +1,29 @@
-"""Where commands print tables and what goes with them."""
+"""What commands print: all text goes through here, so that none of it drives the terminal."""
 
 from __future__ import annotations
 
-from rich.console import Console
+import re
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+_CONTROL = re.compile("[\0-\x08\x0b-\x1f\x7f-\x9f]")
+
+
+def visible(text: str) -> str:
+    r"""`text` with its control characters as JSON writes them, `\u001b` for an escape.
+
+    Names, messages and recordings come from files: a terminal would obey what is in them.
+    """
+    return _CONTROL.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
+
+
+def say(text: str, *, err: bool = False) -> None:
+    """Print a line on stdout, or on stderr if `err`."""
+    typer.echo(visible(text), err=err)
 
 
 def plain_console(width: int | None = None) -> Console:
@@ -10,7 +31,15 @@ def plain_console(width: int | None = None) -> Console:
 
     Where it is no terminal it is `width` characters wide, if that is given.
     """
-    console = Console(markup=False, emoji=False)
+    from rich.console import Console
+    from rich.text import Text
+
+    class PlainConsole(Console):
+        def render_str(self, text: str, **how: Any) -> Text:
+            """Every text of a table comes through here."""
+            return super().render_str(visible(text), **how)
+
+    console = PlainConsole(markup=False, emoji=False)
     if width is not None and not console.is_terminal:
         console.width = width
     return console

@@ -10,6 +10,7 @@ import typer
 
 from . import completion
 from .arguments import NoOwnCode
+from .consoles import say
 
 
 class FormatName(str, Enum):
@@ -52,4 +53,4 @@ def export(
     chosen = Export.to(out, rate=rate, format=name)
     run = run_from(source, own_code=not no_own_code)
     chosen.write(run)
-    typer.echo(f"{out} holds {run.duration:g} s of {run.scene.trial} at {rate:g} Hz")
+    say(f"{out} holds {run.duration:g} s of {run.scene.trial} at {rate:g} Hz")

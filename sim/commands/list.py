@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 from pathlib import Path
 
-import typer
+from .consoles import say
 
 
 def list_all() -> None:
@@ -28,9 +28,9 @@ def list_all() -> None:
     }
     width = max(len(name) for section in sections.values() for name in section)
     for title, entries in sections.items():
-        typer.echo(title)
+        say(title)
         for name, summary in entries.items():
-            typer.echo(f"  {name:<{width}}  {summary}".rstrip())
+            say(f"  {name:<{width}}  {summary}".rstrip())
 
 
 def _opening(program: Path) -> str:

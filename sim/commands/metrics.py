@@ -9,6 +9,7 @@ import typer
 
 from . import completion
 from .arguments import NoOwnCode
+from .consoles import plain_console, say
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -41,10 +42,8 @@ def metrics(
     radii = dict(map(_radius, radius or []))
     figures = sim.metrics(run_from(source, own_code=not no_own_code), radii=radii)
     if as_json:
-        typer.echo(json.dumps(figures, indent=2, ensure_ascii=False))
+        say(json.dumps(figures, indent=2, ensure_ascii=False))
         return
-    from sim.commands.consoles import plain_console
-
     console = plain_console()
     console.print(_movements(figures))
     if figures["people"]:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from . import completion
+from .consoles import say
 
 if TYPE_CHECKING:
     from navigation import CollisionWorld
@@ -64,7 +65,7 @@ def plan(
     cpu_seconds = time.process_time() - begin
     if plot is not None:
         _draw(world, way, seeker.radius, plot)
-    typer.echo(_as_json(way, cpu_seconds) if json else _in_words(way, cpu_seconds))
+    say(_as_json(way, cpu_seconds) if json else _in_words(way, cpu_seconds))
 
 
 def _pairs(texts: list[str], option: str) -> list[tuple[str, str]]:

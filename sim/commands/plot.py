@@ -9,6 +9,7 @@ import typer
 
 from . import completion
 from .arguments import Floor, NoOwnCode, Source
+from .consoles import say
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -160,4 +161,4 @@ def _save(figure: Figure, out: Path) -> None:
     from sim import plots
 
     plots.save(figure, out)
-    typer.echo(str(out))
+    say(str(out))

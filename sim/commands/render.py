@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from .arguments import NoOwnCode, Source
+from .consoles import say
 
 
 def render(
@@ -41,4 +42,4 @@ def render(
             within=within,
             progress=lambda share: progress.update(bar, completed=share),
         )
-    typer.echo(str(out))
+    say(str(out))

@@ -10,6 +10,7 @@ import typer
 
 from ..pages.browser import open_in_browser
 from ..recordings.output import write_whole, writing
+from .consoles import say
 
 
 def replay(
@@ -45,19 +46,19 @@ def replay(
         _serve(page, port or 0, opened=not no_open)
         return
     file = out if out is not None else _page_file(run)
-    typer.echo(str(file))
+    say(str(file))
     if not no_open and not open_in_browser(file.resolve().as_uri()):
-        typer.echo("There is no browser to open it with; open it yourself.", err=True)
+        say("There is no browser to open it with; open it yourself.", err=True)
 
 
 def _serve(page: str, port: int, *, opened: bool) -> None:
     from ..pages.page_server import PageServer
 
     with PageServer(lambda: page, port=port) as server:
-        typer.echo(server.url)
-        typer.echo("Ctrl-C ends it.", err=True)
+        say(server.url)
+        say("Ctrl-C ends it.", err=True)
         if opened and not open_in_browser(server.url):
-            typer.echo("There is no browser to open it with; open it yourself.", err=True)
+            say("There is no browser to open it with; open it yourself.", err=True)
         try:
             while True:
                 time.sleep(3600)

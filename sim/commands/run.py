@@ -13,6 +13,7 @@ from ..folder_names import folder_for
 from ..pages.browser import open_in_browser
 from . import completion
 from .arguments import Duration, NoOwnCode, RecordingFolder, Rules, Seed, TrialName
+from .consoles import plain_console, say
 
 if TYPE_CHECKING:
     from sim import Recording, Run, Simulation, Trial
@@ -86,22 +87,20 @@ def tell_result(finished: Run, folder: Path, *, interrupted: bool) -> None:
     """Print how a run went; `typer.Exit` where it was interrupted, or not what was expected."""
     _report(finished, folder)
     if interrupted:
-        typer.echo(f"Stopped at t = {finished.duration:.1f} s; what happened is kept.", err=True)
+        say(f"Stopped at t = {finished.duration:.1f} s; what happened is kept.", err=True)
         raise typer.Exit(INTERRUPTED)
     if finished.unmet:
         for sentence in finished.unmet:
-            typer.echo(f"floorwalker: {sentence}", err=True)
+            say(f"floorwalker: {sentence}", err=True)
         raise typer.Exit(1)
 
 
 def tell_notices(trial: Trial) -> None:
     """Say what its file says that makes no difference, or may be meant otherwise."""
     for notice in trial.notices[:MOST_NOTICES]:
-        typer.echo(f"{trial.name}: {notice}", err=True)
+        say(f"{trial.name}: {notice}", err=True)
     if len(trial.notices) > MOST_NOTICES:
-        typer.echo(
-            f"{trial.name}: … and {len(trial.notices) - MOST_NOTICES} notices more", err=True
-        )
+        say(f"{trial.name}: … and {len(trial.notices) - MOST_NOTICES} notices more", err=True)
 
 
 def _tell_who_waits(trial: Trial) -> None:
@@ -112,7 +111,7 @@ def _tell_who_waits(trial: Trial) -> None:
     if trial.floorplan.gantry is not None and trial.gantry.controller == EXTERNAL:
         waiting.append("the gantry")
     if waiting:
-        typer.echo(
+        say(
             f"{trial.name}: {' and '.join(waiting)} can only be driven from outside, and"
             " nobody does; `floorwalker bridge` serves the trial to those who would",
             err=True,
@@ -122,9 +121,7 @@ def _tell_who_waits(trial: Trial) -> None:
 def _tell_what_is_not_done(trial: Trial) -> None:
     """Say that jobs and orders are left undone because nothing does them."""
     if trial.gantry.controller == "parked" and (trial.gantry.jobs or trial.workload):
-        typer.echo(
-            f"{trial.name}: the gantry is parked and does no jobs; give it a controller", err=True
-        )
+        say(f"{trial.name}: the gantry is parked and does no jobs; give it a controller", err=True)
 
 
 def changed(
@@ -187,7 +184,7 @@ def _watched(trial: Trial, recording: Recording, speed: float, *, opened: bool) 
     simulation = Simulation(trial, recording, live)
     interrupted = False
     with live.server as server:
-        typer.echo(f"{server.url} shows it while it goes on", err=True)
+        say(f"{server.url} shows it while it goes on", err=True)
         if opened and open_in_browser(server.url):
             live.wait_for_viewer()
         try:
@@ -220,7 +217,6 @@ def _advance(simulation: Simulation) -> bool:
 def _report(run: Run, folder: Path) -> None:
     from rich.table import Table
 
-    from sim.commands.consoles import plain_console
     from sim.recordings.figures import figures_in_words
 
     summary = run.summary

@@ -10,6 +10,7 @@ import typer
 from ..folder_names import folder_for
 from . import completion
 from .arguments import NoOwnCode
+from .consoles import plain_console, say, visible
 from .run import INTERRUPTED
 
 if TYPE_CHECKING:
@@ -49,19 +50,17 @@ def study(
     chosen = Study.load(file, own_code=not no_own_code)
     folder = folder_for(chosen.name, "studies") if out is None else out
     if row is not None:
-        typer.echo(str(save_trial(chosen, row, folder)))
+        say(str(save_trial(chosen, row, folder)))
         return
     try:
         results = _run(chosen, folder, jobs, backend)
     except KeyboardInterrupt:
-        typer.echo(
-            f"Stopped; what is done is kept in {folder}: run the same command to go on.", err=True
-        )
+        say(f"Stopped; what is done is kept in {folder}: run the same command to go on.", err=True)
         raise typer.Exit(INTERRUPTED) from None
     _report(results)
     if failed := results.failed:
         number, error = next(iter(failed.items()))
-        typer.echo(
+        say(
             f"floorwalker: {len(failed)} of {len(results)} rows failed; row {number}: {error}",
             err=True,
         )
@@ -84,11 +83,11 @@ def _run(chosen: Study, folder: Path, jobs: int | None, backend: str) -> StudyRe
         TextColumn("left"),
     )
     with progress_bars(*shown) as bars:
-        bar = bars.add_task(chosen.name, total=len(chosen))
+        bar = bars.add_task(visible(chosen.name), total=len(chosen))
 
         def begin(done: int) -> None:
             if 0 < done < len(chosen):
-                typer.echo(f"Going on after {done:,} of {len(chosen):,} rows.", err=True)
+                say(f"Going on after {done:,} of {len(chosen):,} rows.", err=True)
             # Rows that were there already say nothing about how long the others will take.
             bars.reset(bar, completed=done)
 
@@ -106,7 +105,6 @@ def _report(results: StudyResults) -> None:
     """The means of every combination as a table, and where to look on."""
     from rich.table import Table
 
-    from sim.commands.consoles import plain_console
     from sim.study import figure
 
     compared = results.comparison
