@@ -3,47 +3,65 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from typing import Any
 
+_LACKING = (ArithmeticError, AttributeError, LookupError, TypeError, ValueError)
+"""So a figure ends whose fields the summary lacks, or has in another form."""
+
 
 def figures_in_words(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """The figures of a summary that people look at first: what it is, and how much."""
-    figures = [
-        ("violations", _violations(summary)),
-        ("penalties", str(summary["penalties"])),
-        ("violations with AGVs", str(summary.get("agv_violations", summary["agv_teleports"]))),
-        ("teleports by AGVs", str(summary["agv_teleports"])),
-        ("gantry disabled", f"{summary['gantry_disabled_time']:.1f} s"),
-        ("gantry jobs done", str(summary["jobs_done"])),
-    ]
-    if summary.get("protective_stops"):
-        stood = f"{summary['protective_stops']}, {summary['protective_stop_time']:.1f} s"
-        figures.append(("protective stops", stood))
+    """Return the figures of a summary that people look at first: names, and how much each is.
+
+    Those are left out that a summary lacks because it was recorded by another version, or changed.
+    """
+    found: list[tuple[str, str]] = []
+    for name, words in _figures(summary):
+        with suppress(*_LACKING):
+            found.append((name, words()))
+    return found
+
+
+def _figures(summary: Mapping[str, Any]) -> Iterator[tuple[str, Callable[[], str]]]:
+    """Yield the name of each figure, and a function that puts it into words."""
+    nearest, stopped = (summary.get(key) for key in ("minimum_separation", "protective_stops"))
+    yield "violations", lambda: _violations(summary)
+    yield "penalties", lambda: str(summary["penalties"])
+    yield (
+        "violations with AGVs",
+        lambda: str(summary.get("agv_violations", summary["agv_teleports"])),
+    )
+    yield "teleports by AGVs", lambda: str(summary["agv_teleports"])
+    yield "gantry disabled", lambda: f"{summary['gantry_disabled_time']:.1f} s"
+    yield "gantry jobs done", lambda: str(summary["jobs_done"])
+    if stopped:
+        yield "protective stops", lambda: f"{stopped}, {summary['protective_stop_time']:.1f} s"
     if "orders" in summary:
-        figures.append(("score", f"{summary['score']} of {summary['best_score']}"))
-        figures += [(f"order {name}", _order(order)) for name, order in summary["orders"].items()]
-    nearest = summary["minimum_separation"]
+        yield "score", lambda: f"{summary['score']} of {summary['best_score']}"
+        for name, order in _named(summary, "orders"):
+            yield f"order {name}", partial(_order, order)
     if nearest is not None:
-        figures.append(
-            (
-                "nearest to the gantry",
+        yield (
+            "nearest to the gantry",
+            lambda: (
                 f"{nearest['distance']:.2f} m at {nearest['time']:.1f} s"
-                f" ({nearest['required']:.2f} m required)",
-            )
+                f" ({nearest['required']:.2f} m required)"
+            ),
         )
     if summary.get("law_audit"):
-        figures.append(("stops longer than the law's", _short(summary["law_audit"])))
-    for name, person in summary["people"].items():
-        figures += [
-            (f"{name}: personality", Path(person["personality"]).stem),
-            (f"{name}: visits", _counted(person["visits"])),
-            (f"{name}: walked", f"{person['distance_walked']:.1f} m"),
-            (f"{name}: stood", f"{person['time_standing']:.1f} s"),
-            (f"{name}: replans", str(person["replans"])),
-        ]
-    return figures
+        yield "stops longer than the law's", lambda: _short(summary["law_audit"])
+    for name, person in _named(summary, "people"):
+        for figure, words in _PERSON_FIGURES.items():
+            yield f"{name}: {figure}", partial(words, person)
+
+
+def _named(summary: Mapping[str, Any], key: str) -> Iterable[tuple[str, Any]]:
+    """Return the orders or the people of a summary by their names."""
+    found = summary.get(key)
+    return found.items() if isinstance(found, Mapping) else ()
 
 
 def _violations(summary: Mapping[str, Any]) -> str:
@@ -74,3 +92,12 @@ def _counted(visits: list[str]) -> str:
     """How often each station was visited, in the order of the first visits."""
     counts = Counter(visits)
     return ", ".join(f"{name} {count}×" for name, count in counts.items()) or "none"
+
+
+_PERSON_FIGURES: dict[str, Callable[[Any], str]] = {
+    "personality": lambda person: Path(person["personality"]).stem,
+    "visits": lambda person: _counted(person["visits"]),
+    "walked": lambda person: f"{person['distance_walked']:.1f} m",
+    "stood": lambda person: f"{person['time_standing']:.1f} s",
+    "replans": lambda person: str(person["replans"]),
+}

@@ -1,10 +1,13 @@
 """A run in a notebook, as IPython shows it."""
 
 import io
+import json
+from dataclasses import replace
 
 import pytest
 
 import sim
+from sim.recordings.figures import figures_in_words
 
 formatters = pytest.importorskip("IPython.core.formatters")
 
@@ -49,6 +52,23 @@ def test_a_run_that_was_broken_off_is_shown(run, tmp_path):
     recording.close()
     html = shown(sim.load_run(tmp_path / "run"))["text/html"]
     assert "iframe" in html and "penalties" not in html.partition("<iframe")[0]
+
+
+def test_a_summary_that_lacks_fields_is_shown_without_them(run):
+    whole = json.loads(json.dumps(run.summary))
+    known = dict(figures_in_words(whole))
+    person = whole["people"]["operator"]
+    for part in (whole, whole["minimum_separation"], whole["violations"], whole["people"], person):
+        for key, value in dict(part).items():
+            for odd in (None, "odd", 1, [1]):
+                part[key] = odd
+                figures_in_words(whole)
+            del part[key]
+            assert dict(figures_in_words(whole)).keys() <= known.keys()
+            part[key] = value
+    del whole["minimum_separation"]["time"]
+    table = shown(replace(run, summary=whole))["text/html"].partition("<iframe")[0]
+    assert "nearest to the gantry" not in table and "walked" in table
 
 
 def test_figures_are_pictures_without_pyplot(run):
