@@ -18,6 +18,7 @@ def problems(file: TrialFile, plan: Floorplan, document: Document) -> Iterator[P
     orders = [(k, order) for k, order in enumerate(file.orders) if order]
     yield from _floor_problems(plan, document)
     yield from _supply_problems(file, plan, document)
+    yield from _reach_problems(file, plan, document)
     yield from _twice(
         [(("orders", k, "id"), order.id) for k, order in orders], "there is an order", document
     )
@@ -84,6 +85,22 @@ def _supply_problems(file: TrialFile, plan: Floorplan, document: Document) -> It
             for k, part in enumerate((load and load.parts) or [])
         ]
         yield from _twice(filled, "there is a part in quadrant", document)
+
+
+def _reach_problems(file: TrialFile, plan: Floorplan, document: Document) -> Iterator[Problem]:
+    """Things that orders are worked on with, and the gantry can't get to; each once."""
+    if plan.gantry is None:
+        return
+    middles = {obstacle.name: obstacle.footprint.centroid for obstacle in plan.obstacles}
+    told: set[str] = set()
+    for name, (dx, dy) in layout.errands(plan, (file.parts and file.parts.bins) or {}):
+        if name not in middles or name in told:
+            continue
+        target = (middles[name].x + dx, middles[name].y + dy, plan.gantry.start[2])
+        for fault in plan.gantry.faults(target):
+            told.add(name)
+            place = ("parts", "bins", name) if name.startswith("bin") else ()
+            yield document.problem(f"the gantry can't get to {name!r}: {fault}", *place)
 
 
 def _order_problems(

@@ -6,6 +6,8 @@ The figures are those of the competition's own `environment_startup.py`, `object
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
+
 from floorplan import Floorplan, Lane
 
 Offset = tuple[float, float]
@@ -74,6 +76,18 @@ def lacking(plan: Floorplan) -> list[str]:
     stations = {station for lane in plan.lanes for station in lane.serves}
     needed = [*TABLES, *DISPOSAL_BINS, *sorted(assembly_table(station) for station in stations)]
     return [name for name in needed if name not in names]
+
+
+def errands(plan: Floorplan, bins: Iterable[str]) -> Iterator[tuple[str, Offset]]:
+    """Where the gantry may be sent on a floor with parts in these bins: obstacles and offsets."""
+    for name in bins:
+        yield from ((name, bin_slot(slot)) for slot in BIN_SLOTS)
+    yield from map(tray_slot, TRAY_SLOTS)
+    for table in TABLES:
+        yield from ((table, tool_stand(table, tool)) for tool in ("parts", "trays"))
+    stations = {station for lane in plan.lanes for station in lane.serves}
+    tables = sorted(assembly_table(station) for station in stations)
+    yield from ((name, (0.0, 0.0)) for name in (*DISPOSAL_BINS, *tables))
 
 
 def _facing(table: str) -> int:

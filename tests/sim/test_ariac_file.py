@@ -176,6 +176,21 @@ def test_orders_on_a_floor_that_is_not_made_for_them(tmp_path):
         sim.Trial.parse("floorplan: ariac2023\nariac: play.yaml\n", folder=tmp_path)
 
 
+def test_what_the_gantry_can_not_get_to_is_told(tmp_path):
+    floor = (Path(floorplan.__file__).parent / "data" / "ariac2023.yaml").read_text()
+    assert "range: [-7.0, 7.0]" in floor
+    (tmp_path / "narrow.yaml").write_text(floor.replace("range: [-7.0, 7.0]", "range: [-4, 5.8]"))
+    (tmp_path / "work.yaml").write_text(TEXT)
+    with pytest.raises(sim.TrialError) as told:
+        sim.Trial.parse("floorplan: narrow.yaml\nariac: work.yaml\n", folder=tmp_path)
+    assert "the gantry can't get to 'kit_tray_table1': y = -5.84 is outside" in str(told.value)
+    assert {problem.message.split("'")[2] for problem in told.value.problems} == {
+        "kit_tray_table1",
+        "disposal_bin2",
+        "kit_tray_table2",
+    }
+
+
 def test_a_trial_of_ours_says_when_it_ends(tmp_path):
     (tmp_path / "work.yaml").write_text(TEXT)
 
