@@ -9,6 +9,7 @@ agent.advance(12.5)
 """
 
 from .agent import PENDING, Agent, Pending
+from .beliefs import LiveBeliefs
 from .errors import EndlessProgramError, Problem, ProgramError
 from .history import Entry, History
 from .intentions import Intention
@@ -32,6 +33,7 @@ __all__ = [
     "InternalAction",
     "InternalActions",
     "Literal",
+    "LiveBeliefs",
     "Message",
     "Pending",
     "Plan",

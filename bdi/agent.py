@@ -17,7 +17,7 @@ from random import Random
 from typing import TYPE_CHECKING, TypeAlias
 
 from .alarms import Alarms
-from .beliefs import BeliefBase
+from .beliefs import BeliefBase, LiveBeliefs
 from .circumstance import Circumstance, PendingAction
 from .deliberation import clear, deliberate
 from .errors import EndlessProgramError, Problem, ProgramError, TooDeepError
@@ -76,6 +76,9 @@ class Agent:
         start: the time at which it begins, in seconds.
         print: takes what `.print` prints. Without it, it goes to standard output.
         on_event: takes an `Entry` for everything that happens inside, as `History.add` does.
+        live: beliefs that are asked for and not remembered, by functor and arity: each a function
+            that returns the arguments of what holds when it is called, as often as a query comes
+            to it. They have the source `percept`, raise no events and are not in `beliefs`.
         actions: further internal actions, by name (see `InternalActions`).
         society: the agents it can send messages to.
         max_cycles: how many cycles one instant may take before the agent is stopped.
@@ -99,6 +102,7 @@ class Agent:
         start: float = 0.0,
         print: Callable[[str], None] | None = None,
         on_event: Callable[[Entry], None] | None = None,
+        live: LiveBeliefs | None = None,
         actions: Mapping[str, InternalAction] | None = None,
         society: Society | None = None,
         max_cycles: int = 3_000_000,
@@ -113,7 +117,7 @@ class Agent:
         self.random = Random(seed)
         self.actions: Mapping[str, InternalAction] = {**STANDARD, **(actions or {})}
         self.names = Names()
-        self.beliefs = BeliefBase()
+        self.beliefs = BeliefBase(live or {})
         self.plans = PlanLibrary()
         self.circumstance = Circumstance()
         self.logic = Logic(self.beliefs, self.names, self._call_in_query, max_goals)

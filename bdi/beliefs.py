@@ -1,9 +1,14 @@
-"""The belief base: beliefs and rules, in order, found by functor and first argument."""
+"""The belief base: beliefs and rules, in order, found by functor and first argument.
+
+Beside them stand live beliefs, which a source gives whenever a query comes to them.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from operator import itemgetter
+from types import MappingProxyType
+from typing import TypeAlias
 
 from .order import sorted_annots
 from .program import Rule
@@ -11,6 +16,9 @@ from .terms import FROM_PERCEPT, ONLY_PERCEPT, ONLY_SELF, Literal, Term, Var, is
 from .unify import Unifier, substitute, substitute_literal, unify
 
 Key = tuple[str, int, bool]
+
+LiveBeliefs: TypeAlias = "Mapping[tuple[str, int], Callable[[], Iterable[tuple[Term, ...]]]]"
+"""By functor and arity, what returns the arguments of each belief that holds when it is called."""
 
 
 def has_source(literal: Literal) -> bool:
@@ -106,14 +114,45 @@ class Shelf:
         else:
             self._loose[key] = entry
 
-    def candidates(self, query: Literal, u: Unifier) -> tuple[Literal | Rule, ...]:
-        """What may answer a query, in order."""
+    def kept(self, query: Literal, u: Unifier) -> tuple[Literal | Rule, ...]:
+        """What of it may answer a query, in order."""
         if self._by_first is not None and query.args:
             first = substitute(query.args[0], u)
             if is_ground(first):
                 bucket = self._by_first.get(first, {})
                 return _in_order({**bucket, **self._loose} if self._loose else bucket)
         return self.all()
+
+    # What may answer a query, and everything that does, in order. An alias, not a call: most
+    # shelves have nothing that is live, and each query comes here.
+    candidates = kept
+    everything = all
+
+
+class LiveShelf(Shelf):
+    """A shelf whose `source` is asked by each query, and answers before what is kept here."""
+
+    def __init__(
+        self, functor: str, arity: int, source: Callable[[], Iterable[tuple[Term, ...]]]
+    ) -> None:
+        super().__init__()
+        self._functor = functor
+        self._arity = arity
+        self._source = source
+
+    def candidates(self, query: Literal, u: Unifier) -> tuple[Literal | Rule, ...]:
+        return (*self._live(), *self.kept(query, u))
+
+    def everything(self) -> tuple[Literal | Rule, ...]:
+        return (*self._live(), *self.all())
+
+    def _live(self) -> Iterator[Literal]:
+        for given in self._source():
+            args = tuple([float(arg) if isinstance(arg, int | float) else arg for arg in given])
+            if len(args) != self._arity:
+                taken = f"{self._functor} takes {self._arity} arguments"
+                raise ValueError(f"{taken}, and its source gave {len(args)}")
+            yield Literal(self._functor, args, ONLY_PERCEPT)
 
 
 def _in_order(entries: dict[object, _Entry]) -> tuple[Literal | Rule, ...]:
@@ -124,8 +163,13 @@ def _in_order(entries: dict[object, _Entry]) -> tuple[Literal | Rule, ...]:
 
 
 class BeliefBase:
-    def __init__(self) -> None:
-        self._shelves: dict[Key, Shelf] = {}
+    """Beliefs and rules; `live` answers queries too, but is nowhere else counted among them."""
+
+    def __init__(self, live: LiveBeliefs = MappingProxyType({})) -> None:
+        self._shelves: dict[Key, Shelf] = {
+            (functor, arity, False): LiveShelf(functor, arity, source)
+            for (functor, arity), source in live.items()
+        }
         self.percepts: dict[Literal, Literal] = {}
         #: Percepts that are no longer believed, since somebody last looked.
         self.lost_percepts: dict[Literal, None] = {}
@@ -144,7 +188,8 @@ class BeliefBase:
         return self._shelves.get(key)
 
     def all_clauses(self) -> tuple[Literal | Rule, ...]:
-        return tuple(c for shelf in self._shelves.values() for c in shelf.all())
+        """All that may answer a query of anything."""
+        return tuple(c for shelf in self._shelves.values() for c in shelf.everything())
 
     def find(self, literal: Literal) -> Literal | None:
         """The belief that equals a literal but for annotations, with all of its own."""
@@ -216,7 +261,7 @@ class BeliefBase:
             return literal
         if literal.ground:
             return None
-        for belief in shelf.candidates(literal, u):
+        for belief in shelf.kept(literal, u):
             if not isinstance(belief, Literal):
                 continue
             attempt = dict(u)

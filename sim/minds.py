@@ -10,6 +10,7 @@ from typing import Protocol
 import bdi
 from floorplan import Floorplan
 
+from .body import Body
 from .rules import RuleSet
 from .trials.programs import find_program
 from .trials.trial import PersonEntry, Trial
@@ -132,10 +133,12 @@ def make_agent(
     society: bdi.Society | None = None,
     start: float = 0.0,
     kept: Sequence[bdi.Literal] = (),
+    live: bdi.LiveBeliefs | None = None,
 ) -> bdi.Agent:
     """The agent that runs the program of a trial's person, with all that they know beforehand.
 
-    It begins at `start` (seconds), and believes what is `kept` from a mind before it.
+    It begins at `start` (seconds), believes what is `kept` from a mind before it, and always what
+    is `live` (see `live_beliefs`).
     """
     return bdi.Agent(
         entry.program or bdi.load(find_program(entry.personality, trial.folder)),
@@ -146,9 +149,29 @@ def make_agent(
         start=start,
         print=print,
         on_event=on_event,
+        live=live,
         society=society,
         max_cycles=MOST_CYCLES,
     )
+
+
+def live_beliefs(person: Body, gantry: Body | None, agvs: Sequence[Body]) -> bdi.LiveBeliefs:
+    """Where things are and how fast they move, whenever a person's program asks.
+
+    `me(X, Y, V)`, `gantry(X, Y, V)` where there is one, `agv(Name, X, Y, V)`: metres and m/s.
+    """
+
+    def of(body: Body) -> tuple[bdi.Term, ...]:
+        state = body.state
+        return (*state.at, state.speed)
+
+    live = {
+        ("me", 3): lambda: [of(person)],
+        ("agv", 4): lambda: [(_name(agv.name), *of(agv)) for agv in agvs],
+    }
+    if gantry is not None:
+        live["gantry", 3] = lambda: [of(gantry)]
+    return live
 
 
 def kept_beliefs(mind: Mind | None) -> list[bdi.Literal]:

@@ -21,7 +21,7 @@ from .clock import MOMENT, Clock
 from .controllers import Controller, find_controller, parked, supervised
 from .crossing import CrossingWatch
 from .gantry import GantryRobot, Sighting, Surroundings
-from .minds import Mind, Outside, kept_beliefs, make_agent
+from .minds import Mind, Outside, kept_beliefs, live_beliefs, make_agent
 from .person import Person
 from .proximity import ProximityWatch
 from .recordings.mind_inspector import MindInspector, Thought
@@ -250,6 +250,11 @@ class Simulation:
             society=self._society,
             start=self.clock.now,
             kept=kept_beliefs(person.mind),
+            live=live_beliefs(
+                person.walker.body,
+                self.gantry.body if self.gantry else None,
+                [agv.body for agv in self.agvs],
+            ),
         )
 
     def _inspector(self, person: str) -> MindInspector | None:
