@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from floorplan import is_there, suggestion
+from floorplan import InputError, is_there, read_bytes, suggestion
 
 Definition: TypeAlias = "ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef"
 
@@ -126,9 +126,11 @@ def _definitions(name: str, file: Path) -> dict[str, Definition]:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # they are told when the file is imported
-            tree = ast.parse(file.read_bytes(), filename=str(file))
+            tree = ast.parse(read_bytes(file, InputError), filename=str(file))
         return {found.name: found for found in _defined(tree.body)}
-    except (SyntaxError, ValueError, OSError, RecursionError, MemoryError) as why:
+    except InputError as why:
+        raise OwnCodeError(f"{name!r} can't be read: {why}") from why
+    except (SyntaxError, ValueError, RecursionError, MemoryError) as why:
         raise OwnCodeError(f"{name!r} can't be read{line_in(why, file)}: {in_words(why)}") from why
 
 

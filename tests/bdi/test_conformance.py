@@ -21,7 +21,29 @@ FAILING = "jump"
 
 # Programs of Jason's that print something else here yet; one that is mended must leave this list.
 NOT_YET = frozenset(
-    ["c09_at", "c23_print", "c24_strings", "c36_source_print", "c41_add_annot", "c43_belief_ia", "c45_gc", "c48_at_ms", "c52_msg_self", "d02_hard_deadline", "d04_relevant_plans", "d12_send_forces", "d17_fork_goal_fail", "d22_structures2", "d25_type_checks", "e01_tell_list", "e03_substring_pos", "e06_max_min_terms", "e11_negated_event", "e19_error_messages", "e21_annot_tails"]
+    [
+        "c09_at",
+        "c23_print",
+        "c24_strings",
+        "c36_source_print",
+        "c41_add_annot",
+        "c43_belief_ia",
+        "c45_gc",
+        "c48_at_ms",
+        "c52_msg_self",
+        "d02_hard_deadline",
+        "d04_relevant_plans",
+        "d12_send_forces",
+        "d17_fork_goal_fail",
+        "d22_structures2",
+        "d25_type_checks",
+        "e01_tell_list",
+        "e03_substring_pos",
+        "e06_max_min_terms",
+        "e11_negated_event",
+        "e19_error_messages",
+        "e21_annot_tails",
+    ]
 )
 
 

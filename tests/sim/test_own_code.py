@@ -187,6 +187,27 @@ def test_only_a_controller_that_is_defined_there_is_one(tmp_path, name, message,
         assert controller_source(f"m:{name}", tmp_path).definition.name == name
 
 
+@pytest.mark.parametrize(
+    ("source", "message"),
+    [
+        (b"def go(gantry:\n", r"can't be read \(m.py, line 1\): SyntaxError"),
+        (b"# coding: nonsense\ndef go(gantry): yield\n", "can't be read.*unknown encoding"),
+        (b"\0", "can't be read"),
+        (b"x = " + b"-" * 100_000 + b"1\ndef go(gantry): yield\n", "can't be read"),
+        (b"#" * 20_000_000, r"can't be read: .*m\.py: is larger than"),
+        (b"x = '\\d'\ndef go(gantry): yield\n", ""),
+    ],
+)
+def test_a_source_that_cannot_be_read_is_told(tmp_path, source, message):
+    (tmp_path / "m.py").write_bytes(source)
+    if not message:  # a doubtful escape is told by Python, once it is imported
+        assert controller_source("m:go", tmp_path).definition.lineno == 2
+        return
+    with pytest.raises(sim.ControllerError, match=message) as told:
+        controller_source("m:go", tmp_path)
+    assert len(str(told.value)) < 1000
+
+
 def test_a_module_that_python_would_not_look_for_is_refused(tmp_path):
     (tmp_path / "sys.py").write_text("def go(gantry):\n    yield\n")
     with pytest.raises(sim.ControllerError, match="Python itself has a module 'sys'"):
