@@ -1,7 +1,5 @@
 """Runs in which simulated time does not go on end with a message, and keep what happened."""
 
-import json
-
 import pytest
 
 import sim
@@ -10,14 +8,6 @@ REPEATED = """
 floorplan: ariac2023
 duration: 60.0
 gantry: {controller: oblivious, repeat: true, jobs: [{wait: 1.0e-6}]}
-"""
-
-ONLY_OBSERVED = """
-floorplan: ariac2023
-duration: 60.0
-rules: {based_on: paper, name: observe, gantry_disabled: 0}
-people: [{name: operator, personality: antagonistic, start: {time: 0.0}}]
-gantry: {controller: parked, at: [-2.5, 0.5, 0.0]}
 """
 
 
@@ -47,15 +37,6 @@ def test_a_controller_that_lets_time_stand_still_is_named():
     with pytest.raises(sim.StandstillError, match=r"t = 1 s.*gantry's controller"):
         simulation.advance(60.0)
     assert simulation.finish().duration == pytest.approx(1.0)
-
-
-def test_rules_that_disable_for_no_time_come_to_an_end(floorwalker, tmp_path):
-    (tmp_path / "t.trial.yaml").write_text(ONLY_OBSERVED)
-    ended = floorwalker("run", "t.trial.yaml", "--out", "run", cwd=tmp_path)
-    assert ended.returncode == 0 or "violation (operator, gantry)" in ended.stderr
-    lines = (tmp_path / "run" / "events.jsonl").read_text().splitlines()
-    assert json.loads(lines[-1])["kind"] == "trial_ended"
-    assert sim.load_run(tmp_path / "run").duration > 20.0
 
 
 def test_much_may_happen_at_once_and_time_goes_on():
