@@ -12,7 +12,7 @@ from floorplan import Floorplan
 
 from .body import Body
 from .rules import RuleSet
-from .trials.programs import find_program
+from .trials.programs import load_program
 from .trials.trial import PersonEntry, Trial
 
 MOST_CYCLES = 200_000
@@ -140,8 +140,11 @@ def make_agent(
     It begins at `start` (seconds), believes what is `kept` from a mind before it, and always what
     is `live` (see `live_beliefs`).
     """
+    program = load_program(entry.personality, trial.folder)
+    if program is None:
+        raise ValueError(f"{entry.name} runs no program")
     return bdi.Agent(
-        entry.program or bdi.load(find_program(entry.personality, trial.folder)),
+        program,
         beliefs=[*first_beliefs(entry, trial.floorplan, trial.rules), *kept],
         act=act,
         name=entry.name,

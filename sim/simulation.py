@@ -34,7 +34,7 @@ from .summary import summarise
 from .trials.checks import check
 from .trials.names import fixed_places
 from .trials.own_law import own_laws
-from .trials.programs import EXTERNAL
+from .trials.programs import EXTERNAL, load_program
 from .trials.trial import PersonEntry, Start, Trial
 from .triggers import Triggers
 from .walker import Place, Walker
@@ -207,13 +207,13 @@ class Simulation:
             walker,
             plan,
             self.world,
-            personality=entry.personality,
+            personality=entry.personality_name,
             gantry=self.gantry.body if self.gantry else None,
             record=self._record,
             synchronise=self._synchronise,
             started=lambda: self.referee.started(walker.body),
             thought=lambda: self._thought(person, inspector),
-            make_mind=lambda program: make_mind(replace(entry, program=program)),
+            make_mind=lambda program: make_mind(replace(entry, personality=program)),
             folder=self.trial.folder,
             home=home,
             zone=lambda name: self._agv(name).zone(self.trial.rules, human.max_speed),
@@ -223,7 +223,9 @@ class Simulation:
         person.think_with(make_mind(entry))
         self._triggers.add(entry.start, person.start, who=entry.name)
         for change in entry.changes:
-            other = partial(person.change_personality, change.program or change.personality)
+            program = load_program(change.personality, self.trial.folder)
+            assert program is not None  # nobody changes to somebody outside: it was checked
+            other = partial(person.change_personality, program)
             self._triggers.add(change.when, other, who=entry.name)
         if self.gantry is not None:
             self.referee.watch_gantry(walker.body, self.gantry.body, self.gantry.drive.top_speed)

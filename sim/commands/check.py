@@ -117,7 +117,8 @@ def _trial(trial: object, file: str) -> str:
     assert isinstance(trial, Trial)
     tell_notices(trial)
     _warn_of_short_laws(trial, file)
-    people = ", ".join(f"{p.name} ({Path(p.personality).stem})" for p in trial.people) or "nobody"
+    names = [f"{p.name} ({Path(p.personality_name).stem})" for p in trial.people]
+    people = ", ".join(names) or "nobody"
     work = f" and {_number(len(trial.workload.orders), 'order')}" if trial.workload else ""
     upto = "up to " if trial.until_submitted else ""
     return f"a trial of {upto}{trial.duration:g} s on {trial.floorplan.name} with {people}{work}"

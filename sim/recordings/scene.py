@@ -66,7 +66,9 @@ def scene_of(trial: Trial, bodies: Iterable[Body]) -> Scene:
         floorplan=trial.floorplan,
         rules=trial.rules,
         people=tuple(
-            Figure(person.name, person.personality, person.radius or human.radius, human.height)
+            Figure(
+                person.name, person.personality_name, person.radius or human.radius, human.height
+            )
             for person in trial.people
         ),
         starts={body.name: body.state.position for body in bodies},

@@ -13,7 +13,8 @@ from pathlib import Path
 from shapely.geometry.base import BaseGeometry
 
 from ..controllers import controller_source, find_controller
-from ..trials.trial import Trial
+from ..trials.programs import load_program
+from ..trials.trial import PersonalityChange, PersonEntry, Trial
 from .definition import Study
 
 
@@ -44,7 +45,10 @@ def _parts(trial: Trial) -> Iterator[tuple[str, str]]:
     plan = trial.floorplan
     yield f"the floorplan {plan.name}", _digest(json.dumps(asdict(plan), default=_wkt))
     for person in trial.people:
-        yield f"the program {person.personality}", _digest(str(person.program))
+        named: list[PersonEntry | PersonalityChange] = [person, *person.changes]
+        for one in named:
+            program = load_program(one.personality, trial.folder)
+            yield f"the program {one.personality_name}", _digest(str(program))
     if trial.workload is not None:
         yield f"the orders of {trial.name}", _digest(repr(trial.workload))
     controller = trial.gantry.controller

@@ -88,7 +88,8 @@ def replay_folder(config: pytest.Config) -> Path | None:
 def _outline(run: Run) -> list[str]:
     """A run in a few lines: who was there, what it came to, and what was not met."""
     trial, summary = run.trial, run.summary
-    people = ", ".join(f"{p.name} ({Path(p.personality).stem})" for p in trial.people) or "nobody"
+    names = [f"{p.name} ({Path(p.personality_name).stem})" for p in trial.people]
+    people = ", ".join(names) or "nobody"
     lines = [
         f"{trial.name} on {trial.floorplan.name}, {run.duration:g} s: {people};"
         f" gantry {trial.gantry.controller_name}; rules {trial.rules.name}; seed {trial.seed}",

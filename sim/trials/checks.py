@@ -142,7 +142,7 @@ def _personality_faults(person: PersonEntry, trial: Trial) -> Iterator[Fault]:
         yield f"nobody changes to or from {EXTERNAL!r}", ("changes",)
     for one, place in named:
         try:
-            if one.program is None and one.personality != EXTERNAL:
+            if isinstance(one.personality, str) and one.personality != EXTERNAL:
                 find_program(one.personality, trial.folder)
         except TrialError as why:
             yield why.problems[0].message, place

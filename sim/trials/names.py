@@ -65,7 +65,7 @@ def _locations(trial: Trial) -> list[str]:
 
 
 def _personalities(trial: Trial) -> list[str]:
-    changes = [change.personality for person in trial.people for change in person.changes]
+    changes = [change.personality_name for person in trial.people for change in person.changes]
     return [*sorted(bdi.programs()), *(Path(name).stem for name in changes)]
 
 

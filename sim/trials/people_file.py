@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from functools import cache, partial
+from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Annotated
 
 from pydantic import Field, Strict, model_validator
 
-import bdi
 from floorplan import NotNegative, Pair, Positive, Strictly
 
 from .checks import CONDITIONS, NAME
@@ -80,11 +79,16 @@ def people_of(entries: Sequence[PersonKeys], folder: Path) -> tuple[PersonEntry,
 
     Each program is read once, however many people run it.
     """
-    program_of = cache(partial(_program, folder=folder))
-    return tuple(_person(keys, program_of) for keys in entries)
+    people = tuple(map(_person, entries))
+    changes = [change.personality for keys in entries for change in keys.changes]
+    for personality in dict.fromkeys([*(keys.personality for keys in entries), *changes]):
+        # One that isn't there is told together with everything else that is wrong.
+        with suppress(TrialError):
+            load_program(personality, folder)
+    return people
 
 
-def _person(keys: PersonKeys, program_of: Callable[[str], bdi.Program | None]) -> PersonEntry:
+def _person(keys: PersonKeys) -> PersonEntry:
     return PersonEntry(
         name=keys.name,
         personality=keys.personality,
@@ -95,18 +99,7 @@ def _person(keys: PersonKeys, program_of: Callable[[str], bdi.Program | None]) -
         radius=keys.radius,
         max_speed=keys.max_speed,
         max_acceleration=keys.max_acceleration,
-        program=program_of(keys.personality),
         changes=tuple(
-            PersonalityChange(
-                change.when.start(), change.personality, program_of(change.personality)
-            )
-            for change in keys.changes
+            PersonalityChange(change.when.start(), change.personality) for change in keys.changes
         ),
     )
-
-
-def _program(personality: str, folder: Path) -> bdi.Program | None:
-    try:
-        return load_program(personality, folder)
-    except TrialError:
-        return None  # told together with everything else that is wrong

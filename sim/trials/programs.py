@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from functools import lru_cache
 from pathlib import Path
 
@@ -16,7 +17,7 @@ the controller of a gantry."""
 
 
 def find_program(personality: str, folder: Path) -> str | Path:
-    """The built-in personality of that name, or the path of an .asl file seen from `folder`.
+    """Return the name of a built-in personality, or the path of an .asl file seen from `folder`.
 
     `TrialError` says what there is.
     """
@@ -30,22 +31,31 @@ def find_program(personality: str, folder: Path) -> str | Path:
     raise TrialError("personality", [Problem(f"{message} {suggestion(personality, known)}")])
 
 
-def is_read_from(program: bdi.Program, personality: str, folder: Path) -> bool:
-    """Whether `program` came from the file that `personality` names, seen from `folder`."""
-    file = bdi.programs().get(personality, folder / personality)
-    return Path(program.source).resolve() == file.resolve()
-
-
-def load_program(personality: str, folder: Path) -> bdi.Program | None:
-    """The program of a personality; None for somebody who runs none (`EXTERNAL`).
+def load_program(personality: str | bdi.Program, folder: Path) -> bdi.Program | None:
+    """Return the program of a personality; None for somebody who runs none (`EXTERNAL`).
 
     Raises what `find_program` does, and `bdi.ProgramError`.
     """
     if personality == EXTERNAL:
         return None
-    program = bdi.load(find_program(personality, folder))
-    _try_out(program)
-    return program
+    if isinstance(personality, str):
+        personality = bdi.load(find_program(personality, folder))
+    _try_out(personality)
+    return personality
+
+
+def written_personality(personality: str | bdi.Program, folder: Path) -> str:
+    """Return the name by which a personality is found again from `folder`.
+
+    `ValueError` if it is a program of no file, or of one that has changed since.
+    """
+    if isinstance(personality, str):
+        return personality
+    path = Path(personality.source)
+    if not (is_there(path) and path.is_file() and bdi.parse_file(path) == personality):
+        raise ValueError("is in no file; save it, and give the file as personality")
+    builtin = [name for name, file in bdi.programs().items() if file.resolve() == path.resolve()]
+    return builtin[0] if builtin else Path(os.path.relpath(path, folder)).as_posix()
 
 
 @lru_cache(maxsize=64)

@@ -46,29 +46,37 @@ class PersonalityChange:
     """From `when` on, a person has another personality, as in `PersonEntry`."""
 
     when: Start
-    personality: str
-    program: bdi.Program | None = field(default=None, compare=False, repr=False)
+    personality: str | bdi.Program
+
+    @property
+    def personality_name(self) -> str:
+        """The personality's name, as that of `PersonEntry`."""
+        return _personality_name(self.personality)
 
 
 @dataclass(frozen=True)
 class PersonEntry:
     """One person of a trial. Figures that are None are the floorplan's.
 
-    `personality` is a built-in name, an .asl file, or "external"; `program` is what was read from
-    it, or None to read it when the trial is run. `changes` are what it changes to, and when.
+    `personality` is a built-in name, an .asl file, "external", or a program itself. A file is read
+    when the trial is run. `changes` are what it changes to, and when.
     """
 
     name: str
-    personality: str = "indifferent"
+    personality: str | bdi.Program = "indifferent"
     start: Start = Start()
     at: tuple[float, float] | None = None
     beliefs: tuple[str, ...] = ()
     radius: float | None = None
     max_speed: float | None = None
     max_acceleration: float | None = None
-    program: bdi.Program | None = field(default=None, compare=False, repr=False)
     changes: tuple[PersonalityChange, ...] = ()
     home: tuple[float, float] | None = None
+
+    @property
+    def personality_name(self) -> str:
+        """The personality's name: as it is given, or of a program what its source is called."""
+        return _personality_name(self.personality)
 
     def home_on(self, plan: Floorplan) -> SafeZone | None:
         """Place where the person is put after a violation, and starts if there is no `at`.
@@ -205,14 +213,18 @@ class Trial:
         path = Path(path)
         write_whole(path, self.to_yaml(path.parent))
 
-    def with_personality(self, personality: str) -> Trial:
-        """The same trial in which everybody has this personality all along (a name, an .asl file).
+    def with_personality(self, personality: str | bdi.Program) -> Trial:
+        """Return the same trial in which everybody has this personality all along.
 
-        `TrialError` if there is none, `bdi.ProgramError` if there is something wrong in it.
+        It is as in `PersonEntry`. `TrialError` if there is none of that name, `bdi.ProgramError`
+        if there is something wrong in it.
         """
-        program = load_program(personality, self.folder)
+        load_program(personality, self.folder)
         people = tuple(
-            replace(person, personality=personality, program=program, changes=())
-            for person in self.people
+            replace(person, personality=personality, changes=()) for person in self.people
         )
         return replace(self, people=people)
+
+
+def _personality_name(personality: str | bdi.Program) -> str:
+    return personality if isinstance(personality, str) else Path(personality.source).stem

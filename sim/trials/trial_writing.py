@@ -17,7 +17,7 @@ from ..ariac import Workload
 from ..controllers import CONTROLLERS
 from .agvs_file import written_agv
 from .own_names import out_of_reach
-from .programs import is_read_from
+from .programs import written_personality
 from .rules_file import written_rules
 from .trial import GantryEntry, Job, PersonalityChange, PersonEntry, Start, Trial
 
@@ -27,8 +27,6 @@ Data = dict[str, Any]
 
 def to_yaml(trial: Trial, folder: Path) -> str:
     """See `Trial.to_yaml`."""
-    for entry in trial.people:
-        _see_to_programs(entry, trial)
     data = _trial(trial)
     if fault := out_of_reach(trial, folder):
         raise ValueError(f"the trial {trial.name!r} can't be written into {folder}: {fault}")
@@ -47,7 +45,7 @@ def _trial(trial: Trial) -> Data:
         "duration": trial.duration,
         "seed": trial.seed,
         "rules": written_rules(trial.rules),
-        "people": [_person(entry) for entry in trial.people],
+        "people": [_person(entry, trial) for entry in trial.people],
         "gantry": _gantry(trial),
         "agvs": {
             name: written_agv(trial.agvs.get(name, ()), name in trial.yielding)
@@ -68,7 +66,7 @@ def _orders(trial: Trial, workload: Workload) -> Data:
         )
     return {
         "duration": trial.duration,
-        "people": [_person(entry) for entry in trial.people],
+        "people": [_person(entry, trial) for entry in trial.people],
         "ariac": workload.source,
         "until_submitted": trial.until_submitted,
     }
@@ -86,22 +84,19 @@ def _floorplan(trial: Trial) -> str:
     )
 
 
-def _see_to_programs(entry: PersonEntry, trial: Trial) -> None:
-    """`ValueError` if the person would be read again with another program."""
-    named: list[PersonEntry | PersonalityChange] = [entry, *entry.changes]
-    for one in named:
-        if one.program and not is_read_from(one.program, one.personality, trial.folder):
-            raise ValueError(
-                f"the trial {trial.name!r} can't be written: a program of {entry.name!r} did not"
-                f" come from the file of the personality {one.personality!r}; give its file as"
-                " personality"
-            )
+def _personality(one: PersonEntry | PersonalityChange, trial: Trial) -> str:
+    try:
+        return written_personality(one.personality, trial.folder)
+    except ValueError as why:
+        raise ValueError(
+            f"the trial {trial.name!r} can't be written: the program {one.personality_name!r} {why}"
+        ) from None
 
 
-def _person(entry: PersonEntry) -> Data:
+def _person(entry: PersonEntry, trial: Trial) -> Data:
     data = {
         "name": entry.name,
-        "personality": entry.personality,
+        "personality": _personality(entry, trial),
         "start": None if entry.start == Start() else _start(entry.start),
         "at": entry.at,
         "home": entry.home,
@@ -110,7 +105,7 @@ def _person(entry: PersonEntry) -> Data:
         "max_speed": entry.max_speed,
         "max_acceleration": entry.max_acceleration,
         "changes": [
-            {"when": _start(change.when), "personality": change.personality}
+            {"when": _start(change.when), "personality": _personality(change, trial)}
             for change in entry.changes
         ],
     }

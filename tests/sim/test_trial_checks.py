@@ -116,11 +116,48 @@ def test_everything_is_told_at_once():
         sim.run(trial)
 
 
-def test_a_program_that_was_read_need_not_be_found():
-    program = bdi.parse("!rest. +!rest <- .print(resting).")
-    person = sim.PersonEntry("ada", personality="of my own", program=program)
-    run = sim.run(sim.Trial(FLOOR, duration=1.0, people=(person,)))
-    assert [e["text"] for e in run.events if e["kind"] == "said"] == ["resting"]
+def said(trial):
+    return [event["text"] for event in sim.run(trial).events if event["kind"] == "said"]
+
+
+def test_a_program_itself_is_a_personality():
+    program = bdi.parse("!rest. +!rest <- .print(resting).", "calm")
+    change = sim.PersonalityChange(sim.Start(0.5), bdi.parse("!go. +!go <- .print(going).", "busy"))
+    person = sim.PersonEntry("ada", personality=program, changes=(change,))
+    trial = sim.Trial(FLOOR, duration=1.0, people=(person,))
+    assert said(trial) == ["resting", "going"]
+    assert sim.run(trial).summary["people"]["ada"]["personality"] == "calm"
+    assert said(trial.with_personality(program)) == ["resting"]
+
+
+def test_the_personality_alone_decides_who_somebody_is(tmp_path):
+    for mood in ("calm", "busy"):
+        (tmp_path / f"{mood}.asl").write_text(f"!go. +!go <- .print({mood}).")
+    text = "floorplan: ariac2023\nduration: 1\npeople: [{name: ada, personality: calm.asl}]\n"
+    trial = sim.Trial.parse(text, folder=tmp_path)
+    other = replace(trial, people=(replace(trial.people[0], personality="busy.asl"),))
+    assert (said(trial), said(other)) == (["calm"], ["busy"])
+    # A file counts as it is when the trial is run.
+    (tmp_path / "calm.asl").write_text("!go. +!go <- .print(excited).")
+    assert said(trial) == ["excited"]
+
+
+def test_a_personality_of_no_name_is_one_error_everywhere():
+    def changes_to(name):
+        simulation = sim.Simulation(sim.Trial(FLOOR, **ada()))
+        simulation.people[0].change_personality(name)
+
+    unknown = (
+        lambda name: sim.run(sim.Trial(FLOOR, **ada(personality=name))),
+        lambda name: sim.Trial(FLOOR, **ada()).with_personality(name),
+        lambda name: sim.Trial.parse(
+            f"floorplan: ariac2023\npeople: [{{name: ada, personality: {name}}}]"
+        ),
+        changes_to,
+    )
+    for use in unknown:
+        with pytest.raises(sim.TrialError, match="'hepful'; did you mean 'helpful'"):
+            use("hepful")
 
 
 def test_who_waits_for_an_event_does_not_start_at_once():

@@ -169,21 +169,22 @@ OWN = "!wait. +!wait <- .wait(1000).\n"
 
 @pytest.mark.parametrize("of_change", [False, True])
 def test_a_program_of_no_file_is_refused(tmp_path, of_change):
-    def written(personality, program):
+    def written(program):
         if of_change:
-            change = sim.PersonalityChange(sim.Start(3.0), personality, program)
+            change = sim.PersonalityChange(sim.Start(3.0), program)
             entry = sim.PersonEntry("ada", changes=(change,))
         else:
-            entry = sim.PersonEntry("ada", personality, program=program)
+            entry = sim.PersonEntry("ada", program)
         return sim.Trial(FLOOR, people=(entry,), folder=tmp_path).to_yaml(tmp_path)
 
     (tmp_path / "own.asl").write_text(OWN)
-    with pytest.raises(ValueError, match=r"a program of 'ada' did not come from the file of"):
-        written("indifferent", bdi.parse(OWN))
-    with pytest.raises(ValueError, match="give its file as personality"):
-        written("indifferent", bdi.load(tmp_path / "own.asl"))
-    assert "personality: own.asl" in written("own.asl", bdi.load(tmp_path / "own.asl"))
-    assert "personality: helpful" in written("helpful", bdi.load("helpful"))
+    own = bdi.load(tmp_path / "own.asl")
+    assert "personality: own.asl" in written(own)
+    assert "personality: helpful" in written(bdi.load("helpful"))
+    (tmp_path / "own.asl").write_text("!other. +!other <- true.\n")
+    for program in (bdi.parse(OWN), own):
+        with pytest.raises(ValueError, match="give the file as personality"):
+            written(program)
 
 
 def test_programs_that_came_with_the_trial_are_written_from_anywhere(tmp_path, monkeypatch):
