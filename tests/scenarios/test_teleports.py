@@ -46,7 +46,7 @@ def test_the_person_begins_anew_after_the_pause(request, personality, phase):
     begins_anew(run, after=max(t, 1.0))
 
 
-@pytest.mark.parametrize("later", [0.0, 0.3, 2.5, 4.9, 5.5, 6.0])
+@pytest.mark.parametrize("later", [0.0, 0.3, 2.5, 7.9, 8.5, 9.0])
 def test_being_put_back_again_while_waiting_or_setting_out_anew(request, later):
     run = put_back(request.path.parent, "indifferent", 9.0, 11.0 + later)
     assert len([e for e in run.events if e["kind"] == "teleport"]) >= 2
@@ -61,7 +61,7 @@ def begins_anew(run, after):
     assert run.motions["operator"].position(last + 1e-6) == pytest.approx(HOME)
     goals = [e for e in run.events if e["kind"] == "goal" and e["t"] > last]
     assert goals[0]["station"] == "east"
-    assert goals[0]["t"] == pytest.approx(max(last + 5.0, after), abs=0.01)
+    assert goals[0]["t"] == pytest.approx(max(last + sim.PAPER.pause_after_agv, after), abs=0.01)
     arrived = next(e for e in run.events if e["kind"] == "arrived" and e["t"] > last)
     assert arrived["station"] == "east"
     walked = run.motions["operator"].cut(last, goals[0]["t"])

@@ -191,7 +191,7 @@ def test_the_noticing_distance_has_a_law_and_a_cap_of_its_own(open_page, recordi
     strict = copy.deepcopy(recording)
     strict["watches"][0] |= {
         "notice": 1.75,
-        "notice_cap": 5.0,
+        "notice_cap": 3.0,
         "notice_law": {**replay_sample.LAW, "intrusion": 1.2},
     }
     viewer = open_page(replay.render(strict))
@@ -199,7 +199,7 @@ def test_the_noticing_distance_has_a_law_and_a_cap_of_its_own(open_page, recordi
         viewer.page.evaluate("t => window.floorwalker.separation(0, t).notice", t)
         for t in (0.0, 5.0)
     ]
-    assert notice == pytest.approx([1.75 * 1.2, 5.0])
+    assert notice == pytest.approx([1.75 * 1.2, 1.75 * 3.0])
     assert viewer.page.evaluate("window.floorwalker.separation(1, 0).notice") is None
 
 
