@@ -1,5 +1,6 @@
 """Checks that need other environments than the one at hand: `nox -l` lists them."""
 
+import random
 import shutil
 from pathlib import Path
 
@@ -52,8 +53,13 @@ def lowest(session: nox.Session) -> None:
 
 @nox.session
 def explore(session: nox.Session) -> None:
-    """Property tests with many cases that are drawn at random; more arguments are pytest's."""
+    """Property tests with many cases that are drawn at random; more arguments are pytest's.
+
+    Before them, trials that are drawn at random.
+    """
     session.install("-e", ".[test]")
+    first = str(random.randrange(10**9))
+    session.run("python", "-m", "tests.random_trials", "--trials", "300", "--first", first)
     session.run(
         *("python", "-m", "pytest", "-m", "hypothesis and not slow", *session.posargs),
         env={"HYPOTHESIS_PROFILE": "explore"},

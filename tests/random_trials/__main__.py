@@ -1,0 +1,39 @@
+"""Run random trials and say which of them break something: `python -m tests.random_trials`."""
+
+import argparse
+import sys
+from concurrent.futures import ProcessPoolExecutor
+
+import sim
+
+from . import faults, random_trial
+
+
+def main():
+    """Run the trials that are asked for; exit 1 if anything is wrong with one."""
+    parser = argparse.ArgumentParser(prog="python -m tests.random_trials", description=__doc__)
+    parser.add_argument("--trials", type=int, default=1000, help="how many")
+    parser.add_argument("--first", type=int, default=0, help="number of the first")
+    parser.add_argument("--jobs", type=int, default=1, help="how many at once")
+    asked = parser.parse_args()
+    numbers = range(asked.first, asked.first + asked.trials)
+    broken = 0
+    with ProcessPoolExecutor(asked.jobs) as pool:
+        for number, wrong in zip(numbers, pool.map(tried, numbers, chunksize=4), strict=True):
+            broken += bool(wrong)
+            for fault in wrong:
+                print(f"{number}: {fault}", flush=True)
+    print(f"{asked.trials} trials, {broken} broken")
+    sys.exit(1 if broken else 0)
+
+
+def tried(number):
+    """What is wrong with the trial of this number, in words; an error is wrong in any case."""
+    try:
+        return faults(sim.run(random_trial(number)))
+    except Exception as why:
+        return [f"{type(why).__name__}: {why}"]
+
+
+if __name__ == "__main__":
+    main()

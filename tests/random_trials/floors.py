@@ -1,0 +1,171 @@
+"""Random floors: a hall with walls, machines and columns, AGV lanes, stations, and a gantry."""
+
+import math
+from dataclasses import replace
+
+import shapely
+from shapely import affinity
+
+from floorplan import (
+    Axis,
+    Floorplan,
+    FloorplanError,
+    Gantry,
+    Human,
+    Lane,
+    Obstacle,
+    SafeZone,
+    Station,
+    builtin,
+    check,
+    load,
+    starting_fault,
+)
+
+TRIES = 200
+"""So many places are tried before a floor has no room for something."""
+
+
+def random_floor(random):
+    """A built-in floor, or a hall that nobody has seen before."""
+    if random.random() < 0.5:
+        return load(random.choice(builtin()))
+    hall = None
+    while hall is None:
+        hall = _hall(random)
+    return hall
+
+
+def _hall(random):
+    """A hall, or None if there is no room in it for people."""
+    width, depth = random.uniform(8, 30), random.uniform(6, 20)
+    boundary = shapely.box(0, 0, width, depth)
+    if random.random() < 0.3:
+        corner = shapely.box(width * random.uniform(0.4, 0.8), depth * 0.5, width, depth)
+        boundary = boundary.difference(corner)
+    plan = Floorplan(
+        "hall",
+        boundary,
+        obstacles=tuple(_obstacles(random, width, depth)),
+        human=Human(
+            radius=random.choice([0.2, 0.25, 0.3]),
+            height=random.choice([1.6, 1.75, 1.9]),
+            max_speed=random.uniform(0.6, 1.8),
+            max_acceleration=random.uniform(1.0, 4.0),
+        ),
+        gantry=_gantry(random, width, depth) if random.random() < 0.7 else None,
+    )
+    for k in range(random.choice([0, 1, 1, 2, 3])):
+        plan = _with_lane(random, plan, f"agv{k}")
+    places = [place for _ in range(5) if (place := standing_place(random, plan))]
+    if len(places) < 3:
+        return None
+    zone = SafeZone(places.pop(), random.uniform(-math.pi, math.pi))
+    stations = tuple(Station(f"s{k}", place) for k, place in enumerate(places))
+    return replace(plan, safe_zone=zone, stations=stations)
+
+
+def standing_place(random, plan, radius=None, within=None):
+    """A place to start at, within a polygon (the boundary's bounds if None); None if not found."""
+    west, south, east, north = (plan.boundary if within is None else within).bounds
+    for _ in range(TRIES):
+        at = (random.uniform(west, east), random.uniform(south, north))
+        if not starting_fault(plan, at, radius):
+            return at
+    return None
+
+
+def _obstacles(random, width, depth):
+    for k in range(random.randint(0, 9)):
+        x, y = random.uniform(0, width), random.uniform(0, depth)
+        kind = random.choice(["box", "box", "turned", "round", "wall", "wall"])
+        if kind == "round":
+            shape = shapely.Point(x, y).buffer(random.uniform(0.1, 1.0), quad_segs=8)
+        elif kind == "wall":  # often from side to side, with or without a door
+            thick = random.choice([0.05, 0.1, 0.25])
+            length = random.choice([2.0, 5.0, 40.0])
+            across = random.random() < 0.5
+            shape = shapely.box(x, y, x + (thick if across else length), y + thick)
+            if across:
+                shape = shapely.box(x, y, x + thick, y + length)
+            if random.random() < 0.6:
+                door = random.uniform(0.5, 2.0)
+                along = random.uniform(0, min(length, depth if across else width))
+                gap = (x - 1, y + along, x + 1, y + along + door)
+                if not across:
+                    gap = (x + along, y - 1, x + along + door, y + 1)
+                for part, half in enumerate(shapely.get_parts(shape.difference(shapely.box(*gap)))):
+                    yield Obstacle(f"wall{k}.{part}", half, 0.0, 2.5)
+                continue
+        else:
+            shape = shapely.box(x, y, x + random.uniform(0.3, 4), y + random.uniform(0.3, 4))
+            if kind == "turned":
+                shape = affinity.rotate(shape, random.uniform(0, 180))
+        bottom, top = random.choice([(0.0, 1.0), (0.0, 2.5), (1.5, 3.0), (2.2, 3.0), (0.3, 0.4)])
+        yield Obstacle(f"{kind}{k}", shape, bottom, top)
+
+
+def _with_lane(random, plan, name):
+    """The plan with one more lane, if one is found that leads through nothing."""
+    west, south, east, north = plan.boundary.bounds
+    for _ in range(TRIES // 10):
+        length = random.uniform(2, 0.8 * (east - west))
+        stop = random.uniform(0, length)
+        lane = Lane(
+            name,
+            origin=(random.uniform(west, east), random.uniform(south, north)),
+            heading=random.choice([0.0, math.pi / 2, math.pi, random.uniform(-3, 3)]),
+            limits=(0.0, length),
+            locations={"near": 0.0, "between": stop, "far": length},
+            start=random.choice(["near", "between", "far"]),
+            length=random.uniform(0.6, 2.0),
+            width=random.uniform(0.4, 1.0),
+            height=random.uniform(0.3, 1.5),
+            max_speed=random.uniform(0.5, 2.5),
+            max_acceleration=random.uniform(0.5, 3.0),
+        )
+        ends = shapely.MultiPolygon([lane.footprint(q) for q in lane.limits])
+        wider = replace(plan, lanes=(*plan.lanes, lane))
+        try:
+            check(wider)
+        except FloorplanError:
+            continue
+        if plan.boundary.contains(ends.convex_hull):
+            return _with_wall_along(random, wider, lane) if random.random() < 0.5 else wider
+    return plan
+
+
+def _with_wall_along(random, plan, lane):
+    """The plan with a wall beside the lane, so near that people stand close to both."""
+    (x, y), (c, s) = lane.origin, lane.direction
+    begin, end = sorted(random.uniform(*lane.limits) for _ in range(2))
+    away = lane.width / 2 + random.uniform(0.05, 0.8)
+    side = [(x + q * c - away * s, y + q * s + away * c) for q in (begin - 1.0, end + 1.0)]
+    wall = shapely.LineString(side).buffer(0.03, cap_style="flat")
+    walled = replace(
+        plan, obstacles=(*plan.obstacles, Obstacle(f"{lane.name}_wall", wall, 0.0, 2.5))
+    )
+    try:
+        check(walled)
+    except FloorplanError:
+        return plan
+    return walled
+
+
+def _gantry(random, width, depth):
+    def axis(low, high):
+        return Axis(low, high, *(random.uniform(0.3, 1.5) for _ in range(2)), random.uniform(1, 4))
+
+    x, y = axis(1.0, width - 1.0), axis(1.0, depth - 1.0)
+    return Gantry(
+        x=x,
+        y=y,
+        rotation=axis(-2 * math.pi, 2 * math.pi),
+        start=(random.uniform(x.low, x.high), random.uniform(y.low, y.high), 0.0),
+        torso=(1.0, 0.9, 1.24, 2.71),
+        arm_mount=(0.5, 2.0),
+        arm_reach=0.9,
+        arm_bottom=random.uniform(0.9, 1.8),
+        rail_height=2.9,
+        tray_height=1.3,
+    )

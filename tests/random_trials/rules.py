@@ -1,0 +1,297 @@
+"""The rule set, applied anew to the violations of a run, and its figures, counted from events."""
+
+import math
+from collections import Counter
+
+import numpy as np
+import shapely
+
+from .movement import instants, state_of
+from .separation import measured_point, pose_before
+
+INSTANT = 1e-8
+"""Seconds. Times in events are rounded: what is no farther apart may be at once."""
+
+FIGURE = 1e-5
+"""Metres or m/s. What figures in events may be off by."""
+
+WANDERER = "wanderer"
+"""Those of this personality may go home whenever they like."""
+
+
+def rule_faults(run):
+    """What the rules ask for and did not happen, or happened without."""
+    yield from _event_faults(run)
+    yield from _violation_faults(run)
+    yield from _consequence_faults(run)
+    yield from _standing_faults(run)
+    yield from _yielding_faults(run)
+    yield from _figure_faults(run)
+
+
+def _event_faults(run):
+    times = [event["t"] for event in run.events]
+    if times != sorted(times) or times[0] != 0.0 or times[-1] > run.duration + INSTANT:
+        yield "events are not in order, or beyond the end"
+    if run.events[0]["kind"] != "trial_started" or run.events[-1]["kind"] != "trial_ended":
+        yield "a run begins with trial_started and ends with trial_ended"
+
+
+def _violation_faults(run):
+    """Each violation is one of the monitor's intervals, with figures that are so; and back."""
+    recorded = [event for event in run.events if event["kind"] == "violation"]
+    for event in recorded:
+        t, person, machine = event["t"], event["person"], event["with"]
+        intervals = run.violations[person, machine]
+        if not any(a - INSTANT <= t <= b + INSTANT for a, b in intervals):
+            yield f"a violation that the monitor does not know: {event}"
+        if t < INSTANT:
+            continue  # a motion does not know where somebody was before they were put elsewhere
+        there, robot = pose_before(run, machine, t)
+        point = np.add(there, measured_point(run, machine))
+        # At the instant at which somebody is put elsewhere, it may be there.
+        puts = [
+            e["to"]
+            for e in run.events
+            if e["kind"] == "teleport" and e["t"] == t and e["person"] == person
+        ]
+        poses = [pose_before(run, person, t), *((at, 0.0) for at in puts)]
+        wanted = [event[name] for name in ("distance", "human_speed", "robot_speed")]
+        found = [(math.dist(at, point), human, robot) for at, human in poses]
+        if not any(np.allclose(wanted, figures, rtol=0, atol=FIGURE) for figures in found):
+            yield f"it was {found}: {event}"
+        if event["distance"] > event["required"] + FIGURE:
+            yield f"a violation without need: {event}"
+        if robot > FIGURE and event["cause"] == "person":
+            yield f"the machine moves: {event}"
+        if robot == 0.0 and event["cause"] != "person":
+            yield f"the machine stands: {event}"
+    for (person, machine), intervals in run.violations.items():
+        times = [e["t"] for e in recorded if (e["person"], e["with"]) == (person, machine)]
+        for begin, _ in intervals:
+            if not any(abs(begin - t) <= INSTANT for t in times):
+                yield f"no violation of {person} and {machine} is recorded at t = {begin} s"
+
+
+def _consequence_faults(run):
+    """What follows from each violation at once, by the rule set."""
+    rules = run.trial.rules
+    disabled_until = grace_until = -math.inf
+    silent_until = {entry.name: -math.inf for entry in run.trial.people}
+    sent = set()
+    for event in run.events:
+        if event["kind"] != "violation":
+            continue
+        t, person = event["t"], event["person"]
+        follow = [e for e in run.events if abs(e["t"] - t) <= INSTANT]
+        is_reported = t >= silent_until[person] - INSTANT
+        in_grace = disabled_until - INSTANT <= t < grace_until - INSTANT
+        counts = event["with"] == "gantry" and rules.machine == "disable"
+        if event["penalty"] != (counts and is_reported and not in_grace):
+            yield f"should {'not ' if event['penalty'] else ''}be a penalty: {event}"
+        if event["penalty"]:
+            seconds = [e["seconds"] for e in follow if e["kind"] == "gantry_disabled"]
+            if rules.gantry_disabled not in seconds:
+                yield f"the gantry is not disabled: {event}"
+            disabled_until = t + rules.gantry_disabled
+            grace_until = disabled_until + rules.grace
+        if is_reported and rules.person == "teleport":
+            sent.add((person, round(t, 6)))
+            if not any(_ends_at_home(run, e, person) for e in follow):
+                yield f"{person} is not put home: {event}"
+            if rules.report_every is not None:
+                silent_until[person] = t + rules.report_every
+        if rules.machine == "stop" and not _is_stopped(run, event["with"], t):
+            yield f"the machine is not stopped: {event}"
+    free = {entry.name for entry in run.trial.people if entry.personality == WANDERER}
+    late = Counter()
+    for event in run.events:
+        t, person = event["t"], event.get("person")
+        if event["kind"] == "teleport" and person not in free and (person, round(t, 6)) not in sent:
+            # Who violates once more during the pause goes home once more after it.
+            late[person] += 1
+            if late[person] > sum(who == person and when < t for who, when in sent):
+                yield f"put home without need: {event}"
+        if event["kind"] == "gantry_disabled" and rules.machine != "disable":
+            yield f"nothing disables the gantry: {event}"
+        if event["kind"] == "protective_stop" and rules.machine != "stop":
+            yield f"nothing stops a machine: {event}"
+
+
+def _ends_at_home(run, event, person):
+    """Somebody is put home, or stays where an AGV leaves no room there."""
+    if event.get("person") != person:
+        return False
+    if event["kind"] != "path_blocked":
+        return event["kind"] == "teleport"
+    return math.dist(event["goal"], _home(run, person)) < FIGURE
+
+
+def _home(run, person):
+    entry = next(entry for entry in run.trial.people if entry.name == person)
+    return entry.home_on(run.trial.floorplan).position
+
+
+def _is_stopped(run, machine, t):
+    return any(a - INSTANT <= t <= b + INSTANT for a, b in _stops(run).get(machine, []))
+
+
+def _stops(run):
+    """The intervals in which each machine had to stand, by what the events say."""
+    stops, since = {}, {}
+    for event in run.events:
+        if event["kind"] == "protective_stop":
+            since[event["machine"]] = event["t"]
+        elif event["kind"] == "protective_stop_ended":
+            machine = event["machine"]
+            stops.setdefault(machine, []).append((since.pop(machine), event["t"]))
+    for machine, begin in since.items():
+        stops.setdefault(machine, []).append((begin, run.duration))
+    return stops
+
+
+def _disabled(run):
+    """The intervals in which the gantry is disabled, from when it was and for how long."""
+    intervals, since, until = [], None, -math.inf
+    for event in run.events:
+        if event["kind"] == "gantry_disabled":
+            since = event["t"] if since is None else since
+            until = max(until, event["t"] + event["seconds"])
+        elif event["kind"] == "gantry_enabled":
+            intervals.append((since, until))
+            since = None
+    return intervals if since is None else [*intervals, (since, until)]
+
+
+def _standing_faults(run):
+    """A machine that is disabled or stopped comes to rest at once, and stays there."""
+    plan = run.trial.floorplan
+    enabled = [e["t"] for e in run.events if e["kind"] == "gantry_enabled"]
+    due = [until for _, until in _disabled(run) if until < run.duration - INSTANT]
+    if len(due) > len(enabled) or any(
+        abs(a - b) > INSTANT for a, b in zip(due, enabled, strict=False)
+    ):
+        yield f"the gantry is enabled at {enabled}, and should be at {due}"
+    standing = [("gantry", *interval) for interval in _disabled(run)]
+    standing += [(name, *interval) for name, found in _stops(run).items() for interval in found]
+    for machine, begin, end in standing:
+        if machine == "gantry":
+            # Bring the acceleration down, brake, and bring it down again.
+            braking = max(
+                axis.max_speed / axis.max_acceleration + 3 * axis.max_acceleration / axis.max_jerk
+                for axis in plan.gantry.axes
+            )
+        else:
+            braking = plan.lane(machine).max_speed / plan.lane(machine).max_acceleration
+        for piece in run.motions[machine].pieces:
+            middle = (piece.begin + piece.end) / 2
+            if not begin + braking + INSTANT < middle < end - INSTANT:
+                continue
+            if math.hypot(*state_of(piece, middle - piece.begin)[1]) > FIGURE:
+                yield f"{machine} moves at t = {middle} s, and stands from {begin} to {end} s"
+
+
+def _yielding_faults(run):
+    """An AGV that yields comes too close to nobody who was not put down in front of it."""
+    for event in run.events:
+        if event["kind"] != "violation" or event["with"] not in run.trial.yielding:
+            continue
+        lane, t = run.trial.floorplan.lane(event["with"]), event["t"]
+        # It looks ten times a second, and then brakes.
+        since = t - 0.2 - lane.max_speed / lane.max_acceleration
+        put = [e["t"] for e in run.events if e["kind"] == "teleport" and since <= e["t"] <= t]
+        if not put:
+            yield f"it should have yielded: {event}"
+
+
+def _figure_faults(run):
+    """The summary says what the events and motions say."""
+    events = Counter(event["kind"] for event in run.events)
+    violations = [event for event in run.events if event["kind"] == "violation"]
+    with_gantry = [event for event in violations if event["with"] == "gantry"]
+    rules, summary = run.trial.rules, run.summary
+    counted = {
+        "penalties": sum(event["penalty"] for event in violations),
+        "agv_violations": len(violations) - len(with_gantry),
+        "jobs_done": events["job_done"],
+        "protective_stops": events["protective_stop"],
+        "duration": round(run.duration, 9),
+    }
+    if rules.person == "none":
+        counted["agv_teleports"] = 0
+    for name, value in counted.items():
+        if summary[name] != value:
+            yield f"the summary says {name}: {summary[name]}, the events {value}"
+    if sum(summary["violations"].values()) != len(with_gantry):
+        yield f"the summary says {summary['violations']}, of {len(with_gantry)} with the gantry"
+    times = {
+        "gantry_disabled_time": [(a, min(b, run.duration)) for a, b in _disabled(run)],
+        "protective_stop_time": [i for found in _stops(run).values() for i in found],
+    }
+    for name, intervals in times.items():
+        seconds = sum(b - a for a, b in intervals)
+        if abs(summary[name] - seconds) > 1e-6:
+            yield f"the summary says {name}: {summary[name]}, the events {seconds}"
+    for person, figures in summary["people"].items():
+        yield from (f"{person}: {fault}" for fault in _person_faults(run, person, figures))
+
+
+def _person_faults(run, person, figures):
+    own = [event for event in run.events if event.get("person") == person]
+    started = next((e["t"] for e in own if e["kind"] == "human_started"), None)
+    arrivals = [e for e in own if e["kind"] == "arrived"]
+    counted = {
+        "started": started,
+        "visits": [e["station"] for e in arrivals if e["station"] is not None],
+        "replans": sum(e["kind"] == "replanned" for e in own),
+    }
+    for name, value in counted.items():
+        if figures[name] != value:
+            yield f"the summary says {name}: {figures[name]}, the events {value}"
+    walked = standing = 0.0
+    for piece in run.motions[person].pieces:
+        at = [state_of(piece, u)[0][:2] for u in instants(piece, 0.05)]
+        way = sum(map(math.dist, at, at[1:]))
+        walked += way
+        if way < 1e-12 and started is not None:
+            standing += max(0.0, piece.end - max(piece.begin, started))
+    if started is None:
+        walked = 0.0
+    if abs(figures["distance_walked"] - walked) > 1e-6 * (1 + walked):
+        yield f"walked {walked} m, and the summary says {figures['distance_walked']} m"
+    if abs(figures["time_standing"] - standing) > 1e-4:
+        yield f"stood {standing} s, and the summary says {figures['time_standing']} s"
+    plan, radius = run.trial.floorplan, _radius(run, person)
+    for event in arrivals:
+        at, speed = pose_before(run, person, event["t"])
+        if math.dist(at, event["at"]) > FIGURE or speed > FIGURE:
+            yield f"is at {at} at {speed} m/s: {event}"
+        if event["station"] is not None:
+            place = plan.station(event["station"]).position
+            if math.dist(place, event["at"]) > plan.human.goal_tolerance:
+                yield f"is not at the station: {event}"
+    home = _home(run, person)
+    for event in own:
+        if event["kind"] == "teleport" and math.dist(event["to"], home) > FIGURE:
+            yield from _beside_home_faults(run, event, home, radius)
+
+
+def _radius(run, person):
+    entry = next(entry for entry in run.trial.people if entry.name == person)
+    return run.trial.floorplan.human.radius if entry.radius is None else entry.radius
+
+
+def _beside_home_faults(run, event, home, radius):
+    """Somebody is put beside their home only if an AGV is there, and not behind a wall."""
+    plan, t = run.trial.floorplan, event["t"]
+    gaps = []
+    for lane in plan.lanes:
+        (x, y), _ = pose_before(run, lane.name, t)
+        q = math.dist(lane.origin, (x, y))
+        gaps.append(lane.footprint(q).distance(shapely.Point(home)))
+    if min(gaps, default=math.inf) > radius + FIGURE:
+        yield f"there is room at home: {event}"
+    there = [o.footprint for o in plan.obstacles if o.overlaps(0.0, plan.human.height)]
+    line = shapely.LineString([home, event["to"]])
+    if shapely.union_all(there).distance(line) < radius - 1e-4:
+        yield f"was put behind something: {event}"

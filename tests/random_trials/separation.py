@@ -1,0 +1,114 @@
+"""The monitor's intervals, its figures and the events of violations, against sampled motions."""
+
+import math
+from bisect import bisect_right
+from itertools import pairwise
+
+import numpy as np
+
+from navigation import is_of_speeds
+
+from .movement import sampled, state_of
+
+STEP = 0.01
+"""Seconds. How finely motions are sampled."""
+
+SLACK = 1e-6
+"""Metres. How far a distance may be from where it counts as too close, for rounding."""
+
+LOOSE = 0.03
+"""Metres. The same where the requirement is known from a curve only."""
+
+AGV_STANDS = 0.01
+"""m/s. An AGV that is no faster never counts."""
+
+
+def separation_faults(run):
+    """Where the intervals of violation are not those in which distances are too short."""
+    for (person, machine), intervals in run.violations.items():
+        for fault in _pair_faults(run, person, machine, intervals):
+            yield f"{person} and {machine}: {fault}"
+    for entry in run.trial.people:
+        yield from (f"{entry.name}: {fault}" for fault in _nearest_faults(run, entry.name))
+
+
+def measured_point(run, machine):
+    """The point, from the centre of a machine, to which distances are measured (x, y)."""
+    if machine == "gantry":
+        return (0.0, 0.0)
+    return run.trial.rules.measured_at(run.trial.floorplan.lane(machine))
+
+
+def law_of(run, machine):
+    """The law that holds beside a machine."""
+    rules = run.trial.rules
+    return rules.gantry_law if machine == "gantry" else rules.agv_law
+
+
+def _pair_faults(run, person, machine, intervals):
+    law = law_of(run, machine)
+    t, distance, human, robot = _side_by_side(run, person, machine)
+    if is_of_speeds(law):
+        required, slack = np.vectorize(law.distance, otypes=[float])(human, robot), SLACK
+    else:
+        required, slack = run.required(person, machine, t), LOOSE
+    counts = np.full(len(t), machine == "gantry") | (robot > AGV_STANDS + 1e-9)
+    may_count = np.full(len(t), machine == "gantry") | (robot > AGV_STANDS - 1e-9)
+    too_close = counts & (distance < required - slack)
+    may_be = may_count & (distance < required + slack)
+    ends = np.array(intervals).reshape(-1, 2)
+    if (ends[:, 1] < ends[:, 0]).any() or (ends[1:, 0] < ends[:-1, 1]).any():
+        yield f"intervals that overlap: {intervals}"
+    # At the very ends, an interval may be off by what the monitor resolves.
+    index = np.searchsorted(ends[:, 0] - SLACK, t, side="right") - 1
+    inside = (index >= 0) & (t <= ends[index, 1] + SLACK) if len(ends) else np.zeros(len(t), bool)
+    index = np.searchsorted(ends[:, 0] + SLACK, t, side="right") - 1
+    within = (index >= 0) & (t <= ends[index, 1] - SLACK) if len(ends) else np.zeros(len(t), bool)
+    for what, wrong in (
+        ("too close, and no violation", too_close & ~inside),
+        ("a violation, and not too close", within & ~may_be),
+    ):
+        if wrong.any():
+            k = int(np.argmax(wrong))
+            yield f"{what} at t = {t[k]:.6f} s: {distance[k]:.6f} m, required {required[k]:.6f}"
+
+
+def _nearest_faults(run, person):
+    """The summary's nearest approach to the gantry, against samples."""
+    figures = run.summary["people"][person]
+    found, begin = figures["minimum_separation"], figures["started"]
+    if found is None or begin is None:
+        return
+    t, distance, _, _ = _side_by_side(run, person, "gantry")
+    distance = distance[t >= begin]
+    if not len(distance):
+        return
+    if found["distance"] > distance.min() + SLACK:
+        yield f"came nearer than {found['distance']} m: {distance.min()} m"
+    if found["distance"] < distance.min() - 4.0 * STEP:
+        yield f"never came as near as {found['distance']} m: {distance.min()} m"
+
+
+def _side_by_side(run, person, machine):
+    """Instants, the distance then (metres), and both speeds (m/s)."""
+    dx, dy = measured_point(run, machine)
+    one, other = run.motions[person], run.motions[machine]
+    cuts = sorted({p.begin for m in (one, other) for p in m.pieces} | {run.duration})
+    times = [
+        # Not the instant itself of a change, where it matters on which side of it one looks.
+        np.linspace(a + 1e-9, b - 1e-9, max(2, math.ceil((b - a) / STEP) + 1))
+        for a, b in pairwise(cuts)
+        if b - a > 1e-8
+    ]
+    t = np.concatenate(times) if times else np.empty(0)
+    (x, y, vx, vy), (mx, my, wx, wy) = sampled(one, t), sampled(other, t)
+    return t, np.hypot(x - mx - dx, y - my - dy), np.hypot(vx, vy), np.hypot(wx, wy)
+
+
+def pose_before(run, name, t):
+    """Position and speed of a body just before `t` (seconds), the one after at the very start."""
+    pieces = run.motions[name].pieces
+    k = bisect_right([piece.begin for piece in pieces], t - 2e-9) - 1
+    piece = pieces[max(k, 0)]
+    at, velocity, _ = state_of(piece, min(max(t, piece.begin), piece.end) - piece.begin)
+    return at[:2], math.hypot(*velocity[:2])
