@@ -69,7 +69,7 @@ def _person(random, plan, k):
         max_speed=random.choice([None, 0.4, 1.5, 2.5]),
         max_acceleration=random.choice([None, 0.5, 1.0, 4.0]),
         changes=tuple(_changes(random)),
-        **_mind(random, plan),
+        personality=_personality(random, plan),
     )
 
 
@@ -86,11 +86,11 @@ def _start_place(random, plan, radius):
     return standing_place(random, plan, radius)
 
 
-def _mind(random, plan):
+def _personality(random, plan):
     name = random.choice([*bdi.programs(), "wanderer", "wanderer"])
     if name != "wanderer":
-        return {"personality": name}
-    return {"personality": name, "program": bdi.parse(_wanderer(random, plan))}
+        return name
+    return bdi.parse(_wanderer(random, plan))
 
 
 def _wanderer(random, plan):
