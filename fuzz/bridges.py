@@ -9,6 +9,7 @@ from typing import Any
 import sim
 from sim.bridge import Connection, Exchange, Workcell
 from sim.bridge.client import Client
+from sim.bridge.ledger import Account, Ledger
 from sim.bridge.remote_person import RemotePerson
 
 TRIAL = """
@@ -85,7 +86,7 @@ class Server:
         async def send(text: str) -> None:
             json.loads(text)
 
-        client = Client("fuzz", send, lambda why: None)
+        client = Client("fuzz", send, Account(Ledger(), lambda why: None))
         sending = asyncio.ensure_future(client.send_forever())
         for line in data.split(b"\n"):
             self._exchange.take(client, line)
