@@ -94,7 +94,7 @@ def test_the_script_for_bash_works_in_bash(folder):
     wrapper.write_text(f'#!/bin/sh\nexec {sys.executable} -m sim.cli "$@"\n')
     wrapper.chmod(0o755)
     tab = (
-        f"{script}\nCOMP_WORDS=(floorwalker run --rules p); COMP_CWORD=3;"
+        f"{script}\nCOMP_WORDS=(floorwalker run --rules pa); COMP_CWORD=3;"
         f' {function} "{wrapper}"; printf "%s\\n" "${{COMPREPLY[@]}}"'
     )
     env = {**os.environ, "PYTHONPATH": str(ROOT)}
