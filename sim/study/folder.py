@@ -65,16 +65,26 @@ class StudyFolder:
                     " give another folder with --out"
                 )
             write_whole(path, json.dumps(now, indent=2) + "\n")
-            return
-        known = _known(path)
-        changed = [name for name in {**known, **now} if known.get(name) != now.get(name)]
-        if changed:
-            told = ", ".join(changed)
-            told = told if len(told) <= LONGEST else f"{told[:LONGEST]}…"
+        elif changed := self._changed(now):
             raise OutputError(
-                f"{self.path} holds results of another study (changed since: {told});"
+                f"{self.path} holds results of another study (changed since: {changed});"
                 " give another folder with --out"
             )
+
+    def check_unchanged(self) -> None:
+        """`OutputError` if a file that decides the results is not as it was when they began."""
+        if changed := self._changed(identity(self._study)):
+            raise OutputError(
+                f"the results in {self.path} don't belong together (changed while they were made:"
+                f" {changed}); run the study again with another folder as --out"
+            )
+
+    def _changed(self, now: dict[str, str]) -> str:
+        """The names of what the results depend on and is no longer as it was, if anything."""
+        known = _known(self.path / IDENTITY)
+        changed = [name for name in {**known, **now} if known.get(name) != now.get(name)]
+        told = ", ".join(changed)
+        return told if len(told) <= LONGEST else f"{told[:LONGEST]}…"
 
     def _take(self) -> None:
         """Keep other processes out, where the system can, until this one ends."""

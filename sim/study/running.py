@@ -48,7 +48,8 @@ def run_study(
     either. Each row is in `results.csv` as soon as it and those before it are done, so that a
     study which is stopped, however roughly, goes on from there when it is run again. How many rows
     are done is told to `begin` before they are run, and to `progress` whenever it changes.
-    `OutputError` if the folder holds another study, `WorkerError` if a worker process dies.
+    `OutputError` if the folder holds another study, or if a program or controller was changed
+    while it ran; `WorkerError` if a worker process dies.
     """
     require(study, Study, "sim.Study.load")
     path = folder_for(study.name, "studies") if out is None else Path(out)
@@ -60,6 +61,7 @@ def run_study(
                 with writing_to(path):
                     folder.table.add(record)
                 progress(folder.table.rows)
+            folder.check_unchanged()
         results = StudyResults(study, path, read_table(path / RESULTS))
         with writing_to(path):
             write_parquet(results.columns, path / "results.parquet")

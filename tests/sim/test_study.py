@@ -250,6 +250,18 @@ def test_the_folder_of_another_study_is_refused(study, folder, file, change, tol
         pass
 
 
+def test_a_program_that_is_changed_while_a_study_runs_is_told(tmp_path):
+    (tmp_path / "calm.asl").write_text("!rest. +!rest <- true.")
+    text = "floorplan: ariac2023\nduration: 1\npeople: [{name: ada, personality: calm.asl}]\n"
+    study = sim.Study("calm", (sim.Trial.parse(text, folder=tmp_path),), repeat=2)
+
+    def edit(_):
+        (tmp_path / "calm.asl").write_text("!rest. +!rest <- .wait(10).")
+
+    with pytest.raises(sim.OutputError, match=r"while they were made: the program calm\.asl"):
+        sim.run_study(study, tmp_path / "out", jobs=1, progress=edit)
+
+
 def test_a_folder_that_cannot_be_used_is_refused(study, tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(sim.OutputError, match="can't write to"):
