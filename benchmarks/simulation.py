@@ -92,10 +92,10 @@ def speeds(text: str, repetitions: int) -> tuple[float, float]:
     factors = []
     with tempfile.TemporaryDirectory() as folder:
         Path(folder, "t.trial.yaml").write_text(text, encoding="utf-8")
-        for _ in range(repetitions):
-            cpu_of_process("run", f"{folder}/t.trial.yaml", "--out", f"{folder}/run")
-            summary = json.loads(Path(folder, "run", "summary.json").read_text(encoding="utf-8"))
-            factors.append(summary["realtime_factor"])
+        for k in range(repetitions):
+            cpu_of_process("run", f"{folder}/t.trial.yaml", "--out", f"{folder}/{k}")
+            summary = Path(folder, str(k), "summary.json").read_text(encoding="utf-8")
+            factors.append(json.loads(summary)["realtime_factor"])
     return trial.duration / known, statistics.median(factors)
 
 
