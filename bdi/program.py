@@ -7,10 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import TypeAlias
 
-from .terms import TRUE, Literal, Relation, Term, Var, is_ground, text
+from .arithmetic import RUN_FUNCTIONS
+from .terms import TRUE, Function, Literal, Relation, Term, Var, is_ground, text
 from .transform import transformed
 
 
@@ -171,8 +173,27 @@ def block_text(body: Body) -> str:
 # ---- clauses
 
 
+class Clause:
+    """What a program is made of."""
+
+    @cached_property
+    def depends_on_run(self) -> bool:
+        """Whether it calls a function whose value depends on the run.
+
+        A clause is shared by all agents that run it, so this is worked out once.
+        """
+        found = False
+
+        def look(part: object) -> None:
+            nonlocal found
+            found = found or (isinstance(part, Function) and part.name in RUN_FUNCTIONS)
+
+        transformed(self, look)
+        return found
+
+
 @dataclass(frozen=True)
-class Rule:
+class Rule(Clause):
     """`head :- body`: the head is believed wherever the body holds."""
 
     head: Literal
@@ -184,7 +205,7 @@ class Rule:
 
 
 @dataclass(frozen=True)
-class Plan:
+class Plan(Clause):
     """`@label[annotations] trigger : context <- body.`"""
 
     label: Literal | None
@@ -211,7 +232,7 @@ class Plan:
 
 
 @dataclass(frozen=True)
-class Goal:
+class Goal(Clause):
     """An initial goal."""
 
     goal: Literal
@@ -222,7 +243,7 @@ class Goal:
 
 
 @dataclass(frozen=True)
-class Belief:
+class Belief(Clause):
     """An initial belief."""
 
     belief: Literal

@@ -8,38 +8,28 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import Any
+from typing import Any, TypeVar
 
-from .program import Belief, Program
-from .terms import Function, Literal
+from .program import Clause, Program
+from .terms import Function
 from .transform import transformed
+
+_Clause = TypeVar("_Clause", bound=Clause)
 
 
 def with_run_functions(program: Program, functions: Mapping[str, Callable[..., float]]) -> Program:
     """The program with the functions of a run in place of their names."""
-    found = False
 
     def change(part: Any) -> Any:
-        nonlocal found
-        if isinstance(part, Belief) and _is_plain(part.belief):
-            return part
         if isinstance(part, Function) and part.name in functions:
-            found = True
-            args = transformed(part.args, change)
-            return Function(part.name, args, functions[part.name])
+            return Function(part.name, transformed(part.args, change), functions[part.name])
         return None
 
-    changed = replace(
+    def changed(clause: _Clause) -> _Clause:
+        return transformed(clause, change) if clause.depends_on_run else clause
+
+    return replace(
         program,
-        beliefs=transformed(program.beliefs, change),
-        plans=transformed(program.plans, change),
-    )
-    return changed if found else program
-
-
-def _is_plain(belief: Literal) -> bool:
-    """Whether a belief is of numbers, strings and names alone, as most of many are."""
-    return not belief.annots and all(
-        isinstance(arg, float | str) or (isinstance(arg, Literal) and arg.is_atom)
-        for arg in belief.args
+        beliefs=tuple(map(changed, program.beliefs)),
+        plans=tuple(map(changed, program.plans)),
     )
