@@ -28,12 +28,9 @@ def figures_in_words(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
 def _figures(summary: Mapping[str, Any]) -> Iterator[tuple[str, Callable[[], str]]]:
     """Yield the name of each figure, and a function that puts it into words."""
     nearest, stopped = (summary.get(key) for key in ("minimum_separation", "protective_stops"))
-    yield "violations", lambda: _violations(summary)
+    yield "violations with the gantry", lambda: _violations(summary)
     yield "penalties", lambda: str(summary["penalties"])
-    yield (
-        "violations with AGVs",
-        lambda: str(summary.get("agv_violations", summary["agv_teleports"])),
-    )
+    yield "violations with AGVs", lambda: str(summary["agv_violations"])
     yield "teleports by AGVs", lambda: str(summary["agv_teleports"])
     yield "gantry disabled", lambda: f"{summary['gantry_disabled_time']:.1f} s"
     yield "gantry jobs done", lambda: str(summary["jobs_done"])
@@ -52,7 +49,7 @@ def _figures(summary: Mapping[str, Any]) -> Iterator[tuple[str, Callable[[], str
             ),
         )
     if summary.get("law_audit"):
-        yield "stops longer than the law's", lambda: _short(summary["law_audit"])
+        yield "law assumes shorter stops of", lambda: _short(summary["law_audit"])
     for name, person in _named(summary, "people"):
         for figure, words in _PERSON_FIGURES.items():
             yield f"{name}: {figure}", partial(words, person)

