@@ -11,7 +11,6 @@ from functools import cached_property
 from pathlib import Path
 from typing import TypeAlias
 
-from .arithmetic import RUN_FUNCTIONS
 from .terms import TRUE, Function, Literal, Relation, Term, Var, is_ground, text
 from .transform import transformed
 
@@ -177,19 +176,19 @@ class Clause:
     """What a program is made of."""
 
     @cached_property
-    def depends_on_run(self) -> bool:
-        """Whether it calls a function whose value depends on the run.
+    def functions(self) -> frozenset[str]:
+        """The names of the functions that it calls.
 
-        A clause is shared by all agents that run it, so this is worked out once.
+        A clause is shared by all agents that run it, so they are looked for once.
         """
-        found = False
+        found: set[str] = set()
 
         def look(part: object) -> None:
-            nonlocal found
-            found = found or (isinstance(part, Function) and part.name in RUN_FUNCTIONS)
+            if isinstance(part, Function):
+                found.add(part.name)
 
         transformed(self, look)
-        return found
+        return frozenset(found)
 
 
 @dataclass(frozen=True)

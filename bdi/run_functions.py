@@ -26,7 +26,7 @@ def with_run_functions(program: Program, functions: Mapping[str, Callable[..., f
         return None
 
     def changed(clause: _Clause) -> _Clause:
-        return transformed(clause, change) if clause.depends_on_run else clause
+        return clause if clause.functions.isdisjoint(functions) else transformed(clause, change)
 
     return replace(
         program,
