@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import logging
+import os
 import signal
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+
+QUIET = "ignore:resource_tracker:UserWarning"
+"""The warnings of loky's resource tracker, as a filter of Python's."""
 
 
 @contextmanager
@@ -23,7 +27,11 @@ def backend(name: str, jobs: int) -> Iterator[None]:
         with _without_logs("distributed", "tornado.application", "asyncio"), _dask_client(jobs):
             yield
         return
-    own = {"initializer": _leave_interrupts_to_the_main_process} if name == "loky" else {}
+    own = {}
+    if name == "loky":
+        own = {"initializer": _leave_interrupts_to_the_main_process}
+        if jobs != 1:
+            _start_quiet_tracker()
     with joblib.parallel_config(backend=name, n_jobs=jobs, **own):
         yield
 
@@ -31,6 +39,25 @@ def backend(name: str, jobs: int) -> Iterator[None]:
 def _leave_interrupts_to_the_main_process() -> None:
     """A terminal's Ctrl-C goes to all processes; one of them is enough to stop the others."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+def _start_quiet_tracker() -> None:
+    """Start the process in which loky keeps track of semaphores, without its warnings.
+
+    It warns of those that an interrupt catches between their making and their being forgotten,
+    cleans them up, and warns of those that are gone by then: nothing that anybody can use.
+    """
+    from joblib.externals.loky.backend import resource_tracker
+
+    before = os.environ.get("PYTHONWARNINGS")
+    os.environ["PYTHONWARNINGS"] = ",".join(filter(None, [before, QUIET]))
+    try:
+        resource_tracker.ensure_running()
+    finally:
+        if before is None:
+            del os.environ["PYTHONWARNINGS"]
+        else:
+            os.environ["PYTHONWARNINGS"] = before
 
 
 @contextmanager

@@ -160,6 +160,20 @@ def test_a_killed_study_goes_on_and_ends_with_the_same_bytes(study, folder):
         assert (folder / "killed" / name).read_bytes() == (folder / "whole" / name).read_bytes()
 
 
+LEAKY = """
+from joblib.externals.loky.backend import resource_tracker
+from sim.study.backends import backend
+
+with backend("loky", 2):
+    resource_tracker.register("/never-made", "semlock")
+"""
+
+
+def test_what_an_interrupt_leaves_of_semaphores_is_cleaned_up_in_silence():
+    done = subprocess.run([sys.executable, "-c", LEAKY], capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+
+
 def test_a_study_that_is_terminated_leaves_no_workers_behind(folder):
     (folder / "s.study.yaml").write_text(STUDY.replace("repeat: 4", "repeat: 4000"))
     process = command(folder, "--out", "stopped", "--jobs", "2", start_new_session=True)
