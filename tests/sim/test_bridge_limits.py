@@ -150,6 +150,7 @@ def test_messages_that_are_throttled_away_count():
     assert notices == ["a client was let go: more than 1000000 bytes are held for this client"]
 
 
+@pytest.mark.slow
 def test_fragments_of_all_clients_count_together():
     ledger = Ledger(most_for_all=1_500_000)
     most = []
@@ -284,6 +285,7 @@ def test_connections_that_say_nothing_are_bounded(monkeypatch):
             settle(client)
 
 
+@pytest.mark.slow
 def test_too_many_sockets_are_a_line_on_stderr(tmp_path):
     (tmp_path / "trial.yaml").write_text(
         "floorplan: ariac2023\npeople: [{name: operator, personality: external}]\n"

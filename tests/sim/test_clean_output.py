@@ -107,7 +107,14 @@ def test_every_command_is_called_below():
     assert sorted(every_command(typer.main.get_command(app))) == sorted(CALLS)
 
 
-@pytest.mark.parametrize("name", CALLS)
+# Pictures are drawn by one library: one of them is enough for every day.
+ALIKE = frozenset(name for name in CALLS if name.startswith("plot ")) - {"plot trails"}
+
+
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=pytest.mark.slow) if name in ALIKE else name for name in CALLS],
+)
 def test_commands_say_nothing_but_what_they_mean_to(name, samples):
     done = called(samples, CALLS[name], STRICT)
     assert re.fullmatch(NOTICES.get(name, ""), done.stderr), done.stderr

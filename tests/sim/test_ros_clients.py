@@ -50,6 +50,7 @@ def require_a_whole_session(heard, run, speed):
         assert 2750 <= heard["states"] <= 2850
 
 
+@pytest.mark.slow
 def test_roslibpy_drives_the_person_at_fifty_times_the_speed():
     require_a_whole_session(*let_drive(lambda url: python("agent_roslibpy.py", url), 50.0), 50.0)
 

@@ -138,6 +138,7 @@ def test_there_is_no_such_backend(study, tmp_path):
         sim.run_study(study, tmp_path / "out", backend="lucky")
 
 
+@pytest.mark.slow
 def test_a_killed_study_goes_on_and_ends_with_the_same_bytes(study, folder):
     process = command(folder, "--out", "killed", "--jobs", "2", start_new_session=True)
     results = folder / "killed" / "results.csv"
