@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping
 from difflib import get_close_matches
+from functools import cache
 from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -46,6 +47,11 @@ _TOO_LONG = f"is longer than {MAX_TEXT:,} characters, which is more than anybody
 
 def programs() -> dict[str, Path]:
     """The built-in personalities: their names and files."""
+    return dict(_personalities())
+
+
+@cache
+def _personalities() -> Mapping[str, Path]:
     folder = _built_in()
     return {
         path.stem: path for path in sorted(folder.glob("*.asl")) if path.name not in ("patrol.asl",)

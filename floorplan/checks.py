@@ -19,6 +19,9 @@ from .problems import FloorplanError
 _TOUCHES = 1e-6
 """m². An AGV and an obstacle that share no more than this only touch."""
 
+_SOUND = "_sound"
+"""Set in a plan that was checked: it never changes, so that once is enough."""
+
 
 def check(plan: Floorplan, *, file: str = "") -> None:
     """See that `plan` can be: `FloorplanError` has everything about it that can't.
@@ -28,8 +31,11 @@ def check(plan: Floorplan, *, file: str = "") -> None:
     The error says that it is about `file`, or else about the plan by its name.
     """
     require(plan, Floorplan, "floorplan.load")
+    if _SOUND in vars(plan):
+        return
     require_fields(plan)
     refuse(file or f"floorplan {plan.name!r}", faults(plan), FloorplanError)
+    vars(plan)[_SOUND] = True
 
 
 def faults(plan: Floorplan) -> Iterator[Fault]:
