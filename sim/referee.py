@@ -181,6 +181,10 @@ class Referee:
             since, people = self._stopped[machine]
             people.remove(pair.person)
             if not people:
+                for watch, stop in self._stops.items():
+                    if watch.pair.machine is machine and watch.pair is not pair:
+                        stop.begin_if_needed()
+            if not people:
                 del self._stopped[machine]
                 self.protective_stop_time += now - since
                 self._record("protective_stop_ended", machine=machine.name)

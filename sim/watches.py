@@ -236,7 +236,7 @@ class NoticeWatch:
 
 
 class ProtectiveStop:
-    """Holds a machine from a violation on until it may set out again.
+    """Holds a machine from a violation on until it may set out again, for one person's sake.
 
     That is once it stands, and the distance is enough for its top speed (m/s) and the person's
     present one, with `CLEARANCE` to spare, so that its own speed does not stop it again.
@@ -247,7 +247,8 @@ class ProtectiveStop:
         self, pair: Pair, law: AnyLaw, top_speed: float, hold: Callable[[Pair, bool], None]
     ) -> None:
         self._pair = pair
-        self._clear = Not(TooClose(_AtSpeed(law, top_speed)))
+        self._law = _AtSpeed(law, top_speed)
+        self._clear = Not(TooClose(self._law))
         self._hold = hold
         self._holds = False
         self._alarm = Alarm(pair.clock, self._end, Turn.MOTION_ENDS)
@@ -258,6 +259,11 @@ class ProtectiveStop:
             self._holds = True
             self._hold(self._pair, True)
             self.reconsider()
+
+    def begin_if_needed(self) -> None:
+        """Go on holding a machine that others let go, if there is no room for its top speed."""
+        if self._pair.distance() < self._pair.required(self._law):
+            self.begin()
 
     def reconsider(self) -> None:
         """Work out anew when the machine may go on; called whenever a motion changes."""
