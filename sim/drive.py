@@ -24,7 +24,8 @@ Steps = Generator[Event, Any, Any]
 class Drive:
     """What moves the gantry. `disabled_or_enabled(reason)` is told when it is made to stand.
 
-    It counts how long it was disabled, how much of that it braked, and how long it worked.
+    It counts how long it was disabled, how long it was made to stand for that or for a protective
+    stop, how much of that it braked, and how long it worked.
     """
 
     def __init__(
@@ -38,6 +39,7 @@ class Drive:
     ) -> None:
         self.body = Body(clock, "gantry", "gantry", standing(at[:2], heading=at[2]))
         self.disabled_time = 0.0
+        self.standing_time = 0.0
         self.braking_time = 0.0
         self.working_time = 0.0
         self._clock = clock
@@ -47,6 +49,7 @@ class Drive:
         self._tell = disabled_or_enabled
         self._enabled: Event | None = None
         self._disabled_at: float | None = None
+        self._stands_since = 0.0
         self._held = False
         self._commands = 0
         self._replaced = clock.event()
@@ -161,6 +164,8 @@ class Drive:
         """The trial is over: count the time it was disabled until now."""
         if self._disabled_at is not None:
             self.disabled_time += self._clock.now - self._disabled_at
+        if self._enabled is not None:
+            self.standing_time += self._clock.now - self._stands_since
 
     def _enable(self) -> None:
         assert self._disabled_at is not None
@@ -172,6 +177,7 @@ class Drive:
     def _stand(self) -> None:
         if self._enabled is None:
             self._enabled = self._clock.event()
+            self._stands_since = self._clock.now
             self._brake()
             self.braking_time += self.body.motion.end - self._clock.now
             self._tell("disabled")
@@ -180,6 +186,7 @@ class Drive:
         """Be free to move, if neither disabled nor held."""
         if self._enabled is not None and self._disabled_at is None and not self._held:
             enabled, self._enabled = self._enabled, None
+            self.standing_time += self._clock.now - self._stands_since
             enabled.succeed()
             self._tell("enabled")
 

@@ -77,7 +77,7 @@ def summarise(
 def _gantry_figures(
     gantry: GantryRobot | None, motions: Mapping[str, Motion], now: float
 ) -> dict[str, Any]:
-    """What the gantry did; it is idle while it neither moves, handles nor is disabled."""
+    """What the gantry did; it is idle while it neither moves, handles nor is made to stand."""
     if gantry is None:
         return {"gantry_disabled_time": 0.0, "gantry_idle_time": 0.0, "jobs_done": 0}
     drive = gantry.drive
@@ -86,8 +86,8 @@ def _gantry_figures(
         for piece in motions["gantry"].pieces
         if any(any(axis[1:]) for axis in (piece.x, piece.y, piece.rotation))
     )
-    # While it brakes because it is disabled, both count.
-    busy = moving - drive.braking_time + drive.working_time + drive.disabled_time
+    # While it brakes because it is made to stand, both count.
+    busy = moving - drive.braking_time + drive.working_time + drive.standing_time
     return {
         "gantry_disabled_time": drive.disabled_time,
         "gantry_idle_time": max(0.0, now - busy),

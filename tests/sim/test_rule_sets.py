@@ -299,3 +299,14 @@ def test_a_machine_in_a_protective_stop_waits_for_everybody(tmp_path):
     assert result.distance("b", "gantry", end) == pytest.approx(room, abs=1e-6)
     assert result.distance("a", "gantry", end) > room
     assert result.summary["jobs_done"] == 1
+
+
+def test_a_machine_in_a_protective_stop_is_not_idle():
+    """It moves or is held all the time, but for the instants between its jobs."""
+    result = run(WORK.replace("{wait: 3}, ", "").replace(", {wait: 3}", ""))
+    t = np.arange(0.0, result.duration, 0.01)
+    busy = np.hypot(*result.motions["gantry"].velocity(t).T) > 0
+    for begin, end in stops(result, "gantry"):
+        busy |= (t >= begin) & (t < end)
+    assert result.summary["gantry_idle_time"] == pytest.approx(0.01 * (~busy).sum(), abs=0.1)
+    assert result.summary["gantry_idle_time"] < 1.0
