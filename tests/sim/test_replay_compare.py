@@ -192,6 +192,7 @@ def test_what_cannot_be_shown_is_said_and_the_page_stays(open_page, recording, t
     assert "dropped.json can't be shown" in dialog.inner_text()
     assert message in dialog.inner_text()
     viewer.page.keyboard.press("Escape")
+    viewer.wait_until(dialog.is_hidden)  # until then keys are its own
     assert viewer.page.locator(".view").count() == 1
     viewer.page.keyboard.press("End")
     viewer.wait_until(lambda: viewer.time == 275.0)
