@@ -194,6 +194,10 @@ def test_what_cannot_be_shown_is_said_and_the_page_stays(open_page, recording, t
     viewer.page.keyboard.press("Escape")
     viewer.wait_until(dialog.is_hidden)  # until then keys are its own
     assert viewer.page.locator(".view").count() == 1
-    viewer.page.keyboard.press("End")
-    viewer.wait_until(lambda: viewer.time == 275.0)
+
+    def at_the_end():
+        viewer.page.keyboard.press("End")
+        return viewer.time == 275.0
+
+    viewer.wait_until(at_the_end)
     assert viewer.complaints == []

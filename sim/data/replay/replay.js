@@ -335,7 +335,10 @@ class Replay {
     };
     document.addEventListener("keydown", event => {
       if (event.ctrlKey || event.metaKey || event.altKey || $("help").open) return;
-      if (CONTROL_KEYS.includes(event.key) && event.target.matches("select, button:focus-visible")) return;
+      // What had the focus in a dialog keeps it until the frame after the dialog has closed.
+      const inControl = event.target.matches("select, button:focus-visible")
+        && !event.target.closest("dialog:not([open])");
+      if (CONTROL_KEYS.includes(event.key) && inControl) return;
       const action = actions[event.key];
       if (!action) return;
       event.preventDefault();
