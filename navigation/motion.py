@@ -140,6 +140,8 @@ class Motion:
 
     def translated(self, dx: float, dy: float) -> Motion:
         """Return the same motion `dx` and `dy` metres further along x and y."""
+        if dx == dy == 0.0:
+            return self
         pieces = [
             piece._replace(x=(piece.x[0] + dx, *piece.x[1:]), y=(piece.y[0] + dy, *piece.y[1:]))
             for piece in self.pieces

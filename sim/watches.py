@@ -60,13 +60,14 @@ class Pair:
         self.machine = machine
         self.end = end
         self._offset = offset
-        self._translated = (machine.motion, self._measured(machine.motion))
+        self._translated = (machine.motion, machine.motion.translated(*offset))
 
     @property
     def motions(self) -> tuple[Motion, Motion]:
         """What the person and the measured point of the machine do from now on."""
         if self._translated[0] is not self.machine.motion:
-            self._translated = (self.machine.motion, self._measured(self.machine.motion))
+            motion = self.machine.motion
+            self._translated = (motion, motion.translated(*self._offset))
         return self.person.motion, self._translated[1]
 
     def first_time(self, condition: Condition, since: float = 0.0) -> float | None:
@@ -104,9 +105,6 @@ class Pair:
         """The instant from which on both stand, or the trial's end."""
         last = max(self.clock.now, self.person.motion.end, self.machine.motion.end)
         return min(last, self.end)
-
-    def _measured(self, motion: Motion) -> Motion:
-        return motion if self._offset == (0.0, 0.0) else motion.translated(*self._offset)
 
 
 class SeparationWatch:
