@@ -17,6 +17,7 @@ from .freespace import STEP
 from .obstruction import blocked_place, explain_cut_off
 from .path import Path, PlannerInfo, PlanningError, Reason
 from .roadmap import HAIR, Roadmap
+from .search import shortest_path
 from .world import CollisionWorld
 
 ROADMAP = "Roadmap"
@@ -161,9 +162,12 @@ class PathPlanner:
         def hit(a: Point, b: Point) -> bool:
             return any(body in met for body in self.world.hits(a, b, keep, self.ignore))
 
+        def hopeless() -> bool:
+            return not self._connected(start, goal)
+
         ends = roadmap.ends(start, goal)
         while True:
-            way = roadmap.shortest(ends, met, hit, lambda: not self._connected(start, goal))
+            way = shortest_path(roadmap, ends, met, hit, hopeless)
             if way is None:
                 return None
             fresh = [
@@ -175,7 +179,7 @@ class PathPlanner:
             if not fresh:
                 return way
             met += dict.fromkeys(fresh)
-            if len(met) >= _MANY and not self._connected(start, goal):
+            if len(met) >= _MANY and hopeless():
                 return None
 
     def _footing(self, place: Point, end: str, tolerance: float) -> Point:

@@ -12,7 +12,8 @@ polyhedral obstacles", Communications of the ACM 22 (1979).
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable
+from dataclasses import dataclass
 
 import numpy as np
 import shapely
@@ -23,7 +24,6 @@ from floorplan import Point
 from .bodies import Body
 from .corners import Bends, Corners, Floats, bends, corners, edges_of_room
 from .freespace import STEP
-from .search import BodyBends, Ends, Link, Search
 from .sight import AllInSight, Ints, Sight
 
 HAIR = 1e-4
@@ -34,6 +34,30 @@ MOST_DISTANCES = 800
 
 In a larger one, bends are linked when a search comes to them.
 """
+
+Link = tuple[int, float]
+"""The number of a bend, and the distance to it (metres)."""
+
+
+@dataclass(frozen=True, eq=False)
+class BodyBends:
+    """The bends around one body, and their links to those of the floor."""
+
+    body: Body
+    bends: Bends
+    links: list[list[Link]]
+
+
+@dataclass(frozen=True, eq=False)
+class Ends:
+    """A start and a goal, and their links to the floor's network."""
+
+    start: Point
+    goal: Point
+    from_start: list[Link]
+    to_goal: dict[int, float]
+    straight: bool
+    """Whether only bodies may stand between them."""
 
 
 class Roadmap:
@@ -70,20 +94,6 @@ class Roadmap:
         from_start, to_goal = self._links_from(places)
         straight = bool(self.visible(places[:1], places[1:])[0])
         return Ends(start, goal, from_start, dict(to_goal), straight)
-
-    def shortest(
-        self,
-        ends: Ends,
-        bodies: Sequence[Body],
-        hit: Callable[[Point, Point], bool],
-        hopeless: Callable[[], bool],
-    ) -> list[Point] | None:
-        """The shortest way round the floor's obstacles and `bodies`, or None where there is none.
-
-        `hit(a, b)` tells whether a straight link that is free of the floor's obstacles runs into
-        a body. `hopeless()` is asked once if the search takes long, and ends it if it is true.
-        """
-        return Search(self, ends, [self._around(body) for body in bodies], hit).run(hopeless)
 
     def visible(self, a: Floats, b: Floats) -> NDArray[np.bool_]:
         """Whether the disc can go straight from a to b (N, 2) as far as the floor is concerned."""
@@ -189,7 +199,8 @@ class Roadmap:
         both: NDArray[np.bool_] = bends.take(of).graze(along) & self.bends.take(to).graze(along)
         return both
 
-    def _around(self, body: Body) -> BodyBends:
+    def around(self, body: Body) -> BodyBends:
+        """Return the bends around `body`, worked out once for each place that it stands at."""
         known = self._bodies.get(body.name)
         if known is not None and known.body is body:
             return known

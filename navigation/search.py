@@ -1,4 +1,8 @@
-"""One search over a roadmap, with the bends of bodies that stand in the way taken in."""
+"""A* over a roadmap and the bends around bodies that stand in the way.
+
+See P. E. Hart, N. J. Nilsson and B. Raphael, "A formal basis for the heuristic determination of
+minimum cost paths", IEEE Transactions on Systems Science and Cybernetics 4 (1968).
+"""
 
 from __future__ import annotations
 
@@ -6,8 +10,6 @@ import heapq
 import itertools
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,12 +17,7 @@ from floorplan import Point
 
 from .bodies import Body
 from .corners import Bends, Floats
-
-if TYPE_CHECKING:
-    from .roadmap import Roadmap
-
-Link = tuple[int, float]
-"""The number of a place, and how far it is (metres)."""
+from .roadmap import BodyBends, Ends, Link, Roadmap
 
 _Entry = tuple[float, float, int, int]
 """How long a way is at least, how far it is to its last place but one link, and that link."""
@@ -33,28 +30,22 @@ _SOON = 32
 """So many places from the top of the queue are told to the roadmap as needed soon."""
 
 
-@dataclass(frozen=True, eq=False)
-class BodyBends:
-    """The bends around one body, and their links to those of the floor."""
+def shortest_path(
+    roadmap: Roadmap,
+    ends: Ends,
+    bodies: Sequence[Body],
+    hit: Callable[[Point, Point], bool],
+    hopeless: Callable[[], bool],
+) -> list[Point] | None:
+    """Return the shortest path on `roadmap` round `bodies`, or None where there is none.
 
-    body: Body
-    bends: Bends
-    links: list[list[Link]]
-
-
-@dataclass(frozen=True, eq=False)
-class Ends:
-    """A start and a goal, and how the floor's network links them (bends and metres)."""
-
-    start: Point
-    goal: Point
-    from_start: list[Link]
-    to_goal: dict[int, float]
-    straight: bool
-    """Whether only bodies may stand between them."""
+    `hit(a, b)` tells whether a straight link that is free of the floor's obstacles runs into
+    a body. `hopeless()` is asked once if the search takes long, and ends it if it is true.
+    """
+    return _Search(roadmap, ends, [roadmap.around(body) for body in bodies], hit).run(hopeless)
 
 
-class Search:
+class _Search:
     """One A* search. Links are checked against bodies only when the search takes them.
 
     The floor's bends have the numbers below N; those of bodies, then the start and the goal
