@@ -72,7 +72,6 @@ class GantryPlanner:
         )
         for name, at in counted.items():
             self._world.move_agv(name, at)
-        self._planner = PathPlanner(self._world, self.radius, step=BEND)
 
     def plan(
         self,
@@ -93,19 +92,13 @@ class GantryPlanner:
         """
         for pose, end in ((start, "start"), (goal, "goal")):
             self._check_range(pose, end)
-        names = [f"keep out {k}" for k in range(len(keep_out))]
-        try:
-            for name, (x, y, radius) in zip(names, keep_out, strict=True):
-                away = math.dist((x, y), start[:2]) - 2 * HAIR
-                solid = max(min(radius, away) - self.radius, _LEAST)
-                self._world.place(name, Disc((x, y), solid))
-            path = self._planner.plan(
-                start[:2], goal[:2], planner=planner, parameters=parameters, seed=seed
-            )
-        finally:
-            for name in names:
-                if any(body.name == name for body in self._world.bodies):
-                    self._world.remove(name)
+        discs = {}
+        for k, (x, y, radius) in enumerate(keep_out):
+            away = math.dist((x, y), start[:2]) - 2 * HAIR
+            solid = max(min(radius, away) - self.radius, _LEAST)
+            discs[f"keep out {k}"] = Disc((x, y), solid)
+        paths = PathPlanner(self._world.as_if(discs), self.radius, step=BEND)
+        path = paths.plan(start[:2], goal[:2], planner=planner, parameters=parameters, seed=seed)
         so_far = np.append(0.0, np.cumsum(np.hypot(*np.diff(path.points, axis=0).T)))
         share = so_far / so_far[-1] if so_far[-1] > 0 else np.array([0.0, 1.0])
         turned = start[2] + share * (goal[2] - start[2])

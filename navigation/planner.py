@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike
 
 from floorplan import Point, require, suggestion
 
-from . import ground
 from .bodies import Body
 from .freespace import STEP
 from .obstruction import blocked_place, explain_cut_off
@@ -64,7 +63,6 @@ class PathPlanner:
             raise ValueError(f"bends must be from {STEP:.3g} to 1.57 radians, found {step:g}")
         self.ignore = frozenset(ignore)
         self.step = step
-        self._roadmaps: dict[float, Roadmap] = {}
 
     def plan(
         self,
@@ -98,11 +96,7 @@ class PathPlanner:
 
     def roadmap(self, step: float | None = None) -> Roadmap:
         """The network of ways between the fixed things, worked out when it is first needed."""
-        step = self.step if step is None else step
-        known = self._roadmaps.get(step)
-        if known is None:
-            known = self._roadmaps[step] = ground.roadmap(self.world.floor, self.radius, step)
-        return known
+        return self.world.roadmap(self.radius, self.step if step is None else step)
 
     def prepare(self) -> None:
         """Work out now what the first question would have to wait for."""

@@ -14,6 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
+from weakref import WeakKeyDictionary
 
 import numpy as np
 import shapely
@@ -43,7 +44,6 @@ Link = tuple[int, float]
 class BodyBends:
     """The bends around one body, and their links to those of the floor."""
 
-    body: Body
     bends: Bends
     links: list[list[Link]]
 
@@ -86,7 +86,7 @@ class Roadmap:
             self._between = _all_distances(network)
         else:
             self._sight = Sight(edges, self.bends, radius)
-        self._bodies: dict[str, BodyBends] = {}
+        self._bodies: WeakKeyDictionary[Body, BodyBends] = WeakKeyDictionary()
 
     def ends(self, start: Point, goal: Point) -> Ends:
         """How `start` and `goal` are linked to the network, for one or more searches."""
@@ -200,9 +200,9 @@ class Roadmap:
         return both
 
     def around(self, body: Body) -> BodyBends:
-        """Return the bends around `body`, worked out once for each place that it stands at."""
-        known = self._bodies.get(body.name)
-        if known is not None and known.body is body:
+        """Return the bends around `body`, kept for as long as it stands where it does."""
+        known = self._bodies.get(body)
+        if known is not None:
             return known
         around = self._standing_bends(body.corners)
         of, to = self._sight.beyond(around)
@@ -215,8 +215,7 @@ class Roadmap:
             of[seen].tolist(), to[seen].tolist(), along[seen].tolist(), strict=True
         ):
             links[i].append((j, math.hypot(*way)))
-        fresh = BodyBends(body, around, links)
-        self._bodies[body.name] = fresh
+        fresh = self._bodies[body] = BodyBends(around, links)
         return fresh
 
 

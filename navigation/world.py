@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import copy
 import math
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 
 import numpy as np
 import shapely
@@ -15,7 +16,7 @@ from floorplan import Floorplan, Point, check
 from . import ground, shapes
 from .bodies import Body, Disc
 from .freespace import FreeSpace, without
-from .roadmap import HAIR
+from .roadmap import HAIR, Roadmap
 
 _ROUNDING = 10 * shapes.TOLERANCE
 """Metres. A disc that is this much too close to something counts as beside it."""
@@ -52,6 +53,7 @@ class CollisionWorld:
         self.changes = 0
         """How often a body came, moved or went."""
         self._fixed_space: dict[float, FreeSpace] = {}
+        self._roadmaps: dict[tuple[float, float], Roadmap] = {}
         self._free_space: dict[float, tuple[tuple[Body, ...], FreeSpace]] = {}
         for lane in plan.lanes:
             self.move_agv(lane.name, lane.start)
@@ -83,7 +85,8 @@ class CollisionWorld:
         `bottom` and `top` are its heights in metres, the whole range of interest by default.
         `ValueError` if the floorplan has something of that name, or the shape is unfit.
         """
-        fixed = {"boundary", *(o.name for o in self.plan.obstacles), *self._agvs}
+        obstacles, lanes = self.plan.obstacles, self.plan.lanes
+        fixed = {"boundary", *(o.name for o in obstacles), *(lane.name for lane in lanes)}
         if name in fixed:
             raise ValueError(f"{name!r} belongs to the floorplan; choose another name for a body")
         self._put(name, shape, bottom, self.top if top is None else top)
@@ -95,6 +98,26 @@ class CollisionWorld:
             raise KeyError(f"no placed body is called {name!r} (there are: {placed})")
         del self._bodies[name]
         self.changes += 1
+
+    def as_if(
+        self, there: Mapping[str, Polygon | Disc] | None = None, *, away: Collection[str] = ()
+    ) -> CollisionWorld:
+        """Return this world as it would be with other bodies; this one stays as it is.
+
+        Bodies stand `there`, by name, over the whole range of heights, and those named in `away`
+        are not there. What the floor alone decides is shared between the two. `ValueError` as
+        for `place`, `KeyError` for a name in `away` that no body has.
+        """
+        for name in away:
+            if name not in self._bodies:
+                raise KeyError(f"no body is called {name!r} (there are: {', '.join(self._bodies)})")
+        other = copy.copy(self)
+        other._bodies = {name: b for name, b in self._bodies.items() if name not in away}
+        other._agvs = {name: q for name, q in self._agvs.items() if name not in away}
+        other._free_space = dict(self._free_space)
+        for name, shape in (there or {}).items():
+            other.place(name, shape)
+        return other
 
     @property
     def bodies(self) -> tuple[Body, ...]:
@@ -137,6 +160,16 @@ class CollisionWorld:
         known = self._fixed_space.get(radius)
         if known is None:
             known = self._fixed_space[radius] = ground.fixed_space(self.floor, radius)
+        return known
+
+    def roadmap(self, radius: float, step: float) -> Roadmap:
+        """The network of paths between the fixed things for discs of `radius` metres.
+
+        It bends by `step` radians at most. Worked out once for each radius and step.
+        """
+        known = self._roadmaps.get((radius, step))
+        if known is None:
+            known = self._roadmaps[radius, step] = ground.roadmap(self.floor, radius, step)
         return known
 
     # Queries

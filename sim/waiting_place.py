@@ -40,8 +40,4 @@ class WaitingPlaces:
         """The place nearest to `goal` that is free, and out of the AGV's way when it leaves."""
         centre = self._world.plan.lane(agv).position(self._world.agv_position(agv))
         zone = Disc(centre, max(self._zone(agv) + SPARE - self._radius, SPARE))
-        self._world.place(_ZONE, zone)
-        try:
-            return self._world.nearest_free(goal, self._radius)
-        finally:
-            self._world.remove(_ZONE)
+        return self._world.as_if({_ZONE: zone}).nearest_free(goal, self._radius)

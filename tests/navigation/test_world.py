@@ -1,3 +1,4 @@
+import itertools
 import math
 
 import numpy as np
@@ -10,7 +11,7 @@ from shapely.geometry import Polygon, box
 
 import floorplan
 from floorplan import Floorplan, Human, Obstacle
-from navigation import CollisionWorld, Disc
+from navigation import CollisionWorld, Disc, PathPlanner, PlanningError
 
 
 @pytest.fixture(scope="module")
@@ -93,6 +94,58 @@ def test_bodies_are_obstacles_too(plan, a, b, radius, size):
         assert world.segment_free(a, b, radius) == (along > radius)
     alone = world.segment_free(a, b, radius, ignore=("pallet", "person"))
     assert alone == CollisionWorld(plan).segment_free(a, b, radius)
+
+
+def answers(world, radius, points):
+    """What `world` says about discs of `radius` at and between `points`."""
+    planner = PathPlanner(world, radius)
+    found = [world.neighbours(at) for at in points]
+    for a, b in itertools.pairwise(points):
+        found += [world.segment_free(a, b, radius), world.nearest_free(a, radius)]
+        found += [world.exits(a, radius), world.clearance([a, b])]
+        try:
+            found.append(planner.plan(a, b).points.tolist())
+        except PlanningError as why:
+            found.append(str(why))
+    return found
+
+
+@settings(deadline=None, max_examples=40)
+@given(floors(), st.lists(places, min_size=3, max_size=3), st.floats(0.05, 0.6), st.floats(0.1, 2))
+def test_a_world_as_if_answers_as_if_and_stays_as_it_is(plan, points, radius, size):
+    stands, more = (
+        Disc((3.0, 3.0), size),
+        {"cart": Disc((6.0, 5.0), size), "crate": box(1, 6, 3, 7)},
+    )
+    world = CollisionWorld(plan)
+    world.place("person", stands)
+    world.place("cart", Disc((2.0, 7.0), 0.3))
+    before = answers(world, radius, points)
+    bodies, changes, checks = world.bodies, world.changes, world.checks
+    space, roadmap = world.free_space(radius), world.roadmap(radius, 0.1)
+    around = [roadmap.around(body) for body in bodies]
+
+    moved = CollisionWorld(plan)
+    for name, shape in more.items():
+        moved.place(name, shape)
+    asked = world.as_if(more, away=["person"])
+    assert answers(asked, radius, points) == answers(moved, radius, points)
+    asked.remove("cart")
+
+    assert (world.bodies, world.changes, world.checks) == (bodies, changes, checks)
+    assert world.free_space(radius) is space
+    assert world.roadmap(radius, 0.1) is roadmap
+    assert all(roadmap.around(body) is kept for body, kept in zip(bodies, around, strict=True))
+    assert answers(world, radius, points) == before
+
+
+def test_agvs_may_be_away(world):
+    assert world.as_if(away=["agv1"]).free((-2.27, 4.8), 0.3)
+    assert not world.free((-2.27, 4.8), 0.3)
+    with pytest.raises(KeyError, match="no body is called 'agv9'"):
+        world.as_if(away=["agv9"])
+    with pytest.raises(ValueError, match="belongs to the floorplan"):
+        world.as_if({"agv1": Disc((0.0, 0.0), 0.3)}, away=["agv1"])
 
 
 def test_what_hangs_higher_than_a_person_does_not_block(world, plan):

@@ -137,3 +137,12 @@ def test_an_agv_that_drives_across_is_let_pass(run, tmp_path):
     shapes = navigation.Shapes(machine=(navigation.agv_box(lane),))
     pair = (found.motions["a"], found.motions["cart"])
     assert navigation.minimum_separation(*pair, 0.0, 30.0, shapes=shapes)[1] > 0.2
+
+
+def test_to_ask_where_to_wait_moves_nothing(run):
+    found = run("[]", program="+human_start <- move(3, 5, 0).")
+    assert "goal_occupied" in kinds(found)
+    simulation = sim.Simulation(found.trial)
+    before = simulation.world.changes
+    simulation.advance(60)
+    assert simulation.world.changes == before
