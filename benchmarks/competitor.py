@@ -16,8 +16,8 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from sim.study.comparison import spread
-from sim.study.effects import cliffs_delta
+from sim.studies.comparison import spread
+from sim.studies.effects import cliffs_delta
 
 PERSONALITIES = ("indifferent", "antagonistic", "helpful")
 CONTROLLERS = ("oblivious", "pausing", "avoiding")

@@ -18,7 +18,7 @@ import time
 from pathlib import Path
 
 import sim
-from sim.study.measuring import measure
+from sim.studies.measuring import measure
 
 TRIAL = """\
 floorplan: ariac2023

@@ -14,7 +14,7 @@ from tempfile import TemporaryDirectory
 import floorplan
 import sim
 from navigation import CollisionWorld, PathPlanner
-from sim import plots
+from sim.views import plots
 
 DOCS = Path(__file__).resolve().parent
 NAMED_BLOCK = re.compile(

@@ -18,7 +18,7 @@ import bdi
 import floorplan
 import sim
 from sim.commands.percept_script import read_percepts
-from sim.pages.replay import recordings_in
+from sim.views.replay import recordings_in
 
 from . import bridges, recordings
 from .mutations import Form

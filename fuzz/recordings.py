@@ -8,12 +8,12 @@ from pathlib import Path
 from zlib import crc32
 
 import sim
-from sim.pages.replay import recordings_in, render
-from sim.pages.replay_data import replay_data
-from sim.study.folder import IDENTITY, StudyFolder
-from sim.study.report import write_report
-from sim.study.results import StudyResults
-from sim.study.table import read_table
+from sim.studies.folder import IDENTITY, StudyFolder
+from sim.studies.report import write_report
+from sim.studies.results import StudyResults
+from sim.studies.table import read_table
+from sim.views.replay import recordings_in, render
+from sim.views.replay_data import replay_data
 
 from .told import told
 

@@ -10,74 +10,79 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from .body import Body
-    from .clock import Clock, StandstillError
-    from .controllers import CONTROLLERS, Caution, Controller, ControllerError, find_controller
-    from .drive import Steps
+    from .core.body import Body
+    from .core.clock import Clock, StandstillError
+    from .core.output import OutputError
+    from .core.recorder import Event, Listener
+    from .core.rules import ARIAC2023, PAPER, RULE_SETS, Notice, RuleSet, rule_set
+    from .core.scenario import AgvMove, GantryEntry, Job, PersonalityChange, PersonEntry, TrialError
+    from .core.scene import Figure, Scene
+    from .core.start import Start
     from .exports import export
-    from .gantry import GantryRobot, Sighting
-    from .minds import Mind, Outside, Percepts
-    from .pages.live import LiveRun
-    from .person import MindError, Person
-    from .recordings.outcome import Recorded, Run
-    from .recordings.output import OutputError
-    from .recordings.recorder import Event, Listener
-    from .recordings.recording import Recording
-    from .recordings.run_folder import RecordingError, load_run
-    from .recordings.scene import Figure, Scene
-    from .recordings.social_metrics import metrics
-    from .rules import ARIAC2023, PAPER, RULE_SETS, Notice, RuleSet, rule_set
-    from .simulation import Simulation, run
-    from .study import Row, Study, StudyError, StudyResults, run_study
-    from .tasks import Handling, Step, Task, Tasks
-    from .trials.own_law import LawError, OwnLaw
-    from .trials.rules_file import RulesError, find_rules, load_rules
-    from .trials.trial import (
-        AgvMove,
-        GantryEntry,
-        Job,
-        PersonalityChange,
-        PersonEntry,
-        Start,
-        Trial,
-        TrialError,
+    from .live.live import LiveRun
+    from .machines.gantry.controllers import (
+        CONTROLLERS,
+        Caution,
+        Controller,
+        ControllerError,
+        find_controller,
     )
+    from .machines.gantry.drive import Steps
+    from .machines.gantry.robot import GantryRobot, Sighting
+    from .machines.gantry.tasks import Handling, Step, Task, Tasks
+    from .people.minds import Mind, Outside, Percepts
+    from .people.person import MindError, Person
+    from .record.social_metrics import metrics
+    from .runs.recording import Recording
+    from .runs.run import Recorded, Run
+    from .runs.run_folder import RecordingError, load_run
+    from .safety.own_law import LawError, OwnLaw
+    from .simulation import Simulation, run
+    from .studies import Row, Study, StudyError, StudyResults, run_study
+    from .trials.rules_file import RulesError, find_rules, load_rules
+    from .trials.trial import Trial
     from .trials.trial_file import builtin_trials
     from .trials.verdict import Verdict
 
 _HOMES = {
-    "body": ("Body",),
-    "clock": ("Clock", "StandstillError"),
+    "core.body": ("Body",),
+    "core.clock": ("Clock", "StandstillError"),
     "exports": ("export",),
-    "controllers": ("CONTROLLERS", "Caution", "Controller", "ControllerError", "find_controller"),
-    "drive": ("Steps",),
-    "gantry": ("GantryRobot", "Sighting"),
-    "pages.live": ("LiveRun",),
-    "minds": ("Mind", "Outside", "Percepts"),
-    "recordings.outcome": ("Recorded", "Run"),
-    "person": ("MindError", "Person"),
-    "recordings.recorder": ("Event", "Listener"),
-    "recordings.output": ("OutputError",),
-    "recordings.recording": ("Recording",),
-    "trials.own_law": ("LawError", "OwnLaw"),
+    "machines.gantry.controllers": (
+        "CONTROLLERS",
+        "Caution",
+        "Controller",
+        "ControllerError",
+        "find_controller",
+    ),
+    "machines.gantry.drive": ("Steps",),
+    "machines.gantry.robot": ("GantryRobot", "Sighting"),
+    "live.live": ("LiveRun",),
+    "people.minds": ("Mind", "Outside", "Percepts"),
+    "runs.run": ("Recorded", "Run"),
+    "people.person": ("MindError", "Person"),
+    "core.recorder": ("Event", "Listener"),
+    "core.output": ("OutputError",),
+    "runs.recording": ("Recording",),
+    "safety.own_law": ("LawError", "OwnLaw"),
     "trials.rules_file": ("RulesError", "find_rules", "load_rules"),
-    "rules": ("ARIAC2023", "PAPER", "RULE_SETS", "Notice", "RuleSet", "rule_set"),
-    "recordings.run_folder": ("RecordingError", "load_run"),
-    "recordings.scene": ("Figure", "Scene"),
+    "core.rules": ("ARIAC2023", "PAPER", "RULE_SETS", "Notice", "RuleSet", "rule_set"),
+    "runs.run_folder": ("RecordingError", "load_run"),
+    "core.scene": ("Figure", "Scene"),
     "simulation": ("Simulation", "run"),
-    "recordings.social_metrics": ("metrics",),
-    "tasks": ("Handling", "Step", "Task", "Tasks"),
-    "study": ("Row", "Study", "StudyError", "StudyResults", "run_study"),
-    "trials.trial": (
+    "record.social_metrics": ("metrics",),
+    "machines.gantry.tasks": ("Handling", "Step", "Task", "Tasks"),
+    "studies": ("Row", "Study", "StudyError", "StudyResults", "run_study"),
+    "core.start": ("Start",),
+    "core.scenario": (
         "AgvMove",
         "GantryEntry",
         "Job",
         "PersonalityChange",
         "PersonEntry",
-        "Start",
-        "Trial",
         "TrialError",
     ),
+    "trials.trial": ("Trial",),
     "trials.trial_file": ("builtin_trials",),
     "trials.verdict": ("Verdict",),
 }

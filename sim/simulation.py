@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections import Counter
+from collections.abc import Iterable
 from dataclasses import replace
 from functools import partial
 from itertools import takewhile
@@ -14,32 +15,34 @@ import bdi
 from floorplan import Gantry, suggestion
 from navigation import CollisionWorld, PathPlanner
 
-from .agv import Agv
-from .ariac import Dispatcher
-from .body import Body
-from .clock import MOMENT, Clock
-from .controllers import Controller, find_controller, parked, supervised
-from .crossing import CrossingWatch
-from .gantry import GantryRobot, Sighting, Surroundings
-from .minds import Mind, Outside, kept_beliefs, live_beliefs, make_agent
-from .person import Person
-from .proximity import ProximityWatch
-from .recordings.mind_inspector import MindInspector, Thought
-from .recordings.outcome import Run
-from .recordings.recorder import Event, Listener, Listeners, recording_to, rounded
-from .recordings.requirement_curve import requirement_curve
-from .recordings.scene import scene_of
-from .referee import Referee
-from .summary import summarise
+from .core.body import Body
+from .core.clock import MOMENT, Clock
+from .core.recorder import Event, Listener, Listeners, Thought, recording_to, rounded
+from .core.scenario import PersonEntry
+from .core.scene import Figure, Scene
+from .core.start import Start
+from .core.triggers import Triggers
+from .machines.agv.agv import Agv
+from .machines.agv.yielding import Foresight
+from .machines.gantry.controllers import Controller, find_controller, parked, supervised
+from .machines.gantry.robot import GantryRobot, Sighting, Surroundings
+from .orders import Dispatcher
+from .people.crossing import CrossingWatch
+from .people.mind_inspector import MindInspector
+from .people.minds import Mind, Outside, kept_beliefs, live_beliefs, make_agent
+from .people.person import Person
+from .people.programs import EXTERNAL, load_program
+from .people.walker import Place, Walker
+from .record.summary import summarise
+from .runs.run import Run
+from .safety.own_law import own_laws
+from .safety.proximity import ProximityWatch
+from .safety.referee import Referee
+from .safety.requirement_curve import requirement_curve
+from .safety.watches import Pair
 from .trials.checks import check
 from .trials.names import fixed_places
-from .trials.own_law import own_laws
-from .trials.programs import EXTERNAL, load_program
-from .trials.trial import PersonEntry, Start, Trial
-from .triggers import Triggers
-from .walker import Place, Walker
-from .watches import Pair
-from .yielding import Foresight
+from .trials.trial import Trial
 
 MOST_AT_ONCE, MOST_AT_ONCE_EACH = 3000, 100
 """So many events may happen within a millisecond, and so many more for each body."""
@@ -101,7 +104,7 @@ class Simulation:
         for entry in trial.people:
             self.people.append(self._make_person(entry))
         self.clock.most = MOST_AT_ONCE + MOST_AT_ONCE_EACH * len(self.bodies)
-        self.scene = scene_of(trial, self.bodies)
+        self.scene = _scene_of(trial, self.bodies)
         self._listener.begin(self.scene)
         self._record("trial_started", trial=trial.name, floorplan=trial.floorplan.name)
         for notice in trial.notices:
@@ -436,6 +439,24 @@ def _in_words(event: Event) -> str:
     """The kind of an event, and who took part."""
     who = [str(event[key]) for key in ("person", "with", "by", "agv", "job") if key in event]
     return f"{event['kind']} ({', '.join(who)})" if who else str(event["kind"])
+
+
+def _scene_of(trial: Trial, bodies: Iterable[Body]) -> Scene:
+    """The scene of a trial that is about to be run with these bodies."""
+    human = trial.floorplan.human
+    return Scene(
+        trial=trial.name,
+        seed=trial.seed,
+        floorplan=trial.floorplan,
+        rules=trial.rules,
+        people=tuple(
+            Figure(
+                person.name, person.personality_name, person.radius or human.radius, human.height
+            )
+            for person in trial.people
+        ),
+        starts={body.name: body.state.position for body in bodies},
+    )
 
 
 class _Keeper(Listener):

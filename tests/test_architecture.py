@@ -98,8 +98,8 @@ def recorded_kinds():
 
 
 def test_every_kind_of_event_is_known():
-    """Trials can expect whatever is recorded: see `sim/trials/event_kinds.py`."""
-    from sim.trials.event_kinds import EVENT_KINDS
+    """Trials can expect whatever is recorded: see `sim/core/event_kinds.py`."""
+    from sim.core.event_kinds import EVENT_KINDS
 
     found = list(recorded_kinds())
     assert len(found) > 10

@@ -24,7 +24,7 @@ from bdi.tokens import clauses, tokenize
 from fuzz.hunt import case
 from fuzz.readers import READERS, SAMPLES
 from sim.commands.percept_script import read_percepts
-from sim.study.folder import StudyFolder
+from sim.studies.folder import StudyFolder
 
 ROOT = Path(__file__).resolve().parents[1]
 CASES = int(os.environ.get("FUZZ_CASES", "15"))
@@ -66,13 +66,13 @@ READ_BY = {
     "sim/bridge/protocol.py": ["bridge_server"],
     "sim/commands/percept_script.py": ["percepts"],
     "sim/commands/replay.py": ["page"],
-    "sim/pages/replay.py": ["page"],
-    "sim/recordings/run_folder.py": ["summary.json", "events.jsonl", "thoughts.jsonl"],
-    "sim/recordings/scene_file.py": ["scene.json"],
-    "sim/recordings/strict_json.py": ["summary.json"],
-    "sim/study/folder.py": ["study.json"],
-    "sim/study/study_file.py": ["study"],
-    "sim/study/table.py": ["results.csv"],
+    "sim/views/replay.py": ["page"],
+    "sim/record/run_folder.py": ["summary.json", "events.jsonl", "thoughts.jsonl"],
+    "sim/record/scene_file.py": ["scene.json"],
+    "sim/record/strict_json.py": ["summary.json"],
+    "sim/studies/folder.py": ["study.json"],
+    "sim/studies/study_file.py": ["study"],
+    "sim/studies/table.py": ["results.csv"],
     "sim/trials/rules_file.py": ["rules"],
     "sim/trials/trial_file.py": ["trial", "ariac", "expectations"],
 }
@@ -82,11 +82,11 @@ READ_OTHERWISE = {
     "bdi/tokens.py": "the grammar",
     "sim/commands/check.py": "hands on to the readers of trials, studies and floors",
     "sim/commands/list.py": "the built-in programs",
-    "sim/recordings/sources.py": "hands on to the readers of trials and floors",
+    "sim/commands/sources.py": "hands on to the readers of trials and floors",
     "sim/testing/items.py": "hands on to the reader of trials",
-    "sim/study/identity.py": "the user's own Python, which has been imported before",
-    "sim/study/report.py": "a page of ours",
-    "sim/trials/own_source.py": "the user's own Python, which is parsed",
+    "sim/studies/identity.py": "the user's own Python, which has been imported before",
+    "sim/studies/report.py": "a page of ours",
+    "sim/core/own_source.py": "the user's own Python, which is parsed",
 }
 """Which modules read something else."""
 

@@ -12,7 +12,7 @@ import yaml
 import bdi
 import floorplan
 import sim
-from sim.trials.event_kinds import EVENT_KINDS
+from sim.core.event_kinds import EVENT_KINDS
 
 ROOT = Path(__file__).resolve().parents[1]
 DOCUMENTS = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]

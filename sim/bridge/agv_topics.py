@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from functools import partial
 from typing import Any
 
-from ..agv import Agv
+from ..machines.agv.agv import Agv
 from .client import Client
 from .exchange import Exchange
 from .gate import Gate

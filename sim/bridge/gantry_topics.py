@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..gantry import GantryRobot
+from ..machines.gantry.robot import GantryRobot
 from .client import Client
 from .exchange import Exchange, RefusedError
 from .gate import Gate

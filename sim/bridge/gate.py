@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from ..clock import Clock
+from ..core.clock import Clock
 from .exchange import RefusedError
 
 MOST_COMMANDS = 300

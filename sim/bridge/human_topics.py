@@ -13,10 +13,10 @@ import shapely
 import bdi
 from floorplan import Floorplan
 
-from ..minds import Outside
-from ..person import MindError, Person
-from ..recordings.recorder import Event
-from ..referee import Referee
+from ..core.recorder import Event
+from ..people.minds import Outside
+from ..people.person import MindError, Person
+from ..safety.referee import Referee
 from .client import Client
 from .exchange import Exchange, RefusedError
 from .gate import Gate

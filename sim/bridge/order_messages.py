@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..ariac import AssemblyTask, KittingTask, Order, Part
+from ..orders import AssemblyTask, KittingTask, Order, Part
 from .conformance import blank
 from .message_types import message_type
 from .readings import LOCATIONS

@@ -9,7 +9,7 @@ from typing import Any
 from floorplan import Gantry, Lane
 from navigation import State, lane_state
 
-from ..body import Body
+from ..core.body import Body
 
 Message = dict[str, Any]
 Values = tuple[float, float, float]

@@ -9,9 +9,10 @@ from typing import Any
 
 import bdi
 
-from ..minds import make_agent
-from ..trials.programs import EXTERNAL
-from ..trials.trial import PersonEntry, Trial
+from ..core.scenario import PersonEntry
+from ..people.minds import make_agent
+from ..people.programs import EXTERNAL
+from ..trials.trial import Trial
 from .connection import ConnectError, Connection, LostError, ServiceError
 from .remote_person import RemotePerson
 from .workcell import ENDED, BridgeError

@@ -10,9 +10,10 @@ from typing import Any
 import bdi
 from navigation import CollisionWorld, PathPlanner, PlanningError
 
-from ..minds import Mind, Percepts
-from ..person import MindError
-from ..trials.trial import PersonEntry, Trial
+from ..core.scenario import PersonEntry
+from ..people.minds import Mind, Percepts
+from ..people.person import MindError
+from ..trials.trial import Trial
 from .connection import Connection
 from .human_topics import (
     ACTION,

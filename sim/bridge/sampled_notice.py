@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Literal
 
-from ..rules import Notice
+from ..core.rules import Notice
 
 
 class SampledNotice:

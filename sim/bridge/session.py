@@ -8,7 +8,7 @@ import socket
 from collections.abc import Callable
 from typing import Any
 
-from ..trials.programs import EXTERNAL
+from ..people.programs import EXTERNAL
 from .client import Client
 from .exchange import Exchange, RefusedError
 from .gantry_topics import TRAJECTORY

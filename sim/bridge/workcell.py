@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from simpy.core import StopSimulation
 
-from ..ariac import Order
-from ..body import Body
-from ..clock import Turn
-from ..minds import Outside
-from ..recordings.recorder import Event, Listener
+from ..core.body import Body
+from ..core.clock import Turn
+from ..core.recorder import Event, Listener
+from ..orders import Order
+from ..people.minds import Outside
+from ..people.programs import EXTERNAL
 from ..simulation import Simulation
-from ..trials.programs import EXTERNAL
 from ..trials.trial import Trial
 from .agv_topics import AgvTopics
 from .exchange import Exchange

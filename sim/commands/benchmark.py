@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..recordings.output import replacing, writing
+from ..core.output import replacing, writing
 from . import completion
 from .consoles import plain_console, say
 

@@ -46,8 +46,8 @@ def export(
     no_own_code: NoOwnCode = False,
 ) -> None:
     """Write a run in the format of another tool, sampled from the exact motions."""
+    from sim.commands.sources import run_from
     from sim.exports import Export
-    from sim.recordings.sources import run_from
 
     name = format.value if format is not None else None
     chosen = Export.to(out, rate=rate, format=name)

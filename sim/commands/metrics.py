@@ -37,7 +37,7 @@ def metrics(
     import json
 
     import sim
-    from sim.recordings.sources import run_from
+    from sim.commands.sources import run_from
 
     radii = dict(map(_radius, radius or []))
     figures = sim.metrics(run_from(source, own_code=not no_own_code), radii=radii)

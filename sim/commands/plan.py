@@ -126,6 +126,6 @@ def _as_json(way: Way, cpu_seconds: float) -> str:
 
 
 def _draw(world: CollisionWorld, way: Way, radius: float, path: Path) -> None:
-    from sim import plots
+    from sim.views import plots
 
     plots.save(plots.path(world, way, radius=radius), path)

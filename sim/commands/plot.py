@@ -39,8 +39,8 @@ def floorplan(
     no_own_code: NoOwnCode = False,
 ) -> None:
     """The floor from above, with everything that has a name."""
-    from sim import plots
-    from sim.recordings.sources import floorplan_from
+    from sim.commands.sources import floorplan_from
+    from sim.views import plots
 
     plots.require_savable(out)
     _save(plots.floorplan(floorplan_from(floor, own_code=not no_own_code), width=width), out)
@@ -62,8 +62,8 @@ def path(
 ) -> None:
     """A person's way across a floor, and how much room there is along it."""
     from navigation import CollisionWorld, PathPlanner
-    from sim import plots
-    from sim.recordings.sources import floorplan_from
+    from sim.commands.sources import floorplan_from
+    from sim.views import plots
 
     plots.require_savable(out)
     world = CollisionWorld(floorplan_from(floor, own_code=not no_own_code))
@@ -134,8 +134,8 @@ def heatmap(
     no_own_code: NoOwnCode = False,
 ) -> None:
     """Where people were, and for how long."""
-    from sim import plots
-    from sim.recordings.sources import run_from
+    from sim.commands.sources import run_from
+    from sim.views import plots
 
     plots.require_savable(out)
     runs = [run_from(source, own_code=not no_own_code) for source in sources]
@@ -144,8 +144,8 @@ def heatmap(
 
 def _run(source: str, out: Path, *, own_code: bool) -> Recorded:
     """The run to be drawn into `out`, if that can be done at all."""
-    from sim import plots
-    from sim.recordings.sources import run_from
+    from sim.commands.sources import run_from
+    from sim.views import plots
 
     plots.require_savable(out)
     return run_from(source, own_code=own_code)
@@ -158,7 +158,7 @@ def _within(begin: float | None, end: float | None) -> tuple[float, float] | Non
 
 
 def _save(figure: Figure, out: Path) -> None:
-    from sim import plots
+    from sim.views import plots
 
     plots.save(figure, out)
     say(str(out))

@@ -24,9 +24,9 @@ def render(
     no_own_code: NoOwnCode = False,
 ) -> None:
     """Film a run: a GIF, or an MP4."""
-    from sim import plots
     from sim.commands.bars import progress_bars
-    from sim.recordings.sources import run_from
+    from sim.commands.sources import run_from
+    from sim.views import plots
 
     plots.require_renderable(out)
     run = run_from(source, own_code=not no_own_code)

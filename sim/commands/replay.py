@@ -8,8 +8,8 @@ from typing import Annotated, Any
 
 import typer
 
-from ..pages.browser import open_in_browser
-from ..recordings.output import write_whole, writing
+from ..core.output import write_whole, writing
+from .browser import open_in_browser
 from .consoles import say
 
 
@@ -52,7 +52,7 @@ def replay(
 
 
 def _serve(page: str, port: int, *, opened: bool) -> None:
-    from ..pages.page_server import PageServer
+    from ..live.page_server import PageServer
 
     with PageServer(lambda: page, port=port) as server:
         say(server.url)
@@ -67,7 +67,7 @@ def _serve(page: str, port: int, *, opened: bool) -> None:
 
 
 def _page(run: Path, other: Path | None) -> str:
-    from ..pages.replay import render
+    from ..views.replay import render
 
     recordings = _recordings(run)
     if other is not None:
@@ -97,9 +97,9 @@ def _recordings(path: Path) -> list[dict[str, Any]]:
     """What a page shows of a run, from its folder; or what a page has, of one run or of two."""
     from floorplan import LARGEST_RECORDED, InputError, read_text
 
-    from ..pages.replay import recordings_in
-    from ..pages.replay_data import replay_data
-    from ..recordings.run_folder import load_run
+    from ..runs.run_folder import load_run
+    from ..views.replay import recordings_in
+    from ..views.replay_data import replay_data
 
     if not path.exists():
         raise ValueError(f"{path}: there is no such folder or file")

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..folder_names import folder_for
-from ..pages.browser import open_in_browser
+from ..core.folder_names import folder_for
 from . import completion
 from .arguments import Duration, NoOwnCode, RecordingFolder, Rules, Seed, TrialName
+from .browser import open_in_browser
 from .consoles import plain_console, say
 
 if TYPE_CHECKING:
@@ -105,7 +105,7 @@ def tell_notices(trial: Trial) -> None:
 
 def _tell_who_waits(trial: Trial) -> None:
     """Say who does nothing here because they are driven from outside."""
-    from ..trials.programs import EXTERNAL
+    from ..people.programs import EXTERNAL
 
     waiting = [person.name for person in trial.people if person.personality == EXTERNAL]
     if trial.floorplan.gantry is not None and trial.gantry.controller == EXTERNAL:
@@ -135,7 +135,7 @@ def changed(
     """The trial with what the options say instead; `TrialError` if it can't be run so."""
     from floorplan import is_there
     from sim import find_rules
-    from sim.controllers import controller_source
+    from sim.machines.gantry.controllers import controller_source
     from sim.trials.checks import check
 
     if personality is not None:
@@ -217,7 +217,7 @@ def _advance(simulation: Simulation) -> bool:
 def _report(run: Run, folder: Path) -> None:
     from rich.table import Table
 
-    from sim.recordings.figures import figures_in_words
+    from sim.record.figures import figures_in_words
 
     summary = run.summary
     console = plain_console()

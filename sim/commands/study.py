@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..folder_names import folder_for
+from ..core.folder_names import folder_for
 from . import completion
 from .arguments import NoOwnCode
 from .consoles import plain_console, say, visible
 from .run import INTERRUPTED
 
 if TYPE_CHECKING:
-    from sim.study import Study, StudyResults
+    from sim.studies import Study, StudyResults
 
 WIDTH = 120
 """Characters in a line of the table where no terminal says how many there are."""
@@ -45,7 +45,7 @@ def study(
     no_own_code: NoOwnCode = False,
 ) -> None:
     """Run the trials of a study in all their variations; go on where it was stopped before."""
-    from sim.study import Study, save_trial
+    from sim.studies import Study, save_trial
 
     chosen = Study.load(file, own_code=not no_own_code)
     folder = folder_for(chosen.name, "studies") if out is None else out
@@ -72,7 +72,7 @@ def _run(chosen: Study, folder: Path, jobs: int | None, backend: str) -> StudyRe
     from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
 
     from sim.commands.bars import progress_bars
-    from sim.study import run_study
+    from sim.studies import run_study
 
     shown = (
         TextColumn("{task.description}", markup=False),
@@ -105,7 +105,7 @@ def _report(results: StudyResults) -> None:
     """The means of every combination as a table, and where to look on."""
     from rich.table import Table
 
-    from sim.study import figure
+    from sim.studies import figure
 
     compared = results.comparison
     table = Table(title=results.study.name, title_justify="left")

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..recordings.outcome import Recorded
-from ..recordings.trajectory import write_trajectory
+from ..record.outcome import Outcome
+from ..record.trajectory import write_trajectory
 
 
-def write(run: Recorded, path: Path, rate: float) -> None:
+def write(run: Outcome, path: Path, rate: float) -> None:
     """Write `run` to `path` at `rate` (Hz); see `write_trajectory`."""
     with path.open("w", encoding="utf-8", newline="\n") as file:
         write_trajectory(run, file, rate)

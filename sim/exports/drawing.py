@@ -14,9 +14,9 @@ from shapely.geometry import Polygon
 
 from floorplan import Floorplan, Gantry, Lane, Obstacle
 
-from ..recordings.outcome import Recorded
-from ..recordings.recorder import Event
-from ..recordings.scene import Figure
+from ..core.recorder import Event
+from ..core.scene import Figure
+from ..record.outcome import Outcome
 from .shapes import Arrow, Block, Color, Label, Line, Point3, Shape, Surface, Thing, Tube
 from .track import Pose, just_before
 
@@ -75,7 +75,7 @@ def floor(plan: Floorplan) -> list[Thing]:
     return things
 
 
-def bodies(run: Recorded) -> list[Thing]:
+def bodies(run: Outcome) -> list[Thing]:
     """Everything that moves, each thing in the frame that moves it."""
     plan = run.floorplan
     things = [
@@ -96,7 +96,7 @@ def frames(poses: Iterable[Pose]) -> Iterator[tuple[str, float, float, float]]:
             yield BRIDGE_FRAME, pose.x, 0.0, 0.0
 
 
-def violation(run: Recorded, event: Event) -> Thing:
+def violation(run: Outcome, event: Event) -> Thing:
     """What marks a `violation` event: a ring round the person, a line to the machine, figures."""
     person, machine = event["person"], event["with"]
     (x, y), end = just_before(run, person, event), just_before(run, machine, event)

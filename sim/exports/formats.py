@@ -11,14 +11,14 @@ from typing import cast
 
 from floorplan import require, suggestion
 
-from ..recordings.outcome import Recorded
-from ..recordings.output import OutputError, replacing, writing
-from ..recordings.sampling import require_instants, require_rate
+from ..core.output import OutputError, replacing, writing
+from ..record.outcome import Outcome
+from ..record.sampling import require_instants, require_rate
 
 DEFAULT_RATE = 20.0
 """Hz."""
 
-Writer = Callable[[Recorded, Path, float], None]
+Writer = Callable[[Outcome, Path, float], None]
 """Writes a run into a file or folder that isn't there yet, at a rate in Hz."""
 
 
@@ -84,12 +84,12 @@ class Export:
             raise OutputError(f"{path} is there already; give another name, or remove it")
         return cls(path, chosen, rate)
 
-    def write(self, run: Recorded) -> None:
+    def write(self, run: Outcome) -> None:
         """Write `run`; `OutputError` if that can't be done, and then nothing is left.
 
         `ValueError` if the rate is so high that nobody would wait for the end.
         """
-        require(run, Recorded, "sim.load_run")
+        require(run, Outcome, "sim.load_run")
         require_instants(run.duration, self.rate)
         with writing(self.path):
             self.path.parent.mkdir(parents=True, exist_ok=True)
@@ -101,7 +101,7 @@ class Export:
 
 
 def export(
-    run: Recorded, path: str | Path, *, rate: float = DEFAULT_RATE, format: str | None = None
+    run: Outcome, path: str | Path, *, rate: float = DEFAULT_RATE, format: str | None = None
 ) -> None:
     """Write `run` to `path`, `rate` times a second (Hz).
 

@@ -20,8 +20,8 @@ import numpy as np
 import shapely
 from shapely.geometry import Point, Polygon
 
-from ..recordings.outcome import Recorded
-from ..recordings.sampling import Array, blocks_of_instants, sample
+from ..record.outcome import Outcome
+from ..record.sampling import Array, blocks_of_instants, sample
 
 VERSION = 2
 """Of the schema, by JuPedSim's count."""
@@ -47,7 +47,7 @@ class Agent:
     end: float
 
 
-def write(run: Recorded, path: Path, rate: float) -> None:
+def write(run: Outcome, path: Path, rate: float) -> None:
     """Write the people of `run` to `path` at `rate` frames a second."""
     with closing(sqlite3.connect(path)) as database:
         database.executescript(_TABLES)
@@ -55,7 +55,7 @@ def write(run: Recorded, path: Path, rate: float) -> None:
         database.commit()
 
 
-def _write(run: Recorded, database: sqlite3.Connection, rate: float) -> None:
+def _write(run: Outcome, database: sqlite3.Connection, rate: float) -> None:
     agents = list(_agents(run))
     area = _walkable(run)
     geometry = zlib.crc32(area.wkt.encode())
@@ -83,7 +83,7 @@ def _write(run: Recorded, database: sqlite3.Connection, rate: float) -> None:
         )
 
 
-def _agents(run: Recorded) -> Iterator[Agent]:
+def _agents(run: Outcome) -> Iterator[Agent]:
     number = 0
     for person in run.scene.people:
         jumps = sorted(run.motions[person.name].jumps)
@@ -93,7 +93,7 @@ def _agents(run: Recorded) -> Iterator[Agent]:
 
 
 def _rows(
-    run: Recorded, agents: list[Agent], times: Array, frames: range
+    run: Outcome, agents: list[Agent], times: Array, frames: range
 ) -> list[tuple[float, ...]]:
     """frame, id, x, y and the direction of the look, by frame and agent."""
     rows: list[tuple[float, ...]] = []
@@ -109,7 +109,7 @@ def _rows(
     return sorted(rows)
 
 
-def _walkable(run: Recorded) -> Polygon:
+def _walkable(run: Outcome) -> Polygon:
     """Where people can stand; of several areas the one that most of them start in."""
     human = run.floorplan.human
     starts = [Point(*run.scene.starts[person.name][:2]) for person in run.scene.people]

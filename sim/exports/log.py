@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from ..recordings.recorder import Event
+from ..core.recorder import Event
 
 Level = Literal["info", "warning", "error"]
 

@@ -45,15 +45,15 @@ from foxglove.messages import (
     Vector3,
 )
 
-from ..recordings.outcome import Recorded
-from ..recordings.recorder import Event
+from ..core.recorder import Event
+from ..record.outcome import Outcome
 from . import drawing, log, shapes, track
 from .track import nanoseconds
 
 _LEVELS = {"info": LogLevel.Info, "warning": LogLevel.Warning, "error": LogLevel.Error}
 
 
-def write(run: Recorded, path: Path, rate: float) -> None:
+def write(run: Outcome, path: Path, rate: float) -> None:
     """Write `run` to `path` with `rate` poses a second of every body."""
     context = foxglove.Context()
     # One thread compresses: several cut the data differently on machines with other core counts.
@@ -67,7 +67,7 @@ def write(run: Recorded, path: Path, rate: float) -> None:
             raise sink.failure
 
 
-def _about(run: Recorded, rate: float) -> dict[str, str]:
+def _about(run: Outcome, rate: float) -> dict[str, str]:
     timing = ("cpu_seconds", "realtime_factor")
     summary = {name: value for name, value in run.summary.items() if name not in timing}
     return {
@@ -117,7 +117,7 @@ class _Sink:
 class _Writer:
     """The channels of one file."""
 
-    def __init__(self, run: Recorded, context: foxglove.Context) -> None:
+    def __init__(self, run: Outcome, context: foxglove.Context) -> None:
         people = [person.name for person in run.scene.people]
         self._run = run
         self._floor = SceneUpdateChannel("/floor", context=context)

@@ -8,8 +8,8 @@ import numpy as np
 import pyarrow as pa
 from pyarrow.parquet import ParquetWriter
 
-from ..recordings.outcome import Recorded
-from ..recordings.sampling import blocks_of_instants, sample_all
+from ..record.outcome import Outcome
+from ..record.sampling import blocks_of_instants, sample_all
 
 SCHEMA = pa.schema(
     [
@@ -25,7 +25,7 @@ SCHEMA = pa.schema(
 """The columns of `trajectory.csv`, with all of their digits."""
 
 
-def write(run: Recorded, path: Path, rate: float) -> None:
+def write(run: Outcome, path: Path, rate: float) -> None:
     """Write `run` to `path` at `rate` (Hz)."""
     names = pa.array(list(run.motions), pa.string())
     about = {"trial": run.scene.trial, "floorplan": run.floorplan.name, "rate": f"{rate:g}"}

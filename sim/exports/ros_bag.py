@@ -21,8 +21,8 @@ from rosbags.interfaces import (
 )
 from rosbags.rosbag2 import StoragePlugin, Writer
 
-from ..recordings.outcome import Recorded
-from ..recordings.recorder import Event
+from ..core.recorder import Event
+from ..record.outcome import Outcome
 from . import drawing, log, track
 from .ros_messages import Messages
 from .track import nanoseconds
@@ -46,7 +46,7 @@ Topic = Callable[[float, Any], None]
 """Writes a message for an instant (seconds)."""
 
 
-def write(run: Recorded, path: Path, rate: float) -> None:
+def write(run: Outcome, path: Path, rate: float) -> None:
     """Write `run` into the folder `path` with `rate` poses a second of every body."""
     with Writer(path, version=VERSION, storage_plugin=StoragePlugin.SQLITE3) as bag:
         _Topics(run, bag).write(rate)
@@ -68,7 +68,7 @@ def topic_names(names: Iterable[str]) -> dict[str, str]:
 class _Topics:
     """The topics of one bag."""
 
-    def __init__(self, run: Recorded, bag: Writer) -> None:
+    def __init__(self, run: Outcome, bag: Writer) -> None:
         self._run = run
         self._bag = bag
         self._make = Messages(drawing.ROOT_FRAME)

@@ -12,9 +12,9 @@ import numpy as np
 
 from navigation import Motion
 
-from ..recordings.outcome import Recorded
-from ..recordings.recorder import Event
-from ..recordings.sampling import blocks_of_instants, sample
+from ..core.recorder import Event
+from ..record.outcome import Outcome
+from ..record.sampling import blocks_of_instants, sample
 
 ROUNDING = 1e-8
 """Seconds. Instants of events are rounded to less than this, instants of motions are exact."""
@@ -51,7 +51,7 @@ class Moment:
     way: Way | None = None
 
 
-def moments(run: Recorded, rate: float) -> Iterator[Moment]:
+def moments(run: Outcome, rate: float) -> Iterator[Moment]:
     """Everything to tell of a run in order of time, with every body's pose at `rate` (Hz).
 
     Viewers draw a straight line from one pose to the next: another pose a nanosecond before
@@ -66,7 +66,7 @@ def moments(run: Recorded, rate: float) -> Iterator[Moment]:
     )
 
 
-def ways(run: Recorded) -> list[Way]:
+def ways(run: Outcome) -> list[Way]:
     """Every person's ways from goal to goal, in order of time; as they went, not as they meant."""
     found: list[Way] = []
     for person in run.scene.people:
@@ -84,7 +84,7 @@ def ways(run: Recorded) -> list[Way]:
     return sorted(found, key=attrgetter("t"))
 
 
-def just_before(run: Recorded, body: str, event: Event) -> tuple[float, float]:
+def just_before(run: Outcome, body: str, event: Event) -> tuple[float, float]:
     """Where a body (x, y in metres) was when `event` came about, not where it put the body."""
     return run.motions[body].state(event["t"] - ROUNDING).at
 
@@ -94,14 +94,14 @@ def nanoseconds(t: float) -> int:
     return round(t * 1e9)
 
 
-def _regular(run: Recorded, rate: float) -> Iterator[Moment]:
+def _regular(run: Outcome, rate: float) -> Iterator[Moment]:
     for times in blocks_of_instants(run.duration, rate):
         tables = {name: sample(m, times).tolist() for name, m in run.motions.items()}
         for k, t in enumerate(times.tolist()):
             yield Moment(t, tuple(Pose(name, *table[k]) for name, table in tables.items()))
 
 
-def _jumps(run: Recorded) -> list[Moment]:
+def _jumps(run: Outcome) -> list[Moment]:
     found = [
         Moment(t, (Pose(name, *sample(motion, np.array([t]))[0].tolist()),))
         for name, motion in run.motions.items()

@@ -10,16 +10,16 @@ import pytest
 
 import bdi
 
-from ..clock import StandstillError
-from ..controllers import ControllerError
-from ..pages.replay import render
-from ..pages.replay_data import replay_data
-from ..person import MindError
-from ..recordings.outcome import Run
-from ..recordings.output import write_whole
+from ..core.clock import StandstillError
+from ..core.output import write_whole
+from ..machines.gantry.controllers import ControllerError
+from ..people.person import MindError
+from ..runs.run import Run
+from ..safety.own_law import LawError
 from ..simulation import Simulation
-from ..trials.own_law import LawError
 from ..trials.trial import Trial
+from ..views.replay import render
+from ..views.replay_data import replay_data
 
 _LONGEST_NAME = 120
 """Characters of a page's file name."""

@@ -12,11 +12,12 @@ import bdi
 import floorplan
 from floorplan import Document, InputError
 
-from ..clock import StandstillError
-from ..controllers import ControllerError
-from ..person import MindError
-from ..trials.own_law import LawError
-from ..trials.trial import Trial, TrialError
+from ..core.clock import StandstillError
+from ..core.scenario import TrialError
+from ..machines.gantry.controllers import ControllerError
+from ..people.person import MindError
+from ..safety.own_law import LawError
+from ..trials.trial import Trial
 from ..trials.trial_file import build
 from ..trials.verdict import Verdict
 from .failures import Failures
@@ -44,7 +45,7 @@ class TrialFile(pytest.File):
         try:
             document = floorplan.read_yaml(self.path, TrialError)
             own_code = not self.config.getoption("--no-own-code")
-            trial = build(document, self.path.parent, own_code)
+            trial = build(Trial, document, self.path.parent, own_code)
             if "expect" in document.data:
                 yield TrialItem.from_parent(self, name=trial.name, trial=trial, document=document)
         except (*_TOLD, OSError) as why:

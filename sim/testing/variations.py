@@ -12,9 +12,9 @@ import pytest
 
 import bdi
 
-from ..controllers import CONTROLLERS, controller_source
-from ..rules import RULE_SETS, RuleSet
-from ..trials.programs import EXTERNAL, load_program
+from ..core.rules import RULE_SETS, RuleSet
+from ..machines.gantry.controllers import CONTROLLERS, controller_source
+from ..people.programs import EXTERNAL, load_program
 from ..trials.rules_file import find_rules
 from ..trials.trial import Trial
 from ..trials.trial_file import builtin_trials

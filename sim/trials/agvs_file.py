@@ -9,7 +9,7 @@ from pydantic import Discriminator, Field, Strict, Tag
 
 from floorplan import NotNegative, Number, Strictly
 
-from .trial import AgvMove
+from ..core.scenario import AgvMove
 
 
 class _Move(Strictly):

@@ -22,12 +22,13 @@ from floorplan import (
     suggestion,
 )
 
-from ..rules import NO_TIME, MachineMeasure, PersonMeasure, RuleSet
-from .event_kinds import EVENT_KINDS
+from ..core.event_kinds import EVENT_KINDS
+from ..core.rules import NO_TIME, MachineMeasure, PersonMeasure, RuleSet
+from ..core.scenario import GantryEntry, Job, PersonalityChange, PersonEntry, Scenario, TrialError
+from ..core.start import Start
+from ..people.programs import EXTERNAL, find_program
 from .expectations import expectation_problems
 from .names import agvs, checked_name, fixed_places, orders, parts, people, places
-from .programs import EXTERNAL, find_program
-from .trial import GantryEntry, Job, PersonalityChange, PersonEntry, Start, Trial, TrialError
 
 NAME = r"[A-Za-z][A-Za-z0-9_-]*"
 """What people may be called."""
@@ -42,14 +43,14 @@ CONDITIONS = ("time", "part_placed", "order_submitted", "event")
 """What somebody can wait for, one of them, before they start or change."""
 
 
-def check(trial: Trial) -> None:
+def check(trial: Scenario) -> None:
     """`TrialError` with everything about `trial` that can't be; `TypeError` if it is no trial."""
-    require(trial, Trial, "sim.Trial.load")
+    require(trial, Scenario, "sim.Trial.load")
     require_fields(trial)
     refuse(f"trial {trial.name!r}", faults(trial), TrialError)
 
 
-def faults(trial: Trial) -> Iterator[Fault]:
+def faults(trial: Scenario) -> Iterator[Fault]:
     """Everything about `trial` that can't be; its controller is not looked for."""
     if fault := name_fault(trial.name):
         yield fault, ("name",)
@@ -117,7 +118,7 @@ def _rule_faults(rules: RuleSet) -> Iterator[Fault]:
 # ---- people
 
 
-def _person_faults(person: PersonEntry, trial: Trial) -> Iterator[Fault]:
+def _person_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:
     if not re.fullmatch(NAME, person.name):
         message = f"must begin with a letter, and have letters, digits, _ and -: {person.name!r}"
         yield message, ("name",)
@@ -135,7 +136,7 @@ def _person_faults(person: PersonEntry, trial: Trial) -> Iterator[Fault]:
             yield f"is not a belief: {why}", ("beliefs", k)
 
 
-def _personality_faults(person: PersonEntry, trial: Trial) -> Iterator[Fault]:
+def _personality_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:
     named: list[tuple[PersonEntry | PersonalityChange, Place]] = [(person, ("personality",))]
     named += [(change, ("changes", k, "personality")) for k, change in enumerate(person.changes)]
     if len(named) > 1 and any(one.personality == EXTERNAL for one, _ in named):
@@ -148,7 +149,7 @@ def _personality_faults(person: PersonEntry, trial: Trial) -> Iterator[Fault]:
             yield why.problems[0].message, place
 
 
-def _start_faults(start: Start, trial: Trial, *place: str | int) -> Iterator[Fault]:
+def _start_faults(start: Start, trial: Scenario, *place: str | int) -> Iterator[Fault]:
     if sum(getattr(start, name) is not None for name in CONDITIONS) != 1:
         yield f"must be one of {', '.join(CONDITIONS)}", place
     if start.time is not None:
@@ -179,7 +180,7 @@ def _name_faults(
         yield str(why), place
 
 
-def _place_faults(person: PersonEntry, trial: Trial) -> Iterator[Fault]:
+def _place_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:
     plan, zone = trial.floorplan, trial.floorplan.safe_zone
     for key, place in (("at", person.at), ("home", person.home)):
         if place is not None and (fault := starting_fault(plan, place, person.radius)):
@@ -195,7 +196,7 @@ def _place_faults(person: PersonEntry, trial: Trial) -> Iterator[Fault]:
 # ---- machines
 
 
-def _gantry_faults(trial: Trial) -> Iterator[Fault]:
+def _gantry_faults(trial: Scenario) -> Iterator[Fault]:
     gantry, entry = trial.floorplan.gantry, trial.gantry
     if gantry is None:
         if entry != GantryEntry():
@@ -228,7 +229,7 @@ def _job_faults(
         yield f"a job is one of move, wait, pick_place, submit, not {job.kind!r}", ()
 
 
-def _agv_faults(trial: Trial) -> Iterator[Fault]:
+def _agv_faults(trial: Scenario) -> Iterator[Fault]:
     lanes: Mapping[str, Lane] = {lane.name: lane for lane in trial.floorplan.lanes}
     for name in (*trial.agvs, *sorted(trial.yielding - {*trial.agvs})):
         if name not in lanes:

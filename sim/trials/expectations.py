@@ -8,21 +8,17 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from floorplan import suggestion
+from floorplan import Place, suggestion
 
+from ..core.scenario import Scenario
+from ..record.outcome import Outcome
 from . import names
 from .comparison import Comparison, in_words
 from .summary_fields import SummaryField, summary_fields
 from .timeline import read_statement
 from .verdict import Verdict
-
-if TYPE_CHECKING:
-    from floorplan import Place
-
-    from ..recordings.outcome import Run
-    from .trial import Trial
 
 TIMELINE = "timeline"
 """The key under which expectations over time stand."""
@@ -34,30 +30,30 @@ _VISITS = {
     "never": "never to have",
 }
 
-Check = Callable[["Run"], Verdict]
+Check = Callable[["Outcome"], Verdict]
 
 
-def expectation_problems(trial: Trial) -> Iterator[tuple[str, Place]]:
+def expectation_problems(trial: Scenario) -> Iterator[tuple[str, Place]]:
     """What can't be checked in what `trial` expects: a message, and the keys it stands at."""
     for place, check in _checks(trial):
         if isinstance(check, ValueError):
             yield str(check), place
 
 
-def verdicts(run: Run) -> list[Verdict]:
-    """What became of each thing that the trial of `run` expects.
+def verdicts(trial: Scenario, run: Outcome) -> list[Verdict]:
+    """Return what became of each thing that `trial` expects of `run`.
 
     `ValueError` if it expects something that can't be checked.
     """
     found = []
-    for place, check in _checks(run.trial):
+    for place, check in _checks(trial):
         if isinstance(check, ValueError):
             raise check
         found.append(replace(check(run), place=place))
     return found
 
 
-def _checks(trial: Trial) -> Iterator[tuple[Place, Check | ValueError]]:
+def _checks(trial: Scenario) -> Iterator[tuple[Place, Check | ValueError]]:
     """Each expectation as a check, or what is wrong with it."""
     fields = summary_fields(trial) if trial.expect else {}
     for key, wanted in trial.expect.items():
@@ -77,11 +73,13 @@ def _attempt(read: Callable[..., Check], *arguments: Any) -> Check | ValueError:
         return why
 
 
-def _statement_check(written: Any, trial: Trial) -> Check:
+def _statement_check(written: Any, trial: Scenario) -> Check:
     return read_statement(written, trial).check
 
 
-def _field_check(key: str, wanted: Any, fields: Mapping[str, SummaryField], trial: Trial) -> Check:
+def _field_check(
+    key: str, wanted: Any, fields: Mapping[str, SummaryField], trial: Scenario
+) -> Check:
     field = fields.get(key)
     if field is None:
         raise ValueError(f"a run has no such figure; {_hint(key, fields)}")
@@ -113,7 +111,7 @@ class _FigureCheck:
     wanted: str
     passes: Callable[[Any], bool]
 
-    def __call__(self, run: Run) -> Verdict:
+    def __call__(self, run: Outcome) -> Verdict:
         found = self.field.value(run)
         if found is None:
             return Verdict(f"{self.key} {self.wanted}", "there is no such figure", False)
@@ -127,7 +125,7 @@ class _FigureCheck:
         )
 
 
-def _visits(key: str, wanted: Any, field: SummaryField, trial: Trial) -> Check:
+def _visits(key: str, wanted: Any, field: SummaryField, trial: Scenario) -> Check:
     """That the stations a person came to are as they should be."""
     if isinstance(wanted, list):
         wanted = {"begin_with": wanted}
@@ -152,7 +150,7 @@ class _VisitsCheck:
     how: str
     stations: tuple[str, ...]
 
-    def __call__(self, run: Run) -> Verdict:
+    def __call__(self, run: Outcome) -> Verdict:
         found = self.field.value(run)
         wrong = self._first_wrong(found)
         instants = self.field.instants(run)

@@ -16,9 +16,9 @@ from typing import Any
 from floorplan import LARGEST, suggestion
 from navigation import AnyLaw, ApproachLaw, FixedDistance, IntegralLaw, SeparationLaw
 
-from .own_law import LAW, OwnLaw
-from .own_parameters import parameters
-from .own_source import REFUSED, OwnCodeError, find_source
+from ..core.own_parameters import parameters
+from ..core.own_source import REFUSED, OwnCodeError, find_source
+from ..safety.own_law import LAW, OwnLaw
 
 LAWS: dict[str, Any] = {
     "iso_ts_15066": SeparationLaw,

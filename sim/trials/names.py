@@ -4,37 +4,36 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import bdi
 from floorplan import Floorplan, Point, suggestion
 
-if TYPE_CHECKING:
-    from .event_kinds import Form
-    from .trial import Trial
+from ..core.event_kinds import Form
+from ..core.scenario import Scenario
 
 
-def people(trial: Trial) -> list[str]:
+def people(trial: Scenario) -> list[str]:
     """The names of the people."""
     return [person.name for person in trial.people]
 
 
-def machines(trial: Trial) -> list[str]:
+def machines(trial: Scenario) -> list[str]:
     """The names of the gantry and the AGVs."""
     return [*(["gantry"] if trial.floorplan.gantry else []), *agvs(trial)]
 
 
-def agvs(trial: Trial) -> list[str]:
+def agvs(trial: Scenario) -> list[str]:
     """The names of the AGVs."""
     return [lane.name for lane in trial.floorplan.lanes]
 
 
-def stations(trial: Trial) -> list[str]:
+def stations(trial: Scenario) -> list[str]:
     """The names of the stations."""
     return [station.name for station in trial.floorplan.stations]
 
 
-def places(trial: Trial) -> list[str]:
+def places(trial: Scenario) -> list[str]:
     """What the gantry can pick from and place onto."""
     return [*fixed_places(trial.floorplan), *agvs(trial)]
 
@@ -47,29 +46,29 @@ def fixed_places(plan: Floorplan) -> dict[str, Point]:
     }
 
 
-def parts(trial: Trial) -> list[str]:
+def parts(trial: Scenario) -> list[str]:
     """The names of all parts that are carried, or could be."""
     ariac = trial.workload.parts if trial.workload else ()
     return [*ariac, *(job.part for job in trial.gantry.jobs if job.part)]
 
 
-def orders(trial: Trial) -> list[str]:
+def orders(trial: Scenario) -> list[str]:
     """The names of the orders that are handed in."""
     ariac = trial.workload.orders if trial.workload else ()
     return [*(order.id for order in ariac), *(job.order for job in trial.gantry.jobs if job.order)]
 
 
-def _locations(trial: Trial) -> list[str]:
+def _locations(trial: Scenario) -> list[str]:
     lanes = trial.floorplan.lanes
     return [name for lane in lanes for name in (*lane.locations, *lane.serves)]
 
 
-def _personalities(trial: Trial) -> list[str]:
+def _personalities(trial: Scenario) -> list[str]:
     changes = [change.personality_name for person in trial.people for change in person.changes]
     return [*sorted(bdi.programs()), *(Path(name).stem for name in changes)]
 
 
-_NAMES: dict[Form, Callable[[Trial], list[str]]] = {
+_NAMES: dict[Form, Callable[[Scenario], list[str]]] = {
     "person": people,
     "machine": machines,
     "agv": agvs,
@@ -94,7 +93,7 @@ _NAMES: dict[Form, Callable[[Trial], list[str]]] = {
 }
 
 
-def known_names(trial: Trial, form: Form) -> list[str] | None:
+def known_names(trial: Scenario, form: Form) -> list[str] | None:
     """All names of this form in `trial`; None where any text may stand."""
     names = _NAMES.get(form)
     return None if names is None else list(dict.fromkeys(names(trial)))

@@ -4,19 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 from floorplan import suggestion
 from navigation import FixedDistance, Motion, Moving, TooClose, standing, when
 
-from ..recordings.recorder import Event
+from ..core.event_kinds import EVENT_KINDS, Form
+from ..core.recorder import Event
+from ..core.scenario import Scenario
+from ..record.outcome import Outcome
 from .comparison import Comparison, in_words, is_number
-from .event_kinds import EVENT_KINDS, Form
 from .names import checked_name, known_names, machines, people
-
-if TYPE_CHECKING:
-    from ..recordings.outcome import Run
-    from .trial import Trial
 
 Interval = tuple[float, float]
 """From when to when, seconds."""
@@ -25,7 +23,7 @@ Interval = tuple[float, float]
 class State(Protocol):
     """Something that is so for a while."""
 
-    def intervals(self, run: Run) -> list[Interval]:
+    def intervals(self, run: Outcome) -> list[Interval]:
         """When it is so, in order of time."""
         ...
 
@@ -43,7 +41,7 @@ class EventPattern:
             _is(event.get(key), wanted) for key, wanted in self.fields
         )
 
-    def found(self, run: Run) -> Iterator[tuple[int, Event]]:
+    def found(self, run: Outcome) -> Iterator[tuple[int, Event]]:
         """Such events, with their number among all events of the run."""
         return ((k, event) for k, event in enumerate(run.events) if self.matches(event))
 
@@ -60,7 +58,7 @@ class Near:
     metres: float
     apart: bool = False
 
-    def intervals(self, run: Run) -> list[Interval]:
+    def intervals(self, run: Outcome) -> list[Interval]:
         """See `State`."""
         first, second = (run.motions[name] for name in self.bodies)
         near = list(when(TooClose(FixedDistance(self.metres)), first, second, 0.0, run.duration))
@@ -78,7 +76,7 @@ class Moves:
     body: str
     moving: bool = True
 
-    def intervals(self, run: Run) -> list[Interval]:
+    def intervals(self, run: Outcome) -> list[Interval]:
         """See `State`."""
         here: Motion = standing((0.0, 0.0))
         moves = list(when(Moving(), here, run.motions[self.body], 0.0, run.duration))
@@ -98,7 +96,7 @@ def complement(intervals: list[Interval], end: float) -> list[Interval]:
     return [(begin, end) for begin, end in gaps if end > begin]
 
 
-def read_event(written: Any, trial: Trial) -> EventPattern:
+def read_event(written: Any, trial: Scenario) -> EventPattern:
     """The events that `written` stands for; `ValueError` says what is wrong with it."""
     if isinstance(written, str):
         written = {"kind": written}
@@ -117,14 +115,14 @@ def read_event(written: Any, trial: Trial) -> EventPattern:
     return EventPattern(kind, tuple(fields))
 
 
-def read_occurrence(written: Any, trial: Trial) -> Occurrence:
+def read_occurrence(written: Any, trial: Scenario) -> Occurrence:
     """The event or state that `written` stands for; `ValueError` says what is wrong with it."""
     if isinstance(written, Mapping) and "kind" not in written:
         return read_state(written, trial)
     return read_event(written, trial)
 
 
-def read_state(written: Any, trial: Trial) -> Near | Moves:
+def read_state(written: Any, trial: Scenario) -> Near | Moves:
     """The state that `written` stands for; `ValueError` says what is wrong with it."""
     keys = set(written) if isinstance(written, Mapping) else set()
     for key, apart in (("near", False), ("apart", True)):
@@ -147,7 +145,7 @@ def read_state(written: Any, trial: Trial) -> Near | Moves:
     )
 
 
-def _value(kind: str, key: str, form: Form, wanted: Any, trial: Trial) -> Any:
+def _value(kind: str, key: str, form: Form, wanted: Any, trial: Scenario) -> Any:
     if form == "number":
         return Comparison.parse(wanted)
     if form == "flag":
@@ -166,7 +164,7 @@ def _value(kind: str, key: str, form: Form, wanted: Any, trial: Trial) -> Any:
     return wanted
 
 
-def _body(name: Any, trial: Trial) -> str:
+def _body(name: Any, trial: Scenario) -> str:
     return checked_name(name, "body", [*people(trial), *machines(trial)])
 
 

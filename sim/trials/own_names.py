@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-from ..controllers import CONTROLLERS
-from .own_law import own_laws
-from .trial import Trial
+from ..core.scenario import Scenario
+from ..machines.gantry.controllers import CONTROLLERS
+from ..safety.own_law import own_laws
 
 
-def own_names(trial: Trial) -> Iterator[str]:
+def own_names(trial: Scenario) -> Iterator[str]:
     """Yield the names of the controller and of the laws that stand in the trial's folder."""
     controller = trial.gantry.controller
     if controller not in (*CONTROLLERS, *CONTROLLERS.values()):
@@ -20,7 +20,7 @@ def own_names(trial: Trial) -> Iterator[str]:
             yield law.name
 
 
-def out_of_reach(trial: Trial, folder: Path) -> str:
+def out_of_reach(trial: Scenario, folder: Path) -> str:
     """Return the fault of a file in `folder` that holds `trial`, or an empty text.
 
     The code that a file names stands in its folder, or in one below or above it to which its

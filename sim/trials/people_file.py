@@ -11,10 +11,10 @@ from pydantic import Field, Strict, model_validator
 
 from floorplan import NotNegative, Pair, Positive, Strictly
 
+from ..core.scenario import PersonalityChange, PersonEntry, TrialError
+from ..core.start import Start
+from ..people.programs import load_program
 from .checks import CONDITIONS, NAME
-from .errors import TrialError
-from .programs import load_program
-from .trial import PersonalityChange, PersonEntry, Start
 
 
 class _PartPlaced(Strictly):

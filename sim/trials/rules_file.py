@@ -23,7 +23,7 @@ from floorplan import (
 )
 from navigation import AnyLaw, Scaled
 
-from ..rules import (
+from ..core.rules import (
     NO_TIME,
     PAPER,
     RULE_SETS,

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
-from ..recordings.social_metrics import DISTANCES, MOVEMENT, PROGRESS
+from ..core.scenario import Scenario
+from ..orders import Workload
+from ..record.outcome import Outcome
+from ..record.social_metrics import DISTANCES, MOVEMENT, PROGRESS
 from .names import machines, people
-
-if TYPE_CHECKING:
-    from ..ariac import Workload
-    from ..recordings.outcome import Run
-    from .trial import Trial
 
 Form = Literal["number", "visits", "flag"]
 
@@ -43,7 +41,7 @@ class SummaryField:
     form: Form = "number"
     events: tuple[str, tuple[tuple[str, Any], ...]] | None = None
 
-    def value(self, run: Run) -> Any:
+    def value(self, run: Outcome) -> Any:
         """What it is in `run`; None where there is no such figure."""
         value: Any = run.summary
         if self.path[0] == "metrics":
@@ -54,7 +52,7 @@ class SummaryField:
             value = value.get(key)
         return value
 
-    def instants(self, run: Run) -> list[float]:
+    def instants(self, run: Outcome) -> list[float]:
         """When the things happened that it counts, seconds."""
         if self.events is None:
             if self.path[-2:-1] == ("minimum_separation",):
@@ -73,7 +71,7 @@ def fields_match(event: dict[str, Any], fields: dict[str, Any]) -> bool:
     return all(event.get(key) == value for key, value in fields.items())
 
 
-def summary_fields(trial: Trial) -> dict[str, SummaryField]:
+def summary_fields(trial: Scenario) -> dict[str, SummaryField]:
     """All figures of the runs of `trial`, by the names that expectations call them.
 
     A person's are also found without `people.NAME.` where the trial has one person.

@@ -10,10 +10,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 from floorplan import suggestion
 
+from ..core.scenario import Scenario
+from ..record.outcome import Outcome
 from .comparison import Comparison, is_number
 from .occurrences import (
     EventPattern,
@@ -23,10 +25,6 @@ from .occurrences import (
     read_state,
 )
 from .verdict import Verdict
-
-if TYPE_CHECKING:
-    from ..recordings.outcome import Run
-    from .trial import Trial
 
 INSTANT = 1e-6
 """Seconds. A state that lasts no longer than this counts neither as being so nor as a gap."""
@@ -54,7 +52,7 @@ class Window:
     before: float | EventPattern = math.inf
     within: float = math.inf
 
-    def of(self, run: Run) -> tuple[Moment, Moment]:
+    def of(self, run: Outcome) -> tuple[Moment, Moment]:
         """Its begin and end; `ValueError` says why the run has no such part."""
         if isinstance(self.after, EventPattern):
             first = next(self.after.found(run), None)
@@ -98,7 +96,7 @@ class Statement:
     trigger: EventPattern | None = None
     delay: float = math.inf
 
-    def check(self, run: Run) -> Verdict:
+    def check(self, run: Outcome) -> Verdict:
         """Whether it holds in `run`."""
         try:
             window = self.window.of(run)
@@ -117,14 +115,14 @@ class Statement:
         met = self.times.passes(len(times)) if self.times else bool(times)
         return Verdict(str(self), _listed(times), met, first)
 
-    def _times(self, run: Run, begin: Moment, end: Moment) -> list[float]:
+    def _times(self, run: Outcome, begin: Moment, end: Moment) -> list[float]:
         """When it is first so, each time, between two moments."""
         if isinstance(self.what, EventPattern):
             return [e["t"] for k, e in self.what.found(run) if begin < (e["t"], k) < end]
         parts = [(max(b, begin[0]), min(e, end[0])) for b, e in self.what.intervals(run)]
         return [since for since, until in parts if until - since > INSTANT]
 
-    def _gap(self, run: Run, begin: Moment, end: Moment) -> float | None:
+    def _gap(self, run: Outcome, begin: Moment, end: Moment) -> float | None:
         """When a state is first not so, between two moments."""
         assert not isinstance(self.what, EventPattern)
         since = begin[0]
@@ -134,7 +132,7 @@ class Statement:
             since = max(since, upper)
         return None
 
-    def _answered(self, run: Run, begin: Moment, end: Moment) -> Verdict:
+    def _answered(self, run: Outcome, begin: Moment, end: Moment) -> Verdict:
         assert self.trigger is not None
         answered = 0
         for k, event in self.trigger.found(run):
@@ -157,7 +155,7 @@ class Statement:
         return f"{self.form} {self.what}{times}{self.window}"
 
 
-def read_statement(written: Any, trial: Trial) -> Statement:
+def read_statement(written: Any, trial: Scenario) -> Statement:
     """The statement that `written` stands for; `ValueError` says what is wrong with it."""
     if not isinstance(written, Mapping):
         raise ValueError(f"expected keys with one of {', '.join(_FORMS)} among them: {written!r}")
@@ -192,7 +190,7 @@ def read_statement(written: Any, trial: Trial) -> Statement:
     return Statement("eventually", what, window, times)
 
 
-def _scope(key: str, written: Any, trial: Trial) -> float | EventPattern:
+def _scope(key: str, written: Any, trial: Scenario) -> float | EventPattern:
     if isinstance(written, str | Mapping):
         return read_event(written, trial)
     return math.inf if written == math.inf and key == "before" else _seconds(key, written)

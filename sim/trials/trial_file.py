@@ -6,22 +6,24 @@ from collections.abc import Iterator
 from dataclasses import replace
 from importlib import resources
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, TypeVar
 
 from pydantic import Field, Strict, model_validator
 
 import floorplan
 from floorplan import Document, Floorplan, Number, Place, Positive, Problem, Strictly, suggestion
 
-from ..ariac import reading
-from ..controllers import ControllerError, controller_source
-from ..rules import PAPER
+from ..core.rules import PAPER
+from ..core.scenario import GantryEntry, Job, Scenario, TrialError
+from ..machines.gantry.controllers import ControllerError, controller_source
+from ..orders import reading
 from .agvs_file import AgvKeys, agv_moves, yielding
 from .checks import LARGEST_SEED, faults
 from .own_names import out_of_reach
 from .people_file import PersonKeys, people_of
 from .rules_file import RuleKeys, build_rules
-from .trial import GantryEntry, Job, Trial, TrialError
+
+_Made = TypeVar("_Made", bound=Scenario)
 
 
 def builtin_trials() -> tuple[str, ...]:
@@ -30,22 +32,22 @@ def builtin_trials() -> tuple[str, ...]:
     return tuple(sorted(Path(f.name).stem for f in files if f.name.endswith(".yaml")))
 
 
-def load(source: str | Path, own_code: bool) -> Trial:
+def load(form: type[_Made], source: str | Path, own_code: bool) -> _Made:
     """See `Trial.load`."""
     text = str(source)
     if text in builtin_trials():
         data = resources.files("sim").joinpath("data", "trials", f"{text}.yaml")
-        return parse(data.read_text(encoding="utf-8"), text, Path(), own_code)
+        return parse(form, data.read_text(encoding="utf-8"), text, Path(), own_code)
     path = Path(source)
     if not path.suffix and not floorplan.is_there(path):
         message = f"no such file, nor a built-in trial; {suggestion(text, builtin_trials())}"
         raise TrialError(text, [Problem(message)])
-    return build(floorplan.read_yaml(path, TrialError), path.parent, own_code)
+    return build(form, floorplan.read_yaml(path, TrialError), path.parent, own_code)
 
 
-def parse(text: str, file: str, folder: Path, own_code: bool) -> Trial:
+def parse(form: type[_Made], text: str, file: str, folder: Path, own_code: bool) -> _Made:
     """See `Trial.parse`."""
-    return build(floorplan.parse_yaml(text, file, TrialError), folder, own_code)
+    return build(form, floorplan.parse_yaml(text, file, TrialError), folder, own_code)
 
 
 class _Job(Strictly):
@@ -95,15 +97,15 @@ class _Trial(Strictly):
     expect: dict[str, Any] = {}
 
 
-def build(document: Document, folder: Path, own_code: bool = True) -> Trial:
+def build(form: type[_Made], document: Document, folder: Path, own_code: bool) -> _Made:
     """The trial in `document`, which stands in `folder`. Errors as of `Trial.load`."""
     if reading.is_ariac(document):
-        return replace(reading.build(document, folder), own_code=own_code)
+        return replace(reading.build(form, document, folder), own_code=own_code)
     schema = document.checked(_Trial, TrialError)
     home, folder = folder, folder / schema.folder
     plan = _floorplan(schema.floorplan, folder, document)
     rules, rule_problems = build_rules(schema.rules, document, folder, "rules", own_code=own_code)
-    trial = Trial(
+    trial = form(
         floorplan=plan,
         name=Path(document.file).name.split(".")[0] if schema.name is None else schema.name,
         duration=schema.duration,
@@ -134,7 +136,7 @@ def build(document: Document, folder: Path, own_code: bool = True) -> Trial:
     return trial
 
 
-def _with_orders(trial: Trial, schema: _Trial, name: str, document: Document) -> Trial:
+def _with_orders(trial: _Made, schema: _Trial, name: str, document: Document) -> _Made:
     """The trial with the orders, parts and challenges of an ARIAC trial file."""
     path = trial.folder / name
     if not floorplan.is_there(path):
@@ -166,7 +168,7 @@ def _floorplan(name: str, folder: Path, document: Document) -> Floorplan:
     return floorplan.load(path)
 
 
-def _problems(trial: Trial, schema: _Trial, document: Document) -> Iterator[Problem]:
+def _problems(trial: Scenario, schema: _Trial, document: Document) -> Iterator[Problem]:
     """What keys and types can't tell: whether the things a trial names are there."""
     for message, place in faults(trial):
         yield document.problem(message, *_in_file(place, schema))

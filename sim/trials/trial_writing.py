@@ -13,19 +13,20 @@ import yaml
 
 import floorplan
 
-from ..ariac import Workload
-from ..controllers import CONTROLLERS
+from ..core.scenario import GantryEntry, Job, PersonalityChange, PersonEntry, Scenario
+from ..core.start import Start
+from ..machines.gantry.controllers import CONTROLLERS
+from ..orders import Workload
+from ..people.programs import written_personality
 from .agvs_file import written_agv
 from .own_names import out_of_reach
-from .programs import written_personality
 from .rules_file import written_rules
-from .trial import GantryEntry, Job, PersonalityChange, PersonEntry, Start, Trial
 
 Data = dict[str, Any]
 """Keys and values as they stand in a file. What is left out has its usual value."""
 
 
-def to_yaml(trial: Trial, folder: Path) -> str:
+def to_yaml(trial: Scenario, folder: Path) -> str:
     """See `Trial.to_yaml`."""
     data = _trial(trial)
     if fault := out_of_reach(trial, folder):
@@ -38,7 +39,7 @@ def to_yaml(trial: Trial, folder: Path) -> str:
     return text
 
 
-def _trial(trial: Trial) -> Data:
+def _trial(trial: Scenario) -> Data:
     data: Data = {
         "name": trial.name,
         "floorplan": _floorplan(trial),
@@ -58,7 +59,7 @@ def _trial(trial: Trial) -> Data:
     return data if trial.workload is None else data | _orders(trial, trial.workload)
 
 
-def _orders(trial: Trial, workload: Workload) -> Data:
+def _orders(trial: Scenario, workload: Workload) -> Data:
     """The orders, and what would otherwise be taken from their file as well."""
     if not workload.source:
         raise ValueError(
@@ -72,7 +73,7 @@ def _orders(trial: Trial, workload: Workload) -> Data:
     }
 
 
-def _floorplan(trial: Trial) -> str:
+def _floorplan(trial: Scenario) -> str:
     if trial.floorplan_source:
         return trial.floorplan_source
     name = trial.floorplan.name
@@ -84,7 +85,7 @@ def _floorplan(trial: Trial) -> str:
     )
 
 
-def _personality(one: PersonEntry | PersonalityChange, trial: Trial) -> str:
+def _personality(one: PersonEntry | PersonalityChange, trial: Scenario) -> str:
     try:
         return written_personality(one.personality, trial.folder)
     except ValueError as why:
@@ -93,7 +94,7 @@ def _personality(one: PersonEntry | PersonalityChange, trial: Trial) -> str:
         ) from None
 
 
-def _person(entry: PersonEntry, trial: Trial) -> Data:
+def _person(entry: PersonEntry, trial: Scenario) -> Data:
     data = {
         "name": entry.name,
         "personality": _personality(entry, trial),
@@ -123,7 +124,7 @@ def _start(start: Start) -> Data:
     return {"time": start.time}
 
 
-def _gantry(trial: Trial) -> Data:
+def _gantry(trial: Scenario) -> Data:
     entry = trial.gantry
     data = {
         "controller": _controller(trial),
@@ -135,7 +136,7 @@ def _gantry(trial: Trial) -> Data:
     return {} if data == {"controller": GantryEntry().controller} else data
 
 
-def _controller(trial: Trial) -> str:
+def _controller(trial: Scenario) -> str:
     """The name by which the trial's controller is found again; `ValueError` if there is none."""
     controller = trial.gantry.controller
     if isinstance(controller, str):

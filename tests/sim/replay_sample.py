@@ -275,7 +275,7 @@ def agv_track(lane, moves):
 
 @functools.cache
 def recording():
-    """The sample, in the form that `sim.pages.replay.render` takes; copy it before a change."""
+    """The sample, in the form that `sim.views.replay.render` takes; copy it before a change."""
     plan = floorplan.load("ariac2023")
     walker, _ = person_track("operator", SAFE_ZONE, SAFE_HEADING)
     first = violations(walker.pieces, gantry_track([]).pieces, LAW)[0][0]

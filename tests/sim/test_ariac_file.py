@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 import floorplan
 import sim
-from sim import ariac
-from sim.ariac.schema import angle
+from sim import orders as ariac
+from sim.orders.schema import angle
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "kitting.ariac.yaml"
 TEXT = EXAMPLE.read_text()

@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 
 import floorplan
 import sim
-from sim import ariac
-from sim.ariac import layout
+from sim import orders as ariac
 from sim.bridge import Exchange, Workcell
-from sim.recordings.figures import figures_in_words
+from sim.orders import layout
+from sim.record.figures import figures_in_words
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 COLORS = ("blue", "green", "orange")

@@ -3,7 +3,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sim import ariac
+from sim import orders as ariac
 
 COLORS = ("blue", "green", "orange", "purple", "red")
 TYPES = ("battery", "pump", "regulator", "sensor")

@@ -4,10 +4,10 @@ import pytest
 from bridge_parts import Client, served
 
 import sim
-from sim.ariac import AssemblyTask, CombinedTask, KittingTask, Order, Part
 from sim.bridge.conformance import conform
 from sim.bridge.message_types import message_type
 from sim.bridge.order_messages import order_message
+from sim.orders import AssemblyTask, CombinedTask, KittingTask, Order, Part
 
 PUMP, BATTERY = Part("purple", "pump"), Part("red", "battery")
 

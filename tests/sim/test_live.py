@@ -13,7 +13,7 @@ import pytest
 from test_command import environment
 
 import sim
-from sim.pages.page_server import PageServer, Stream
+from sim.live.page_server import PageServer, Stream
 
 
 def get(server, path="/", method="GET", **headers):

@@ -4,7 +4,7 @@ import json
 
 import bdi
 import sim
-from sim.recordings.mind_inspector import MindInspector
+from sim.people.mind_inspector import MindInspector
 
 PROGRAM = """
 step(10).

@@ -11,7 +11,7 @@ from threading import Barrier
 import pytest
 
 import sim
-from sim.recordings.output import replacing, write_whole
+from sim.core.output import replacing, write_whole
 
 ROOT = Path(__file__).resolve().parents[2]
 TRIAL = "floorplan: ariac2023\nduration: 3.0\npeople: [{name: ada}]\n"
@@ -77,11 +77,11 @@ WRITES = {
     "navigation/benchmark/reports.py": "to a path that the command gives, which is replaced",
     "sim/exports/csv_file.py": "to a path that is replaced",
     "sim/exports/mcap_file.py": "to a path that is replaced",
-    "sim/recordings/lines.py": "line by line, each whole or not at all",
-    "sim/recordings/output.py": "the one place",
-    "sim/recordings/recording.py": "to a path that is replaced",
-    "sim/study/digests.py": "line by line",
-    "sim/study/table.py": "line by line, or to a path that is replaced",
+    "sim/record/lines.py": "line by line, each whole or not at all",
+    "sim/core/output.py": "the one place",
+    "sim/runs/recording.py": "to a path that is replaced",
+    "sim/studies/digests.py": "line by line",
+    "sim/studies/table.py": "line by line, or to a path that is replaced",
 }
 """Which modules write files, and how they see to it that none is cut."""
 

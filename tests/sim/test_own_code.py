@@ -8,8 +8,8 @@ import pytest
 
 import sim
 from sim.cli import main
-from sim.controllers import controller_source
-from sim.trials.own_parameters import Parameters, parameters
+from sim.core.own_parameters import Parameters, parameters
+from sim.machines.gantry.controllers import controller_source
 
 CTL = "from .words import WORD\n\n\ndef go(gantry=None):\n    yield WORD\n"
 

@@ -18,10 +18,10 @@ from shapely.geometry import box
 import floorplan
 import sim
 from navigation import CollisionWorld, PathPlanner, join, standing, walk
-from sim import plots
 from sim.cli import main
-from sim.plots.curves import instants
-from sim.plots.heat_map import CELL, time_covered
+from sim.views import plots
+from sim.views.plots.curves import instants
+from sim.views.plots.heat_map import CELL, time_covered
 
 matplotlib = pytest.importorskip("matplotlib")
 

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import sim
-from sim import plots
 from sim.cli import main
-from sim.plots.film import Film
-from sim.plots.style import person_colour
+from sim.views import plots
+from sim.views.plots.film import Film
+from sim.views.plots.style import person_colour
 
 pytest.importorskip("matplotlib")
 

@@ -10,9 +10,9 @@ import pytest
 import replay_sample
 
 import sim
-from sim.pages import replay
-from sim.pages.replay_data import replay_data
-from sim.trials.event_kinds import EVENT_KINDS
+from sim.core.event_kinds import EVENT_KINDS
+from sim.views import replay
+from sim.views.replay_data import replay_data
 
 INSTANTS = [0.0, 2.4, 9.93, 27.0, 61.7, 69.1, 140.25, 181.0, 274.9, 275.0]
 

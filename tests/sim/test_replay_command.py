@@ -4,8 +4,8 @@ import pytest
 from test_command import in_a_process
 
 import sim
-from sim.pages.replay import recordings_in, render
-from sim.pages.replay_data import replay_data
+from sim.views.replay import recordings_in, render
+from sim.views.replay_data import replay_data
 
 TRIAL = "floorplan: ariac2023\nduration: 12\npeople: [{name: operator}]\n"
 

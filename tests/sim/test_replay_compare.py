@@ -6,7 +6,7 @@ import json
 import pytest
 import replay_sample
 
-from sim.pages import replay
+from sim.views import replay
 
 
 @pytest.fixture(scope="module")

@@ -7,8 +7,8 @@ import re
 import pytest
 
 import sim
-from sim.pages import replay
-from sim.pages.replay_data import replay_data
+from sim.views import replay
+from sim.views.replay_data import replay_data
 
 TRIAL = """
 floorplan: ariac2023

@@ -5,7 +5,7 @@ import copy
 import pytest
 import replay_sample
 
-from sim.pages import replay
+from sim.views import replay
 
 MOST_CALLS = 1500
 """Calls to the canvas that a frame with seven bodies may need."""

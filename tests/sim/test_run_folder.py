@@ -13,7 +13,7 @@ import bdi
 import floorplan
 import sim
 from navigation import ApproachLaw, FixedDistance, IntegralLaw, Scaled, SeparationLaw
-from sim.recordings.scene_file import read_scene, write_scene
+from sim.record.scene_file import read_scene, write_scene
 
 TRIAL = """
 name: busy

@@ -14,9 +14,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import sim
-from sim.study import save_trial
-from sim.study.folder import StudyFolder
-from sim.study.table import Table, read_table
+from sim.studies import save_trial
+from sim.studies.folder import StudyFolder
+from sim.studies.table import Table, read_table
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -128,7 +128,7 @@ def test_rows_run_on_the_cluster_of_the_current_client(study, tmp_path):
         Client(cluster) as client,
     ):
         sim.run_study(study, tmp_path / "out", backend="dask")
-        worked = client.run(lambda: "sim.study.measuring" in sys.modules)
+        worked = client.run(lambda: "sim.studies.measuring" in sys.modules)
     assert list(worked.values()) == [True, True]
     assert len(lines(tmp_path / "out" / "results.csv")) == 16
 
@@ -163,7 +163,7 @@ def test_a_killed_study_goes_on_and_ends_with_the_same_bytes(study, folder):
 
 LEAKY = """
 from joblib.externals.loky.backend import resource_tracker
-from sim.study.backends import backend
+from sim.studies.backends import backend
 
 with backend("loky", 2):
     resource_tracker.register("/never-made", "semlock")

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sim.study.comparison import compare
-from sim.study.effects import cliffs_delta, contrasts
+from sim.studies.comparison import compare
+from sim.studies.effects import cliffs_delta, contrasts
 
 figures = st.lists(st.integers(-3, 3), min_size=1, max_size=25).map(lambda v: np.array(v, float))
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 import floorplan
 import sim
-from sim.study import Choice, Normal, Shuffled, Uniform, variable
+from sim.studies import Choice, Normal, Shuffled, Uniform, variable
 
 TRIAL = """\
 floorplan: ariac2023
@@ -199,7 +199,7 @@ def test_the_delay_of_one_agv_is_not_added_to_that_of_all():
 
 
 def test_what_can_be_varied_is_listed():
-    from sim.study import KINDS
+    from sim.studies import KINDS
 
     with pytest.raises(ValueError, match="nothing is called 'weather' to vary; there are"):
         variable("weather")

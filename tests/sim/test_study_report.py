@@ -12,8 +12,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import sim
-from sim.study import figure
-from sim.study.comparison import MEASURES, Measure, compare, spread
+from sim.studies import figure
+from sim.studies.comparison import MEASURES, Measure, compare, spread
 
 STUDY = """\
 trials: [ariac2023]

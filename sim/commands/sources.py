@@ -1,0 +1,46 @@
+"""What the user means by a word on the command line: a recording, a trial, or a floorplan."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import floorplan
+from floorplan import Floorplan
+
+from ..runs.run import Recorded
+from ..runs.run_folder import load_run
+from ..simulation import run
+from ..trials.trial import Trial
+from ..trials.trial_file import builtin_trials
+
+
+def run_from(source: str | Path, *, own_code: bool = True) -> Recorded:
+    """The run in the folder `source`, read back; or that of the trial `source`, which is run.
+
+    `own_code` is as of `Trial.load`. Errors are those of `load_run`, `Trial.load` and `run`.
+    """
+    if Path(source).is_dir():
+        return load_run(source)
+    return run(Trial.load(source, own_code=own_code))
+
+
+def floorplan_from(source: str | Path, *, own_code: bool = True) -> Floorplan:
+    """The floor of that name, in that file, of that trial, or of the run in that folder.
+
+    A name that both a floorplan and a trial have means the floorplan. `own_code` is as of
+    `Trial.load`.
+    """
+    path, name = Path(source), str(source)
+    if path.is_dir():
+        return load_run(path).floorplan
+    if name in set(builtin_trials()) - set(floorplan.builtin()) or _is_trial(path):
+        return Trial.load(source, own_code=own_code).floorplan
+    return floorplan.load(source)
+
+
+def _is_trial(path: Path) -> bool:
+    """Whether a YAML file names a floorplan instead of being one."""
+    if path.suffix.lower() not in (".yaml", ".yml") or not path.is_file():
+        return False
+    data = floorplan.read_yaml(path, floorplan.FloorplanError).data
+    return isinstance(data, dict) and "floorplan" in data

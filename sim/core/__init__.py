@@ -1,0 +1,1 @@
+"""Values and things that all rooms speak of: scenarios, rules, the clock, bodies, events."""

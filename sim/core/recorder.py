@@ -1,0 +1,109 @@
+"""The record of a run: events as they happen, motions as they were carried out.
+
+Both are handed on at once, so that a run that is broken off leaves a whole record behind.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Protocol
+
+from navigation import Motion
+
+from .body import Body
+from .scene import Scene
+
+DECIMALS = 9
+"""Figures of events and summaries are rounded to this many decimals."""
+
+Event = dict[str, Any]
+"""`t` (seconds), `kind`, and what belongs to the kind."""
+
+Thought = dict[str, Any]
+"""What one thought has changed in a mind.
+
+`t` (seconds) and `person`; `steps`, in order, [kind, text] of kind "percept", "plan" (with a third
+item, the place in the program), "action" or "warning"; `believes` and `forgets`, literals;
+`intends`, if that has changed: for each intention its `stack` of triggers, the one at work last,
+and the step it is `at`. All but `t` and `person` may be left out.
+"""
+
+
+class Record(Protocol):
+    """Writes down that something of `kind` happened now."""
+
+    def __call__(self, kind: str, /, **fields: Any) -> None:
+        """Write it down, with the fields that belong to the kind."""
+        ...
+
+
+class Listener:
+    """Is told of every event and every finished motion; does nothing with them.
+
+    If it `wants_thoughts`, also of what goes on in people's minds: to look there takes time.
+    """
+
+    wants_thoughts = False
+
+    def begin(self, scene: Scene) -> None:
+        """Everybody is in place: the run begins."""
+
+    def event(self, event: Event) -> None:
+        """Something happened."""
+
+    def motion(self, body: Body, motion: Motion) -> None:
+        """A body has done this."""
+
+    def thought(self, thought: Thought) -> None:
+        """A person has thought."""
+
+
+class Listeners(Listener):
+    """Hands on to several listeners, in their order."""
+
+    def __init__(self, *listeners: Listener) -> None:
+        self._listeners = listeners
+        self.wants_thoughts = any(listener.wants_thoughts for listener in listeners)
+
+    def begin(self, scene: Scene) -> None:
+        """Everybody is in place: the run begins."""
+        for listener in self._listeners:
+            listener.begin(scene)
+
+    def event(self, event: Event) -> None:
+        """Something happened."""
+        for listener in self._listeners:
+            listener.event(event)
+
+    def motion(self, body: Body, motion: Motion) -> None:
+        """A body has done this."""
+        for listener in self._listeners:
+            listener.motion(body, motion)
+
+    def thought(self, thought: Thought) -> None:
+        """A person has thought."""
+        for listener in self._listeners:
+            if listener.wants_thoughts:
+                listener.thought(thought)
+
+
+def recording_to(listener: Listener, now: Callable[[], float]) -> Record:
+    """A `Record` that stamps events with the time and hands them to `listener`."""
+
+    def record(kind: str, /, **fields: Any) -> None:
+        listener.event(rounded({"t": now(), "kind": kind, **fields}))
+
+    return record
+
+
+def rounded(value: Any) -> Any:
+    """The same data with its floats rounded to `DECIMALS`, and no negative zero."""
+    if isinstance(value, float):
+        short = round(value, DECIMALS) + 0.0
+        # Thousands of events name the same places: the same number need be there but once.
+        return value if value == short != 0.0 else short
+    if isinstance(value, dict):
+        return {key: rounded(inner) for key, inner in value.items()}
+    if isinstance(value, list | tuple):
+        return list(map(rounded, value))
+    return value

@@ -1,0 +1,149 @@
+"""Scenarios: who is on which floor, what the machines do, which rules hold, what is expected."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+import bdi
+from floorplan import Floorplan, InputError, Problem, SafeZone
+
+from .rules import PAPER, RuleSet
+from .start import AT_ONCE, Start
+from .workload import Workload
+
+
+class TrialError(InputError):
+    """A trial that can't be run."""
+
+
+@dataclass(frozen=True)
+class PersonalityChange:
+    """From `when` on, a person has another personality, as in `PersonEntry`."""
+
+    when: Start
+    personality: str | bdi.Program
+
+    @property
+    def personality_name(self) -> str:
+        """The personality's name, as that of `PersonEntry`."""
+        return _personality_name(self.personality)
+
+
+@dataclass(frozen=True)
+class PersonEntry:
+    """One person of a trial. Figures that are None are the floorplan's.
+
+    `personality` is a built-in name, an .asl file, "external", or a program itself. A file is read
+    when the trial is run. `changes` are what it changes to, and when.
+    """
+
+    name: str
+    personality: str | bdi.Program = "indifferent"
+    start: Start = AT_ONCE
+    at: tuple[float, float] | None = None
+    beliefs: tuple[str, ...] = ()
+    radius: float | None = None
+    max_speed: float | None = None
+    max_acceleration: float | None = None
+    changes: tuple[PersonalityChange, ...] = ()
+    home: tuple[float, float] | None = None
+
+    @property
+    def personality_name(self) -> str:
+        """The personality's name: as it is given, or of a program what its source is called."""
+        return _personality_name(self.personality)
+
+    def home_on(self, plan: Floorplan) -> SafeZone | None:
+        """Place where the person is put after a violation, and starts if there is no `at`.
+
+        Their own `home`, else the safe zone of `plan`, else `at`.
+        """
+        if self.home is not None:
+            return SafeZone(self.home)
+        if plan.safe_zone is not None or self.at is None:
+            return plan.safe_zone
+        return SafeZone(self.at)
+
+
+@dataclass(frozen=True)
+class Job:
+    """One thing for the gantry to do; `kind` says which of the other fields count.
+
+    "move": go to `target` (x, y, rotation); "wait": stand for `seconds`; "pick_place": fetch
+    `part` from the place `pick` and put it at `place`; "submit": hand in `order`.
+    """
+
+    kind: Literal["move", "wait", "pick_place", "submit"]
+    target: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    seconds: float = 0.0
+    pick: str = ""
+    place: str = ""
+    part: str = ""
+    order: str = ""
+
+
+@dataclass(frozen=True)
+class GantryEntry:
+    """The gantry of a trial: its controller, where it starts, and its jobs.
+
+    `controller` is a built-in name, `package.module:name`, or the controller itself: a function or
+    class of one argument, the gantry, that gives a generator.
+    """
+
+    controller: str | Callable[[Any], Any] = "parked"
+    at: tuple[float, float, float] | None = None
+    jobs: tuple[Job, ...] = ()
+    repeat: bool = False
+
+    @property
+    def controller_name(self) -> str:
+        """The controller's name: as it is given, or the qualified name of a function or class."""
+        if isinstance(self.controller, str):
+            return self.controller
+        return str(getattr(self.controller, "__qualname__", type(self.controller).__qualname__))
+
+
+@dataclass(frozen=True)
+class AgvMove:
+    """At `time` (seconds), go to a location's name or a lane position (metres)."""
+
+    time: float
+    to: str | float
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """Everything that decides a run. The same scenario gives the same run, byte for byte.
+
+    The AGVs named in `yielding` yield to people. Files are looked up from `folder`;
+    `floorplan_source` is the name or file that the floorplan was read from, or empty if it came
+    from no file. `workload` are the orders of an ARIAC trial; `until_submitted` ends the run as
+    soon as they are all submitted, or without a workload those of the gantry's jobs. `notices` are
+    what the file says that makes no difference, or may mean something else than its author thought.
+    Without `own_code` a controller or a law of the user's own is refused that it, or whatever
+    changes it, names.
+    """
+
+    floorplan: Floorplan
+    name: str = "trial"
+    duration: float = 275.0
+    seed: int = 0
+    rules: RuleSet = PAPER
+    people: tuple[PersonEntry, ...] = ()
+    gantry: GantryEntry = GantryEntry()
+    agvs: dict[str, tuple[AgvMove, ...]] = field(default_factory=dict)
+    yielding: frozenset[str] = frozenset()
+    expect: dict[str, Any] = field(default_factory=dict)
+    folder: Path = Path()
+    floorplan_source: str = field(default="", compare=False)
+    workload: Workload | None = None
+    until_submitted: bool = False
+    notices: tuple[Problem, ...] = field(default=(), compare=False)
+    own_code: bool = field(default=True, compare=False)
+
+
+def _personality_name(personality: str | bdi.Program) -> str:
+    return personality if isinstance(personality, str) else Path(personality.source).stem

@@ -1,0 +1,55 @@
+"""Where a run takes place: the floor, the rules, and who and what is there as it begins."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from floorplan import Floorplan
+
+from .body import Kind
+from .rules import RuleSet
+
+Pose = tuple[float, float, float]
+"""x, y in metres, rotation in radians."""
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A person as others see them: a name, a size (metres), and what their personality is called.
+
+    `personality` is as the trial gives it: a built-in name, or the path of an .asl file.
+    """
+
+    name: str
+    personality: str
+    radius: float
+    height: float
+
+
+@dataclass(frozen=True)
+class Scene:
+    """All that stays the same during a run, but is needed to draw or to judge it.
+
+    `starts` has the pose of every body at the beginning, in the order people, gantry, AGVs.
+    """
+
+    trial: str
+    seed: int
+    floorplan: Floorplan
+    rules: RuleSet
+    people: tuple[Figure, ...]
+    starts: dict[str, Pose]
+
+    def kind(self, body: str) -> Kind:
+        """What the body called `body` is; `KeyError` if there is none."""
+        if body not in self.starts:
+            raise KeyError(f"no body is called {body!r} (there are: {', '.join(self.starts)})")
+        if any(person.name == body for person in self.people):
+            return "person"
+        return "gantry" if body == "gantry" else "agv"
+
+    def measured_at(self, machine: str) -> tuple[float, float]:
+        """Return where distances to `machine` are measured to, from its centre (x, y in metres)."""
+        if self.kind(machine) != "agv":
+            return (0.0, 0.0)
+        return self.rules.measured_at(self.floorplan.lane(machine))

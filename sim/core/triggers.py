@@ -1,0 +1,64 @@
+"""Conditions that things wait for: a time, or something that happens."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from .clock import Clock
+from .recorder import Event
+from .start import Start
+
+Action = Callable[[], None]
+
+
+@dataclass
+class _Waiting:
+    """Somebody waits for `start`, and has seen it `seen` times."""
+
+    start: Start
+    who: str | None
+    action: Action
+    seen: int = 0
+
+
+class Triggers:
+    """Does things when what they wait for happens, each once."""
+
+    def __init__(self, clock: Clock) -> None:
+        self._clock = clock
+        self._waiting: list[_Waiting] = []
+
+    def add(self, start: Start, action: Action, who: str | None = None) -> None:
+        """Call `action` at the time of `start`, or as soon as what it names has happened.
+
+        `who` is the person who waits.
+        """
+        if start.time is not None:
+            self._clock.call_at(start.time, action)
+        else:
+            self._waiting.append(_Waiting(start, who, action))
+
+    def heed(self, event: Event) -> None:
+        """Something has happened: call what has waited for it, in the order of the waiting."""
+        called = []
+        for waiting in self._waiting:
+            if _is(event, waiting.start, waiting.who):
+                waiting.seen += 1
+                if waiting.seen == waiting.start.count:
+                    called.append(waiting)
+        self._waiting = [waiting for waiting in self._waiting if waiting not in called]
+        for waiting in called:
+            waiting.action()
+
+
+def _is(event: Event, start: Start, who: str | None) -> bool:
+    kind: str = event["kind"]
+    if start.event is not None:
+        person = start.person or who
+        return kind == start.event and event.get("person", person) == person
+    if start.order_submitted is not None:
+        return kind == "order_submitted" and start.order_submitted == str(event["order"])
+    if start.part_placed is None or kind != "job_done" or event["job"] != "pick_place":
+        return False
+    return start.part_placed.items() <= {"part": event["part"], "agv": event["to"]}.items()

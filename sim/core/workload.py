@@ -1,0 +1,123 @@
+"""What an ARIAC trial asks for, and what there is to do it with."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from .start import Start
+
+TYPES = ("battery", "pump", "regulator", "sensor")
+"""What parts there are."""
+
+COLORS = ("blue", "green", "orange", "purple", "red")
+"""What colours parts have."""
+
+
+@dataclass(frozen=True, order=True)
+class Part:
+    """A kind of part: its colour and its type."""
+
+    color: str
+    type: str
+
+    def __str__(self) -> str:
+        return f"{self.color} {self.type}"
+
+
+@dataclass(frozen=True)
+class Item:
+    """One part as it lies somewhere."""
+
+    part: Part
+    flipped: bool = False
+
+
+@dataclass(frozen=True)
+class Load:
+    """What is on an AGV: the id of its tray, and an item in each quadrant (1 to 4) that has one."""
+
+    tray: int | None = None
+    items: Mapping[int, Item] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class KittingTask:
+    """Put a part into each quadrant of `products` on a tray, and send the AGV to `destination`."""
+
+    agv: str
+    tray: int
+    destination: str
+    products: Mapping[int, Part]
+
+
+@dataclass(frozen=True)
+class AssemblyTask:
+    """Insert `products`, which `agvs` bring, at `station`."""
+
+    station: str
+    agvs: tuple[str, ...]
+    products: tuple[Part, ...]
+
+
+@dataclass(frozen=True)
+class CombinedTask:
+    """Make a kit of `products` on any AGV, and insert them at `station`."""
+
+    station: str
+    products: tuple[Part, ...]
+
+
+@dataclass(frozen=True)
+class Order:
+    """One order: what has to be done, when it is announced, and whether it goes before others."""
+
+    id: str
+    task: KittingTask | AssemblyTask | CombinedTask
+    announcement: Start = field(default_factory=Start)
+    priority: bool = False
+
+    @property
+    def kind(self) -> str:
+        """kitting, assembly or combined."""
+        return type(self.task).__name__.removesuffix("Task").lower()
+
+
+@dataclass(frozen=True)
+class Malfunction:
+    """The ceiling robot stands for `seconds` from `start` on."""
+
+    start: Start
+    seconds: float
+
+
+@dataclass(frozen=True)
+class Human:
+    """A person of the human challenge, who begins at `start`."""
+
+    behavior: str
+    start: Start
+
+
+@dataclass(frozen=True)
+class Workload:
+    """The work of an ARIAC trial.
+
+    `bins` has the items in the slots (1 to 9) of each bin, `trays` the id of the tray in each
+    slot (1 to 6) of the tray tables, `loads` what is on the AGVs at the start. `time_limit` is in
+    seconds, None if there is none. `source` is the file it was read from, as the trial names it.
+    """
+
+    orders: tuple[Order, ...]
+    bins: Mapping[str, Mapping[int, Item]] = field(default_factory=dict)
+    trays: Mapping[int, int] = field(default_factory=dict)
+    loads: Mapping[str, Load] = field(default_factory=dict)
+    malfunctions: tuple[Malfunction, ...] = ()
+    humans: tuple[Human, ...] = ()
+    time_limit: float | None = None
+    source: str = field(default="", compare=False)
+
+    @property
+    def parts(self) -> tuple[str, ...]:
+        """What parts can be called, whether or not the trial has them."""
+        return tuple(str(Part(color, type)) for color in COLORS for type in TYPES)

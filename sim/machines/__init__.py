@@ -1,0 +1,1 @@
+"""Machines: what they are, and one folder for each kind."""

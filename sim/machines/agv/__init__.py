@@ -1,0 +1,1 @@
+"""AGVs on their lanes."""

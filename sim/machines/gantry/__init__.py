@@ -1,0 +1,1 @@
+"""The gantry robot: drives, what its controller sees, and controllers."""

@@ -1,0 +1,16 @@
+"""Slows down and stops for people, and goes on when they are gone."""
+
+from __future__ import annotations
+
+from ..drive import Steps
+from ..robot import GantryRobot
+from .caution import Caution
+
+
+def pausing(gantry: GantryRobot) -> Steps:
+    """One task after the other, straight to where it is, at the speed that people allow."""
+    caution = Caution(gantry)
+    while (task := (yield gantry.next_task())) is not None:
+        while task.next_step is not None:
+            yield from caution.go((yield gantry.locate(task)))
+            yield gantry.handle(task)

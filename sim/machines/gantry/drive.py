@@ -1,0 +1,233 @@
+"""The gantry's drives: moves that can be replaced, stopped and disabled at any instant."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Generator
+from dataclasses import replace
+from typing import Any
+
+from simpy.events import Event
+
+from floorplan import Gantry
+from navigation import AxisLimits, Motion, State, gantry_limits, gantry_move, gantry_stop, standing
+
+from ...core.body import Body
+from ...core.clock import Alarm, Clock, Turn
+from ...core.recorder import Record
+from .tasks import Pose
+
+Steps = Generator[Event, Any, Any]
+"""What a controller is: a generator of events to wait for, in SimPy's manner."""
+
+
+class Drive:
+    """What moves the gantry. `disabled_or_enabled(reason)` is told when it is made to stand.
+
+    It counts how long it was disabled, how long it was made to stand for that or for a protective
+    stop, how much of that it braked, and how long it worked.
+    """
+
+    def __init__(
+        self,
+        clock: Clock,
+        gantry: Gantry,
+        at: Pose,
+        *,
+        record: Record,
+        disabled_or_enabled: Callable[[str], None],
+    ) -> None:
+        self.body = Body(clock, "gantry", "gantry", standing(at[:2], heading=at[2]))
+        self.disabled_time = 0.0
+        self.standing_time = 0.0
+        self.braking_time = 0.0
+        self.working_time = 0.0
+        self._clock = clock
+        self._gantry = gantry
+        self._limits = gantry_limits(gantry)
+        self._record = record
+        self._tell = disabled_or_enabled
+        self._enabled: Event | None = None
+        self._disabled_at: float | None = None
+        self._stands_since = 0.0
+        self._held = False
+        self._commands = 0
+        self._replaced = clock.event()
+        self._braking = clock.event()
+        self._ready = Alarm(clock, self._enable, Turn.MOTION_ENDS)
+
+    @property
+    def disabled(self) -> bool:
+        """Whether it is made to stand."""
+        return self._enabled is not None
+
+    @property
+    def top_speed(self) -> float:
+        """The highest speed over the floor, both axes at theirs, m/s."""
+        x, y, _ = self._limits
+        return math.hypot(x.max_speed, y.max_speed)
+
+    def preview(self, target: Pose, speed_share: float) -> Motion:
+        """The motion from here and now to `target`, at that share of the top speeds.
+
+        `ValueError` if the target is out of range, or the share not in 0 … 1.
+        """
+        if faults := self._gantry.faults(target):
+            raise ValueError("; ".join(faults))
+        limits = tuple(_slower(axis, speed_share) for axis in self._limits)
+        return gantry_move(
+            self.body.state, target, self._clock.now, limits=(limits[0], limits[1], limits[2])
+        )
+
+    def stopping(self, state: State, t: float) -> Motion:
+        """The fastest stop from `state` at `t` (seconds)."""
+        return gantry_stop(state, t, limits=self._limits)
+
+    def begin(self) -> int:
+        """Begin a command, which takes the place of the one under way: its number."""
+        self._commands += 1
+        replaced, self._replaced = self._replaced, self._clock.event()
+        replaced.succeed()
+        return self._commands
+
+    def is_under_way(self, command: int) -> bool:
+        """Return whether no other command has taken the place of the one of this number."""
+        return command == self._commands
+
+    def move(
+        self,
+        target: Pose,
+        speed_share: float = 1.0,
+        *,
+        resume: bool = True,
+        command: int | None = None,
+    ) -> Steps:
+        """Set out for `target`, as a part of `command` or as one of its own, and wait for the end.
+
+        See `GantryRobot.move_to`.
+        """
+        motion = self.preview(target, speed_share)
+        number = self.begin() if command is None else command
+        if not self.disabled:
+            self.body.follow(motion)
+
+        def set_out() -> None:
+            self.body.follow(self.preview(target, speed_share))
+
+        return self._move(number, set_out, resume)
+
+    def follow(self, motion: Motion) -> Steps:
+        """Go along `motion`, which begins here and now; see `GantryRobot.follow`."""
+        if self.disabled:
+            raise ValueError("the gantry is disabled")
+        number = self.begin()
+        self.body.follow(motion)
+        return self._move(number, lambda: None, resume=False)
+
+    def stop(self) -> Steps:
+        """Brake, and wait for the end; the command under way is forgotten."""
+        self.begin()
+        if not self.disabled:
+            self._brake()
+        return self._rest()
+
+    def wait(self, seconds: float) -> Steps:
+        """Let `seconds` go by in which it is not disabled."""
+        if not 0 <= seconds < math.inf:
+            raise ValueError(f"can't wait {seconds} s")
+        return self._enabled_for(seconds, None)
+
+    def work(self, seconds: float, command: int) -> Steps:
+        """Work for `seconds` as a part of `command`; the value is whether it was not replaced."""
+        return self._enabled_for(seconds, command)
+
+    def disable(self, seconds: float, event: str = "gantry_disabled") -> None:
+        """Brake, and stand for `seconds` from now on, or longer if it has to already.
+
+        `event` tells of it.
+        """
+        self._record(event, seconds=seconds)
+        self._ready.set(max(self._clock.now + seconds, self._ready.time or 0.0))
+        if self._disabled_at is None:
+            self._disabled_at = self._clock.now
+        self._stand()
+
+    def hold(self, stands: bool) -> None:
+        """Brake and stand until `hold(False)`: a protective stop."""
+        self._held = stands
+        if stands:
+            self._stand()
+        else:
+            self._go_on()
+
+    def close(self) -> None:
+        """The trial is over: count the time it was disabled until now."""
+        if self._disabled_at is not None:
+            self.disabled_time += self._clock.now - self._disabled_at
+        if self._enabled is not None:
+            self.standing_time += self._clock.now - self._stands_since
+
+    def _enable(self) -> None:
+        assert self._disabled_at is not None
+        self.disabled_time += self._clock.now - self._disabled_at
+        self._disabled_at = None
+        self._record("gantry_enabled")
+        self._go_on()
+
+    def _stand(self) -> None:
+        if self._enabled is None:
+            self._enabled = self._clock.event()
+            self._stands_since = self._clock.now
+            self._brake()
+            self.braking_time += self.body.motion.end - self._clock.now
+            self._tell("disabled")
+
+    def _go_on(self) -> None:
+        """Be free to move, if neither disabled nor held."""
+        if self._enabled is not None and self._disabled_at is None and not self._held:
+            enabled, self._enabled = self._enabled, None
+            self.standing_time += self._clock.now - self._stands_since
+            enabled.succeed()
+            self._tell("enabled")
+
+    def _brake(self) -> None:
+        self.body.follow(self.stopping(self.body.state, self._clock.now))
+        braking, self._braking = self._braking, self._clock.event()
+        braking.succeed()
+
+    def _move(self, command: int, set_out: Callable[[], None], resume: bool) -> Steps:
+        """Wait for the end of a move, or of what became of it."""
+        while command == self._commands:
+            if self._enabled is not None:
+                yield self._enabled
+                if command != self._commands or not resume:
+                    return
+                set_out()
+            arrival = self._clock.at(self.body.motion.end)
+            yield arrival | self._braking
+            if arrival.processed or not resume:
+                return
+
+    def _rest(self) -> Steps:
+        yield self._clock.at(self.body.motion.end)
+
+    def _enabled_for(self, seconds: float, command: int | None) -> Steps:
+        """Let `seconds` go by in which it is not disabled, unless `command` is replaced before."""
+        while seconds > 0 and command in (None, self._commands):
+            if self._enabled is not None:
+                yield self._enabled
+                continue
+            begun = self._clock.now
+            done = self._clock.at(begun + seconds)
+            yield done | (self._braking if command is None else self._braking | self._replaced)
+            elapsed = self._clock.now - begun
+            if command is not None:
+                self.working_time += elapsed
+            seconds = 0.0 if done.processed else seconds - elapsed
+        return command in (None, self._commands)
+
+
+def _slower(axis: AxisLimits, share: float) -> AxisLimits:
+    if not 0 < share <= 1:
+        raise ValueError(f"speed_share must be more than 0 and at most 1, not {share}")
+    return axis if share == 1 else replace(axis, max_speed=axis.max_speed * share)

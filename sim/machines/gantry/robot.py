@@ -1,0 +1,384 @@
+"""The gantry as its controller sees it: what it can be told, and what it can see."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from simpy.events import Event, Process
+
+from floorplan import Floorplan, Gantry
+from navigation import Motion, State
+
+from ...core.body import Body
+from ...core.clock import Clock, Turn
+from ...core.recorder import Record
+from ...core.rules import PAPER, RuleSet
+from ...core.scenario import GantryEntry
+from .drive import Drive, Steps
+from .interruption import Interruption, Interrupts
+from .tasks import Handling, Pose, Step, Task, Tasks, tasks_of
+
+OBSERVATION_RATE = 10.0
+"""Hz. How often the gantry sees where people are."""
+
+REACH = 1e-3
+"""Metres. How near to a place the gantry's axis has to be to handle something there."""
+
+
+@dataclass(frozen=True)
+class Sighting:
+    """A person as the gantry's sensors see them: x, y in metres, velocity in m/s."""
+
+    name: str
+    at: tuple[float, float]
+    velocity: tuple[float, float]
+
+    @property
+    def speed(self) -> float:
+        """The speed over the floor, m/s."""
+        return math.hypot(*self.velocity)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Surroundings:
+    """What a gantry has around it: the people it sees, the places it works at, the rules.
+
+    `locate(place)` is where an obstacle, a station or an AGV is, None while an AGV drives;
+    `human_speed` is how fast people may come (m/s).
+    """
+
+    floorplan: Floorplan
+    see: Callable[[], tuple[Sighting, ...]] = tuple
+    locate: Callable[[str], tuple[float, float] | None]
+    rules: RuleSet = PAPER
+    human_speed: float = 1.0
+
+
+class GantryRobot:
+    """The gantry, to be told what to do.
+
+    A controller is a function or class of one argument, this robot, that yields what its
+    methods return: `yield gantry.move_to(-2.5, 0.5)`. It does one thing at a time: moving,
+    stopping, picking, placing and handling take the place of what was under way. While the gantry
+    is disabled it stands, and whatever was under way goes on afterwards.
+    """
+
+    def __init__(
+        self,
+        clock: Clock,
+        gantry: Gantry,
+        entry: GantryEntry,
+        surroundings: Surroundings,
+        *,
+        record: Record,
+    ) -> None:
+        self.gantry = gantry
+        self.floorplan = surroundings.floorplan
+        self.rules = surroundings.rules
+        self.human_speed = surroundings.human_speed
+        self.handling = Handling()
+        self.tasks = Tasks(clock)
+        self.jobs_done = 0
+        self.on_interest: Callable[[], None] = lambda: None
+        self.drive = Drive(
+            clock,
+            gantry,
+            gantry.start if entry.at is None else entry.at,
+            record=record,
+            disabled_or_enabled=self.interrupt,
+        )
+        self._interrupts = Interrupts()
+        self._clock = clock
+        self._entry = entry
+        self._surroundings = surroundings
+        self._record = record
+        self._floor_changed = clock.event()
+        self._begin_round()
+
+    # What it sees.
+
+    @property
+    def now(self) -> float:
+        """The time, seconds."""
+        return self._clock.now
+
+    @property
+    def body(self) -> Body:
+        """The gantry as a body on the floor."""
+        return self.drive.body
+
+    @property
+    def state(self) -> State:
+        """Where it is and how it moves now."""
+        return self.body.state
+
+    @property
+    def position(self) -> Pose:
+        """Where it is now: x, y (metres), rotation (radians)."""
+        return self.body.state.position
+
+    @property
+    def disabled(self) -> bool:
+        """Whether it stands because the referee disabled it."""
+        return self.drive.disabled
+
+    def look(self, after: float = 0.0) -> Process:
+        """The people around, as seen at the first observation `after` seconds from now or later.
+
+        The value is a tuple of `Sighting`s: `people = yield gantry.look()`.
+        """
+        if not 0 <= after < math.inf:
+            raise ValueError(f"can't wait {after} s")
+        return self._command(self._look(after))
+
+    def interrupt_on(self, reason: Interruption, distance: float = math.inf) -> None:
+        """From now on, interrupt the controller where it waits when this happens.
+
+        It is interrupted in SimPy's manner: the `yield` raises `simpy.Interrupt` with `reason` as
+        its cause. "person_close" happens when a person comes within `distance` metres of the
+        gantry's axis, "disabled" and "enabled" when the referee stops it and lets it go on.
+
+        After an interrupt there is no other until the controller gives a command outside the
+        `except` that handles it; what happens meanwhile interrupts it then, each reason once. An
+        interrupt ends the waiting alone: the gantry goes on with what it does until it is given
+        another command. `ValueError` for another reason, or a distance that is none.
+        """
+        self._interrupts.ask_for(reason, distance)
+        self.on_interest()
+
+    # What it can be told.
+
+    def move_to(
+        self,
+        x: float,
+        y: float,
+        rotation: float | None = None,
+        *,
+        speed_share: float = 1.0,
+        resume: bool = True,
+    ) -> Process:
+        """Go to x, y (metres) and `rotation` (radians; None keeps it), to be waited for.
+
+        It makes use of `speed_share` of its top speeds. A new move or a stop takes the place of
+        this one; being disabled does so unless it is to `resume` by itself afterwards.
+        `ValueError` if that is outside the gantry's range.
+        """
+        target = self._target(x, y, rotation)
+        return self._command(self.drive.move(target, speed_share, resume=resume))
+
+    def preview(
+        self, x: float, y: float, rotation: float | None = None, *, speed_share: float = 1.0
+    ) -> Motion:
+        """The motion that `move_to` would make from here and now; nothing moves by it."""
+        return self.drive.preview(self._target(x, y, rotation), speed_share)
+
+    def follow(self, motion: Motion) -> Process:
+        """Go along `motion`, which begins here and now, to be waited for.
+
+        A move or a stop takes its place; so does being disabled, and it isn't gone on with.
+        `ValueError` while disabled.
+        """
+        return self._command(self.drive.follow(motion))
+
+    def stop(self) -> Process:
+        """Stop as fast as it can, to be waited for; the move under way is forgotten."""
+        return self._command(self.drive.stop())
+
+    def stopping(self, state: State, t: float) -> Motion:
+        """The fastest stop from `state` at `t` (seconds); nothing moves by it."""
+        return self.drive.stopping(state, t)
+
+    def wait(self, seconds: float) -> Process:
+        """Let `seconds` go by in which the gantry is not disabled."""
+        return self._command(self.drive.wait(seconds))
+
+    def pick(self, place: str) -> Process:
+        """Go to `place` (an obstacle, a station or an AGV by name) and take something there.
+
+        The value is whether it was done: not if another command took its place before the end.
+        """
+        return self._visit("pick", self.handling.pick, place)
+
+    def place(self, place: str) -> Process:
+        """Go to `place` and put down what was taken; the value is as that of `pick`."""
+        return self._visit("place", self.handling.place, place)
+
+    # What there is to do.
+
+    @property
+    def open_tasks(self) -> tuple[Task, ...]:
+        """The tasks that may be begun or gone on with now, the preferred one first."""
+        return self.tasks.open
+
+    def next_task(self) -> Event:
+        """The preferred open task, as soon as there is one; None when there won't be any."""
+        self._interrupts.command_given()
+        return self.tasks.next()
+
+    def do(self, task: Task) -> Process:
+        """Do what is left of a task, the straight way.
+
+        The value is whether it is done: not if another command took the place of this one. A step
+        that was broken off begins anew when it is done again.
+        """
+        return self._command(self._do(task, self.drive.begin()))
+
+    def where(self, task: Task) -> Pose | None:
+        """Where the task's next step is now: x, y, rotation; None if it can't be reached now.
+
+        A step at an AGV can't be while the AGV drives, or stands beyond the rails.
+        """
+        return self._pose(_next_step(task))
+
+    def way(self, task: Task) -> tuple[Pose, ...]:
+        """Where the task's steps that are left would be now; nothing if one can't be reached."""
+        rotation = self.position[2]
+        poses = [self._pose(step, rotation) for step in task.steps_left]
+        return () if None in poses else tuple(pose for pose in poses if pose is not None)
+
+    def locate(self, task: Task) -> Process:
+        """Begin the task, or go on with it: `where` its next step is, once it can be reached."""
+        return self._command(self._find(task))
+
+    def handle(self, task: Task) -> Process:
+        """Do what the task's next step needs, here. The value is whether it was done.
+
+        It was not if this is not the place, or if another command took the place of this one: the
+        step then begins anew when it is handled again. `ValueError` if the task is done already.
+        """
+        if not self._is_at(_next_step(task)):
+            return self._command(_not_done())
+        return self._command(self._handle(task, self.drive.begin()))
+
+    # What others do with it.
+
+    def start(self, controller: Steps) -> None:
+        """Let `controller` tell it what to do from now on."""
+        self._interrupts.start(self._clock, controller)
+
+    def interrupt(self, reason: str) -> None:
+        """Interrupt the controller, as soon as it can be, if it asked for it."""
+        self._interrupts.happened(reason)
+
+    @property
+    def close_distance(self) -> float | None:
+        """Metres within which a person's coming interrupts the controller, if it asked for it."""
+        return self._interrupts.close_distance
+
+    def floor_changed(self) -> None:
+        """An AGV has come to rest."""
+        changed, self._floor_changed = self._floor_changed, self._clock.event()
+        changed.succeed()
+        self.tasks.reconsider()
+
+    def _command(self, steps: Steps) -> Process:
+        self._interrupts.command_given()
+        return self._clock.process(steps)
+
+    def _target(self, x: float, y: float, rotation: float | None) -> Pose:
+        return (x, y, self.position[2] if rotation is None else rotation)
+
+    def _look(self, after: float) -> Steps:
+        earliest = (self.now + after) * OBSERVATION_RATE
+        yield self._clock.at(math.ceil(earliest - 1e-9) / OBSERVATION_RATE, Turn.NOTICE)
+        return self._surroundings.see()
+
+    def _pose(self, step: Step, rotation: float | None = None) -> Pose | None:
+        """Where a step is now, if it can be reached now; `rotation` as it is if not given."""
+        if step.target is not None:
+            return step.target
+        if step.place is None:
+            return self.position
+        at = self._surroundings.locate(step.place)
+        if at is None:
+            return None
+        return self._target(at[0] + step.offset[0], at[1] + step.offset[1], rotation)
+
+    def _find(self, task: Task) -> Steps:
+        step = _next_step(task)
+        self._begin(task)
+        return (yield from self._reached(step))
+
+    def _reached(self, step: Step) -> Steps:
+        """Wait until a step can be reached; the value is where it is then."""
+        while (pose := self._pose(step)) is None:
+            yield self._floor_changed
+        return pose
+
+    def _visit(self, action: str, seconds: float, place: str) -> Process:
+        """Go to a place and handle something there, as one command."""
+        step, command = Step(action, seconds, place), self.drive.begin()
+
+        def steps() -> Steps:
+            yield from self._go_to(step, command)
+            return (yield from self.drive.work(seconds, command))
+
+        return self._command(steps())
+
+    def _is_at(self, step: Step) -> bool:
+        """Return whether the gantry stands where `step` can be handled."""
+        pose = self._pose(step)
+        moving = self.now < self.body.motion.end
+        return not (pose is None or moving or math.dist(pose[:2], self.position[:2]) > REACH)
+
+    def _go_to(self, step: Step, command: int) -> Steps:
+        """As a part of `command`, go to where `step` is, once it can be reached."""
+        pose = yield from self._reached(step)
+        if self.drive.is_under_way(command):
+            yield from self.drive.move(pose, command=command)
+
+    def _handle(self, task: Task, command: int) -> Steps:
+        self._begin(task)
+        done: bool = yield from self.drive.work(_next_step(task).seconds, command)
+        if done:
+            task.advance()
+            if task.finished:
+                self._finish(task)
+        return done
+
+    def _do(self, task: Task, command: int) -> Steps:
+        while self.drive.is_under_way(command) and task.next_step is not None:
+            step = task.next_step
+            self._begin(task)
+            yield from self._go_to(step, command)
+            # An AGV may have left in the meantime.
+            if self.drive.is_under_way(command) and self._is_at(step):
+                yield from self._handle(task, command)
+        return task.finished
+
+    def _begin(self, task: Task) -> None:
+        if not task.announced:
+            task.announced = True
+            self._record("job_started", job=task.kind, **task.fields)
+
+    def _finish(self, task: Task) -> None:
+        if task.kind == "submit":
+            self._record("order_submitted", **task.fields)
+        else:
+            self.jobs_done += 1
+            self._record("job_done", job=task.kind, **task.fields)
+        task.done()
+        round_over = all(task.finished for task in self._round)
+        if self._entry.repeat and round_over and self.now > self._round_began:
+            self._begin_round()
+        self.tasks.reconsider()
+
+    def _begin_round(self) -> None:
+        """Set out to do the jobs of the trial."""
+        self._round_began = self.now
+        self._round = tasks_of(self._entry.jobs, self.handling)
+        self.tasks.add(self._round)
+
+
+def _not_done() -> Steps:
+    return False
+    yield
+
+
+def _next_step(task: Task) -> Step:
+    step = task.next_step
+    if step is None:
+        raise ValueError(f"{task} is done already")
+    return step

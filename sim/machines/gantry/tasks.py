@@ -1,0 +1,191 @@
+"""What the gantry has to do: tasks, made of steps, and which of them may be begun now."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from simpy.events import Event
+
+from ...core.clock import Clock
+from ...core.scenario import Job
+
+Pose = tuple[float, float, float]
+"""x, y in metres, rotation in radians."""
+
+
+@dataclass(frozen=True)
+class Handling:
+    """How long the gantry's hand takes, seconds (our choice; none are published)."""
+
+    pick: float = 2.0
+    place: float = 2.0
+    turn_over: float = 3.0
+    insert: float = 4.0
+    pick_tray: float = 3.0
+    place_tray: float = 3.0
+    change_tool: float = 3.0
+
+
+@dataclass(frozen=True)
+class Step:
+    """One errand of a task: go somewhere, and handle something there for `seconds`.
+
+    Where it is: at the obstacle, station or AGV called `place`, `offset` metres (x, y) from its
+    middle; or at `target` (x, y, rotation); or, with neither, wherever the gantry is.
+    """
+
+    action: str
+    seconds: float = 0.0
+    place: str | None = None
+    offset: tuple[float, float] = (0.0, 0.0)
+    target: Pose | None = None
+
+
+class Task:
+    """Something to be done in `steps`, one after the other.
+
+    `kind` and `fields` go into the events that tell of it. A task of a later `stage` waits for
+    those before it in its `group`; `ready()` tells whether it may be begun as things stand;
+    `done()` is called when its last step is done.
+    """
+
+    def __init__(
+        self,
+        kind: str,
+        steps: Iterable[Step],
+        *,
+        stage: int = 0,
+        fields: Mapping[str, Any] | None = None,
+        ready: Callable[[], bool] = lambda: True,
+        done: Callable[[], None] = lambda: None,
+    ) -> None:
+        self.kind = kind
+        self.steps = tuple(steps)
+        self.stage = stage
+        self.fields = dict(fields or {})
+        self.ready = ready
+        self.done = done
+        self.group = 0
+        self.announced = False
+        self._steps_done = 0
+        if not self.steps:
+            raise ValueError("a task needs at least one step")
+
+    def __repr__(self) -> str:
+        return f"<task {self.kind} {self.fields}>"
+
+    @property
+    def begun(self) -> bool:
+        """Whether a step of it has been done."""
+        return self._steps_done > 0
+
+    @property
+    def finished(self) -> bool:
+        """Whether all of it has been done."""
+        return self._steps_done == len(self.steps)
+
+    @property
+    def steps_left(self) -> tuple[Step, ...]:
+        """What has to be done yet."""
+        return self.steps[self._steps_done :]
+
+    @property
+    def next_step(self) -> Step | None:
+        """What has to be done next; None once it is finished."""
+        return None if self.finished else self.steps[self._steps_done]
+
+    def advance(self) -> None:
+        """The next step has been done."""
+        self._steps_done += 1
+
+
+class Tasks:
+    """All that there is to do, in groups; of a group, one stage at a time."""
+
+    def __init__(self, clock: Clock) -> None:
+        self.more_to_come = False
+        self._clock = clock
+        self._groups: list[tuple[bool, list[Task]]] = []
+        self._groups_added = 0
+        self._waiting: list[Event] = []
+
+    @property
+    def open(self) -> tuple[Task, ...]:
+        """The tasks that may be begun or gone on with now, the preferred one first."""
+        return tuple(task for _, group in self._groups for task in _current(group) if task.ready())
+
+    def add(self, tasks: Iterable[Task], *, first: bool = False) -> None:
+        """A group of tasks more; `first` puts it before all others that were not put first."""
+        group = list(tasks)
+        self._groups_added += 1
+        for task in group:
+            task.group = self._groups_added
+        if group:
+            self._groups.append((first, group))
+            self._groups.sort(key=lambda entry: not entry[0])
+        self.reconsider()
+
+    def next(self) -> Event:
+        """Happens when there is something to do: the preferred open task.
+
+        Its value is None when everything is done and nothing more will come.
+        """
+        event = self._clock.event()
+        self._waiting.append(event)
+        self.reconsider()
+        return event
+
+    def reconsider(self) -> None:
+        """Something has changed: answer those who wait for it."""
+        self._groups = [
+            (first, group)
+            for first, group in self._groups
+            if not all(task.finished for task in group)
+        ]
+        if not self._waiting:
+            return
+        preferred = next(iter(self.open), None)
+        if preferred is None and (self._groups or self.more_to_come):
+            return
+        waiting, self._waiting = self._waiting, []
+        for event in waiting:
+            event.succeed(preferred)
+
+
+def _current(group: list[Task]) -> Iterator[Task]:
+    """The unfinished tasks of the lowest stage, those that were begun first."""
+    left = [task for task in group if not task.finished]
+    stage = min((task.stage for task in left), default=0)
+    return iter(sorted((t for t in left if t.stage == stage), key=lambda task: not task.begun))
+
+
+def tasks_of(jobs: Iterable[Job], handling: Handling) -> list[Task]:
+    """The jobs of a trial as tasks: one after the other, but neighbouring parts in any order."""
+    tasks: list[Task] = []
+    for job in jobs:
+        stage = tasks[-1].stage if tasks else 0
+        if tasks and not (job.kind == tasks[-1].kind == "pick_place"):
+            stage += 1
+        tasks.append(Task(job.kind, _steps(job, handling), stage=stage, fields=_fields(job)))
+    return tasks
+
+
+def _fields(job: Job) -> dict[str, Any]:
+    if job.kind == "pick_place":
+        return {"part": job.part, "from": job.pick, "to": job.place}
+    return {"order": job.order} if job.kind == "submit" else {}
+
+
+def _steps(job: Job, handling: Handling) -> tuple[Step, ...]:
+    if job.kind == "move":
+        return (Step("move", target=job.target),)
+    if job.kind == "wait":
+        return (Step("wait", job.seconds),)
+    if job.kind == "submit":
+        return (Step("submit"),)
+    return (
+        Step("pick", handling.pick, place=job.pick),
+        Step("place", handling.place, place=job.place),
+    )

@@ -1,0 +1,200 @@
+"""The orders of a trial as it runs: announced, worked on, submitted, and scored."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Any
+
+from floorplan import Floorplan
+
+from ..core.clock import Clock
+from ..core.recorder import Record
+from ..core.triggers import Triggers
+from ..core.workload import AssemblyTask, CombinedTask, KittingTask, Order, Workload
+from ..machines.agv.agv import Agv
+from ..machines.gantry.robot import GantryRobot
+from .assembly import AssemblyWork, CombinedWork
+from .fleet import Fleet
+from .inventory import Inventory
+from .kitting import KittingWork
+from .scoring import best_score
+from .work import Cell, Work, when_all_are_done
+
+
+class _Progress:
+    """How far an order has come; times in seconds."""
+
+    def __init__(self, order: Order) -> None:
+        self.order = order
+        self.announced: float | None = None
+        self.submitted: float | None = None
+        self.score = 0
+        self.missing: list[str] = []
+
+    @property
+    def figures(self) -> dict[str, Any]:
+        took = None
+        if self.announced is not None and self.submitted is not None:
+            took = self.submitted - self.announced
+        return {
+            "type": self.order.kind,
+            "priority": self.order.priority,
+            "announced": self.announced,
+            "submitted": self.submitted,
+            "time": took,
+            "score": self.score,
+            "best": best_score(self.order.task),
+            "missing": self.missing,
+        }
+
+
+class Dispatcher:
+    """Announces the orders of a workload, and turns them into tasks for the gantry.
+
+    An order is begun as soon as the AGVs and the station it needs are held by no other order,
+    priority orders first. `all_done` is called when no order is left that can still be submitted.
+    """
+
+    def __init__(
+        self,
+        clock: Clock,
+        workload: Workload,
+        plan: Floorplan,
+        *,
+        gantry: GantryRobot,
+        agvs: Sequence[Agv],
+        triggers: Triggers,
+        record: Record,
+        all_done: Callable[[], None],
+    ) -> None:
+        self._fleet = Fleet(agvs)
+        self._clock = clock
+        self._gantry = gantry
+        self._record = record
+        self._all_done = all_done
+        self._cell = Cell(plan, Inventory(workload, plan), self._fleet, gantry.handling)
+        self._orders = {order.id: _Progress(order) for order in workload.orders}
+        self._waiting: list[Order] = []
+        self._begun: list[Work] = []
+        self._finished: list[Work] = []
+        self._needed_trays = {
+            order.task.tray for order in workload.orders if isinstance(order.task, KittingTask)
+        }
+        gantry.tasks.more_to_come = True
+        for order in workload.orders:
+            triggers.add(order.announcement, partial(self._announce, order))
+        for malfunction in workload.malfunctions:
+            stand = partial(gantry.drive.disable, malfunction.seconds, "robot_malfunction")
+            triggers.add(malfunction.start, stand)
+
+    @property
+    def figures(self) -> dict[str, Any]:
+        """What belongs into the summary: every order, and the points of all of them."""
+        orders = {name: progress.figures for name, progress in self._orders.items()}
+        return {
+            "orders": orders,
+            "score": sum(figures["score"] for figures in orders.values()),
+            "best_score": sum(figures["best"] for figures in orders.values()),
+        }
+
+    def agv_stopped(self, agv: Agv) -> None:
+        """An AGV has come to rest: it may have been waited for."""
+        self._fleet.stopped(agv)
+        self._submit_orders()
+
+    def _announce(self, order: Order) -> None:
+        self._orders[order.id].announced = self._clock.now
+        self._record("order_announced", order=order.id, type=order.kind, priority=order.priority)
+        self._waiting.append(order)
+        self._waiting.sort(key=lambda waiting: not waiting.priority)
+        self._begin_orders()
+
+    def _begin_orders(self) -> None:
+        """Begin every order that has what it needs; those behind it don't take that away."""
+        held = {thing for work in self._begun for thing in work.holds}
+        for order in list(self._waiting):
+            work = self._work_on(order, held)
+            if work is not None:
+                self._waiting.remove(order)
+                self._begin(work)
+                held.update(work.holds)
+            else:
+                held.update(_wanted(order))
+
+    def _begin(self, work: Work) -> None:
+        order = work.order
+        self._begun.append(work)
+        tasks = work.begin()
+        progress = self._orders[order.id]
+        progress.missing = [str(part) for part in work.missing]
+        when_all_are_done(tasks, partial(self._finish, work))
+        self._gantry.tasks.add(tasks, first=order.priority)
+
+    def _work_on(self, order: Order, held: set[str]) -> Work | None:
+        """The work on an order, or None while something it needs is held."""
+        task = order.task
+        if isinstance(task, CombinedTask):
+            return self._combined_work(order, task, held)
+        if held.intersection(_wanted(order)):
+            return None
+        if isinstance(task, AssemblyTask):
+            return AssemblyWork(order, task, self._cell)
+        return KittingWork(order, task, self._cell)
+
+    def _combined_work(self, order: Order, task: CombinedTask, held: set[str]) -> Work | None:
+        """On the free AGV with the least on it."""
+        free = [agv for agv in self._fleet.serving(task.station) if agv not in held]
+        if task.station in held or not free:
+            return None
+        agv = min(free, key=lambda name: len(self._cell.inventory.load(name).items))
+        return CombinedWork(order, task, self._cell, agv, self._needed_trays)
+
+    def _finish(self, work: Work) -> None:
+        """All tasks of an order are done: submit it once everything is where it has to be."""
+        self._finished.append(work)
+        self._clock.call_at(self._clock.now, self._submit_orders)
+
+    def _submit_orders(self) -> None:
+        for work in [work for work in self._finished if work.ready()]:
+            self._finished.remove(work)
+            self._submit(work)
+
+    def _submit(self, work: Work) -> None:
+        order, progress = work.order, self._orders[work.order.id]
+        progress.submitted = self._clock.now
+        progress.score = work.score()
+        self._record(
+            "order_submitted",
+            order=order.id,
+            type=order.kind,
+            score=progress.score,
+            best=best_score(order.task),
+            missing=progress.missing,
+        )
+        work.hand_over()
+        self._begun.remove(work)
+        for thing in work.holds:
+            self._fleet.release(thing)
+        self._begin_orders()
+        if not self._begun and not self._to_be_announced():
+            self._gantry.tasks.more_to_come = False
+            self._gantry.tasks.reconsider()
+            self._all_done()
+
+    def _to_be_announced(self) -> bool:
+        """Whether an order will still be announced, as nothing is being worked on."""
+        return any(
+            progress.announced is None and progress.order.announcement.time is not None
+            for progress in self._orders.values()
+        )
+
+
+def _wanted(order: Order) -> tuple[str, ...]:
+    """The AGVs and stations that an order needs, as far as it says which."""
+    task = order.task
+    if isinstance(task, KittingTask):
+        return (task.agv,)
+    if isinstance(task, AssemblyTask):
+        return (*task.agvs, task.station)
+    return (task.station,)

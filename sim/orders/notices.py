@@ -1,0 +1,139 @@
+"""What an ARIAC trial file says that is not simulated, or that will not work out as it says."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+
+from floorplan import Document, Place, Problem
+
+from ..core.workload import KittingTask, Order, Part, Workload
+from .schema import Challenge, TrialFile, angle
+
+_NOT_SIMULATED = {
+    "sensor_blackout": "sensor blackouts are not simulated: the gantry sees people all the same",
+    "faulty_part": "faulty parts are not simulated: every part is good",
+    "dropped_part": "dropped parts are not simulated: the gripper holds",
+}
+
+
+def notices(file: TrialFile, workload: Workload, document: Document) -> Iterator[Problem]:
+    """Each with its place; what stands in several places is told of once."""
+    yield from _not_simulated(file, document)
+    yield from _angles(document.data, (), document)
+    yield from _nowhere(workload, document)
+
+
+def _not_simulated(file: TrialFile, document: Document) -> Iterator[Problem]:
+    if file.parts and file.parts.conveyor_belt and file.parts.conveyor_belt.active:
+        message = "the conveyor is not simulated: nobody can fetch its parts"
+        yield document.problem(message, "parts", "conveyor_belt")
+    if file.assembly_inserts:
+        message = "how inserts are turned makes no difference here"
+        yield document.problem(message, "assembly_inserts")
+    challenges = file.challenges or []
+    for kind, message in _NOT_SIMULATED.items():
+        at: list[Place] = [
+            ("challenges", k, kind) for k, one in enumerate(challenges) if one.kind == kind
+        ]
+        if kind == "faulty_part":
+            at += _faulty_slots(file)
+        if at:
+            places = f" ({len(at)} places)" if len(at) > 1 else ""
+            yield document.problem(message + places, *at[0])
+    floor = [k for k, challenge in enumerate(challenges) if _is_of_floor_robot(challenge)]
+    if floor:
+        message = "the floor robot is not simulated, nor are its malfunctions"
+        yield document.problem(message, "challenges", floor[0], "robot_malfunction")
+
+
+def _faulty_slots(file: TrialFile) -> list[Place]:
+    return [
+        ("parts", "bins", name, k, "faulty")
+        for name, lots in ((file.parts and file.parts.bins) or {}).items()
+        for k, lot in enumerate(lots or [])
+        if lot.faulty
+    ]
+
+
+def _is_of_floor_robot(challenge: Challenge) -> bool:
+    malfunction = challenge.robot_malfunction
+    return malfunction is not None and "floor_robot" in malfunction.robots_to_disable
+
+
+def _angles(data: object, place: Place, document: Document) -> Iterator[Problem]:
+    """Slips of the pen in angles, wherever they stand."""
+    if isinstance(data, dict):
+        for key, value in data.items():
+            if key in ("rotation", "rpy"):
+                yield from _angle_slips(value, (*place, key), document)
+            else:
+                yield from _angles(value, (*place, str(key)), document)
+    elif isinstance(data, list):
+        for k, value in enumerate(data):
+            yield from _angles(value, (*place, k), document)
+
+
+def _angle_slips(value: object, place: Place, document: Document) -> Iterator[Problem]:
+    if isinstance(value, list):
+        for k, one in enumerate(value):
+            yield from _angle_slips(one, (*place, k), document)
+    elif isinstance(value, str) and angle(value) is None:
+        message = f"{value!r} is no angle; taken as 0, as the competition takes it"
+        yield document.problem(message, *place)
+
+
+def _nowhere(workload: Workload, document: Document) -> Iterator[Problem]:
+    """Trays and parts that orders need and that are nowhere, as far as can be told beforehand."""
+    left = Counter(item.part for slots in workload.bins.values() for item in slots.values())
+    on_agvs = {
+        agv: {q: item.part for q, item in load.items.items()}
+        for agv, load in workload.loads.items()
+    }
+    trays = [*workload.trays.values()]
+    for k, order in enumerate(workload.orders):
+        place: Place = ("orders", k, f"{order.kind}_task")
+        task = order.task
+        if isinstance(task, KittingTask):
+            load = workload.loads.get(task.agv)
+            if task.tray not in trays and (load is None or load.tray != task.tray):
+                message = f"tray {task.tray} is nowhere: the kit will be made without it"
+                yield document.problem(message, *place, "tray_id")
+        for j, part in enumerate(_products(order)):
+            if not _found(order, j, part, left, on_agvs):
+                message = f"no {part} is left for it: the order will be submitted without"
+                yield document.problem(message, *place, "products", j)
+
+
+def _products(order: Order) -> tuple[Part, ...]:
+    task = order.task
+    return tuple(task.products.values()) if isinstance(task, KittingTask) else task.products
+
+
+def _found(
+    order: Order,
+    k: int,
+    part: Part,
+    left: Counter[Part],
+    on_agvs: dict[str, dict[int, Part]],
+) -> bool:
+    """Whether product `k` can be had from the order's AGVs or the bins; it is taken from there."""
+    task = order.task
+    if isinstance(task, KittingTask):
+        quadrant = list(task.products)[k]
+        kit = on_agvs.setdefault(task.agv, {})
+        if kit.get(quadrant) != part:
+            if not left[part]:
+                return False
+            left[part] -= 1
+            kit[quadrant] = part
+        return True
+    for agv in getattr(task, "agvs", ()):
+        for quadrant, one in on_agvs.get(agv, {}).items():
+            if one == part:
+                del on_agvs[agv][quadrant]
+                return True
+    if not left[part]:
+        return False
+    left[part] -= 1
+    return True

@@ -1,0 +1,226 @@
+"""From an ARIAC trial file to a trial."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, TypeVar
+
+from pydantic import BaseModel, ValidationError
+
+import floorplan
+from floorplan import Document, Floorplan, Problem
+
+from ..core.rules import ARIAC2023
+from ..core.scenario import GantryEntry, PersonEntry, Scenario, TrialError
+from ..core.start import Start
+from ..core.workload import (
+    AssemblyTask,
+    CombinedTask,
+    Human,
+    Item,
+    KittingTask,
+    Load,
+    Malfunction,
+    Order,
+    Part,
+    Workload,
+)
+from .checks import agv_name, problems
+from .notices import notices
+from .schema import (
+    AgvLoad,
+    AgvPart,
+    Challenge,
+    Condition,
+    KittingTrays,
+    Lot,
+    OrderEntry,
+    Parts,
+    TrialFile,
+)
+
+FLOOR = "ariac2023"
+"""The floor on which ARIAC trial files are run."""
+
+LONGEST = 1000.0
+"""Seconds after which a trial without time limit ends even if orders are left.
+
+Twice the longest time limit that the competition has.
+"""
+
+CONTROLLER = "pausing"
+"""The gantry controller that works on the orders, unless the user names another."""
+
+_OWN_KEYS = {"time_limit", "kitting_trays", "parts", "orders"}
+_Model = TypeVar("_Model", bound=BaseModel)
+_Made = TypeVar("_Made", bound=Scenario)
+
+
+def is_ariac(document: Document) -> bool:
+    """Whether a document is a trial file as the ARIAC competition writes them."""
+    data = document.data
+    return isinstance(data, dict) and "floorplan" not in data and not _OWN_KEYS.isdisjoint(data)
+
+
+def build(form: type[_Made], document: Document, folder: Path) -> _Made:
+    """The trial in `document`: on the competition's floor, by its rules.
+
+    `TrialError` with everything that is wrong.
+    """
+    plan = floorplan.load(FLOOR)
+    workload, told = read_workload(document, plan)
+    path = Path(document.file)
+    return form(
+        floorplan=plan,
+        floorplan_source=FLOOR,
+        name=path.name.split(".")[0],
+        duration=duration_of(workload),
+        until_submitted=True,
+        rules=ARIAC2023,
+        people=people_of(workload),
+        gantry=GantryEntry(CONTROLLER),
+        folder=folder,
+        workload=workload,
+        notices=told,
+    )
+
+
+def read_workload(document: Document, plan: Floorplan) -> tuple[Workload, tuple[Problem, ...]]:
+    """The work in `document`, to be done on the floor `plan`, and what there is to tell about it.
+
+    `TrialError` with everything that is wrong.
+    """
+    file, misfits = _readable(document)
+    found = [*misfits, *problems(file, plan, document)]
+    if found:
+        raise TrialError(document.file, found)
+    workload = _workload(file, Path(document.file).name)
+    told = notices(file, workload, document)
+    return workload, tuple(sorted(told, key=lambda notice: notice.line or 0))
+
+
+def duration_of(workload: Workload) -> float:
+    """The time limit of a trial, or the longest that it may take without one (seconds)."""
+    return LONGEST if workload.time_limit is None else workload.time_limit
+
+
+def people_of(workload: Workload) -> tuple[PersonEntry, ...]:
+    """The people of the human challenge: the operator, and any others by number."""
+    return tuple(
+        PersonEntry(f"operator{k + 1}" if k else "operator", human.behavior, human.start)
+        for k, human in enumerate(workload.humans)
+    )
+
+
+def _readable(document: Document) -> tuple[TrialFile, tuple[Problem, ...]]:
+    """The file, with None for every entry that can't be read, and the problems of those."""
+    try:
+        return document.checked(TrialFile, TrialError), ()
+    except TrialError as why:
+        if not isinstance(document.data, dict):
+            raise
+        return _salvaged(document.data), why.problems
+
+
+def _salvaged(data: dict[str, Any]) -> TrialFile:
+    parts = _dict(data.get("parts"))
+    return TrialFile.model_construct(
+        kitting_trays=_read(KittingTrays, data.get("kitting_trays")),
+        parts=Parts.model_construct(
+            bins={
+                str(name): [_read(Lot, lot) for lot in _list(lots)]
+                for name, lots in _dict(parts.get("bins")).items()
+            },
+            agvs={
+                str(name): _read(AgvLoad, load) for name, load in _dict(parts.get("agvs")).items()
+            },
+            conveyor_belt=None,
+        ),
+        challenges=[_read(Challenge, one) for one in _list(data.get("challenges"))],
+        orders=[_read(OrderEntry, one) for one in _list(data.get("orders"))],
+    )
+
+
+def _read(schema: type[_Model], data: object) -> _Model | None:
+    try:
+        return schema.model_validate(data)
+    except ValidationError:
+        return None
+
+
+def _dict(data: object) -> dict[Any, Any]:
+    return data if isinstance(data, dict) else {}
+
+
+def _list(data: object) -> list[Any]:
+    return data if isinstance(data, list) else []
+
+
+def _workload(file: TrialFile, source: str) -> Workload:
+    parts, trays = file.parts or Parts(), file.kitting_trays or KittingTrays()
+    challenges = file.challenges or []
+    return Workload(
+        orders=tuple(_order(entry) for entry in file.orders),
+        bins={
+            name: {slot: _item(lot) for lot in lots or [] for slot in lot.slots}
+            for name, lots in (parts.bins or {}).items()
+        },
+        trays=dict(zip(trays.slots, trays.tray_ids, strict=True)),
+        loads={
+            name: Load(load.tray_id, {part.quadrant: _item(part) for part in load.parts or []})
+            for name, load in (parts.agvs or {}).items()
+            if load is not None
+        },
+        malfunctions=tuple(_malfunctions(challenges)),
+        humans=tuple(
+            Human(human.behavior, _start(human))
+            for challenge in challenges
+            for human in (challenge.human, challenge.human_operator)
+            if human is not None
+        ),
+        time_limit=None if file.time_limit == -1 else file.time_limit,
+        source=source,
+    )
+
+
+def _malfunctions(challenges: list[Challenge]) -> Iterator[Malfunction]:
+    for challenge in challenges:
+        malfunction = challenge.robot_malfunction
+        if malfunction is not None and "ceiling_robot" in malfunction.robots_to_disable:
+            yield Malfunction(_start(malfunction), malfunction.duration)
+
+
+def _order(entry: OrderEntry) -> Order:
+    task: KittingTask | AssemblyTask | CombinedTask
+    if entry.kitting_task is not None:
+        kit = entry.kitting_task
+        products = {product.quadrant: _part(product) for product in kit.products}
+        task = KittingTask(agv_name(kit.agv_number), kit.tray_id, kit.destination, products)
+    elif entry.assembly_task is not None:
+        assembly = entry.assembly_task
+        agvs = tuple(dict.fromkeys(agv_name(number) for number in assembly.agv_number))
+        task = AssemblyTask(assembly.station, agvs, tuple(map(_part, assembly.products)))
+    else:
+        assert entry.combined_task is not None  # the schema wants one of the three
+        combined = entry.combined_task
+        task = CombinedTask(combined.station, tuple(map(_part, combined.products)))
+    return Order(entry.id, task, _start(entry.announcement), entry.priority)
+
+
+def _start(condition: Condition) -> Start:
+    if condition.submission_condition is not None:
+        return Start(None, order_submitted=condition.submission_condition.order_id)
+    placed = condition.part_place_condition
+    if placed is not None:
+        on = {} if placed.agv is None else {"agv": agv_name(placed.agv)}
+        return Start(None, part_placed={"part": str(_part(placed)), **on})
+    return Start(condition.time_condition)
+
+
+def _item(lot: Lot | AgvPart) -> Item:
+    return Item(_part(lot), lot.flipped)
+
+
+def _part(entry: Any) -> Part:
+    return Part(entry.color, entry.type)

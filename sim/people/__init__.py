@@ -1,0 +1,1 @@
+"""A person: a mind in a body that walks."""

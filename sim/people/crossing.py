@@ -1,0 +1,51 @@
+"""People whose way an AGV crosses while it drives: they let it pass."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from floorplan import Human, Lane
+from navigation import Cylinder, FixedDistance, Motion, Shapes, TooClose, agv_box, first_time
+
+from ..core.clock import Alarm, Turn
+from ..safety.watches import Pair
+
+AHEAD = 1.5
+"""Seconds. How long before they would walk into an AGV people stop."""
+
+GAP = 0.1
+"""Metres. Nearer than this to the surface of an AGV that drives, a person counts as touched."""
+
+
+class CrossingWatch:
+    """Calls `let_pass(self)` in time if a person is about to walk into an AGV that drives."""
+
+    def __init__(
+        self, pair: Pair, human: Human, lane: Lane, let_pass: Callable[[CrossingWatch], None]
+    ) -> None:
+        self.pair = pair
+        self._shapes = Shapes(
+            person=Cylinder(radius=human.radius, top=human.height), machine=(agv_box(lane),)
+        )
+        self._let_pass = let_pass
+        self._alarm = Alarm(pair.clock, self._ring, Turn.NOTICE)
+        pair.person.on_change.append(self._reconsider)
+        pair.machine.on_change.append(self._reconsider)
+
+    def touches(self, person: Motion) -> float | None:
+        """When somebody who moves like this would be touched by the AGV (seconds), if ever."""
+        now, agv = self.pair.clock.now, self.pair.machine.motion
+        if agv.end <= now:
+            return None
+        end = min(agv.end, self.pair.end)
+        close = TooClose(FixedDistance(GAP))
+        return first_time(close, person, agv, now, max(now, end), shapes=self._shapes)
+
+    def _reconsider(self) -> None:
+        person = self.pair.person.motion
+        walks = person.end > self.pair.clock.now
+        touched = self.touches(person) if walks else None
+        self._alarm.set(None if touched is None else max(self.pair.clock.now, touched - AHEAD))
+
+    def _ring(self) -> None:
+        self._let_pass(self)

@@ -1,0 +1,211 @@
+"""What decides for a person: an agent of `bdi`, or somebody outside the simulation."""
+
+from __future__ import annotations
+
+import re
+import zlib
+from collections.abc import Callable, Sequence
+from typing import Protocol
+
+import bdi
+from floorplan import Floorplan
+
+from ..core.body import Body
+from ..core.rules import RuleSet
+from ..core.scenario import PersonEntry, Scenario
+from .programs import load_program
+
+MOST_CYCLES = 200_000
+"""How many reasoning cycles a person may take at one instant; a handful is usual."""
+
+
+KEPT = ("bound_for", "reversed")
+"""Beliefs that outlast a change of personality: the way round, in the words of `patrol.asl`."""
+
+
+class Mind(Protocol):
+    """What a person needs of a mind; `bdi.Agent` is one."""
+
+    @property
+    def next_wakeup(self) -> float | None:
+        """When it has something to do without anything new, in seconds; None for never."""
+        ...
+
+    def add_percept(self, percept: bdi.Literal) -> None:
+        """Something is perceived from the next `advance` on."""
+        ...
+
+    def remove_percept(self, percept: bdi.Literal) -> None:
+        """Something is no longer perceived from the next `advance` on."""
+        ...
+
+    def advance(self, time: float) -> None:
+        """Think until there is nothing left to think about at `time` (seconds)."""
+        ...
+
+
+class Outside:
+    """A mind outside the simulation.
+
+    What the person perceives waits here until somebody takes it; `called` is called when there
+    is something, or when it is time to `wake_at`. Whoever decides calls the person's `act`.
+    """
+
+    def __init__(self, called: Callable[[], None] = lambda: None) -> None:
+        self.called = called
+        self.wake_at: float | None = None
+        self._perceived: list[bdi.Literal] = []
+
+    @property
+    def next_wakeup(self) -> float | None:
+        """When it wants to be called without anything new, in seconds."""
+        return self.wake_at
+
+    def add_percept(self, percept: bdi.Literal) -> None:
+        """Something is perceived."""
+        self._perceived.append(percept)
+
+    def remove_percept(self, percept: bdi.Literal) -> None:
+        """What is perceived no longer needs no telling: whoever is outside has been told of it."""
+
+    def advance(self, time: float) -> None:
+        """Tell that there is something to think about at `time` (seconds)."""
+        if self.wake_at is not None and self.wake_at <= time:
+            self.wake_at = None
+            self.called()
+        elif self._perceived:
+            self.called()
+
+    def take(self) -> list[bdi.Literal]:
+        """What was perceived since the last time, in its order."""
+        perceived, self._perceived = self._perceived, []
+        return perceived
+
+
+class Percepts:
+    """What a mind is told, so that it doesn't grow for ever: of each functor only the latest."""
+
+    def __init__(self, mind: Mind) -> None:
+        self._mind = mind
+        self._counts: dict[str, int] = {}
+        self._latest: dict[str, bdi.Literal] = {}
+        self._unheard: set[str] = set()
+
+    def see(self, functor: str, *arguments: float) -> None:
+        """Perceive `functor(arguments)`, and no longer what was perceived of it before."""
+        percept = bdi.Literal(functor, tuple(map(float, arguments)))
+        before = self._latest.get(functor)
+        if before is not None:
+            self._mind.remove_percept(before)
+        self._latest[functor] = percept
+        self._unheard.add(functor)
+        self._mind.add_percept(percept)
+
+    def count(self, functor: str) -> None:
+        """Perceive `functor(N)`, with N the number of times that it was perceived before."""
+        n = self._counts.get(functor, 0)
+        self._counts[functor] = n + 1
+        self.see(functor, float(n))
+
+    def heard(self) -> None:
+        """The mind has thought about all of it."""
+        self._unheard.clear()
+
+    def pass_on(self, mind: Mind) -> Percepts:
+        """Tell another mind: how things are, what nobody has thought about, and count on."""
+        new = Percepts(mind)
+        new._counts = self._counts
+        for functor, percept in self._latest.items():
+            if functor not in self._counts or functor in self._unheard:
+                new._latest[functor] = percept
+                new._unheard.add(functor)
+                mind.add_percept(percept)
+        return new
+
+
+def make_agent(
+    entry: PersonEntry,
+    trial: Scenario,
+    *,
+    act: Callable[[bdi.Literal], bool],
+    print: Callable[[str], None],
+    on_event: Callable[[bdi.Entry], None],
+    society: bdi.Society | None = None,
+    start: float = 0.0,
+    kept: Sequence[bdi.Literal] = (),
+    live: bdi.LiveBeliefs | None = None,
+) -> bdi.Agent:
+    """The agent that runs the program of a trial's person, with all that they know beforehand.
+
+    It begins at `start` (seconds), believes what is `kept` from a mind before it, and always what
+    is `live` (see `live_beliefs`).
+    """
+    program = load_program(entry.personality, trial.folder)
+    if program is None:
+        raise ValueError(f"{entry.name} runs no program")
+    return bdi.Agent(
+        program,
+        beliefs=[*first_beliefs(entry, trial.floorplan, trial.rules), *kept],
+        act=act,
+        name=entry.name,
+        seed=_seed_of(trial.seed, f"{entry.name} {start}" if start else entry.name),
+        start=start,
+        print=print,
+        on_event=on_event,
+        live=live,
+        society=society,
+        max_cycles=MOST_CYCLES,
+    )
+
+
+def live_beliefs(person: Body, gantry: Body | None, agvs: Sequence[Body]) -> bdi.LiveBeliefs:
+    """Where things are and how fast they move, whenever a person's program asks.
+
+    `me(X, Y, V)`, `gantry(X, Y, V)` where there is one, `agv(Name, X, Y, V)`: metres and m/s.
+    """
+
+    def of(body: Body) -> tuple[bdi.Term, ...]:
+        state = body.state
+        return (*state.at, state.speed)
+
+    live = {
+        ("me", 3): lambda: [of(person)],
+        ("agv", 4): lambda: [(_name(agv.name), *of(agv)) for agv in agvs],
+    }
+    if gantry is not None:
+        live["gantry", 3] = lambda: [of(gantry)]
+    return live
+
+
+def kept_beliefs(mind: Mind | None) -> list[bdi.Literal]:
+    """What somebody whose personality changes goes on believing: where they are going."""
+    if not isinstance(mind, bdi.Agent):
+        return []
+    return [belief for belief in mind.beliefs if belief.functor in KEPT]
+
+
+def first_beliefs(entry: PersonEntry, plan: Floorplan, rules: RuleSet) -> list[bdi.Literal | str]:
+    """What a person knows before the trial starts."""
+    beliefs: list[bdi.Literal | str] = [
+        bdi.Literal("station", (_name(station.name), *station.position))
+        for station in plan.patrolled
+    ]
+    home = entry.home_on(plan)
+    if home is not None:
+        beliefs.append(bdi.Literal("safe_zone", home.position))
+    for pause, seconds in (
+        ("pause_after_violation", rules.pause_after_violation),
+        ("pause_after_agv", rules.pause_after_agv),
+    ):
+        beliefs.append(bdi.Literal(pause, (seconds * 1000,)))
+    return [*beliefs, *entry.beliefs]
+
+
+def _name(name: str) -> bdi.Term:
+    """A name as an AgentSpeak term: an atom where it can be one, else a string."""
+    return bdi.Literal(name) if re.fullmatch(r"[a-z][A-Za-z0-9_]*", name) else name
+
+
+def _seed_of(seed: int, name: str) -> int:
+    """The seed of one person's chances: their own, and the same whoever else is there."""
+    return zlib.crc32(f"{seed} {name}".encode())

@@ -1,0 +1,67 @@
+"""Where the programs of personalities are."""
+
+from __future__ import annotations
+
+import os
+from functools import lru_cache
+from pathlib import Path
+
+import bdi
+from floorplan import Problem, is_there, suggestion
+
+from ..core.scenario import TrialError
+
+EXTERNAL = "external"
+"""The personality of a person who runs no program, but is told from outside what to do; likewise
+the controller of a gantry."""
+
+
+def find_program(personality: str, folder: Path) -> str | Path:
+    """Return the name of a built-in personality, or the path of an .asl file seen from `folder`.
+
+    `TrialError` says what there is.
+    """
+    if personality in bdi.programs():
+        return personality
+    path = folder / personality
+    if is_there(path) and path.is_file():
+        return path
+    known = (*bdi.programs(), EXTERNAL)
+    message = f"no personality and no .asl file is called {personality!r};"
+    raise TrialError("personality", [Problem(f"{message} {suggestion(personality, known)}")])
+
+
+def load_program(personality: str | bdi.Program, folder: Path) -> bdi.Program | None:
+    """Return the program of a personality; None for somebody who runs none (`EXTERNAL`).
+
+    Raises what `find_program` does, and `bdi.ProgramError`.
+    """
+    if personality == EXTERNAL:
+        return None
+    if isinstance(personality, str):
+        personality = bdi.load(find_program(personality, folder))
+    _try_out(personality)
+    return personality
+
+
+def written_personality(personality: str | bdi.Program, folder: Path) -> str:
+    """Return the name by which a personality is found again from `folder`.
+
+    `ValueError` if it is a program of no file, or of one that has changed since.
+    """
+    if isinstance(personality, str):
+        return personality
+    path = Path(personality.source)
+    if not (is_there(path) and path.is_file() and bdi.parse_file(path) == personality):
+        raise ValueError("is in no file; save it, and give the file as personality")
+    builtin = [name for name, file in bdi.programs().items() if file.resolve() == path.resolve()]
+    return builtin[0] if builtin else Path(os.path.relpath(path, folder)).as_posix()
+
+
+@lru_cache(maxsize=64)
+def _try_out(program: bdi.Program) -> None:
+    """Refuse what nobody can begin with, as internal actions that aren't there.
+
+    That takes as long as a person's mind at the start, and a study loads programs for each row.
+    """
+    bdi.Agent(program)

@@ -1,0 +1,183 @@
+"""A body that walks: from where it is to a goal, around what stands in the way now."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable
+
+from floorplan import Human
+from navigation import (
+    Motion,
+    PathPlanner,
+    PlanningError,
+    can_go_on,
+    join,
+    remaining_path,
+    standing,
+    stop_walking,
+    walk,
+)
+
+from ..core.body import Body
+from ..core.clock import Alarm, Clock, Turn
+from ..core.recorder import Record
+
+REPORT_DELAY = 0.1
+"""Seconds until somebody who is sent to where they are already says that they are there."""
+
+MOST_WAYS = 256
+"""How many ways somebody keeps in mind."""
+
+Place = tuple[float, float]
+
+
+class Walker:
+    """One person's legs. `arrived(goal)` is called whenever a goal is reached."""
+
+    def __init__(
+        self,
+        clock: Clock,
+        name: str,
+        human: Human,
+        planner: PathPlanner,
+        *,
+        at: Place,
+        heading: float,
+        record: Record,
+        arrived: Callable[[Place], None],
+    ) -> None:
+        self.human = human
+        self.body = Body(clock, name, "person", standing(at, heading=heading, start=clock.now))
+        self.goal: Place | None = None
+        self.speed_share = 1.0
+        self.replans = 0
+        self._clock = clock
+        self._planner = planner
+        self._known_ways: dict[tuple[Place, Place], list[Place]] = {}
+        self._floor_known = planner.world.changes
+        self._record = record
+        self._arrived = arrived
+        self._arrival = Alarm(clock, self._arrive, Turn.MOTION_ENDS)
+
+    @property
+    def heading(self) -> float:
+        """Where the person looks now, radians."""
+        return self.body.state.position[2]
+
+    def prepare(self) -> None:
+        """Work out beforehand what the first way would take its time for."""
+        self._planner.prepare()
+
+    def go(self, goal: Place) -> None:
+        """Walk to `goal` from now on; `PlanningError` if there is no way (then nothing changes)."""
+        motion = self._motion_to(goal)
+        self.goal = goal
+        self._arrival.set(max(motion.end, self._clock.now + REPORT_DELAY))
+        self.body.follow(motion)
+
+    def stop(self) -> None:
+        """Brake, and stand."""
+        self._forget_goal()
+        self.body.follow(self.braking())
+
+    def turn_to(self, point: Place) -> None:
+        """Brake, stand, and look towards `point`."""
+        self._forget_goal()
+        braking = self.braking()
+        x, y = braking.state(braking.end).at
+        heading = math.atan2(point[1] - y, point[0] - x)
+        self.body.follow(join([braking, standing((x, y), heading=heading, start=braking.end)]))
+
+    def put(self, at: Place, heading: float) -> None:
+        """Be at `at` from one instant to the next, standing."""
+        self._forget_goal()
+        self.body.follow(standing(at, heading=heading, start=self._clock.now))
+
+    def check_way(self) -> PlanningError | None:
+        """Look whether the way is still free; if not, find another or stop and say why not."""
+        if self.goal is None:
+            return None
+        way = remaining_path(self.body.motion, self._clock.now)
+        radius = self.human.radius
+        if all(self._planner.world.segment_free(a, b, radius) for a, b in itertools.pairwise(way)):
+            return None
+        self._record("path_blocked", person=self.body.name, goal=self.goal)
+        try:
+            self.go(self.goal)
+        except PlanningError as why:
+            self.stop()
+            return why
+        self.replans += 1
+        self._record("replanned", person=self.body.name, goal=self.goal)
+        return None
+
+    def _motion_to(self, goal: Place) -> Motion:
+        now, state = self._clock.now, self.body.state
+        points = self._path(state.at, goal)
+        top, acceleration = self.human.max_speed * self.speed_share, self.human.max_acceleration
+        goes_on = state.speed <= top and (
+            len(points) < 2 or can_go_on(state, points[1], acceleration)
+        )
+        if goes_on:
+            try:
+                return walk(
+                    points,
+                    now,
+                    max_speed=top,
+                    max_acceleration=acceleration,
+                    initial_speed=state.speed,
+                )
+            except ValueError:  # too short to come to rest on
+                pass
+        braking = self.braking()
+        points = self._path(braking.state(braking.end).at, goal)
+        onwards = walk(points, braking.end, max_speed=top, max_acceleration=acceleration)
+        return join([braking, onwards])
+
+    def _path(self, start: Place, goal: Place) -> list[Place]:
+        """The way from here to there; one that they went before, if nothing has moved since."""
+        changes = self._planner.world.changes
+        if changes != self._floor_known:
+            self._floor_known = changes
+            self._known_ways.clear()
+        way = self._known_ways.get((start, goal))
+        if way is None:
+            way = self._known_ways[start, goal] = self._find_way(start, goal)
+            if len(self._known_ways) > MOST_WAYS:
+                del self._known_ways[next(iter(self._known_ways))]
+        return way
+
+    def _find_way(self, start: Place, goal: Place) -> list[Place]:
+        try:
+            path = self._planner.plan(start, goal)
+        except PlanningError as why:
+            if why.reason != "start_blocked":
+                raise
+            return [start, *self._step_out(start, goal, why)]
+        return [*map(tuple, path.points.tolist())]
+
+    def _step_out(self, start: Place, goal: Place, blocked: PlanningError) -> list[Place]:
+        """Path to `goal` from the nearest place beside what has come too close to `start`."""
+        failed: list[PlanningError] = []
+        for place in self._planner.world.exits(start, self.human.radius):
+            try:
+                return [*map(tuple, self._planner.plan(place, goal).points.tolist())]
+            except PlanningError as why:
+                failed.append(why)
+        raise (failed or [blocked])[0]
+
+    def braking(self) -> Motion:
+        """The motion that `stop` would make from here and now."""
+        acceleration = self.human.max_acceleration
+        return stop_walking(self.body.motion, self._clock.now, max_acceleration=acceleration)
+
+    def _forget_goal(self) -> None:
+        self.goal = None
+        self._arrival.set(None)
+
+    def _arrive(self) -> None:
+        goal = self.goal
+        assert goal is not None
+        self.goal = None
+        self._arrived(goal)

@@ -1,0 +1,1 @@
+"""The record of a run: its outcome, and the figures worked out from it."""

@@ -1,0 +1,85 @@
+"""What is left of a run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from floorplan import Floorplan
+from navigation import Motion, is_of_speeds
+
+from ..core.recorder import Event, Thought
+from ..core.scene import Scene
+from ..safety.requirement_curve import Curve
+from .sampling import instants, sample_all
+from .social_metrics import metrics
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """A run that happened: its summary, its events, and the motion of every body in closed form.
+
+    `scene` is where it took place. `violations` holds, for each person and machine, the intervals
+    (seconds) in which they were closer than the rules require; `requirements` what the rules
+    required of them, where that can't be worked out from speeds and the terms of a known law.
+    `thoughts` holds what went on in people's minds, if a listener wanted to know (as a
+    `Recording` does).
+    """
+
+    scene: Scene
+    duration: float
+    summary: dict[str, Any]
+    events: tuple[Event, ...]
+    motions: dict[str, Motion]
+    violations: dict[tuple[str, str], tuple[tuple[float, float], ...]]
+    thoughts: tuple[Thought, ...] = ()
+    requirements: dict[tuple[str, str], Curve] = field(default_factory=dict, kw_only=True)
+
+    @property
+    def floorplan(self) -> Floorplan:
+        """The floor it took place on."""
+        return self.scene.floorplan
+
+    def distance(self, person: str, machine: str, t: ArrayLike) -> NDArray[np.float64]:
+        """Return the distance in metres between two bodies at `t` (seconds), as the rules measure.
+
+        One figure for each time: between centres, but for AGVs under rules with an `agv_offset`.
+        `KeyError` if there is no such body.
+        """
+        apart = self.motions[machine].position(t) - self.motions[person].position(t)
+        return np.asarray(np.linalg.norm(apart + self.scene.measured_at(machine), axis=-1))
+
+    def required(self, person: str, machine: str, t: ArrayLike) -> NDArray[np.float64]:
+        """The distance in metres that the rules required between two bodies at `t` (seconds).
+
+        One figure for each time; right to 0.01 m with a law that looks at more than speeds.
+        `KeyError` if the two were not watched.
+        """
+        times = np.asarray(t, dtype=np.float64)
+        curve = self.requirements.get((person, machine))
+        if curve is not None:
+            return np.asarray(np.interp(times, *np.array(curve).T))
+        rules, is_agv = self.scene.rules, self.scene.kind(machine) == "agv"
+        law = rules.agv_law if is_agv else rules.gantry_law
+        if not is_of_speeds(law):
+            raise KeyError((person, machine))
+        speeds = [np.hypot(*self.motions[name].velocity(times).T) for name in (person, machine)]
+        return np.asarray(np.vectorize(law.distance, otypes=[np.float64])(*speeds))
+
+    @cached_property
+    def metrics(self) -> dict[str, Any]:
+        """The metrics of social navigation, as `sim.metrics` works them out."""
+        return metrics(self)
+
+    def sample(self, rate: float = 20.0) -> dict[str, NDArray[np.float64]]:
+        """Every body at `rate` instants a second (Hz), from 0 to the end.
+
+        The result has "t" (N,) in seconds, and for each body (N, 5): x, y in metres, rotation
+        in radians, and the velocity along x and y in m/s. `ValueError` if the rate isn't positive.
+        """
+        times = instants(self.duration, rate)
+        return {"t": times, **sample_all(self.motions, times)}

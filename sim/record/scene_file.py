@@ -1,0 +1,167 @@
+"""A scene as JSON, and back: `scene.json` of a recording.
+
+Areas are GeoJSON polygons, everything else the fields of the values by name. A field that an
+older recording does not have gets its default.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import dataclass, fields, is_dataclass
+from typing import Any
+
+import numpy as np
+import shapely
+from pydantic import BaseModel, ConfigDict, ValidationError
+from shapely import GEOSException
+from shapely.geometry import Polygon, mapping, shape
+
+from floorplan import Floorplan
+from navigation import ApproachLaw, FixedDistance, IntegralLaw, Scaled, SeparationLaw
+
+from ..core.rules import Notice, RuleSet
+from ..core.scene import Figure, Pose, Scene
+from ..safety.own_law import OwnLaw
+from .strict_json import parse_json
+
+FORMAT = "floorwalker-scene/1"
+"""What `format` says, so that a reader can tell a file it does not know."""
+
+_LAWS = {
+    law.__name__: law for law in (SeparationLaw, IntegralLaw, ApproachLaw, FixedDistance, Scaled)
+}
+
+
+class SceneError(ValueError):
+    """A text that is not a scene."""
+
+
+@dataclass(frozen=True)
+class ForeignLaw:
+    """A law of somebody's own that a recording names: what it asks for is not known here."""
+
+    name: str
+
+    def distance(self, human_speed: float, robot_speed: float) -> float:
+        """`SceneError`: nobody here knows."""
+        raise SceneError(
+            f"the recording was made with a law of its own, {self.name}, which it does not hold;"
+            " use the trial instead of the recording"
+        )
+
+
+class _SceneFile(BaseModel):
+    model_config = ConfigDict(arbitrary_types_allowed=True, allow_inf_nan=False)
+
+    trial: str
+    seed: int
+    floorplan: Floorplan
+    rules: dict[str, Any]
+    people: tuple[Figure, ...]
+    starts: dict[str, Pose]
+
+
+def write_scene(scene: Scene) -> str:
+    """The scene as JSON, with a line end."""
+    data = {"format": FORMAT, **_plain(scene)}
+    return json.dumps(data, ensure_ascii=False, allow_nan=False, separators=(",", ":")) + "\n"
+
+
+def read_scene(text: str) -> Scene:
+    """The scene in `text`; `SceneError` says why there is none."""
+    try:
+        data = parse_json(text, object_hook=_polygon)
+    except SceneError:
+        raise
+    except json.JSONDecodeError as why:
+        raise SceneError(f"line {why.lineno} is not JSON: {why.msg}") from None
+    except ValueError as why:
+        raise SceneError(f"is not JSON: {why}") from None
+    found = data.get("format") if isinstance(data, dict) else None
+    if found != FORMAT:
+        raise SceneError(f"expected the format {FORMAT!r}, found {found!r}")
+    try:
+        scene = _SceneFile.model_validate(data)
+    except ValidationError as misfits:
+        first = misfits.errors()[0]
+        place = ".".join(str(part) for part in first["loc"])
+        raise SceneError(f"{place}: {first['msg'][:1].lower()}{first['msg'][1:]}") from None
+    for person in scene.people:
+        if person.name not in scene.starts:
+            raise SceneError(f"starts: there is none for {person.name!r}")
+    return Scene(
+        trial=scene.trial,
+        seed=scene.seed,
+        floorplan=scene.floorplan,
+        rules=_rules(scene.rules),
+        people=scene.people,
+        starts=scene.starts,
+    )
+
+
+def _plain(value: Any) -> Any:
+    """`value` as JSON has it."""
+    if isinstance(value, Polygon):
+        return mapping(value)
+    if hasattr(value, "distance") or hasattr(value, "required"):
+        kind = type(value)
+        if _LAWS.get(kind.__name__) is kind:
+            return {"form": kind.__name__, **_fields(value)}
+        own = isinstance(value, OwnLaw)
+        return {"form": value.name if own else f"{kind.__module__}:{kind.__qualname__}"}
+    if is_dataclass(value):
+        return _fields(value)
+    if isinstance(value, dict):
+        return {key: _plain(inner) for key, inner in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(inner) for inner in value]
+    return "inf" if value == math.inf else value
+
+
+def _fields(value: Any) -> dict[str, Any]:
+    return {field.name: _plain(getattr(value, field.name)) for field in fields(value)}
+
+
+def _polygon(data: dict[str, Any]) -> Any:
+    if data.get("type") != "Polygon":
+        return data
+    try:
+        with np.errstate(invalid="ignore"):  # it is told below
+            polygon = shape(data)
+    except (LookupError, OverflowError, TypeError, ValueError, GEOSException) as why:
+        raise SceneError(f"holds a polygon that is none: {why}") from None
+    if not np.isfinite(shapely.get_coordinates(polygon)).all():
+        raise SceneError("holds a polygon with an infinite corner")
+    return polygon
+
+
+def _rules(data: dict[str, Any]) -> RuleSet:
+    try:
+        notice = Notice(**_terms(data["notice"]))
+        rules = RuleSet(**(_terms(data) | {"notice": notice}))
+    except (AttributeError, KeyError, TypeError, ValueError) as why:
+        raise SceneError(f"rules: {why}") from None
+    laws = (rules.gantry_law, rules.agv_law, notice.law)
+    if not (isinstance(notice.law, Scaled) and all(map(_is_law, laws))):
+        raise SceneError("rules: a law is none")
+    return rules
+
+
+def _is_law(law: object) -> bool:
+    if isinstance(law, Scaled):
+        return _is_law(law.law)
+    return isinstance(law, (ForeignLaw, *_LAWS.values()))
+
+
+def _terms(data: dict[str, Any]) -> dict[str, Any]:
+    """The values of `data`, with laws where they stand for one."""
+    return {key: _term(value) for key, value in data.items()}
+
+
+def _term(value: Any) -> Any:
+    if isinstance(value, dict) and "form" in value:
+        terms = dict(value)
+        form = terms.pop("form")
+        return _LAWS[form](**_terms(terms)) if form in _LAWS else ForeignLaw(form)
+    return math.inf if value == "inf" else value

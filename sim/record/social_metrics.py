@@ -1,0 +1,173 @@
+"""Metrics of social navigation: how a run went for people and machines, in comparable figures.
+
+Names follow the evaluator of HuNavSim (N. Pérez-Higueras et al., "HuNavSim: A ROS 2 Human
+Navigation Simulator for Benchmarking Human-Aware Robot Navigation", IEEE Robotics and Automation
+Letters 8, 2023). `docs/metrics.md` has every formula and its source. Everything is worked out from
+the motions themselves, not from samples.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, Protocol
+
+from floorplan import LARGEST, suggestion
+from navigation import Company, Courses, Motion
+
+from ..core.recorder import Event, rounded
+from ..core.scene import Scene
+
+INTIMATE, PERSONAL, SOCIAL = 0.45, 1.2, 3.6
+"""Metres. Where the intimate, personal and social spaces around a person end (E. T. Hall, "The
+Hidden Dimension", 1966)."""
+
+STANDING_SPEED, STANDING_TURN = 0.001, 0.01
+"""m/s and rad/s. What is slower does not move (as HuNavSim has it)."""
+
+
+MOVEMENT = (
+    "time",
+    "path_length",
+    "cumulative_heading_changes",
+    "time_not_moving",
+    "maximum_speed",
+    "average_speed",
+    "average_acceleration",
+    "average_jerk",
+)
+PROGRESS = ("goals", "goals_reached", "time_to_goal", "final_distance_to_goal")
+DISTANCES = (
+    "time",
+    "average",
+    "minimum",
+    "maximum",
+    "intimate_space_intrusions",
+    "personal_space_intrusions",
+    "social_space_intrusions",
+)
+
+
+class _Run(Protocol):
+    """What the metrics of a run are worked out from."""
+
+    @property
+    def scene(self) -> Scene: ...
+
+    @property
+    def duration(self) -> float: ...
+
+    @property
+    def events(self) -> Sequence[Event]: ...
+
+    @property
+    def motions(self) -> Mapping[str, Motion]: ...
+
+
+def metrics(run: _Run, *, radii: Mapping[str, float] | None = None) -> dict[str, Any]:
+    """The metrics of every person and machine of a run, as plain numbers, lists and dicts.
+
+    People count from their start, machines from the beginning. Distances are between centres;
+    `radii` (metres, by body) are taken off them. `ValueError` if there is no body of such a name.
+    """
+    names = list(run.motions)
+    sizes = dict(radii or {})
+    for name, radius in sizes.items():
+        if name not in names:
+            raise ValueError(f"no body is called {name!r}; {suggestion(name, names)}")
+        if not 0 <= radius <= LARGEST:
+            message = f"the radius of {name} must be from 0 to {LARGEST:g} m, not {radius}"
+            raise ValueError(message)
+    people = [person.name for person in run.scene.people]
+    begins = dict.fromkeys(people, run.duration)
+    begins |= {
+        event["person"]: event["t"]
+        for event in run.events
+        if event["kind"] == "human_started" and "person" in event
+    }
+    spans = [(min(begins.get(name, 0.0), run.duration), run.duration) for name in names]
+    courses = Courses([run.motions[name] for name in names], spans)
+    movements = dict(zip(names, _movements(courses), strict=True))
+    beside = _companies(courses, names, people, [sizes.get(name, 0.0) for name in names])
+    figures: dict[str, Any] = rounded(
+        {
+            "people": {
+                name: movements[name]
+                | _progress(name, run)
+                | {"distance_to": {other: beside[name, other] for other in names if other != name}}
+                for name in people
+            },
+            "machines": {
+                name: movements[name] | {"distance_to_people": beside[name, "people"]}
+                for name in names
+                if name not in people
+            },
+        }
+    )
+    return figures
+
+
+def _movements(courses: Courses) -> Iterable[dict[str, float]]:
+    """How each body moved: `MOVEMENT`."""
+    standing = courses.time_not_moving(STANDING_SPEED, STANDING_TURN)
+    columns = (courses.time, courses.way, courses.turning, standing, courses.top_speed)
+    totals = (courses.way, courses.acceleration, courses.jerk)
+    for k, time in enumerate(courses.time):
+        means = (total[k] / time if time else 0.0 for total in totals)
+        figures = (*(column[k] for column in columns), *means)
+        yield dict(zip(MOVEMENT, map(float, figures), strict=True))
+
+
+def _progress(person: str, run: _Run) -> dict[str, Any]:
+    """How a person got on with the goals they had: `PROGRESS`."""
+    mine = [event for event in run.events if event.get("person") == person]
+    goals = [event for event in mine if event["kind"] == "goal"]
+    times = [leg for leg in _legs(mine) if leg is not None]
+    last = goals[-1].get("at") if goals else None
+    left = math.dist(run.motions[person].position(run.duration), last) if last else None
+    mean = math.fsum(times) / len(times) if times else None
+    return dict(zip(PROGRESS, (len(goals), len(times), mean, left), strict=True))
+
+
+def _legs(events: Iterable[Event]) -> Iterable[float | None]:
+    """For each goal of one person the seconds until it was reached, or None."""
+    since: float | None = None
+    for event in events:
+        if event["kind"] in ("goal", "teleport"):
+            if since is not None:
+                yield None
+            since = event["t"] if event["kind"] == "goal" else None
+        elif event["kind"] == "arrived" and since is not None:
+            yield event["t"] - since
+            since = None
+
+
+def _companies(
+    courses: Courses, names: list[str], people: list[str], radii: list[float]
+) -> dict[tuple[str, str], dict[str, float]]:
+    """Distances: of each person to every other body, and of each machine to the people."""
+    index = {name: k for k, name in enumerate(names)}
+    pairs = [(a, b) for a in people for b in names if index[a] < index[b]]
+    asked = {(a, b): (index[a], [index[b]]) for a, b in pairs}
+    machines = [name for name in names if name not in people]
+    if len(people) > 1:
+        everybody = [index[name] for name in people]
+        asked |= {(name, "people"): (index[name], everybody) for name in machines}
+    found = courses.company(list(asked.values()), (INTIMATE, PERSONAL, SOCIAL), radii)
+    beside = dict(zip(asked, map(_distances, found), strict=True))
+    beside |= {(b, a): beside[a, b] for a, b in pairs}
+    if len(people) == 1:
+        beside |= {(name, "people"): beside[name, people[0]] for name in machines}
+    nobody = _distances(Company(0.0, 0.0, 0.0, 0.0, (0.0, 0.0, 0.0)))
+    return {(name, "people"): nobody for name in machines} | beside
+
+
+def _distances(company: Company) -> dict[str, Any]:
+    """`DISTANCES`: metres, and the share of time in each of Hall's spaces in percent."""
+    time = company.time
+    if not time:
+        return dict(zip(DISTANCES, (0.0, None, None, None, 0.0, 0.0, 0.0), strict=True))
+    intimate, personal, social = (100.0 * seconds / time for seconds in company.within)
+    shares = (intimate, max(personal - intimate, 0.0), max(social - personal, 0.0))
+    apart = (company.mean, company.minimum, company.maximum)
+    return dict(zip(DISTANCES, (time, *apart, *shares), strict=True))

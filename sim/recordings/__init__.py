@@ -1,1 +1,0 @@
-"""What is left of a run: its record, in memory and on disk."""

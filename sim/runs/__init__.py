@@ -1,0 +1,1 @@
+"""Runs: to look at, to keep in a folder, and to read back."""

@@ -1,0 +1,253 @@
+"""Reading a recording back: the folder of a run, as `Recording` writes it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Annotated, Any, TypeVar
+
+from pydantic import BaseModel, Field, FiniteFloat, ValidationError, model_validator
+
+from floorplan import LARGEST_RECORDED, InputError, Problem, read_lines, read_text
+from navigation import Both, Condition, Motion, Moving, Piece, TooClose, join, standing, when
+
+from ..core.event_kinds import EVENT_KINDS, Form
+from ..core.plans import Plans
+from ..core.recorder import Event, Thought
+from ..core.scene import Pose, Scene
+from ..record.scene_file import ForeignLaw, SceneError, read_scene
+from ..record.strict_json import LARGEST, parse_json
+from ..safety.requirement_curve import Curve, is_plain, requirement_curve
+from ..trials.comparison import is_number
+from .run import Recorded
+
+Violations = dict[tuple[str, str], tuple[tuple[float, float], ...]]
+
+Requirements = dict[tuple[str, str], Curve]
+
+_Number = Annotated[float, Field(ge=-LARGEST, le=LARGEST, allow_inf_nan=False)]
+
+_Cubic = tuple[_Number, _Number, _Number, _Number]
+
+
+_Line = TypeVar("_Line", bound=BaseModel)
+
+
+class RecordingError(InputError):
+    """A folder that does not hold a run, or one that is damaged."""
+
+
+class _Event(BaseModel, extra="allow"):
+    t: FiniteFloat
+    kind: str
+
+    @model_validator(mode="after")
+    def _fields_of_its_kind(self) -> _Event:
+        forms = EVENT_KINDS.get(self.kind, {})
+        for name, value in (self.model_extra or {}).items():
+            if name in forms and not _has_form(value, forms[name]):
+                raise ValueError(f"{name} of {self.kind} can't be {str(value)[:60]!r}")
+        return self
+
+
+class _Intention(BaseModel):
+    stack: list[str]
+    at: str
+
+
+class _Thought(BaseModel, extra="allow"):
+    t: FiniteFloat
+    person: str
+    steps: list[list[str]] = []
+    believes: list[str] = []
+    forgets: list[str] = []
+    intends: list[_Intention] = []
+
+
+class _Motion(BaseModel):
+    body: str
+    pieces: Annotated[list[tuple[_Number, _Number, _Cubic, _Cubic, _Cubic]], Field(min_length=1)]
+
+
+class _Violation(BaseModel):
+    person: str
+    machine: str = Field(alias="with")
+    intervals: tuple[tuple[_Number, _Number], ...]
+    required: Curve | None = None
+
+
+def load_run(folder: str | Path) -> Recorded:
+    """The run that `floorwalker run` (or a `Recording`) has left in `folder`.
+
+    A run that was broken off goes as far as it was written: its summary is empty, everybody stands
+    from the last line about them on, and violations are worked out anew. `RecordingError` says
+    which line of which file is damaged.
+    """
+    folder = Path(folder)
+    scene = _scene(folder / "scene.json")
+    summary = _summary(folder / "summary.json")
+    broken_off = summary is None
+    events = _events(folder / "events.jsonl", broken_off)
+    motions = _motions(folder / "motions.jsonl", scene, broken_off)
+    # Events are rounded; the end of a finished run is the end of all motions.
+    ends = [motion.end for motion in motions.values()]
+    ends += [event["t"] for event in events] if broken_off else []
+    duration = max(ends, default=0.0)
+    if broken_off:
+        violations, requirements = _worked_out(scene, motions, duration)
+    else:
+        violations, requirements = _violations(folder / "violations.jsonl")
+    return Recorded(
+        scene=scene,
+        duration=duration,
+        summary=summary or {},
+        events=events,
+        motions=motions,
+        violations=violations,
+        requirements=requirements,
+        thoughts=_thoughts(folder / "thoughts.jsonl", broken_off),
+    )
+
+
+def _scene(path: Path) -> Scene:
+    folder = path.parent
+    if not path.is_file():
+        what = "there is no scene.json in it" if folder.is_dir() else "there is no such folder"
+        message = f"{what}; a recording is a folder that `floorwalker run` has written"
+        raise RecordingError(str(folder), [Problem(message)])
+    try:
+        return read_scene(read_text(path, RecordingError, LARGEST_RECORDED))
+    except SceneError as why:
+        raise RecordingError(str(path), [Problem(str(why))]) from None
+
+
+def _summary(path: Path) -> dict[str, Any] | None:
+    if not path.exists():
+        return None
+    try:
+        summary = parse_json(read_text(path, RecordingError, LARGEST_RECORDED))
+    except ValueError as why:
+        if isinstance(why, RecordingError):
+            raise
+        raise RecordingError(str(path), [Problem(f"is not JSON: {why}")]) from None
+    if not isinstance(summary, dict):
+        raise RecordingError(str(path), [Problem("is not a summary")])
+    return summary
+
+
+def _events(path: Path, broken_off: bool) -> tuple[Event, ...]:
+    return tuple(event.model_dump() for _, event in _lines(path, _Event, broken_off))
+
+
+def _has_form(value: object, form: Form) -> bool:
+    """Whether a field of an event holds what it should; where there is nothing to say, None."""
+    if form == "point":
+        return isinstance(value, list) and len(value) == 2 and all(map(is_number, value))
+    if form == "number":
+        return value is None or is_number(value)
+    if form in ("flag", "list"):
+        return isinstance(value, bool if form == "flag" else list)
+    return value is None or isinstance(value, str) or (form == "location" and is_number(value))
+
+
+def _thoughts(path: Path, broken_off: bool) -> tuple[Thought, ...]:
+    if not path.exists():
+        return ()
+    return tuple(
+        thought.model_dump(exclude_unset=True) for _, thought in _lines(path, _Thought, broken_off)
+    )
+
+
+def _motions(path: Path, scene: Scene, broken_off: bool) -> dict[str, Motion]:
+    done: dict[str, list[Motion]] = {body: [] for body in scene.starts}
+    for line, motion in _lines(path, _Motion, broken_off):
+        if motion.body not in done:
+            message = f"no body of the scene is called {motion.body!r}"
+            raise RecordingError(str(path), [Problem(message, "body", line)])
+        try:
+            done[motion.body].append(_motion(motion, done[motion.body]))
+        except ValueError as why:
+            raise RecordingError(str(path), [Problem(str(why), line=line)]) from None
+    return {body: _joined(pieces, scene.starts[body]) for body, pieces in done.items()}
+
+
+def _motion(line: _Motion, before: Sequence[Motion]) -> Motion:
+    """The motion of a line, `before` which there were others; `ValueError` if it can't be."""
+    motion = Motion(tuple(Piece(*piece) for piece in line.pieces))
+    if before and motion.start < before[-1].start:
+        raise ValueError(f"a motion from t = {motion.start} s on stands below a later one")
+    if any(_reach(piece) > LARGEST for piece in motion.pieces):
+        raise ValueError(f"a motion goes further than {LARGEST:g} m")
+    return motion
+
+
+def _reach(piece: Piece) -> float:
+    """No coordinate of the piece gets further than this from 0."""
+    begin, end, *cubics = piece
+    u = end - begin
+    return max(abs(a) + u * (abs(b) + u * (abs(c) + u * abs(d))) for a, b, c, d in cubics)
+
+
+def _joined(motions: list[Motion], start: Pose) -> Motion:
+    x, y, rotation = start
+    return join(motions) if motions else standing((x, y), heading=rotation)
+
+
+def _violations(path: Path) -> tuple[Violations, Requirements]:
+    lines = [line for _, line in _lines(path, _Violation, False)]
+    return (
+        {(line.person, line.machine): line.intervals for line in lines},
+        {(line.person, line.machine): line.required for line in lines if line.required},
+    )
+
+
+def _worked_out(
+    scene: Scene, motions: dict[str, Motion], end: float
+) -> tuple[Violations, Requirements]:
+    """What the referee would have found, as far as the laws are known.
+
+    It is worked out from what everybody did, not from what they were about to do.
+    """
+    found: Violations = {}
+    requirements: Requirements = {}
+    for person in scene.people:
+        for machine in scene.starts:
+            kind = scene.kind(machine)
+            law = scene.rules.agv_law if kind == "agv" else scene.rules.gantry_law
+            if kind == "person" or isinstance(law, ForeignLaw):
+                continue
+            condition: Condition = TooClose(law)
+            if kind == "agv":
+                condition = Both(Moving(), condition)
+            measured = motions[machine].translated(*scene.measured_at(machine))
+            pair, tracks = (person.name, machine), (motions[person.name], measured)
+            found[pair] = tuple(when(condition, *tracks, 0.0, end))
+            if not is_plain(law):
+                one, other = (Plans(0.0, track) for track in tracks)
+                requirements[pair] = requirement_curve(law, one, other, end)
+    return found, requirements
+
+
+def _lines(path: Path, form: type[_Line], broken_off: bool) -> Iterator[tuple[int, _Line]]:
+    """The lines of a file, numbered from 1.
+
+    Where a run was broken off, the last line may be half a line; it is left out.
+    """
+    for number, line in enumerate(read_lines(path, RecordingError, torn=broken_off), 1):
+        try:
+            yield number, _read_line(form, line)
+        except ValidationError as misfits:
+            first = misfits.errors()[0]
+            field = ".".join(str(part) for part in first["loc"])
+            said = first["msg"].removeprefix("Value error, ")
+            problem = Problem(said[:1].lower() + said[1:], field, number)
+            raise RecordingError(str(path), [problem]) from None
+        except ValueError as why:
+            raise RecordingError(str(path), [Problem(f"is not JSON: {why}", line=number)]) from None
+
+
+def _read_line(form: type[_Line], line: str) -> _Line:
+    """A line as `form`; what the form does not know is JSON as well."""
+    if form.model_config.get("extra") == "allow":
+        return form.model_validate(parse_json(line))
+    return form.model_validate_json(line)

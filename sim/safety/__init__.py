@@ -1,0 +1,1 @@
+"""Distances between people and machines: laws, what watches them, and the referee."""

@@ -1,0 +1,89 @@
+"""What a law required of two bodies all through a run, as straight lines between points."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable
+
+from navigation import (
+    AnyLaw,
+    ApproachLaw,
+    FixedDistance,
+    Motion,
+    SeparationLaw,
+    required_at,
+)
+
+from ..core.plans import Plans
+
+Curve = tuple[tuple[float, float], ...]
+"""Points (seconds, metres) in order of time; two at one instant are a jump."""
+
+EXACT = 0.01
+"""Metres. How far off the lines may be."""
+
+STRIDE = 0.5
+"""Seconds. What is shorter than this may be missed if it is over by its ends."""
+
+
+def is_plain(law: AnyLaw) -> bool:
+    """Whether two speeds and its terms are all that it takes to work out what `law` requires."""
+    return type(law) in (SeparationLaw, ApproachLaw, FixedDistance)
+
+
+def requirement_curve(law: AnyLaw, person: Plans, machine: Plans, end: float) -> Curve:
+    """What `law` required until `end`, of what the two were about to do at each instant."""
+    changes = sorted({t for t in (*person.changes, *machine.changes) if t < end} | {end})
+    points: list[tuple[float, float]] = []
+    for begin, until in itertools.pairwise(changes):
+        motions = (person.at(begin), machine.at(begin))
+
+        def required(t: float, motions: tuple[Motion, Motion] = motions) -> float:
+            return required_at(law, *motions, t)
+
+        cuts = {begin, until}
+        cuts |= {p.begin for motion in motions for p in motion.pieces if begin < p.begin < until}
+        for a, b in itertools.pairwise(sorted(cuts)):
+            points += _lines(required, a, b)
+    return tuple(_without_needless(points))
+
+
+def _lines(
+    required: Callable[[float], float], begin: float, end: float
+) -> list[tuple[float, float]]:
+    strides = max(1, round((end - begin) / STRIDE))
+    points = [(begin, required(begin))]
+    for k in range(1, strides + 1):
+        t = begin + (end - begin) * k / strides
+        points += _halved(required, points[-1], (t, required(t)))
+    return points
+
+
+def _halved(
+    required: Callable[[float], float], a: tuple[float, float], b: tuple[float, float]
+) -> list[tuple[float, float]]:
+    """The points after `a` up to `b` between which the curve is straight."""
+    t = (a[0] + b[0]) / 2
+    middle = (t, required(t))
+    if abs(middle[1] - (a[1] + b[1]) / 2) <= EXACT / 2 or b[0] - a[0] < EXACT:
+        return [b]
+    return _halved(required, a, middle) + _halved(required, middle, b)
+
+
+def _without_needless(points: list[tuple[float, float]]) -> list[tuple[float, float]]:
+    """The same curve without points on the line between their neighbours."""
+    kept: list[tuple[float, float]] = []
+    for point in points:
+        if kept and point == kept[-1]:
+            continue
+        if len(kept) > 1 and _on_line(kept[-2], kept[-1], point):
+            kept.pop()
+        kept.append(point)
+    return kept
+
+
+def _on_line(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]) -> bool:
+    if not a[0] < b[0] < c[0]:
+        return False
+    between = a[1] + (c[1] - a[1]) * (b[0] - a[0]) / (c[0] - a[0])
+    return abs(between - b[1]) < EXACT / 100

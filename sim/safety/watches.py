@@ -1,0 +1,286 @@
+"""A person beside a machine: watched for violations, for noticing, and for protective stops."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+from navigation import (
+    RESOLUTION,
+    AnyLaw,
+    Apart,
+    Approaching,
+    Both,
+    Condition,
+    FixedDistance,
+    Motion,
+    Moving,
+    Not,
+    TooClose,
+    first_time,
+    required_at,
+    required_at_speeds,
+    when,
+)
+
+from ..core.body import Body
+from ..core.clock import Alarm, Clock, Turn
+from ..core.plans import Plans
+from ..core.rules import Notice
+from .requirement_curve import is_plain
+
+Cause = Literal["gantry", "agv", "person"]
+"""The cause of a violation: the machine if it moves at that instant, else the person."""
+
+CLEARANCE = 0.05
+"""Metres. What a machine in a protective stop waits for beyond the required distance."""
+
+MOVES = 1e-6
+"""m/s. A machine that is faster than this at the instant of a violation is its cause."""
+
+
+class Pair:
+    """A person beside a machine, from now until the trial ends.
+
+    Distances are measured to the point `offset` (x, y in metres) from the machine's centre.
+    """
+
+    def __init__(
+        self,
+        clock: Clock,
+        person: Body,
+        machine: Body,
+        end: float,
+        offset: tuple[float, float] = (0.0, 0.0),
+    ) -> None:
+        self.clock = clock
+        self.person = person
+        self.machine = machine
+        self.end = end
+        self._offset = offset
+        self._translated = (machine.motion, machine.motion.translated(*offset))
+
+    @property
+    def motions(self) -> tuple[Motion, Motion]:
+        """What the person and the measured point of the machine do from now on."""
+        if self._translated[0] is not self.machine.motion:
+            motion = self.machine.motion
+            self._translated = (motion, motion.translated(*self._offset))
+        return self.person.motion, self._translated[1]
+
+    def first_time(self, condition: Condition, since: float = 0.0) -> float | None:
+        """The first instant from now and `since` on at which `condition` holds.
+
+        If nobody changes course: None means that it never does.
+        """
+        begin = max(self.clock.now, since)
+        end = max(begin, self.horizon())
+        return first_time(condition, *self.motions, begin, end)
+
+    def next_interval(self, condition: Condition) -> tuple[float, float] | None:
+        """The first interval from now on in which `condition` holds."""
+        return next(when(condition, *self.motions, self.clock.now, self.horizon()), None)
+
+    def distance(self) -> float:
+        """The distance between the two now, metres."""
+        now = self.clock.now
+        person, machine = self.motions
+        return math.dist(person.state(now).at, machine.state(now).at)
+
+    def required(self, law: AnyLaw) -> float:
+        """The distance that `law` requires now, metres."""
+        return required_at(law, self.person.motion, self.machine.motion, self.clock.now)
+
+    def remember_plans(self) -> tuple[Plans, Plans]:
+        """From now on, what the two were about to do at every instant."""
+        return self.person.remember_plans(), self.machine.remember_plans()
+
+    def cause(self) -> Cause:
+        """Return the cause of a violation at this instant."""
+        return self.machine.kind if self.machine.state.speed > MOVES else "person"
+
+    def horizon(self) -> float:
+        """The instant from which on both stand, or the trial's end."""
+        last = max(self.clock.now, self.person.motion.end, self.machine.motion.end)
+        return min(last, self.end)
+
+
+class SeparationWatch:
+    """Notifies when a person and a machine get closer than a law requires, and when it is over.
+
+    `violated` is called as they get too close; each interval in which they are stays in
+    `intervals`.
+    """
+
+    def __init__(
+        self, pair: Pair, law: AnyLaw, violated: Callable[[SeparationWatch], None]
+    ) -> None:
+        self.pair = pair
+        self.law = law
+        self.intervals: list[tuple[float, float]] = []
+        self.plans = None if is_plain(law) else pair.remember_plans()
+        """What the two were about to do, where `law` asks for more than their speeds."""
+        self._violated = violated
+        self._since: float | None = None
+        self._notified_at = -math.inf
+        is_agv = pair.machine.kind == "agv"
+        self._condition = Both(Moving(), TooClose(law)) if is_agv else TooClose(law)
+        self._alarm = Alarm(pair.clock, self._ring, Turn.VIOLATION)
+        self.reconsider()
+
+    def reconsider(self) -> None:
+        """Work out anew when something happens next; called whenever a motion changes."""
+        now, machine = self.pair.clock.now, self.pair.machine
+        # An AGV that stands never counts, and most stand most of the time.
+        idle = machine.kind == "agv" and machine.motion.end <= now
+        coming = None if idle else self.pair.next_interval(self._condition)
+        if self._since is None:
+            self._alarm.set(coming[0] if coming else None)
+        elif coming is None or coming[0] > now + 10 * RESOLUTION:
+            self._alarm.set(now)
+        else:
+            self._alarm.set(coming[1] if coming[1] < self.pair.horizon() else None)
+
+    def required_before(self, t: float, person: Motion, machine: Motion) -> float:
+        """The distance (m) that the law required just before `t` (seconds) of these tracks."""
+        if self.plans is None:
+            return required_at_speeds(
+                self.law, person.state_before(t).speed, machine.state_before(t).speed
+            )
+        of_person, of_machine = self.plans
+        return required_at(self.law, of_person.before(t), of_machine.before(t), t)
+
+    @property
+    def known(self) -> list[tuple[float, float]]:
+        """The intervals so far; one that still goes on lasts to the end, for all that is known."""
+        lasting = [] if self._since is None else [(self._since, self.pair.end)]
+        return [*self.intervals, *lasting]
+
+    def recheck(self) -> None:
+        """Call `violated` again if they are still too close now."""
+        if self._since is not None and self._notified_at < self.pair.clock.now:
+            self._notify()
+
+    def close(self) -> None:
+        """The trial is over: so is an interval that is still open."""
+        if self._since is not None:
+            self.intervals.append((self._since, self.pair.clock.now))
+            self._since = None
+
+    def _ring(self) -> None:
+        if self._since is None:
+            self._since = self.pair.clock.now
+            self._notify()
+        else:
+            self.close()
+        self.reconsider()
+
+    def _notify(self) -> None:
+        self._notified_at = self.pair.clock.now
+        self._violated(self)
+
+
+class NoticeWatch:
+    """Lets a person notice the gantry once per approach: inside the noticing distance and closing.
+
+    It then follows the approach to its nearest point, and is alert anew only after the two have
+    parted by `rule.parting` metres from there (or `rule.every` seconds have gone by).
+    """
+
+    def __init__(self, pair: Pair, rule: Notice, noticed: Callable[[Pair, AnyLaw], None]) -> None:
+        self.pair = pair
+        self.rule = rule
+        self._noticed = noticed
+        self._condition = Both(TooClose(rule.law), Approaching())
+        self._stage: Literal["alert", "closing", "parting"] = "alert"
+        self._silent_until = 0.0
+        self._nearest = 0.0
+        self._alarm = Alarm(pair.clock, self._ring, Turn.NOTICE)
+        self.reconsider()
+
+    def reconsider(self) -> None:
+        """Work out anew when something happens next; called whenever a motion changes."""
+        pair = self.pair
+        if self._stage == "alert":
+            self._alarm.set(pair.first_time(self._condition, self._silent_until))
+        elif self._stage == "closing":
+            self._alarm.set(pair.first_time(Not(Approaching())))
+        else:
+            parted = pair.first_time(Apart(self._nearest + self.rule.parting))
+            nearer = pair.first_time(TooClose(FixedDistance(max(self._nearest - 1e-3, 0.0))))
+            self._alarm.set(min((t for t in (parted, nearer) if t is not None), default=None))
+
+    def start_over(self) -> None:
+        """Begin anew, after `rule.silent` seconds: the person starts, or was put elsewhere."""
+        self._stage = "alert"
+        self._silent_until = max(self._silent_until, self.pair.clock.now + self.rule.silent)
+
+    def _ring(self) -> None:
+        if self._stage == "alert":
+            if self.rule.every is None:
+                self._stage = "closing"
+            else:
+                self._silent_until = self.pair.clock.now + self.rule.every
+            self._noticed(self.pair, self.rule.law)
+        elif self._stage == "closing":
+            self._nearest = self.pair.distance()
+            self._stage = "parting"
+        else:
+            has_parted = self.pair.distance() > self._nearest
+            self._stage = "alert" if has_parted else "closing"
+        self.reconsider()
+
+
+class ProtectiveStop:
+    """Holds a machine from a violation on until it may set out again, for one person's sake.
+
+    That is once it stands, and the distance is enough for its top speed (m/s) and the person's
+    present one, with `CLEARANCE` to spare, so that its own speed does not stop it again.
+    `hold(pair, True)` stops the machine, `hold(pair, False)` lets it go on.
+    """
+
+    def __init__(
+        self, pair: Pair, law: AnyLaw, top_speed: float, hold: Callable[[Pair, bool], None]
+    ) -> None:
+        self._pair = pair
+        self._law = _AtSpeed(law, top_speed)
+        self._clear = Not(TooClose(self._law))
+        self._hold = hold
+        self._holds = False
+        self._alarm = Alarm(pair.clock, self._end, Turn.MOTION_ENDS)
+
+    def begin(self) -> None:
+        """Stop the machine, if this has not done so already."""
+        if not self._holds:
+            self._holds = True
+            self._hold(self._pair, True)
+            self.reconsider()
+
+    def begin_if_needed(self) -> None:
+        """Go on holding a machine that others let go, if there is no room for its top speed."""
+        if self._pair.distance() < self._pair.required(self._law):
+            self.begin()
+
+    def reconsider(self) -> None:
+        """Work out anew when the machine may go on; called whenever a motion changes."""
+        if self._holds:
+            stands = self._pair.machine.motion.end
+            self._alarm.set(self._pair.first_time(self._clear, since=stands))
+
+    def _end(self) -> None:
+        self._holds = False
+        self._hold(self._pair, False)
+
+
+@dataclass(frozen=True)
+class _AtSpeed:
+    """What `law` requires of a machine at `speed` (m/s), and `CLEARANCE`."""
+
+    law: AnyLaw
+    speed: float
+
+    def distance(self, human_speed: float, robot_speed: float) -> float:
+        """The required distance in metres; the robot's speed does not matter."""
+        return required_at_speeds(self.law, human_speed, self.speed) + CLEARANCE

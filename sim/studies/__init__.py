@@ -1,0 +1,37 @@
+"""Many trials: which, in which variations, run on all cores or a cluster, and what came of it."""
+
+from .comparison import Comparison, Group, Measure, Spread
+from .definition import Row, StudyError
+from .draws import Choice, Distribution, Normal, Shuffled, Uniform
+from .effects import Contrast, Effect
+from .folder import save_trial
+from .report import figure
+from .results import StudyResults
+from .running import WorkerError, run_study
+from .study import Study
+from .variables import KINDS, Variable, variable
+
+__all__ = [
+    "KINDS",
+    "Choice",
+    "Comparison",
+    "Contrast",
+    "Distribution",
+    "Effect",
+    "Group",
+    "Measure",
+    "Normal",
+    "Row",
+    "Shuffled",
+    "Spread",
+    "Study",
+    "StudyError",
+    "StudyResults",
+    "Uniform",
+    "Variable",
+    "WorkerError",
+    "figure",
+    "run_study",
+    "save_trial",
+    "variable",
+]

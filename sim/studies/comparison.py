@@ -1,0 +1,189 @@
+"""A study's rows put side by side: in groups of the same combination, measure by measure."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .study import Study
+from .table import Cell, TableError
+
+CONFIDENCE = 0.95
+"""The share of studies like this one whose interval would hold the true mean."""
+
+RESAMPLES = 2000
+"""How often the rows of a group are drawn anew for an interval."""
+
+Columns = Mapping[str, Sequence[Cell]]
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Measure:
+    """One figure by which rows are compared, and the columns that it is summed up from.
+
+    `NAME` in a column stands for everybody: a figure of all people is the sum of theirs. A `rare`
+    one is left out where it is 0 in every row.
+    """
+
+    title: str
+    column: str
+    unit: str = ""
+    meaning: str = ""
+    chief: bool = False
+    rare: bool = False
+
+    @property
+    def label(self) -> str:
+        """Title and unit."""
+        return f"{self.title}, {self.unit}" if self.unit else self.title
+
+    def values(self, columns: Columns) -> Floats | None:
+        """The figure of every row (NaN where there is none), or None where it is left out."""
+        pattern = re.compile(re.escape(self.column).replace("NAME", r"[^.]+"))
+        found = [column for key, column in columns.items() if pattern.fullmatch(key)]
+        if not found:
+            return None
+        if any(isinstance(value, str) for column in found for value in column):
+            raise TableError(f"the results have a text where {self.column} should be a number")
+        figures = np.array([[math.nan if v is None else float(v) for v in c] for c in found])
+        there = ~np.isnan(figures)
+        if self.rare and not np.any(figures[there]):
+            return None
+        return np.where(there.any(axis=0), np.nansum(figures, axis=0), math.nan)
+
+
+MEASURES = (
+    Measure("Score", "score", meaning="of all orders", chief=True),
+    Measure("Penalties", "penalties", meaning="violations that cost one", chief=True),
+    Measure("Violations, gantry", "violations.gantry", meaning="with the gantry, which moved"),
+    Measure("Violations, person", "violations.person", meaning="with the gantry, which stood"),
+    Measure("AGV violations", "agv_violations", meaning="with an AGV that moved", rare=True),
+    Measure("Protective stops", "protective_stops", meaning="of gantry and AGVs", rare=True),
+    Measure("Stopped", "protective_stop_time", "s", "in protective stops", rare=True),
+    Measure(
+        "Least separation",
+        "minimum_separation.distance",
+        "m",
+        "the nearest that anybody came to the gantry",
+        chief=True,
+    ),
+    Measure("Jobs done", "jobs_done", meaning="by the gantry", chief=True),
+    Measure("Gantry disabled", "gantry_disabled_time", "s", "by penalties", chief=True),
+    Measure("Gantry idle", "gantry_idle_time", "s", "neither moving nor handling anything"),
+    Measure("Duration", "duration", "s", "until the time was over or all orders were handed in"),
+    Measure("Teleports by AGVs", "agv_teleports", meaning="people who were too close to an AGV"),
+    Measure("Stations visited", "people.NAME.visits", meaning="by all people"),
+    Measure("Walked", "people.NAME.distance_walked", "m", "by all people"),
+    Measure("Stood", "people.NAME.time_standing", "s", "all people together"),
+    Measure("Replans", "people.NAME.replans", meaning="ways that were blocked"),
+)
+"""What a report compares, where the rows have it."""
+
+
+@dataclass(frozen=True)
+class Spread:
+    """How the figures of one group are spread, and where their mean is with confidence."""
+
+    values: Floats
+    mean: float
+    low: float
+    high: float
+
+    @property
+    def median(self) -> float:
+        """As many rows are above as below."""
+        return float(np.median(self.values))
+
+    @property
+    def least(self) -> float:
+        """The least of all."""
+        return float(self.values.min())
+
+    @property
+    def most(self) -> float:
+        """The most of all."""
+        return float(self.values.max())
+
+
+@dataclass(frozen=True)
+class Group:
+    """The rows of one combination: its value of each factor, and which rows they are."""
+
+    values: tuple[str, ...]
+    rows: NDArray[np.intp]
+
+    @property
+    def label(self) -> str:
+        """The values in a row."""
+        return " · ".join(self.values) or "all rows"
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Groups of rows, and for each measure the spread of each group (None: no figures).
+
+    `values` has the figure of every row, NaN where there is none.
+    """
+
+    factors: tuple[str, ...]
+    groups: tuple[Group, ...]
+    spreads: dict[Measure, tuple[Spread | None, ...]]
+    values: dict[Measure, Floats]
+
+    def constant(self, measure: Measure) -> float | None:
+        """The figure that every row has, if all have the same, or NaN where none has any."""
+        there = [spread for spread in self.spreads[measure] if spread is not None]
+        ends = {end for spread in there for end in (spread.least, spread.most)}
+        return None if len(ends) > 1 else min(ends, default=math.nan)
+
+    def label_of(self, line: int) -> str:
+        """The label of the group that a line of the table is in."""
+        return next(group.label for group in self.groups if line in group.rows)
+
+
+def factors(study: Study) -> list[str]:
+    """By what a study's rows are put into groups: all that has several values."""
+    several = [what.name for what, values in study.grid.items() if len(values) > 1]
+    return ["trial", *several] if len(study.trials) > 1 else several
+
+
+def compare(columns: Columns, factors: Sequence[str]) -> Comparison:
+    """The rows in groups by their values of `factors`, in the order they first come up."""
+    keys = list(zip(*(map(_shown, columns[factor]) for factor in factors), strict=True))
+    keys = keys or [()] * len(columns["row"])
+    groups = tuple(
+        Group(key, np.array([k for k, other in enumerate(keys) if other == key]))
+        for key in dict.fromkeys(keys)
+    )
+    found = {measure: measure.values(columns) for measure in MEASURES}
+    values = {measure: figures for measure, figures in found.items() if figures is not None}
+    spreads = {
+        measure: tuple(spread(figures[group.rows]) for group in groups)
+        for measure, figures in values.items()
+    }
+    return Comparison(tuple(factors), groups, spreads, values)
+
+
+def spread(values: Floats) -> Spread | None:
+    """How `values` are spread, NaNs left out; None if nothing else is there.
+
+    The interval of the mean is the percentile bootstrap (B. Efron, "Bootstrap Methods: Another
+    Look at the Jackknife", Annals of Statistics 7, 1979), drawn with a fixed seed.
+    """
+    there = values[~np.isnan(values)]
+    if not len(there):
+        return None
+    drawn = np.random.default_rng(0).integers(len(there), size=(RESAMPLES, len(there)))
+    tail = (1 - CONFIDENCE) / 2
+    low, high = np.quantile(there[drawn].mean(axis=1), [tail, 1 - tail])
+    return Spread(there, float(there.mean()), float(low), float(high))
+
+
+def _shown(value: Cell) -> str:
+    return "" if value is None else f"{value:g}" if isinstance(value, float) else str(value)

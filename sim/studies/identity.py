@@ -1,0 +1,69 @@
+"""What a study's results depend on, as digests: results of anything else don't belong with them."""
+
+from __future__ import annotations
+
+import hashlib
+import inspect
+import json
+from collections.abc import Iterator
+from dataclasses import asdict
+from importlib.metadata import version
+from pathlib import Path
+
+from shapely.geometry.base import BaseGeometry
+
+from ..core.scenario import PersonalityChange, PersonEntry
+from ..machines.gantry.controllers import controller_source, find_controller
+from ..people.programs import load_program
+from ..trials.trial import Trial
+from .study import Study
+
+
+def identity(study: Study) -> dict[str, str]:
+    """Digests of all that decides the results of `study`, by what it is."""
+    found = {"floorwalker": version("floorwalker"), "the study": _digest(_definition(study))}
+    for trial in study.trials:
+        found[f"the trial {trial.name}"] = _digest(trial.to_yaml(trial.folder))
+    for combination in study.combinations:
+        found |= dict(_parts(combination.trial))
+    return found
+
+
+def _definition(study: Study) -> str:
+    parts = [
+        [trial.name for trial in study.trials],
+        [[what.name, values] for what, values in study.grid.items()],
+        [[what.name, repr(distribution)] for what, distribution in study.random.items()],
+        study.repeat,
+        study.seed,
+        study.metrics,
+    ]
+    return json.dumps(parts)
+
+
+def _parts(trial: Trial) -> Iterator[tuple[str, str]]:
+    """What a trial names and doesn't contain: floorplan, programs, orders, controller."""
+    plan = trial.floorplan
+    yield f"the floorplan {plan.name}", _digest(json.dumps(asdict(plan), default=_wkt))
+    for person in trial.people:
+        named: list[PersonEntry | PersonalityChange] = [person, *person.changes]
+        for one in named:
+            program = load_program(one.personality, trial.folder)
+            yield f"the program {one.personality_name}", _digest(str(program))
+    if trial.workload is not None:
+        yield f"the orders of {trial.name}", _digest(repr(trial.workload))
+    controller = trial.gantry.controller
+    own = controller_source(controller, trial.folder)
+    file = own.file if own else inspect.getsourcefile(find_controller(controller, trial.folder))
+    if file is not None:
+        name = trial.gantry.controller_name
+        yield f"the controller {name}", _digest(Path(file).read_text(encoding="utf-8"))
+
+
+def _digest(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def _wkt(value: object) -> str:
+    assert isinstance(value, BaseGeometry)  # all else in a floorplan is plain
+    return str(value.wkt)

@@ -1,0 +1,97 @@
+"""The report of a study: one HTML page that needs nothing else."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from importlib import resources
+from pathlib import Path
+
+import numpy as np
+
+from ..core.output import write_whole
+from .charts import chart
+from .comparison import Comparison
+from .effects import contrasts
+from .results import StudyResults
+from .table import Cell
+
+STANDING_OUT = 3
+"""So many rows are named for what makes them stand out."""
+
+MOST_CONTRASTS = 200
+"""So many pairs of combinations are set against each other."""
+
+MOST_ERRORS = 50
+"""So many failed rows are listed."""
+
+WORST = {"penalties": -1, "minimum_separation.distance": 1, "jobs_done": 1}
+"""The columns whose extremes are worth a look, and whether the least (1) or the most (-1) are."""
+
+
+@dataclass(frozen=True)
+class Remarkable:
+    """A row to look at, and why."""
+
+    number: int
+    why: str
+    combination: str
+
+
+def write_report(results: StudyResults, path: Path) -> None:
+    """Write the page about a study to `path`."""
+    from jinja2 import Environment, StrictUndefined
+
+    text = resources.files("sim").joinpath("data", "study", "report.html").read_text("utf-8")
+    environment = Environment(
+        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    environment.filters["figure"] = figure
+    columns, compared = results.columns, results.comparison
+    charts = {
+        measure: chart(measure, compared.groups, spreads)
+        for measure, spreads in compared.spreads.items()
+        if compared.constant(measure) is None
+    }
+    page = environment.from_string(text).render(
+        study=results.study,
+        count=len(results),
+        hours=sum(float(t) for t in columns.get("duration", ()) if t is not None) / 3600,
+        compared=compared,
+        charts=charts,
+        contrasts=[*itertools.islice(contrasts(compared), MOST_CONTRASTS)],
+        most_contrasts=MOST_CONTRASTS,
+        remarkable=list(_remarkable(columns, compared)),
+        errors=list(results.failed.items())[:MOST_ERRORS],
+        error_count=len(results.failed),
+    )
+    write_whole(path, page)
+
+
+def figure(value: float | None) -> str:
+    """A number as people read it: three or four digits that count."""
+    if value is None or value != value:
+        return "–"
+    size = abs(value)
+    if value == round(value) or size >= 1000:
+        return f"{value:,.0f}"
+    return f"{value:,.{1 if size >= 100 else 2 if size >= 1 else 3}f}"
+
+
+def _remarkable(
+    columns: Mapping[str, Sequence[Cell]], compared: Comparison
+) -> Iterator[Remarkable]:
+    """The rows at the far ends, each once; rows that are no different from most aren't."""
+    named: set[int] = set()
+    for measure in compared.spreads:
+        values = measure.values(columns)
+        if measure.column not in WORST or values is None or compared.constant(measure) is not None:
+            continue
+        order = np.argsort(WORST[measure.column] * values, kind="stable")
+        fresh = [k for k in order.tolist() if k not in named and values[k] == values[k]]
+        for k in fresh[:STANDING_OUT]:
+            named.add(k)
+            unit = f" {measure.unit}" if measure.unit else ""
+            why = f"{measure.title.lower()}: {figure(float(values[k]))}{unit}"
+            yield Remarkable(int(columns["row"][k] or 0), why, compared.label_of(k))

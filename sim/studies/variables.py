@@ -1,0 +1,214 @@
+"""What of a trial a study can vary: by name, and how a value is put in its place."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from floorplan import is_there, suggestion
+
+from ..core.scenario import AgvMove, Job, PersonEntry
+from ..core.start import Start
+from ..machines.gantry.controllers import controller_source
+from ..trials.comparison import is_number
+from ..trials.rules_file import find_rules
+from ..trials.trial import Trial
+
+Value = str | float | tuple[float, ...]
+"""One value of a variable: a name, a number, or numbers that belong together."""
+
+Change = Callable[[Trial, Any, str, Path], Trial]
+"""Puts a value into a trial: for one person or AGV by name, or for all ("").
+
+Files are seen from the folder. `ValueError` or `OSError` say why it can't be done.
+"""
+
+
+@dataclass(frozen=True)
+class Variable:
+    """One thing to vary: `max_speed` of everybody, or of one person (`whose`)."""
+
+    name: str
+    kind: str
+    whose: str = ""
+
+    def put(
+        self, trial: Trial, value: Value, folder: Path, others: Iterable[Variable] = ()
+    ) -> Trial:
+        """`trial` with this value, which may be out of range; files are seen from `folder`.
+
+        A value for everybody leaves out those for whom one of the `others` has its own.
+        `ValueError` or `OSError` say why there is nothing to put it in, or what it should be.
+        """
+        changed = _CHANGES[self.kind](trial, value, self.whose, folder)
+        own = {other.whose for other in others if other.kind == self.kind}
+        return changed if self.whose else _spared(trial, changed, own)
+
+
+def variable(name: str) -> Variable:
+    """The variable called `name`; `ValueError` that names those there are."""
+    if name in KINDS:
+        return Variable(name, KINDS[name])
+    group, _, rest = name.partition(".")
+    whose, _, last = rest.rpartition(".")
+    if whose and last in _PARTS.get(group, {}):
+        return Variable(name, _PARTS[group][last], whose)
+    known = [*KINDS, *(f"{g}.NAME.{last}" for g, parts in _PARTS.items() for last in parts)]
+    raise ValueError(f"nothing is called {name!r} to vary; {suggestion(name, known)}")
+
+
+def _personality(trial: Trial, value: Any, whose: str, folder: Path) -> Trial:
+    name = _seen_from(trial.folder, folder, _text(value))
+    everybody = trial.with_personality(name).people
+    return _people(trial, whose, lambda person: everybody[trial.people.index(person)])
+
+
+def _max_speed(trial: Trial, value: Any, whose: str, folder: Path) -> Trial:
+    speed = _number(value)
+    return _people(trial, whose, lambda person: replace(person, max_speed=speed))
+
+
+def _start_time(trial: Trial, value: Any, whose: str, folder: Path) -> Trial:
+    time = _number(value)
+    if not any(p.start.time is not None for p in trial.people if whose in ("", p.name)):
+        raise ValueError("nobody in it starts at a time")
+    return _people(
+        trial,
+        whose,
+        lambda p: p if p.start.time is None else replace(p, start=Start(time=time)),
+    )
+
+
+def _controller(trial: Trial, value: Any, whose: str, folder: Path) -> Trial:
+    controller_source(_text(value), trial.folder, own_code=trial.own_code)
+    return replace(trial, gantry=replace(trial.gantry, controller=value))
+
+
+def _gantry_at(trial: Trial, value: Any, whose: str, folder: Path) -> Trial:
+    x, y, rotation = _numbers(value, 3, "x, y and a rotation")
+    return replace(trial, gantry=replace(trial.gantry, at=(x, y, rotation)))
+
+
+def _job_order(trial: Trial, value: Any, whose: str, folder: Path) -> Trial:
+    jobs = trial.gantry.jobs
+    if value == "given":
+        return trial
+    if value == "reversed":
+        order = reordered(jobs, lambda stretch: stretch[::-1])
+    else:
+        order = tuple(int(k) for k in _numbers(value, len(jobs), "the number of every job"))
+    if sorted(order) != list(range(len(jobs))):
+        raise ValueError(
+            f"expected given, reversed, or an order of 0 to {len(jobs) - 1}, found {value!r}"
+        )
+    return replace(trial, gantry=replace(trial.gantry, jobs=tuple(jobs[k] for k in order)))
+
+
+def _agv_delay(trial: Trial, value: Any, whose: str, folder: Path) -> Trial:
+    delay = _number(value)
+    if whose and whose not in trial.agvs:
+        raise ValueError(f"no AGV called {whose!r} moves in it")
+    if not trial.agvs:
+        raise ValueError("no AGV moves in it")
+    agvs = {
+        name: tuple(AgvMove(max(move.time + delay, 0.0), move.to) for move in moves)
+        if whose in ("", name)
+        else moves
+        for name, moves in trial.agvs.items()
+    }
+    return replace(trial, agvs=agvs)
+
+
+def _rules(trial: Trial, value: Any, whose: str, folder: Path) -> Trial:
+    rules = find_rules(_text(value), folder, own_code=trial.own_code)
+    return replace(trial, rules=rules)
+
+
+def _duration(trial: Trial, value: Any, whose: str, folder: Path) -> Trial:
+    return replace(trial, duration=_number(value))
+
+
+_CHANGES: dict[str, Change] = {
+    "personality": _personality,
+    "max_speed": _max_speed,
+    "start_time": _start_time,
+    "controller": _controller,
+    "gantry_at": _gantry_at,
+    "job_order": _job_order,
+    "agv_delay": _agv_delay,
+    "rules": _rules,
+    "duration": _duration,
+}
+KINDS = {kind: kind for kind in _CHANGES}
+"""What can be varied for a whole trial, by name."""
+
+_PARTS = {
+    "people": {kind: kind for kind in ("personality", "max_speed", "start_time")},
+    "agvs": {"delay": "agv_delay"},
+}
+
+
+def reordered(jobs: tuple[Job, ...], arrange: Callable[[list[int]], list[int]]) -> tuple[int, ...]:
+    """An order of `jobs` in which the stretches between orders handed in are arranged anew.
+
+    An order is handed in when everything that stood before it is done, in any order of the jobs.
+    """
+    order: list[int] = []
+    stretch: list[int] = []
+    for k, job in enumerate(jobs):
+        if job.kind == "submit":
+            order += [*arrange(stretch), k]
+            stretch = []
+        else:
+            stretch.append(k)
+    return (*order, *arrange(stretch))
+
+
+def _people(trial: Trial, whose: str, change: Callable[[PersonEntry], PersonEntry]) -> Trial:
+    if not trial.people:
+        raise ValueError("there is nobody in it")
+    if whose not in ("", *(person.name for person in trial.people)):
+        raise ValueError(f"nobody in it is called {whose!r}")
+    people = tuple(
+        change(person) if whose in ("", person.name) else person for person in trial.people
+    )
+    return replace(trial, people=people)
+
+
+def _spared(trial: Trial, changed: Trial, names: set[str]) -> Trial:
+    """The `changed` trial, in which these people and AGVs are as they were in `trial`."""
+    people = tuple(
+        before if before.name in names else after
+        for before, after in zip(trial.people, changed.people, strict=True)
+    )
+    agvs = {name: trial.agvs[name] if name in names else changed.agvs[name] for name in trial.agvs}
+    return replace(changed, people=people, agvs=agvs)
+
+
+def _seen_from(trial_folder: Path, folder: Path, name: str) -> str:
+    """The file `name` beside the study as it is seen from the trial, or `name` itself."""
+    path = folder / name
+    if is_there(path) and path.is_file() and trial_folder.resolve() != folder.resolve():
+        return Path(os.path.relpath(path, trial_folder)).as_posix()
+    return name
+
+
+def _text(value: Any) -> str:
+    if not isinstance(value, str):
+        raise ValueError(f"expected a name, found {value!r}")
+    return value
+
+
+def _number(value: Any) -> float:
+    if not is_number(value):
+        raise ValueError(f"expected a finite number, found {value!r}")
+    return float(value)
+
+
+def _numbers(value: Any, count: int, what: str) -> list[float]:
+    if not isinstance(value, list | tuple) or len(value) != count:
+        raise ValueError(f"expected {what}, found {value!r}")
+    return [_number(one) for one in value]

@@ -1,0 +1,122 @@
+"""Where people were, and for how long."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floorplan import Floorplan
+from navigation import Motion
+
+from ...record.outcome import Outcome
+from .curves import Array
+from .floor import draw_floor, floor_figure
+from .style import Width, styled
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+CELL = 0.05
+"""Metres. The side of a cell."""
+
+_BAR = 0.6
+"""Inches. What the bar of colours takes."""
+
+MOMENT = 0.02
+"""Seconds. Somebody who moves is looked at this often."""
+
+_HAIR = 1e-9
+"""Metres. Cells that are further off than a radius by no more than this still count."""
+
+
+def heat_map(runs: Outcome | Sequence[Outcome], *, width: Width = "double") -> Figure:
+    """For how long each spot of the floor was under somebody's body, in all `runs` together.
+
+    People count from their start. The colours are logarithmic, so that where somebody waited
+    does not hide where they walked. `ValueError` if the runs are on different floors.
+    """
+    several = [runs] if isinstance(runs, Outcome) else list(runs)
+    if not several:
+        raise ValueError("a heat map needs at least one run")
+    plan = several[0].floorplan
+    if any(run.floorplan != plan for run in several):
+        raise ValueError("the runs are not on the same floor, so that they make no common heat map")
+    seconds = sum((time_covered(run) for run in several), np.zeros(_shape(plan)))
+    with styled():
+        from matplotlib.colors import LogNorm
+
+        figure, axes = floor_figure(plan, width, beside=_BAR)
+        draw_floor(axes, plan)
+        west, south, *_ = plan.boundary.bounds
+        rows, columns = seconds.shape
+        most = max(float(seconds.max()), 1.0)
+        image = axes.imshow(
+            np.ma.masked_less_equal(seconds, 0.0),
+            origin="lower",
+            extent=(west, west + columns * CELL, south, south + rows * CELL),
+            norm=LogNorm(most / 1000, most),
+            cmap="viridis",
+            interpolation="nearest",
+            zorder=1.2,
+        )
+        bar = figure.colorbar(image, ax=axes, label="time occupied (s)", fraction=0.04, pad=0.02)
+        bar.ax.yaxis.set_major_formatter("{x:g}")
+        return figure
+
+
+def time_covered(run: Outcome) -> Array:
+    """For how long the middle of each cell was under a person's body: seconds, (rows, columns).
+
+    The first cell is in the south-west corner of the floor's bounds.
+    """
+    started = {e["person"]: e["t"] for e in run.events if e["kind"] == "human_started"}
+    seconds = np.zeros(_shape(run.floorplan))
+    for person in run.scene.people:
+        if person.name in started:
+            motion = run.motions[person.name]
+            at_centre = _time_in_cells(motion, started[person.name], run.duration, run.floorplan)
+            seconds += _spread(at_centre, person.radius)
+    return seconds
+
+
+def _shape(plan: Floorplan) -> tuple[int, int]:
+    west, south, east, north = plan.boundary.bounds
+    return (math.ceil((north - south) / CELL), math.ceil((east - west) / CELL))
+
+
+def _time_in_cells(motion: Motion, begin: float, end: float, plan: Floorplan) -> Array:
+    """For how long the body's centre was in each cell."""
+    west, south, *_ = plan.boundary.bounds
+    rows, columns = _shape(plan)
+    middles: list[NDArray[Any]] = [np.empty(0)]
+    weights: list[NDArray[Any]] = [np.empty(0)]
+    for piece in motion.cut(begin, end).pieces:
+        moves = any((*piece.x[1:], *piece.y[1:]))
+        duration = piece.end - piece.begin
+        moments = max(1, math.ceil(duration / MOMENT)) if moves else 1
+        step = duration / moments
+        middles.append(piece.begin + step * (np.arange(moments) + 0.5))
+        weights.append(np.full(moments, step))
+    x, y = motion.position(np.concatenate(middles)).T
+    column = np.clip(((x - west) / CELL).astype(int), 0, columns - 1)
+    row = np.clip(((y - south) / CELL).astype(int), 0, rows - 1)
+    seconds = np.zeros((rows, columns))
+    np.add.at(seconds, (row, column), np.concatenate(weights))
+    return seconds
+
+
+def _spread(seconds: Array, radius: float) -> Array:
+    """The same time for all cells within `radius` metres of each."""
+    reach = math.ceil(radius / CELL)
+    rows, columns = seconds.shape
+    padded = np.pad(seconds, reach)
+    covered = np.zeros_like(seconds)
+    for i in range(-reach, reach + 1):
+        for j in range(-reach, reach + 1):
+            if math.hypot(i, j) * CELL < radius + _HAIR:
+                covered += padded[reach + i :, reach + j :][:rows, :columns]
+    return covered

@@ -1,0 +1,54 @@
+"""What went wrong in a run, and where: for the marks in its pictures."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from floorplan import Point
+
+from ...record.outcome import Outcome
+from .curves import Span
+from .style import VERMILION
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+
+def breaches(run: Outcome, span: Span) -> list[tuple[float, Point]]:
+    """When somebody came too close (seconds), and where they were then, of all that `span` has."""
+    begin, end = span
+    return sorted(
+        (t, run.motions[person].state_before(t).at)
+        for (person, _), intervals in run.violations.items()
+        for t, _ in intervals
+        if begin <= t <= end
+    )
+
+
+def mark_breaches(axes: Axes, places: Sequence[Point]) -> None:
+    """Mark where on `axes` somebody came too close."""
+    if places:
+        axes.plot(
+            *zip(*places, strict=True),
+            "v",
+            color=VERMILION,
+            markersize=4.5,
+            markeredgecolor="white",
+            markeredgewidth=0.4,
+            label="too close",
+            zorder=5,
+        )
+
+
+def disabled_spans(run: Outcome) -> list[Span]:
+    """From when to when the gantry was disabled, seconds."""
+    spans: list[Span] = []
+    since: float | None = None
+    for event in run.events:
+        if event["kind"] in ("gantry_disabled", "robot_malfunction") and since is None:
+            since = event["t"]
+        elif event["kind"] == "gantry_enabled" and since is not None:
+            spans.append((since, event["t"]))
+            since = None
+    return spans if since is None else [*spans, (since, run.duration)]

@@ -1,0 +1,50 @@
+"""The pictures of one run: what `run.plot` is."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ...record.outcome import Outcome
+from .curves import Span
+from .heat_map import heat_map
+from .separation import separation
+from .space_time import space_time
+from .style import Width
+from .trails import trails
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+class RunPlots:
+    """Draws a run. Every method gives a figure; `MissingExtraError` without matplotlib.
+
+    `within` is the stretch of time to draw (from, to in seconds), all of the run if not given;
+    `width` is how many columns of a paper the picture takes.
+    """
+
+    def __init__(self, run: Outcome) -> None:
+        self._run = run
+
+    def separation(
+        self,
+        person: str | None = None,
+        machine: str | None = None,
+        *,
+        within: Span | None = None,
+        width: Width = "double",
+    ) -> Figure:
+        """The distance of people to a machine over time, and the required distance."""
+        return separation(self._run, person, machine, within=within, width=width)
+
+    def space_time(self, *, within: Span | None = None, width: Width = "double") -> Figure:
+        """x and y of everybody who moves, over time."""
+        return space_time(self._run, within=within, width=width)
+
+    def trails(self, *, within: Span | None = None, width: Width = "double") -> Figure:
+        """The ways of people and machines on the floor."""
+        return trails(self._run, within=within, width=width)
+
+    def heat_map(self, *, width: Width = "double") -> Figure:
+        """Where people were, and for how long."""
+        return heat_map(self._run, width=width)

@@ -1,0 +1,145 @@
+"""How far apart a person and a machine were, and how far they had to be."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from navigation import STANDING_SPEED
+
+from ...record.outcome import Outcome
+from .curves import Array, Span, instants, span_of, speeds
+from .incidents import disabled_spans
+from .style import BLACK, BLUE, GREY, VERMILION, Width, explain, new_figure, styled
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+SHOWN = 3.0
+"""Distances of more than this many times the largest required one are cut off."""
+
+_PANEL = 1.9
+"""Inches. The height of one pair's panel."""
+
+Pair = tuple[str, str]
+
+
+def separation(
+    run: Outcome,
+    person: str | None = None,
+    machine: str | None = None,
+    *,
+    within: Span | None = None,
+    width: Width = "double",
+) -> Figure:
+    """The distance over time, the required one, and where it was not kept.
+
+    One panel for each person (or the one called `person`) beside `machine`: the gantry if no
+    other is named, or where there is none, the AGV that drives first. What is required of an
+    AGV that stands is not drawn, for nothing is. `ValueError` if there is no such pair.
+    """
+    begin, end = span_of(run, within)
+    pairs = _pairs(run, person, machine)
+    with styled():
+        figure = new_figure(width, _PANEL * len(pairs) + 0.3)
+        panels = figure.subplots(len(pairs), 1, sharex=True, squeeze=False)[:, 0]
+        for axes, pair in zip(panels, pairs, strict=True):
+            _draw_pair(axes, run, pair, (begin, end))
+        panels[-1].set_xlabel("time (s)")
+        panels[-1].set_xlim(begin, end)
+        explain(figure, panels, width)
+        return figure
+
+
+def _pairs(run: Outcome, person: str | None, machine: str | None) -> list[Pair]:
+    people = [one.name for one in run.scene.people]
+    machines = [body for body in run.motions if run.scene.kind(body) != "person"]
+    if not (people and machines):
+        raise ValueError("a separation needs a person and a machine; this run has no such pair")
+    for name, known, what in ((person, people, "person"), (machine, machines, "machine")):
+        if name is not None and name not in known:
+            raise ValueError(f"no {what} is called {name!r} (there are: {', '.join(known)})")
+    chosen = machine or min(machines, key=lambda body: _order(run, body))
+    return [(name, chosen) for name in people if person in (None, name)]
+
+
+def _order(run: Outcome, machine: str) -> tuple[bool, float]:
+    """The gantry before AGVs, those in the order in which they set out."""
+    motion = run.motions[machine]
+    sets_out = min((p.begin for p in motion.pieces if any((*p.x[1:], *p.y[1:]))), default=np.inf)
+    return (run.scene.kind(machine) != "gantry", float(sets_out))
+
+
+def _draw_pair(axes: Axes, run: Outcome, pair: Pair, span: Span) -> None:
+    human, robot = (run.motions[name] for name in pair)
+    t = instants([human, robot], *span)
+    distance = run.distance(*pair, t)
+    required = _required(run, pair, t)
+    close = distance < required
+    highest = SHOWN * float(np.nanmax(required)) if np.isfinite(required).any() else np.inf
+    axes.fill_between(
+        t,
+        distance,
+        required,
+        where=close,
+        facecolor=VERMILION,
+        alpha=0.35,
+        linewidth=0,
+        interpolate=True,
+    )
+    axes.plot(t, distance, color=BLUE, label="distance")
+    axes.plot(t, required, color=BLACK, linestyle="--", linewidth=0.9, label="required distance")
+    axes.set_ylim(0.0, min(highest, 1.08 * float(np.nanmax(distance))))
+    axes.set_ylabel("distance (m)")
+    axes.set_title(f"{pair[0]} and {pair[1]}", loc="left")
+    _mark_violations(axes, run, pair, span)
+    if run.scene.kind(pair[1]) == "gantry":
+        _mark_disabled(axes, run)
+
+
+def _required(run: Outcome, pair: Pair, t: Array) -> Array:
+    """What the rules required at these instants (N,), metres; NaN where they required nothing."""
+    required = np.full(len(t), np.nan)
+    known = ~np.isnan(t)
+    required[known] = run.required(*pair, t[known])
+    if run.scene.kind(pair[1]) == "agv":
+        required[known & ~(speeds(run.motions[pair[1]], t) > STANDING_SPEED)] = np.nan
+    return required
+
+
+def _mark_violations(axes: Axes, run: Outcome, pair: Pair, span: Span) -> None:
+    """A mark where they came too close, and a band for as long as it went on."""
+    begin, end = span
+    times = []
+    for since, until in run.violations.get(pair, ()):
+        if until >= begin and since <= end:
+            axes.axvspan(since, until, facecolor=VERMILION, alpha=0.15, linewidth=0)
+            times.append(max(since, begin))
+    if times:
+        axes.plot(
+            times,
+            [1.0] * len(times),
+            "v",
+            color=VERMILION,
+            markersize=5,
+            transform=axes.get_xaxis_transform(),
+            clip_on=False,
+            label="violation",
+            zorder=5,
+        )
+
+
+def _mark_disabled(axes: Axes, run: Outcome) -> None:
+    """A bar at the bottom for as long as the gantry was disabled."""
+    bars = [(begin, end - begin) for begin, end in disabled_spans(run)]
+    if bars:
+        axes.broken_barh(
+            bars,
+            (0.0, 0.035),
+            facecolor=GREY,
+            linewidth=0,
+            transform=axes.get_xaxis_transform(),
+            label="gantry disabled",
+        )

@@ -1,0 +1,101 @@
+"""A space–time diagram: where everybody was along x and along y, over time."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from navigation import Motion
+
+from ...record.outcome import Outcome
+from .curves import Array, Span, instants, span_of
+from .floor import machine_size
+from .incidents import breaches, mark_breaches
+from .style import GREY, MACHINES, Width, explain, new_figure, person_colour, styled
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+_PANEL = 2.3
+"""Inches. The height of one axis's panel."""
+
+
+def space_time(run: Outcome, *, within: Span | None = None, width: Width = "double") -> Figure:
+    """x and y of everybody who moves, over time (seconds), as bands as wide as they are.
+
+    Two whose bands meet in both panels at an instant are at one place. Stations are the lines
+    across.
+    """
+    span = span_of(run, within)
+    with styled():
+        figure = new_figure(width, 2 * _PANEL + 0.3)
+        panels = figure.subplots(2, 1, sharex=True)
+        for axis, axes in enumerate(panels):
+            _draw_stations(axes, run, axis)
+            for body in _shown(run):
+                _draw_body(axes, run, body, axis, span)
+            mark_breaches(axes, [(t, at[axis]) for t, at in breaches(run, span)])
+            axes.set_ylabel(f"{'xy'[axis]} (m)")
+            axes.margins(y=0.04)
+        panels[1].set_xlabel("time (s)")
+        panels[1].set_xlim(*span)
+        explain(figure, [panels[0]], width)
+        return figure
+
+
+def _shown(run: Outcome) -> list[str]:
+    """Machines that move at all, the gantry in any case, and then people."""
+    machines = [
+        body
+        for body, motion in run.motions.items()
+        if run.scene.kind(body) == "gantry" or (run.scene.kind(body) == "agv" and _moves(motion))
+    ]
+    return [*machines, *(person.name for person in run.scene.people)]
+
+
+def _moves(motion: Motion) -> bool:
+    return any(any((*piece.x[1:], *piece.y[1:])) for piece in motion.pieces)
+
+
+def _draw_body(axes: Axes, run: Outcome, body: str, axis: int, span: Span) -> None:
+    motion, kind = run.motions[body], run.scene.kind(body)
+    t = instants([motion], *span)
+    at = motion.position(t)[:, axis]
+    half = _half_extent(run, body, motion, t, axis)
+    people = [person.name for person in run.scene.people]
+    colour = person_colour(people.index(body)) if kind == "person" else MACHINES[kind]
+    axes.fill_between(t, at - half, at + half, facecolor=colour, alpha=0.3, linewidth=0)
+    axes.plot(t, at, color=colour, linewidth=0.9, label="_AGV" if kind == "agv" else body)
+    if kind == "agv" and axis == 1:
+        axes.annotate(body, (span[0], at[0]), (2, 2), textcoords="offset points", size=6)
+
+
+def _half_extent(run: Outcome, body: str, motion: Motion, t: Array, axis: int) -> Array:
+    """Half of what a body takes up along x (0) or y (1) at these instants: (N,) metres."""
+    for person in run.scene.people:
+        if person.name == body:
+            return np.full(len(t), person.radius)
+    length, width = machine_size(run.floorplan, body)
+    turn = motion.rotation(t) - axis * math.pi / 2
+    return np.abs(length / 2 * np.cos(turn)) + np.abs(width / 2 * np.sin(turn))
+
+
+def _draw_stations(axes: Axes, run: Outcome, axis: int) -> None:
+    named: dict[float, list[str]] = {}
+    for station in run.floorplan.stations:
+        named.setdefault(station.position[axis], []).append(station.name)
+    for at, names in named.items():
+        axes.axhline(at, color=GREY, linewidth=0.4, linestyle=":", zorder=0)
+        axes.annotate(
+            "\n".join(names),
+            (1.0, at),
+            (3, 0),
+            xycoords=axes.get_yaxis_transform(),
+            textcoords="offset points",
+            size=6,
+            va="center",
+            color=GREY,
+        )

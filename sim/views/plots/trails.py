@@ -1,0 +1,86 @@
+"""Where everybody went: the ways on the floor, and where somebody came too close."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ...record.outcome import Outcome
+from .curves import Array, Span, instants, span_of
+from .floor import draw_floor, floor_figure, machine_outline
+from .incidents import breaches, mark_breaches
+from .names import draw_names
+from .style import MACHINES, Width, explain, person_colour, styled
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+
+_THIN = 1.0
+"""Points. The line of the person who is drawn last."""
+
+_EDGES = 2.4
+"""Points by which the line of each person before is wider, so that it shows on both sides."""
+
+_WIDEST = 8.0
+"""Points. Of many people the edges are smaller, so that no line is wider than this."""
+
+_GAP = 0.3
+"""The white on both sides of a line, as a share of the edges: tells greys apart, too."""
+
+
+def trails(run: Outcome, *, within: Span | None = None, width: Width = "double") -> Figure:
+    """The ways of people and machines on the floor, from one time to another (seconds).
+
+    The way of a person who is put elsewhere ends, and begins anew there. Where people went the
+    same way, those who come later in their order lie on the wider lines of those before.
+    """
+    begin, end = span_of(run, within)
+    with styled():
+        figure, axes = floor_figure(run.floorplan, width)
+        draw_floor(axes, run.floorplan)
+        ways = [_draw_way(axes, run, body, (begin, end)) for body in run.motions]
+        mark_breaches(axes, [at for _, at in breaches(run, (begin, end))])
+        explain(figure, [axes], width)
+        draw_names(axes, run.floorplan, ways=ways)
+        return figure
+
+
+def _draw_way(axes: Axes, run: Outcome, body: str, span: Span) -> Array:
+    """Draw the way of a body; its points (N, 2), NaN where it breaks off."""
+    from matplotlib.patheffects import withStroke
+
+    motion, kind = run.motions[body], run.scene.kind(body)
+    way = motion.position(instants([motion], *span))
+    if kind == "person":
+        people = [person.name for person in run.scene.people]
+        index = people.index(body)
+        later = len(people) - 1 - index
+        edges = min(_EDGES, (_WIDEST - _THIN) / len(people))
+        width = _THIN + later * edges
+        axes.plot(
+            *way.T,
+            color=person_colour(index),
+            linewidth=width,
+            path_effects=[withStroke(linewidth=width + _GAP * edges, foreground="white")],
+            label=body,
+            zorder=3.2,
+        )
+    else:
+        axes.plot(*way.T, color=MACHINES[kind], linewidth=0.7, label=_once(axes, kind), zorder=3)
+        rotation = float(motion.rotation(span[1]))
+        outline = machine_outline(run.floorplan, body, tuple(motion.position(span[1])), rotation)
+        axes.fill(
+            *zip(*outline, strict=True),
+            facecolor="none",
+            edgecolor=MACHINES[kind],
+            linewidth=0.7,
+            zorder=3,
+        )
+    return way
+
+
+def _once(axes: Axes, kind: str) -> str:
+    """The label of a kind of machine, or one that a legend leaves out where it stands already."""
+    name = "AGV" if kind == "agv" else kind
+    return f"_{name}" if name in axes.get_legend_handles_labels()[1] else name

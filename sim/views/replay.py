@@ -1,0 +1,121 @@
+"""The replay page: a recorded run as one HTML file that needs nothing else.
+
+The page draws from the motions themselves, so that a recording is small and exact at any speed.
+Its parts lie in `data/replay/`, one idea a file; here they are joined, and the recording is put
+into them.
+"""
+
+from __future__ import annotations
+
+import html
+import json
+import re
+from collections.abc import Mapping
+from functools import cache
+from importlib.resources import files
+from typing import Any
+
+from ..record.strict_json import parse_json
+
+FORMAT = "floorwalker-replay/1"
+"""What `recording["format"]` says, so that a page can tell a recording it does not know."""
+
+SCRIPTS = (
+    "recording",
+    "motion",
+    "track",
+    "separation",
+    "mind",
+    "run",
+    "events",
+    "canvas",
+    "camera",
+    "floor",
+    "bodies",
+    "scene",
+    "view",
+    "chart",
+    "panel",
+    "mind_panel",
+    "event_list",
+    "summary",
+    "panels",
+    "clock",
+    "replay",
+    "live",
+    "start",
+)
+"""The page's scripts in reading order."""
+
+
+def render(
+    recording: Mapping[str, Any],
+    other: Mapping[str, Any] | None = None,
+    *,
+    stream: str = "",
+    speed: float = 1.0,
+) -> str:
+    """The page that replays `recording`, as HTML (to be written as UTF-8).
+
+    `recording` has the form described in `docs/replay.md`: plain dicts, lists, strings and finite
+    numbers; an `other` is shown beside it. With a `stream`, the page is for a run under way: what
+    it adds to the recording comes from that address beside the page, `speed` times as fast as it
+    happens. `ValueError` if a recording's `format` is another, or if it holds what JSON can't say.
+    """
+    live = {"data-stream": stream, "data-speed": f"{speed:g}"} if stream else {}
+    contents = {
+        "title": html.escape(str(recording.get("title", "replay"))),
+        "style": _part("page.css"),
+        "script": "\n".join(_part(f"{name}.js") for name in SCRIPTS),
+        "recording": _element("recording", recording),
+        "other": "" if other is None else _element("other", other),
+        "attributes": "".join(f' {name}="{html.escape(live[name])}"' for name in live),
+        "sources": "; connect-src 'self'" if stream else "",
+    }
+    return re.sub(r"\{\{(\w+)\}\}", lambda place: contents[place[1]], _part("page.html"))
+
+
+def recordings_in(page: str) -> list[dict[str, Any]]:
+    """The one or two recordings that stand in a page made by `render`; `ValueError` if none."""
+    recordings = []
+    for name in ("recording", "other"):
+        found = re.search(
+            rf'<script type="application/json" id="{name}">(.*?)</script>', page, re.S
+        )
+        if found is not None:
+            try:
+                recordings.append(parse_json(found[1]))
+            except ValueError as why:
+                raise ValueError(f"the {name} in it is damaged: {why}") from None
+            _check_format(recordings[-1])
+    if not recordings:
+        raise ValueError("is no replay page: it holds no recording")
+    return recordings
+
+
+@cache
+def _part(name: str) -> str:
+    return (files("sim") / "data" / "replay" / name).read_text(encoding="utf-8")
+
+
+def _element(name: str, recording: Mapping[str, Any]) -> str:
+    _check_format(recording)
+    return f'<script type="application/json" id="{name}">{_embeddable(recording)}</script>'
+
+
+def _check_format(recording: Any) -> None:
+    found = recording.get("format") if isinstance(recording, Mapping) else None
+    if found != FORMAT:
+        raise ValueError(f"the replay page reads recordings of format {FORMAT!r}, not {found!r}")
+
+
+def _embeddable(recording: Mapping[str, Any]) -> str:
+    """`recording` as JSON that can stand inside an HTML script element.
+
+    No `<` is left, so that neither `</script>` nor `<!--` in a name ends or upsets the element.
+    """
+    try:
+        text = json.dumps(recording, allow_nan=False, separators=(",", ":"))
+    except (TypeError, ValueError) as why:
+        raise ValueError(f"the recording cannot be written as JSON: {why}") from None
+    return text.replace("<", "\\u003c")

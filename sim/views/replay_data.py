@@ -1,0 +1,159 @@
+"""What the replay page shows of a run, as the JSON that stands in the page."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+from floorplan import Floorplan, Lane, Obstacle
+from navigation import AnyLaw, Piece, SeparationLaw, required_at_speeds
+
+from ..core.recorder import rounded
+from ..core.rules import RuleSet
+from ..record.outcome import Outcome
+from ..safety.requirement_curve import is_plain
+from .replay import FORMAT
+
+
+def replay_data(run: Outcome) -> dict[str, Any]:
+    """The run in the format of the replay page: metres, seconds, radians."""
+    plan, trial = run.floorplan, run.scene.trial
+    timing = ("cpu_seconds", "realtime_factor")
+    data: dict[str, Any] = rounded(
+        {
+            "format": FORMAT,
+            "title": trial if trial == plan.name else f"{trial} · {plan.name}",
+            "duration": run.duration,
+            "summary": {k: v for k, v in run.summary.items() if k not in timing},
+            "floorplan": _floorplan(plan),
+            "bodies": _bodies(run),
+            "motions": {
+                name: [piece_data(piece) for piece in motion.pieces]
+                for name, motion in run.motions.items()
+            },
+            "events": run.events,
+            "watches": _watches(run),
+            "minds": _minds(run),
+        }
+    )
+    return data
+
+
+def _floorplan(plan: Floorplan) -> dict[str, Any]:
+    zone, gantry = plan.safe_zone, plan.gantry
+    return {
+        "name": plan.name,
+        "title": plan.title,
+        "boundary": plan.boundary.exterior.coords[:-1],
+        "holes": [ring.coords[:-1] for ring in plan.boundary.interiors],
+        "obstacles": [_obstacle(obstacle) for obstacle in plan.obstacles],
+        "stations": [{"name": s.name, "at": s.position} for s in plan.stations],
+        "safe_zone": {"at": zone.position, "heading": zone.heading} if zone else None,
+        "lanes": [_lane(lane) for lane in plan.lanes],
+        "gantry": {
+            "x": [gantry.x.low, gantry.x.high],
+            "y": [gantry.y.low, gantry.y.high],
+        }
+        if gantry
+        else None,
+    }
+
+
+def _obstacle(obstacle: Obstacle) -> dict[str, Any]:
+    return {
+        "name": obstacle.name,
+        "footprint": obstacle.footprint.exterior.coords[:-1],
+        "bottom": obstacle.bottom,
+        "top": obstacle.top,
+    }
+
+
+def _lane(lane: Lane) -> dict[str, Any]:
+    low, high = lane.limits
+    return {
+        "name": lane.name,
+        "from": lane.position(low),
+        "to": lane.position(high),
+        "locations": {name: lane.position(q) for name, q in lane.locations.items()},
+    }
+
+
+def _bodies(run: Outcome) -> list[dict[str, Any]]:
+    plan = run.floorplan
+    bodies: list[dict[str, Any]] = [
+        {
+            "name": person.name,
+            "kind": "person",
+            "radius": person.radius,
+            "personality": Path(person.personality).stem,
+        }
+        for person in run.scene.people
+    ]
+    if plan.gantry is not None:
+        length, width, _, _ = plan.gantry.torso
+        reach, mount = plan.gantry.arm_reach, plan.gantry.arm_mount[0]
+        size = {"length": length, "width": width, "reach": reach, "mount": mount}
+        bodies.append({"name": "gantry", "kind": "gantry", **size})
+    bodies += [
+        {"name": lane.name, "kind": "agv", "length": lane.length, "width": lane.width}
+        for lane in plan.lanes
+    ]
+    return bodies
+
+
+def _minds(run: Outcome) -> dict[str, list[dict[str, Any]]]:
+    minds: dict[str, list[dict[str, Any]]] = {}
+    for thought in run.thoughts:
+        change = {key: value for key, value in thought.items() if key != "person"}
+        minds.setdefault(thought["person"], []).append(change)
+    return minds
+
+
+def _watches(run: Outcome) -> list[dict[str, Any]]:
+    rules = run.scene.rules
+    watches = []
+    for (person, machine), intervals in run.violations.items():
+        law = rules.gantry_law if machine == "gantry" else rules.agv_law
+        curve = run.requirements.get((person, machine))
+        watch: dict[str, Any] = {"person": person, "other": machine, "violations": intervals}
+        watch["law"] = _law(law) if curve is None else {"curve": curve}
+        if machine == "gantry":
+            watch |= _notice(rules)
+        if (at := run.scene.measured_at(machine)) != (0.0, 0.0):
+            watch["measured_at"] = at
+        watches.append(watch)
+    return watches
+
+
+def _law(law: AnyLaw) -> dict[str, float]:
+    """A plain law (see `is_plain`) by its terms."""
+    if isinstance(law, SeparationLaw):
+        terms = {"t1": law.t1, "t2": law.t2}
+        return {**terms, "stopping": law.stopping, "intrusion": law.intrusion}
+    return {"distance": required_at_speeds(law, 0.0, 0.0)}
+
+
+def _notice(rules: RuleSet) -> dict[str, Any]:
+    scaled = rules.notice.law
+    notice = {"notice": scaled.factor, "notice_cap": scaled.cap if scaled.cap < math.inf else None}
+    if scaled.law == rules.gantry_law:
+        return notice
+    # The page can't draw the distance of another law that is not plain.
+    return {**notice, "notice_law": _law(scaled.law)} if is_plain(scaled.law) else {}
+
+
+def piece_data(piece: Piece) -> list[Any]:
+    """A piece of a motion: when it begins and ends, and its cubics without zeros at their ends."""
+    return [
+        piece.begin,
+        piece.end,
+        *(_without_zeros(c) for c in (piece.x, piece.y, piece.rotation)),
+    ]
+
+
+def _without_zeros(cubic: tuple[float, ...]) -> list[float]:
+    coefficients = list(cubic)
+    while len(coefficients) > 1 and coefficients[-1] == 0.0:
+        coefficients.pop()
+    return coefficients
