@@ -4,7 +4,8 @@ import ast
 import re
 import subprocess
 import sys
-from importlib.util import find_spec
+from graphlib import TopologicalSorter
+from importlib.util import find_spec, resolve_name
 from pathlib import Path
 
 import pytest
@@ -20,9 +21,72 @@ HEAVY = {"matplotlib", "pandas", "pyarrow", "ezdxf", "PIL", "foxglove", "rosbags
 LOADED_WHEN_USED = re.compile(r"sim/exports/(\w+_file|ros_\w+)\.py$")
 
 
+ROOMS = (
+    ("core",),
+    ("safety",),
+    ("people", "machines"),
+    ("orders",),
+    ("record",),
+    ("trials", "views", "exports"),
+    ("runs",),
+    ("simulation",),
+    ("live", "studies", "bridge", "testing"),
+    ("commands",),
+    ("cli", "pytest_plugin"),
+)
+"""The rooms of `sim`: each imports from those above it alone."""
+
+
 def sources(package):
     """The files of a package, wherever it is installed."""
     return Path(find_spec(package).origin).parent.rglob("*.py")
+
+
+def module_name(package, path):
+    """The dotted name of the module at `path`."""
+    parts = path.relative_to(Path(find_spec(package).origin).parents[1]).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def imported(name, path, known):
+    """The modules among `known` that a module imports: for types alone and in functions too."""
+    package = name if path.name == "__init__.py" else name.rpartition(".")[0]
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            wanted = [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            relative = "." * node.level + (node.module or "")
+            base = resolve_name(relative, package)
+            wanted = [f"{base}.{alias.name}" for alias in node.names]
+        else:
+            continue
+        for module in wanted:
+            while module and module not in known:
+                module = module.rpartition(".")[0]
+            if module and module != name:
+                yield module
+
+
+@pytest.fixture(scope="module")
+def graph():
+    """The modules that each module of the four packages imports from them."""
+    files = {module_name(package, path): path for package in PACKAGES for path in sources(package)}
+    return {name: set(imported(name, path, files)) for name, path in files.items()}
+
+
+@pytest.mark.parametrize("package", ["floorplan", "navigation", "sim"])
+def test_no_files_import_each_other_in_a_circle(graph, package):
+    inside = {name: others for name, others in graph.items() if name.split(".")[0] == package}
+    TopologicalSorter(inside).prepare()
+
+
+def test_rooms_import_from_those_above_them(graph):
+    level = {room: k for k, rooms in enumerate(ROOMS) for room in rooms}
+    for module, others in graph.items():
+        for other in others:
+            if module.startswith("sim.") and other.startswith("sim."):
+                mine, its = (name.split(".")[1] for name in (module, other))
+                assert mine == its or level[its] < level[mine], f"{module} imports {other}"
 
 
 def imports(path):
