@@ -23,6 +23,8 @@ _PLAIN: dict[Any, tuple[Any, str]] = {
 }
 """Which values stand for a plain type, and what it is called. Whole numbers are numbers."""
 
+_HINTS = "__annotations__"
+
 
 def require(value: object, kind: type, reader: str = "") -> None:
     """See that `value` is a `kind`; `TypeError` says what it is instead.
@@ -59,11 +61,12 @@ def _fields(kind: type) -> tuple[tuple[str, Any], ...]:
 
     What it is not compared by is left out; a type that is imported for type checkers only is Any.
     """
-    known = vars(sys.modules[kind.__module__])
     found = []
     for field in dataclasses.fields(kind) if dataclasses.is_dataclass(kind) else ():
         if not field.compare:
             continue
+        home = next(base for base in kind.__mro__ if field.name in vars(base).get(_HINTS, ()))
+        known = vars(sys.modules[home.__module__])
         try:
             hint = eval(field.type, known) if isinstance(field.type, str) else field.type
         except NameError:

@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     from .trials.trial import Trial
     from .trials.trial_file import builtin_trials
     from .trials.verdict import Verdict
+    from .views import plots as plots
 
 _HOMES = {
     "core.body": ("Body",),
@@ -72,6 +73,7 @@ _HOMES = {
     "simulation": ("Simulation", "run"),
     "record.social_metrics": ("metrics",),
     "machines.gantry.tasks": ("Handling", "Step", "Task", "Tasks"),
+    "views": ("plots",),
     "studies": ("Row", "Study", "StudyError", "StudyResults", "run_study"),
     "core.start": ("Start",),
     "core.scenario": (

@@ -12,7 +12,7 @@ from itertools import takewhile
 from pathlib import Path
 
 import bdi
-from floorplan import Gantry, suggestion
+from floorplan import Gantry, require, suggestion
 from navigation import CollisionWorld, PathPlanner
 
 from .core.body import Body
@@ -61,6 +61,7 @@ class Simulation:
 
     def __init__(self, trial: Trial, *listeners: Listener) -> None:
         self._cpu_begin = time.process_time()
+        require(trial, Trial, "sim.Trial.load")
         check(trial)
         for law in own_laws(trial.rules):
             law.load()

@@ -67,7 +67,7 @@ READ_BY = {
     "sim/commands/percept_script.py": ["percepts"],
     "sim/commands/replay.py": ["page"],
     "sim/views/replay.py": ["page"],
-    "sim/record/run_folder.py": ["summary.json", "events.jsonl", "thoughts.jsonl"],
+    "sim/runs/run_folder.py": ["summary.json", "events.jsonl", "thoughts.jsonl"],
     "sim/record/scene_file.py": ["scene.json"],
     "sim/record/strict_json.py": ["summary.json"],
     "sim/studies/folder.py": ["study.json"],

@@ -15,7 +15,6 @@ from floorplan import (
     Place,
     Point,
     refuse,
-    require,
     require_fields,
     size_fault,
     starting_fault,
@@ -44,8 +43,7 @@ CONDITIONS = ("time", "part_placed", "order_submitted", "event")
 
 
 def check(trial: Scenario) -> None:
-    """`TrialError` with everything about `trial` that can't be; `TypeError` if it is no trial."""
-    require(trial, Scenario, "sim.Trial.load")
+    """`TrialError` with everything about `trial` that can't be; `TypeError` for a wrong type."""
     require_fields(trial)
     refuse(f"trial {trial.name!r}", faults(trial), TrialError)
 

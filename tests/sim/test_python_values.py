@@ -106,7 +106,7 @@ LAW = navigation.FixedDistance(1.0)
         (lambda: sim.run("ariac2023"), r"expected a Trial, .*; sim.Trial.load\('ariac2023'\)"),
         (lambda: sim.Simulation(Path("t.yaml")), r"a Trial, .*; sim.Trial.load\('t.yaml'\)"),
         (lambda: sim.run_study("s.yaml"), r"a Study, .*; sim.Study.load\('s.yaml'\)"),
-        (lambda: sim.export("run", "a.csv"), r"a Recorded, .*; sim.load_run\('run'\)"),
+        (lambda: sim.export("run", "a.csv"), r"an Outcome, .*; sim.load_run\('run'\)"),
         (lambda: navigation.CollisionWorld("warehouse"), r"floorplan.load\('warehouse'\)"),
         (lambda: navigation.PathPlanner(FLOOR), "expected a CollisionWorld"),
         (lambda: navigation.first_violation((0, 0), (1, 1), LAW, 0, 1), "expected a Motion"),
