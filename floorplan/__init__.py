@@ -24,6 +24,7 @@ from .model import (
     SafeZone,
     Station,
 )
+from .named import Named
 from .problems import FloorplanError, InputError, Problem, suggestion
 from .reading import (
     LARGEST_RECORDED,
@@ -46,6 +47,7 @@ __all__ = [
     "Human",
     "InputError",
     "Lane",
+    "Named",
     "NotNegative",
     "Number",
     "Obstacle",

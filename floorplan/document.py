@@ -6,7 +6,7 @@ import gc
 import re
 from collections.abc import Hashable, Iterable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeAlias, TypeVar
 
@@ -65,8 +65,8 @@ class Document:
     """The values of a YAML file, and the line each of them stands on."""
 
     file: str
-    data: Any
-    lines: dict[Place, int]
+    data: Any = field(repr=False)
+    lines: dict[Place, int] = field(repr=False)
 
     def problem(self, message: str, *place: str | int) -> Problem:
         """A problem at the value that `place` leads to, or the nearest value around it."""

@@ -14,6 +14,7 @@ from typing import Any, Union, get_args, get_origin
 import numpy as np
 
 from .document import Fault, field_name
+from .named import NamedField
 
 _PLAIN: dict[Any, tuple[Any, str]] = {
     float: (Real, "a number"),
@@ -71,6 +72,8 @@ def _fields(kind: type) -> tuple[tuple[str, Any], ...]:
             hint = eval(field.type, known) if isinstance(field.type, str) else field.type
         except NameError:
             hint = Any
+        if get_origin(hint) is NamedField:
+            hint = types.GenericAlias(tuple, (*get_args(hint), ...))
         found.append((field.name, hint))
     return tuple(found)
 

@@ -8,10 +8,11 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Protocol, TypeVar
 
 import shapely
 from shapely.geometry import Polygon
+
+from .named import NamedField
 
 Point = tuple[float, float]
 """A place on the floor: x, y in metres."""
@@ -174,20 +175,28 @@ class Gantry:
 class Floorplan:
     """A floor: its boundary and what stands on it. Compare with `==`, share freely.
 
+    Obstacles, stations and lanes are tuples that also answer to names: `stations["dock"]`.
     `patrol` names the stations that people go to, in their order; None stands for all of them.
     """
 
     name: str
     boundary: Polygon
-    obstacles: tuple[Obstacle, ...] = ()
-    stations: tuple[Station, ...] = ()
+    obstacles: NamedField[Obstacle] = NamedField()
+    stations: NamedField[Station] = NamedField()
     patrol: tuple[str, ...] | None = None
     safe_zone: SafeZone | None = None
     human: Human = Human()
-    lanes: tuple[Lane, ...] = ()
+    lanes: NamedField[Lane] = NamedField()
     gantry: Gantry | None = None
     title: str = ""
     source: str = ""
+
+    def __repr__(self) -> str:
+        west, south, east, north = self.boundary.bounds
+        held = [f"{east - west:g} x {north - south:g} m", f"{len(self.obstacles)} obstacles"]
+        held += [f"{len(self.stations)} stations", f"{len(self.lanes)} lanes"]
+        held += ["a gantry"] if self.gantry is not None else []
+        return f"<Floorplan {self.name!r}: {', '.join(held)}>"
 
     @property
     def patrolled(self) -> tuple[Station, ...]:
@@ -197,34 +206,18 @@ class Floorplan:
         return tuple(self.station(name) for name in self.patrol)
 
     def station(self, name: str) -> Station:
-        """The station called `name`; `KeyError` that names those there are."""
-        return _named(self.stations, name, "station")
+        """The station called `name`, as `stations[name]`."""
+        return self.stations[name]
 
     def lane(self, name: str) -> Lane:
-        """The lane of the AGV called `name`; `KeyError` that names those there are."""
-        return _named(self.lanes, name, "AGV")
+        """The lane of the AGV called `name`, as `lanes[name]`."""
+        return self.lanes[name]
 
     def obstacle(self, name: str) -> Obstacle:
-        """The obstacle called `name`; `KeyError` that names those there are."""
-        return _named(self.obstacles, name, "obstacle")
+        """The obstacle called `name`, as `obstacles[name]`."""
+        return self.obstacles[name]
 
     def free(self, bottom: float, top: float) -> Polygon:
         """The boundary minus every obstacle with heights between `bottom` and `top` (metres)."""
         blocked = [o.footprint for o in self.obstacles if o.overlaps(bottom, top)]
         return self.boundary.difference(shapely.union_all(blocked))
-
-
-class _Named(Protocol):
-    @property
-    def name(self) -> str: ...
-
-
-_Thing = TypeVar("_Thing", bound=_Named)
-
-
-def _named(things: tuple[_Thing, ...], name: str, kind: str) -> _Thing:
-    for thing in things:
-        if thing.name == name:
-            return thing
-    known = ", ".join(thing.name for thing in things) or "none"
-    raise KeyError(f"no {kind} called {name!r} (there are: {known})")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import shapely
@@ -37,8 +37,8 @@ class Body:
 
     name: str
     shape: Polygon | Disc
-    solid: Any
-    bounds: tuple[float, float, float, float]
+    solid: Any = field(repr=False)
+    bounds: tuple[float, float, float, float] = field(repr=False)
 
     @staticmethod
     def of(name: str, shape: Polygon | Disc) -> Body:

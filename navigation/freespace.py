@@ -34,6 +34,9 @@ class FreeSpace:
         """The pieces, as an array of polygons."""
         shapely.prepare(self.pieces)
 
+    def __repr__(self) -> str:
+        return f"<FreeSpace in {len(self.pieces)} pieces>"
+
     def piece_of(self, point: Point) -> int | None:
         """The index of the piece that `point` is in, or within a millimetre of."""
         inside = np.flatnonzero(shapely.intersects_xy(self.pieces, *point))

@@ -36,6 +36,11 @@ class GantryPath:
     planner: str
     checks: int
 
+    def __repr__(self) -> str:
+        return (
+            f"<GantryPath of {self.length:.3f} m by {self.planner}: {len(self.points)} waypoints>"
+        )
+
     @property
     def length(self) -> float:
         """Metres on the floor plane."""

@@ -17,6 +17,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .polynomials import monotone_cubics
+
 Cubic = tuple[float, float, float, float]
 """Coefficients c of c[0] + c[1] u + c[2] u² + c[3] u³, with u the time since a piece began."""
 
@@ -87,6 +89,43 @@ class Motion:
             parted = gap(before, after)
             if parted > JUMP_TOLERANCE and after.begin not in self.jumps:
                 raise ValueError(f"a motion jumps by {parted:.6g} m at t = {after.begin} s")
+
+    @classmethod
+    def from_samples(cls, t: ArrayLike, xy: ArrayLike, rotation: ArrayLike | None = None) -> Motion:
+        """Return a motion through samples, of a person who was tracked or a robot's log.
+
+        `t` (N,) are seconds, each later than the one before; `xy` (N, 2) metres; `rotation` (N,)
+        radians, 0 throughout if None, and taken the short way round where it steps by more than
+        π from one sample to the next. Between samples the motion is a monotone cubic of time in x,
+        y and rotation: position and velocity are continuous, each coordinate stays between those
+        of the two samples, and who stands in both stands in between. The monitor is exact for
+        this motion, as for any other; how far it is from what the body did between the samples,
+        it can't know. `ValueError` says which samples are unfit.
+        """
+        times, places = np.asarray(t, dtype=float), np.asarray(xy, dtype=float)
+        turned = np.zeros(times.shape) if rotation is None else np.asarray(rotation, dtype=float)
+        for name, given, shape in (
+            ("t", times, times.shape[:1] or (1,)),
+            ("xy", places, (*times.shape, 2)),
+            ("rotation", turned, times.shape),
+        ):
+            if given.shape != shape or not len(given):
+                raise ValueError(f"{name} must have the shape {shape}, found {given.shape}")
+            if not np.isfinite(given).all():
+                k = int(np.argwhere(~np.isfinite(given))[0, 0])
+                raise ValueError(f"{name}[{k}] is not finite: {given[k]}")
+        if (late := np.flatnonzero(np.diff(times) <= 0)).size:
+            k = int(late[0])
+            raise ValueError(f"t must rise: t[{k + 1}] = {times[k + 1]} s after {times[k]} s")
+        if len(times) == 1:
+            return standing(tuple(places[0]), heading=float(turned[0]), start=float(times[0]))
+        cubics = monotone_cubics(times, np.column_stack([places, np.unwrap(turned)]))
+        x, y, rotations = (list(map(tuple, axis)) for axis in cubics.swapaxes(0, 1).tolist())
+        ends = times.tolist()
+        return cls(tuple(map(Piece, ends, ends[1:], x, y, rotations)))
+
+    def __repr__(self) -> str:
+        return f"<Motion from t = {self.start:g} s to {self.end:g} s: {len(self.pieces)} pieces>"
 
     @property
     def start(self) -> float:

@@ -25,6 +25,12 @@ class Path:
     checks: int
     """How many collision queries it took."""
 
+    def __repr__(self) -> str:
+        return (
+            f"<Path of {self.length:.3f} m by {self.planner}: {len(self.points)} waypoints,"
+            f" {self.clearance:.3f} m clear>"
+        )
+
     @property
     def length(self) -> float:
         """Metres."""

@@ -64,6 +64,9 @@ class PathPlanner:
         self.ignore = frozenset(ignore)
         self.step = step
 
+    def __repr__(self) -> str:
+        return f"<PathPlanner for a radius of {self.radius:g} m in {self.world!r}>"
+
     def plan(
         self,
         start: ArrayLike,

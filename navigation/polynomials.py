@@ -48,6 +48,27 @@ def square(x: Array) -> Array:
     return product
 
 
+def monotone_cubics(t: Array, values: Array) -> Array:
+    """Cubics through values (N, K) at times t (N,), as power coefficients (N - 1, K, 4).
+
+    They are Hermite cubics, continuous in value and slope, that between two samples never leave
+    the range of these two. The slope at a sample is the weighted harmonic mean of those of the
+    lines to its neighbours, 0 where these differ in sign (F. N. Fritsch and J. Butland, "A method
+    for constructing local monotone piecewise cubic interpolants", SIAM Journal on Scientific and
+    Statistical Computing 5, 1984).
+    """
+    h = np.diff(t)[:, None]
+    secant = np.diff(values, axis=0) / h
+    before, after = secant[:-1], secant[1:]
+    w, v = h[:-1] + 2 * h[1:], 2 * h[:-1] + h[1:]
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        mean = (w + v) / (w / before + v / after)
+    slope = np.concatenate([secant[:1], np.where(before * after > 0, mean, 0.0), secant[-1:]])
+    left, right = slope[:-1], slope[1:]
+    curve, bend = (3 * secant - 2 * left - right) / h, (left + right - 2 * secant) / h**2
+    return np.stack([values[:-1], left, curve, bend], axis=-1)
+
+
 def derivative(x: Array) -> Array:
     """The derivatives of polynomials with power coefficients (..., n): (..., n - 1)."""
     return np.asarray(x[..., 1:] * np.arange(1, x.shape[-1]))

@@ -88,6 +88,9 @@ class Roadmap:
             self._sight = Sight(edges, self.bends, radius)
         self._bodies: WeakKeyDictionary[Body, BodyBends] = WeakKeyDictionary()
 
+    def __repr__(self) -> str:
+        return f"<Roadmap for a radius of {self.radius:g} m: {len(self.bends)} bends>"
+
     def ends(self, start: Point, goal: Point) -> Ends:
         """How `start` and `goal` are linked to the network, for one or more searches."""
         places = np.array([start, goal], dtype=float)

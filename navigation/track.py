@@ -22,6 +22,9 @@ class Track:
         self._jumps: set[float] = set()
         self._last: Piece | None = None
 
+    def __repr__(self) -> str:
+        return f"<Track of {len(self._numbers) // _NUMBERS} pieces>"
+
     def __bool__(self) -> bool:
         return self._last is not None
 

@@ -11,7 +11,7 @@ import shapely
 from numpy.typing import ArrayLike
 from shapely.geometry import Polygon
 
-from floorplan import Floorplan, Point, check
+from floorplan import Floorplan, Named, Point, check
 
 from . import ground, shapes
 from .bodies import Body, Disc
@@ -57,6 +57,9 @@ class CollisionWorld:
         self._free_space: dict[float, tuple[tuple[Body, ...], FreeSpace]] = {}
         for lane in plan.lanes:
             self.move_agv(lane.name, lane.start)
+
+    def __repr__(self) -> str:
+        return f"<CollisionWorld of {self.plan.name!r} with {len(self._bodies)} bodies>"
 
     # Bodies
 
@@ -120,9 +123,9 @@ class CollisionWorld:
         return other
 
     @property
-    def bodies(self) -> tuple[Body, ...]:
+    def bodies(self) -> Named[Body]:
         """The bodies that are there now, within the heights of interest."""
-        return tuple(self._bodies.values())
+        return Named(self._bodies.values())
 
     def _put(self, name: str, shape: Polygon | Disc, bottom: float, top: float) -> None:
         body = Body.of(name, shape)

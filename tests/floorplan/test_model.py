@@ -1,7 +1,9 @@
 """The floorplan value, and the figures of the floors that come along."""
 
+import copy
 import math
 import pickle
+from dataclasses import asdict, replace
 
 import pytest
 import shapely
@@ -94,5 +96,23 @@ def test_every_builtin_floorplan_loads_and_pickles(name):
 
 
 def test_names_that_are_not_there_are_answered_with_those_that_are(ariac):
-    with pytest.raises(KeyError, match="station1"):
-        ariac.station("station9")
+    assert ariac.stations["station2"] is ariac.stations[1] is ariac.station("station2")
+    assert "station2" in ariac.stations
+    assert "bin1" not in ariac.stations
+    for things, name, near in (
+        (ariac.stations, "staton1", "'station1'"),
+        (ariac.lanes, "agv9", "'agv"),
+        (ariac.obstacles, "conveyer", "'conveyor'"),
+        (floorplan.Named(), "agv1", "none"),
+    ):
+        with pytest.raises(KeyError, match=near):
+            things[name]
+
+
+def test_things_with_names_stay_plain_values(ariac):
+    listed = replace(ariac, stations=[*ariac.stations])
+    assert listed == ariac
+    assert hash(listed.stations) == hash(tuple(ariac.stations))
+    assert asdict(ariac)["lanes"][0]["name"] == "agv1"
+    assert copy.deepcopy(ariac) == ariac
+    assert len(repr(ariac)) < 100

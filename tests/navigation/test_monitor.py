@@ -25,11 +25,21 @@ LAW = SeparationLaw(t1=1.0, t2=1.5, stopping=0.0, intrusion=1.0)
 END = 30.0
 
 point = st.tuples(st.floats(-10, 0), st.floats(-6, 6))
-walks = st.builds(
+walked = st.builds(
     lambda points, start: navigation.walk(points, start),
     st.lists(point, min_size=2, max_size=6),
     st.floats(0, 5),
 )
+tracked = st.builds(
+    # Standing at first and at last, so that speeds are continuous.
+    lambda points, start, step: Motion.from_samples(
+        start + step * np.arange(len(points) + 2), [points[0], *points, points[-1]]
+    ),
+    st.lists(point, min_size=2, max_size=12),
+    st.floats(0, 5),
+    st.floats(0.5, 3),
+)
+walks = st.one_of(walked, tracked)
 poses = st.tuples(st.floats(-10, 0), st.floats(-6, 6), st.floats(-3, 3))
 
 

