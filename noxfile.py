@@ -61,7 +61,8 @@ def explore(session: nox.Session) -> None:
     first = str(random.randrange(10**9))
     session.run("python", "-m", "tests.random_trials", "--trials", "300", "--first", first)
     session.run(
-        *("python", "-m", "pytest", "-m", "hypothesis and not slow", *session.posargs),
+        *("python", "-m", "pytest", "-m", "hypothesis and not slow"),
+        *("-o", "faulthandler_timeout=300", *session.posargs),
         env={"HYPOTHESIS_PROFILE": "explore"},
     )
 
@@ -75,7 +76,7 @@ def coverage(session: nox.Session) -> None:
     # coverage holds its own lock stops the process for good.
     left_out = (
         "--deselect",
-        "tests/test_damaged_files.py::test_a_recording_on_a_full_disk_stays_whole",
+        "tests/damaged_files/test_stopped_runs.py::test_a_recording_on_a_full_disk_stays_whole",
         "--deselect",
         "tests/sim/test_command.py::test_an_interrupted_run_keeps_what_happened",
     )

@@ -13,7 +13,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGES = ("floorplan", "navigation", "bdi", "sim")
-FOLDERS = (*PACKAGES, "tests", "docs", "examples", "benchmarks", "fuzz")
+FOLDERS = (*PACKAGES, "tests", "docs", "examples", "benchmarks")
 FILES = ("README.md", "LICENSE", "CHANGELOG.md", "MANIFEST.in", "mkdocs.yml", "noxfile.py")
 REBUILT = {".git", "build", "dist", "site", "runs"}
 

@@ -4,7 +4,7 @@ path(X, Y) :- edge(X, Y).
 path(X, Z) :- edge(X, Y) & path(Y, Z).
 !go(0).
 +!go(N) : N < 3 & path(a, c) <- +seen(f(N, N)); .wait(100); !go(N + 1).
-+!go(N) <- for (n(K) & K > 0) { .print("k", K) }; .range(1, 4, L); !sum(L, 0).
++!go(N) <- for (n(K) & K > 0) { .print("k", K) }; .findall(X, .range(X, 1, 4), L); !sum(L, 0).
 +!sum([H|T], S) <- !sum(T, S + H * 2).
 +!sum([], S) <- .concat("sum ", S, Text); .print(Text); X = f(S, [S|S]); report(X); -n(_); !!end.
 +!end <- while (n(K)) { -n(K) }; .findall(P, path(P, _), Ps); .length(Ps, C); .sort(Ps, Q); done(Q, C).

@@ -1,0 +1,210 @@
+"""Everything that reads a file or a foreign text, by the sample of it that is damaged.
+
+What a reader accepts is used a little, too: a file that is read and can't be worked with afterwards
+is no better than one on which reading breaks.
+"""
+
+import asyncio
+import json
+import shutil
+from pathlib import Path
+from zlib import crc32
+
+import bdi
+import floorplan
+import sim
+from sim.bridge import Connection, Exchange, Workcell
+from sim.bridge.client import Client
+from sim.bridge.ledger import Account, Ledger
+from sim.bridge.remote_person import RemotePerson
+from sim.commands.percept_script import read_percepts
+from sim.studies.folder import StudyFolder
+from sim.studies.report import write_report
+from sim.studies.results import StudyResults
+from sim.studies.table import read_table
+from sim.views.replay import recordings_in, render
+from sim.views.replay_data import replay_data
+
+SAMPLES = Path(__file__).parent / "samples"
+RECORDED = """
+floorplan: ariac2023
+duration: 12.0
+people: [{name: ada, personality: antagonistic, at: [-4.5, 2.0]}]
+gantry: {controller: oblivious, at: [-2.5, 0.5, 0.0], jobs: [{move: [-3, 1, 0]}]}
+agvs: {agv1: [{time: 0.5, to: as1}]}
+"""
+SERVED = """
+floorplan: ariac2023
+duration: 10000.0
+people: [{name: operator, personality: external}]
+gantry: {controller: external}
+"""
+
+
+def prepare(folder):
+    """Put every sample into `folder`, a recording in `run`, a study in `results`, a replay page."""
+    shutil.copytree(SAMPLES, folder, dirs_exist_ok=True)
+    recording = sim.Recording(folder / "run")
+    recording.finish(sim.run(sim.Trial.parse(RECORDED), recording))
+    page = render(replay_data(sim.load_run(folder / "run")))
+    begin = page.index('<script type="application/json" id="recording">')
+    (folder / "page.html").write_text(page[begin : page.index("</script>", begin) + 9])
+    sim.run_study(sim.Study.load(folder / "one.study.yaml"), folder / "results", jobs=1)
+
+
+def trial(path):
+    sim.Trial.load(path).to_yaml(path.parent)
+
+
+def run(path):
+    trial = sim.Trial.load(path)
+    try:
+        simulation = sim.Simulation(trial)
+        simulation.advance(min(trial.duration, 3.0))
+    except sim.StandstillError:
+        return  # that shows only as it runs
+    except Exception as why:
+        raise AssertionError(f"what was checked is refused as it begins: {why}") from why
+    use(simulation.finish())
+
+
+def recording(path):
+    use(sim.load_run(path.parent))
+
+
+def use(run):
+    """Ask of a run what the commands do: its page, some samples, its metrics."""
+    recordings_in(render(replay_data(run)))
+    if run.duration <= 1000:
+        run.sample(rate=2.0)
+        sim.metrics(run)
+
+
+def study(path):
+    study = sim.Study.load(path)
+    if len(study) <= 1000:
+        study.row(len(study) - 1).trial.to_yaml(path.parent)
+
+
+def results(path):
+    """Add a row to the results of a study; report on one table in ten."""
+    study = sim.Study.load(path.parents[1] / "one.study.yaml")
+    with StudyFolder(path.parent, study) as opened:
+        if opened.table.rows < len(study):
+            opened.table.add({"row": opened.table.rows, "error": None})
+        found = StudyResults(study, path.parent, read_table(path.parent / "results.csv"))
+        if path.suffix == ".csv" and crc32(path.read_bytes()) % 10 == 0:
+            write_report(found, path.parent / "report.html")
+
+
+def page(path):
+    recordings_in(path.read_text(encoding="utf-8", errors="replace"))
+
+
+def program(path):
+    program = bdi.parse_file(path)
+    bdi.parse(str(program), folder=path.parent)
+    agent = bdi.Agent(
+        program,
+        act=lambda action: bool(str(action)),
+        print=lambda line: None,
+        on_event=lambda entry: None,
+        society=bdi.Society(),
+        max_cycles=2000,
+        max_goals=3000,
+    )
+    agent.advance(0.0)
+    agent.add_percept("human_start")
+    agent.advance(5.0)
+    for intention in agent.intentions:
+        str(intention)
+
+
+def literal(path):
+    text = path.read_bytes().decode("utf-8", "replace")
+    try:
+        bdi.parse(f"{bdi.parse_literal(text)}.")
+    finally:
+        str(bdi.parse_term(text))
+
+
+def to_server(path):
+    """Take each line as a message of a client, while the simulation goes on."""
+
+    async def take():
+        exchange = Exchange()
+        simulation = Workcell(sim.Trial.parse(SERVED), exchange).simulation
+
+        async def send(text):
+            json.loads(text)
+
+        client = Client("somebody", send, Account(Ledger(), lambda why: None))
+        sending = asyncio.ensure_future(client.send_forever())
+        for line in path.read_bytes().split(b"\n"):
+            exchange.take(client, line)
+        simulation.advance(0.2)
+        await client.idle(0.01)
+        exchange.forget(client)
+        sending.cancel()
+
+    asyncio.run(take())
+
+
+def to_agent(path):
+    """Take each line as a message of the server that an agent is connected to."""
+
+    async def take():
+        trial = sim.Trial.parse(SERVED)
+        connection = Connection("ws://nowhere")
+        RemotePerson(
+            trial,
+            trial.people[0],
+            waypoints=False,
+            now=lambda: 0.0,
+            perceived=lambda: None,
+            notice=lambda text: None,
+        ).connect(connection, ())
+        call = asyncio.ensure_future(connection.call("/service", {}, 0.001))
+        await asyncio.sleep(0)
+        for line in path.read_bytes().split(b"\n"):
+            connection._take(line)
+        await asyncio.wait([call])
+        call.exception()
+
+    asyncio.run(take())
+
+
+READERS = {
+    "work.trial.yaml": trial,
+    "expectations.yaml": trial,
+    "everything.ariac.yaml": trial,
+    "short.trial.yaml": run,
+    "laws.trial.yaml": run,
+    "ours.rules.yaml": sim.load_rules,
+    "many.study.yaml": study,
+    "floor.yaml": floorplan.load,
+    "holes.wkt": floorplan.load,
+    "parts.wkt": floorplan.load,
+    "floor.dxf": floorplan.load,
+    "map.yaml": floorplan.load,
+    "map.pgm": lambda path: floorplan.load(path.with_name("map.yaml")),
+    "map.png": lambda path: floorplan.load(path.with_name("picture.yaml")),
+    "everything.asl": program,
+    "running.asl": program,
+    "other.asl": lambda path: bdi.parse_file(path.with_name("everything.asl")),
+    "literals.txt": literal,
+    "percepts.jsonl": read_percepts,
+    "to_server.jsonl": to_server,
+    "to_agent.jsonl": to_agent,
+    "run/scene.json": recording,
+    "run/summary.json": recording,
+    "run/events.jsonl": recording,
+    "run/motions.jsonl": recording,
+    "run/thoughts.jsonl": recording,
+    "run/violations.jsonl": recording,
+    "page.html": page,
+    "results/study.json": results,
+    "results/results.csv": results,
+    "results/results.sha256": results,
+}
+"""By the name of the file in the folder that `prepare` fills."""

@@ -1,0 +1,43 @@
+"""Whatever is in a file: it is read, or one message says what is wrong."""
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from .damages import damaged
+from .readers import READERS, prepare
+
+OURS = ("floorplan", "navigation", "bdi", "sim")
+VALUE_ERRORS = ("percepts.jsonl", "page.html")
+"""Whose readers raise a plain `ValueError`."""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("samples")
+    prepare(folder)
+    return folder
+
+
+@pytest.mark.parametrize("name", READERS)
+def test_the_sample_is_accepted(folder, name):
+    READERS[name](folder / name)
+
+
+@pytest.mark.parametrize("name", READERS)
+@settings(max_examples=settings.default.max_examples // 3)
+@given(data=st.data())
+def test_a_damaged_file_is_read_or_refused_with_a_message(folder, name, data):
+    path = folder / name
+    beside = {file: file.read_bytes() for file in path.parent.iterdir() if file.is_file()}
+    path.write_bytes(data.draw(damaged(beside[path], path.suffix)))
+    try:
+        READERS[name](path)
+    except Exception as why:
+        ours = type(why).__module__.partition(".")[0] in OURS
+        if not (ours or (name in VALUE_ERRORS and type(why) is ValueError)):
+            raise
+        assert 0 < len(str(why).strip()) < 20_000
+    finally:
+        for file, content in beside.items():
+            file.write_bytes(content)

@@ -1,0 +1,75 @@
+"""Runs that a full disk or a signal ends: what they have written stays whole."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+import sim
+
+ROOT = Path(__file__).resolve().parents[2]
+FULL_DISK = """
+import resource, signal, sys
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv.pop(1)),) * 2)
+from sim.cli import main
+main()
+"""
+
+
+BRIDGE = ["bridge", "--port", "0", "--speed", "200"]
+
+
+@pytest.mark.parametrize(
+    ("room", "command"),
+    [(2000, ["run"]), (12_000, ["run"]), (100_000, ["run"]), (12_000, BRIDGE)],
+)
+def test_a_recording_on_a_full_disk_stays_whole(tmp_path, room, command):
+    """A limit on the size of files stands for the disk."""
+    arguments = [str(room), *command, "--duration", "60", "--out", "out"]
+    done = subprocess.run(
+        [sys.executable, "-c", FULL_DISK, *arguments],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+        timeout=120,
+    )
+    assert done.returncode == 1
+    *notices, said = done.stderr.splitlines()
+    assert said.startswith("floorwalker: can't go on writing to out: ")
+    assert all(notice.startswith(("serving", "the trial begins")) for notice in notices)
+    assert len(notices) == (0 if command == ["run"] else 2)
+    out = tmp_path / "out"
+    assert not (out / "replay.html").exists()
+    assert not list(out.glob(".unfinished-*"))
+    for lines in out.glob("*.jsonl"):
+        assert lines.read_bytes()[-1:] in (b"", b"\n"), lines.name
+    if (out / "scene.json").exists():
+        assert 0 <= sim.load_run(out).duration <= 60
+
+
+@pytest.mark.parametrize("command", [["run"], BRIDGE])
+def test_a_terminated_run_is_kept_whole(tmp_path, command):
+    arguments = [*command, "--duration", "2000000", "--out", "out"]
+    process = subprocess.Popen(
+        [sys.executable, "-m", "sim.cli", *arguments],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    )
+    events = tmp_path / "out" / "events.jsonl"
+    deadline = time.monotonic() + 60
+    while not (events.exists() and events.stat().st_size > 100):
+        assert time.monotonic() < deadline and process.poll() is None
+        time.sleep(0.05)
+    process.send_signal(signal.SIGTERM)
+    _, said = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert b"what happened is kept" in said and b"Traceback" not in said
+    assert sim.load_run(tmp_path / "out").summary["interrupted"]
