@@ -1,6 +1,6 @@
 """Where things are: the floor, and what stands on it."""
 
-from .checks import check, standing_fault, starting_fault
+from .checks import LARGEST, check, size_fault, standing_fault, starting_fault
 from .document import (
     Document,
     Fault,
@@ -10,7 +10,6 @@ from .document import (
     read_yaml,
     refuse,
 )
-from .figures import LARGEST, size_fault
 from .kinds import require, require_fields
 from .loading import build, builtin, load, parse
 from .model import (

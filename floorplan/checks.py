@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 import shapely
@@ -11,10 +11,24 @@ from shapely.geometry import Point, Polygon
 from shapely.validation import explain_validity
 
 from .document import Fault, Place, refuse
-from .figures import figure_faults
 from .kinds import require, require_fields
 from .model import Floorplan, Gantry, Lane
 from .problems import FloorplanError
+
+LARGEST = 1e9
+"""No figure of a floor, a trial or a rule set is larger, in its unit: beyond, steps of a millimetre
+or a millisecond are soon lost to rounding, and in the end distances can't be recorded."""
+
+SMALLEST = 1e-6
+"""No figure that has to be more than 0 is smaller, in its unit: at less, nothing ever arrives."""
+
+WIDEST = 1e6
+"""Metres (or radians). No floor is longer, and no lane or axis goes further from its 0: on longer
+ways Ruckig finds no motion."""
+
+_LANE_SIZES = ("length", "width", "height", "max_speed", "max_acceleration")
+_AXIS_SIZES = ("max_speed", "max_acceleration", "max_jerk")
+_GANTRY_SIZES = ("arm_reach", "arm_bottom", "rail_height", "tray_height")
 
 _TOUCHES = 1e-6
 """m². An AGV and an obstacle that share no more than this only touch."""
@@ -55,7 +69,7 @@ def faults(plan: Floorplan) -> Iterator[Fault]:
             message = f"must rise from bottom to top: {obstacle.bottom:g} … {obstacle.top:g}"
             yield message, ("obstacles", obstacle.name, "z")
     yield from _name_faults(plan)
-    yield from figure_faults(plan)
+    yield from _figure_faults(plan)
     for name in plan.patrol or ():
         if name not in {station.name for station in plan.stations}:
             yield f"no station is called {name!r}", ("patrol",)
@@ -115,6 +129,15 @@ def standing_fault(plan: Floorplan, at: tuple[float, float], radius: float | Non
     return f"{place} is {gap:.3f} m from {name}; a person of radius {radius:g} m does not fit"
 
 
+def size_fault(value: float) -> str:
+    """Why `value` can be no length, speed or duration in its unit; an empty text if it can."""
+    if SMALLEST <= value <= LARGEST:
+        return ""
+    if 0 < value < SMALLEST:
+        return f"must be at least {SMALLEST:g}, not {value!r}"
+    return f"must be more than 0 and at most {LARGEST:g}, not {value!r}"
+
+
 def _name_faults(plan: Floorplan) -> Iterator[Fault]:
     names: dict[Place, list[str]] = {
         ("obstacles",): [obstacle.name for obstacle in plan.obstacles],
@@ -160,3 +183,33 @@ def _sweep_faults(lane: Lane, plan: Floorplan) -> Iterator[Fault]:
 def _gantry_faults(gantry: Gantry) -> Iterator[Fault]:
     for fault in gantry.faults(gantry.start):
         yield fault, ("gantry", "start")
+
+
+def _figure_faults(plan: Floorplan) -> Iterator[Fault]:
+    """Every figure of `plan` that is too small or too large to work with."""
+    west, south, east, north = plan.boundary.bounds
+    if max(east - west, north - south) > WIDEST:
+        yield f"is more than {WIDEST:,.0f} m long", ("boundary",)
+    yield from _sizes(plan.human, tuple(vars(plan.human)), "human")
+    for lane in plan.lanes:
+        place = ("agvs", "lanes", lane.name)
+        if not all(abs(value) <= LARGEST for value in (*lane.origin, lane.heading)):
+            yield f"origin and heading must be within ±{LARGEST:g}", place
+        yield from _range(lane.limits, *place, "limits")
+        yield from _sizes(lane, _LANE_SIZES, *place)
+    if plan.gantry is not None:
+        for name, axis in zip(("x", "y", "rotation"), plan.gantry.axes, strict=True):
+            yield from _range((axis.low, axis.high), "gantry", name, "range")
+            yield from _sizes(axis, _AXIS_SIZES, "gantry", name)
+        yield from _sizes(plan.gantry, _GANTRY_SIZES, "gantry")
+
+
+def _range(ends: tuple[float, float], *place: str) -> Iterator[Fault]:
+    if not -WIDEST <= ends[0] < ends[1] <= WIDEST:
+        yield f"must be [low, high], both within ±{WIDEST:g}, not {list(ends)}", place
+
+
+def _sizes(thing: object, names: Iterable[str], *place: str) -> Iterator[Fault]:
+    for name in names:
+        if fault := size_fault(getattr(thing, name)):
+            yield fault, (*place, name)

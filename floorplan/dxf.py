@@ -18,8 +18,7 @@ from typing import TYPE_CHECKING, Any
 from shapely.geometry import Polygon
 
 from .checks import polygon_fault
-from .flat import HEIGHT
-from .model import Floorplan, Obstacle
+from .model import DEFAULT_HEIGHT, Floorplan, Obstacle
 from .problems import FloorplanError, Problem
 from .reading import require_readable
 
@@ -158,7 +157,7 @@ def _outline(entity: Any, metre: float) -> _Outline | str:
         return fault
     bottom = _elevation(entity) * metre
     thickness = entity.dxf.get("thickness", 0.0) * metre
-    heights = sorted((bottom, bottom + (thickness or HEIGHT)))
+    heights = sorted((bottom, bottom + (thickness or DEFAULT_HEIGHT)))
     return _Outline(_layer_name(entity), entity.dxf.handle, shape, heights[0], heights[1])
 
 

@@ -14,6 +14,9 @@ from shapely.geometry import Polygon
 
 from .named import NamedField
 
+DEFAULT_HEIGHT = 3.0
+"""Metres. Height of obstacles from formats that have no heights."""
+
 Point = tuple[float, float]
 """A place on the floor: x, y in metres."""
 
@@ -190,6 +193,20 @@ class Floorplan:
     gantry: Gantry | None = None
     title: str = ""
     source: str = ""
+
+    @classmethod
+    def of_area(cls, name: str, source: str, area: Polygon) -> Floorplan:
+        """Return the floor bounded by `area` (metres), with its holes as obstacles."""
+        holes = [Polygon(ring) for ring in area.interiors]
+        return cls(
+            name=name,
+            source=source,
+            boundary=Polygon(area.exterior),
+            obstacles=[
+                Obstacle(f"obstacle{k}", hole, 0.0, DEFAULT_HEIGHT)
+                for k, hole in enumerate(holes, start=1)
+            ],
+        )
 
     def __repr__(self) -> str:
         west, south, east, north = self.boundary.bounds

@@ -19,7 +19,6 @@ from pydantic import BaseModel, ConfigDict, Field, Strict, model_validator
 from shapely.geometry import Polygon
 
 from .document import Document
-from .flat import from_area
 from .image import GreyImage, read_image
 from .model import Floorplan
 from .problems import FloorplanError, Problem
@@ -80,7 +79,9 @@ def build_ros_map(document: Document) -> Floorplan:
         message = f"no cell of {schema.image} is free: there is no floor"
         raise FloorplanError(document.file, [Problem(message)])
     largest = pieces[int(np.argmax(shapely.area(pieces)))]
-    return from_area(file.stem, f"{file.name} (ROS map)", _in_metres(largest, len(free), schema))
+    return Floorplan.of_area(
+        file.stem, f"{file.name} (ROS map)", _in_metres(largest, len(free), schema)
+    )
 
 
 def _free_cells(image: GreyImage, schema: RosMapSchema) -> NDArray[np.bool_]:

@@ -7,7 +7,7 @@ from typing import Annotated
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, Strict, model_validator
 
-from .figures import LARGEST, size_fault
+from .checks import LARGEST, size_fault
 
 
 def _checked_size(value: float) -> float:

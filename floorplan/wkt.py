@@ -13,9 +13,7 @@ from pathlib import Path
 import numpy as np
 import shapely
 
-from .checks import polygon_fault
-from .figures import LARGEST
-from .flat import from_area
+from .checks import LARGEST, polygon_fault
 from .model import Floorplan
 from .problems import FloorplanError, Problem
 from .reading import read_text
@@ -43,7 +41,7 @@ def parse_wkt(text: str, *, file: str = "<text>") -> Floorplan:
         count = len(area.geoms)
         message = f"its polygons make up {count} separate areas; a floor is one: join or split them"
         raise FloorplanError(file, [Problem(message)])
-    return from_area(Path(file).stem, f"{Path(file).name} (WKT)", area)
+    return Floorplan.of_area(Path(file).stem, f"{Path(file).name} (WKT)", area)
 
 
 def _polygons(geometry: shapely.Geometry) -> Iterator[shapely.Geometry]:

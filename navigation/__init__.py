@@ -7,12 +7,15 @@ from .gantry_planner import GantryPath, GantryPlanner
 from .machines import (
     ARIAC_GANTRY,
     GantryLimits,
+    Machine,
+    Stop,
     agv_run,
     agv_stop,
     gantry_limits,
     gantry_move,
     gantry_stop,
     lane_state,
+    longest_stop,
 )
 from .monitor import (
     RESOLUTION,
@@ -36,7 +39,6 @@ from .odometer import Enclosure, Odometer
 from .path import Path, PlannerInfo, PlanningError
 from .planner import PathPlanner, planners
 from .profiles import AxisLimits, AxisState
-from .requirement import required_at, required_at_speeds
 from .separation import (
     AnyLaw,
     ApproachLaw,
@@ -47,9 +49,10 @@ from .separation import (
     Scaled,
     SeparationLaw,
     is_of_speeds,
+    required_at,
+    required_at_speeds,
     requirement,
 )
-from .stopping import Machine, Stop, longest_stop
 from .surfaces import Box, Cylinder, Shapes, agv_box, folded_arm, torso_box
 from .track import Track
 from .walk import can_go_on, corner_speed, remaining_path, stop_walking, walk

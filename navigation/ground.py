@@ -7,13 +7,14 @@ not made to be shared between threads.
 
 from __future__ import annotations
 
-from functools import lru_cache
+from collections.abc import Callable
+from functools import lru_cache, wraps
 from threading import get_ident
-from typing import Any
+from typing import Any, ParamSpec, TypeVar
 
 import shapely
 
-from . import shapes
+from .bodies import region
 from .freespace import FreeSpace, shrunk
 from .roadmap import Roadmap
 
@@ -27,32 +28,38 @@ Bounds = tuple[float, float, float, float]
 """Least x and y, greatest x and y, in metres."""
 
 
+_P = ParamSpec("_P")
+_R = TypeVar("_R")
+
+
+def _kept(make: Callable[_P, _R]) -> Callable[_P, _R]:
+    """Return `make` with its last results kept, for each thread its own."""
+
+    plain: Callable[..., _R] = make
+    known: Any = lru_cache(MOST_KEPT)(lambda _, *given: plain(*given))
+
+    @wraps(make)
+    def kept(*given: _P.args, **named: _P.kwargs) -> _R:
+        found: _R = known(get_ident(), *given, **named)
+        return found
+
+    return kept
+
+
+@_kept
 def solid(floor: shapely.Geometry, bounds: Bounds) -> Any:
-    """The FCL object of all that is not `floor`, with a rim around its `bounds`."""
-    return _solid(floor, bounds, get_ident())
-
-
-def fixed_space(floor: shapely.Geometry, radius: float) -> FreeSpace:
-    """Where the centre of a disc of `radius` metres can be on `floor`."""
-    return _fixed_space(floor, radius, get_ident())
-
-
-def roadmap(floor: shapely.Geometry, radius: float, step: float) -> Roadmap:
-    """The network of `floor` for discs of `radius` metres, bends at most `step` radians."""
-    return _roadmap(floor, radius, step, get_ident())
-
-
-@lru_cache(MOST_KEPT)
-def _solid(floor: shapely.Geometry, bounds: Bounds, thread: int) -> Any:
+    """Return the FCL object of all that is not `floor`, with a rim around its `bounds`."""
     rim = shapely.box(*bounds).buffer(_AROUND, join_style="mitre")
-    return shapes.region(rim.difference(floor))
+    return region(rim.difference(floor))
 
 
-@lru_cache(MOST_KEPT)
-def _fixed_space(floor: shapely.Geometry, radius: float, thread: int) -> FreeSpace:
+@_kept
+def fixed_space(floor: shapely.Geometry, radius: float) -> FreeSpace:
+    """Return where the centre of a disc of `radius` metres can be on `floor`."""
     return FreeSpace(shrunk(floor, radius))
 
 
-@lru_cache(MOST_KEPT)
-def _roadmap(floor: shapely.Geometry, radius: float, step: float, thread: int) -> Roadmap:
+@_kept
+def roadmap(floor: shapely.Geometry, radius: float, step: float) -> Roadmap:
+    """Return the network of `floor` for discs of `radius` metres, bends at most `step` radians."""
     return Roadmap(floor, radius, step)

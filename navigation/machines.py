@@ -6,11 +6,12 @@ import itertools
 import math
 from bisect import bisect_right
 from collections.abc import Sequence
+from typing import NamedTuple, TypeAlias
 
 from floorplan import Gantry, Lane
 
 from .motion import Cubic, Motion, Piece, State, shift
-from .profiles import AxisLimits, AxisState, Phases, straight, to_position, to_rest
+from .profiles import AxisLimits, AxisState, Phases, along_line, straight, to_position, to_rest
 
 GantryLimits = tuple[AxisLimits, AxisLimits, AxisLimits]
 """What the gantry's x, y and rotation can do."""
@@ -21,6 +22,18 @@ ARIAC_GANTRY: GantryLimits = (
     AxisLimits(math.pi / 4, 0.5, 2.0),
 )
 """The ceiling robot of ARIAC 2023; its jerk limits are our choice, none are published."""
+
+Machine: TypeAlias = Gantry | Lane | GantryLimits
+"""What moves beside people: a gantry, an AGV on its lane, or the limits of a gantry's axes."""
+
+
+class Stop(NamedTuple):
+    """The end of a motion, from the instant at which braking begins."""
+
+    time: float
+    """Seconds to standstill."""
+    distance: float
+    """Metres from where braking begins to where the machine stands."""
 
 
 def gantry_limits(gantry: Gantry) -> GantryLimits:
@@ -87,6 +100,26 @@ def lane_state(lane: Lane, state: State) -> AxisState:
     return AxisState(min(max(q, low), high), vx * c + vy * s, ax * c + ay * s)
 
 
+def longest_stop(machine: Machine) -> Stop:
+    """Return the longest and the farthest stop that the limits of `machine` leave it.
+
+    A gantry brakes each axis by itself. It stands when the slowest axis does, rotation included,
+    and goes farthest if x and y both do. An AGV brakes along its lane, without a limit of jerk.
+    `TypeError` for anything else.
+    """
+    if isinstance(machine, Lane):
+        return _longest_of_axis(AxisLimits(machine.max_speed, machine.max_acceleration))
+    limits = gantry_limits(machine) if isinstance(machine, Gantry) else machine
+    if not (
+        isinstance(limits, tuple)
+        and len(limits) == 3
+        and all(isinstance(axis, AxisLimits) for axis in limits)
+    ):
+        raise TypeError(f"expected a Gantry, a Lane or GantryLimits, found {machine!r}")
+    x, y, rotation = (_longest_of_axis(axis) for axis in limits)
+    return Stop(max(x.time, y.time, rotation.time), math.hypot(x.distance, y.distance))
+
+
 def _plain(pose: Sequence[float]) -> tuple[float, float, float]:
     """Return x, y and rotation as plain floats, of which arrays have none."""
     x, y, rotation = map(float, pose)
@@ -94,15 +127,7 @@ def _plain(pose: Sequence[float]) -> tuple[float, float, float]:
 
 
 def _along_lane(lane: Lane, phases: Phases, start: float) -> Motion:
-    (x0, y0), (c, s) = lane.origin, lane.direction
-    heading: Cubic = (lane.heading, 0.0, 0.0, 0.0)
-    pieces: list[Piece] = []
-    t = float(start)
-    for duration, (q, v, a, j) in phases:
-        along_x: Cubic = (x0 + q * c, v * c, a * c, j * c)
-        along_y: Cubic = (y0 + q * s, v * s, a * s, j * s)
-        pieces.append(Piece(t, t + duration, along_x, along_y, heading))
-        t += duration
+    pieces = along_line(lane.origin, lane.direction, lane.heading, phases, float(start))
     return Motion(tuple(pieces))
 
 
@@ -145,3 +170,20 @@ def _phase_at(phases: Phases, begins: list[float], end: float, t: float) -> Cubi
         return (shift(cubic, duration)[0], 0.0, 0.0, 0.0)
     k = bisect_right(begins, t) - 1
     return shift(phases[k][1], t - begins[k])
+
+
+def _longest_of_axis(limits: AxisLimits) -> Stop:
+    """Return the longest stop of one axis.
+
+    From speed v, and no acceleration, the jerk-limited profile takes T = v / a + a / j and covers
+    v T / 2; where a is never reached, since v j < a², T = 2 √(v / j). Source: L. Biagiotti and
+    C. Melchiorri, "Trajectory Planning for Automatic Machines and Robots", 2008, section 3.4.
+
+    The longest stop begins when the axis still accelerates, by a₀, and can just stay within its
+    top speed v: it reaches it a₀ / j later and v a₀ / j - a₀³ / (6 j²) farther on.
+    """
+    v, a, j = limits.max_speed, limits.max_acceleration, limits.max_jerk
+    braking = v / a + a / j if v * j >= a * a else 2 * math.sqrt(v / j)
+    accelerating = min(a, math.sqrt(2 * j * v))
+    easing = accelerating / j
+    return Stop(easing + braking, v * (easing + braking / 2) - accelerating * easing**2 / 6)

@@ -13,7 +13,7 @@ from typing import Any
 
 import ruckig
 
-from .motion import Cubic, shift
+from .motion import Cubic, Piece, shift
 
 
 @dataclass(frozen=True)
@@ -101,6 +101,28 @@ def to_rest(current: Sequence[AxisState], limits: Sequence[AxisLimits]) -> list[
     task.target_acceleration = [0.0] * len(current)
     task.synchronization = ruckig.Synchronization.No
     return _solve(task)
+
+
+def along_line(
+    origin: tuple[float, float],
+    direction: tuple[float, float],
+    heading: float,
+    phases: Phases,
+    start: float,
+) -> list[Piece]:
+    """Return the pieces of a motion along a line, from `start` (seconds) on.
+
+    At position s of its `phases` the body is s metres from `origin` in `direction` (a unit
+    vector), turned by `heading` (radians).
+    """
+    (x, y), (c, s) = origin, direction
+    pieces: list[Piece] = []
+    for duration, (q, v, a, j) in phases:
+        end = start + duration
+        along_x, along_y = (x + q * c, v * c, a * c, j * c), (y + q * s, v * s, a * s, j * s)
+        pieces.append(Piece(start, end, along_x, along_y, (heading, 0.0, 0.0, 0.0)))
+        start = end
+    return pieces
 
 
 def _task(current: Sequence[AxisState], limits: Sequence[AxisLimits]) -> Any:

@@ -6,9 +6,13 @@ import math
 from dataclasses import dataclass, fields
 from typing import Protocol, TypeAlias, TypeGuard, runtime_checkable
 
-from .encounter import Encounter
+from .encounter import Encounter, encounters
+from .machines import Machine, longest_stop
+from .motion import Motion, Piece
 from .odometer import Enclosure
-from .stopping import Machine, longest_stop
+
+_LONG = 1e4
+"""Seconds. Longer than any law looks ahead or back."""
 
 WALKING_SPEED = 1.6
 """m/s. ISO 13855:2010's approach speed of people who walk."""
@@ -241,6 +245,32 @@ def requirement(law: AnyLaw, encounter: Encounter, begin: float, end: float) -> 
     b = encounter.bounds(begin, end)
     least = law.distance(b.human_low, b.robot_low)
     return Enclosure.between(least, law.distance(b.human_high, b.robot_high))
+
+
+def required_at(law: AnyLaw, person: Motion, machine: Motion, t: float) -> float:
+    """The distance in metres that `law` requires of `person` and `machine` at `t` (seconds).
+
+    Where a speed changes at once, it is what is required from then on.
+    """
+    if is_of_speeds(law):
+        return float(law.distance(person.state(t).speed, machine.state(t).speed))
+    return float(requirement(law, next(encounters(person, machine, t, t)), t, t).value)
+
+
+def required_at_speeds(law: AnyLaw, human_speed: float, robot_speed: float) -> float:
+    """The distance in metres that `law` requires of two who go on at these speeds.
+
+    `human_speed` and `robot_speed` are in m/s.
+    """
+    if is_of_speeds(law):
+        return float(law.distance(human_speed, robot_speed))
+    return required_at(law, _steady(human_speed), _steady(robot_speed), 0.0)
+
+
+def _steady(speed: float) -> Motion:
+    """Going straight on at `speed` (m/s) for long before t = 0 and after."""
+    nowhere = (0.0, 0.0, 0.0, 0.0)
+    return Motion((Piece(-_LONG, _LONG, (0.0, speed, 0.0, 0.0), nowhere, nowhere),))
 
 
 def _require_length(name: str, length: float) -> None:

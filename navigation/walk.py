@@ -9,8 +9,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .motion import Cubic, Motion, Piece, State, standing, value
-from .profiles import NOWHERE, AxisLimits, AxisState, Phases, to_position
+from .motion import Motion, Piece, State, standing, value
+from .profiles import NOWHERE, AxisLimits, AxisState, Phases, along_line, to_position
 
 MAX_SPEED = 1.0
 """m/s. A person's top speed where nothing else is said."""
@@ -166,16 +166,9 @@ def _along(corners: list[Corner], speeds: list[float], limits: AxisLimits, start
 def _on_leg(a: Corner, b: Corner, phases: Phases, start: float) -> list[Piece]:
     """The way from `a` to `b`, with the metres gone in phases of time."""
     length = math.dist(a, b)
-    cos, sin = (b[0] - a[0]) / length, (b[1] - a[1]) / length
-    heading: Cubic = (math.atan2(b[1] - a[1], b[0] - a[0]), 0.0, 0.0, 0.0)
-    pieces: list[Piece] = []
-    t = start
-    for duration, (s, v, acceleration, jerk) in phases:
-        along_x: Cubic = (a[0] + s * cos, v * cos, acceleration * cos, jerk * cos)
-        along_y: Cubic = (a[1] + s * sin, v * sin, acceleration * sin, jerk * sin)
-        pieces.append(Piece(t, t + duration, along_x, along_y, heading))
-        t += duration
-    return pieces
+    direction = ((b[0] - a[0]) / length, (b[1] - a[1]) / length)
+    heading = math.atan2(b[1] - a[1], b[0] - a[0])
+    return along_line(a, direction, heading, phases, start)
 
 
 def _corners(points: ArrayLike) -> list[Corner]:

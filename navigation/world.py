@@ -13,12 +13,12 @@ from shapely.geometry import Polygon
 
 from floorplan import Floorplan, Named, Point, check
 
-from . import ground, shapes
-from .bodies import Body, Disc
+from . import ground
+from .bodies import TOLERANCE, Body, Disc, Sweep, touch
 from .freespace import FreeSpace, without
 from .roadmap import HAIR, Roadmap
 
-_ROUNDING = 10 * shapes.TOLERANCE
+_ROUNDING = 10 * TOLERANCE
 """Metres. A disc that is this much too close to something counts as beside it."""
 
 
@@ -45,7 +45,7 @@ class CollisionWorld:
         shapely.prepare(self.floor)
         shapely.prepare(self.edges)
         self._solid = ground.solid(self.floor, self._bounds)
-        self._sweep = shapes.Sweep()
+        self._sweep = Sweep()
         self._bodies: dict[str, Body] = {}
         self._agvs: dict[str, float] = {}
         self.checks = 0
@@ -284,15 +284,13 @@ class CollisionWorld:
             return []
         self.checks += 1
         sweep = self._sweep.between(a, b, radius)
-        return [body for body in near if shapes.touch(sweep, body.solid)]
+        return [body for body in near if touch(sweep, body.solid)]
 
     def _free(self, a: Point, b: Point, radius: float, ignore: Collection[str]) -> bool:
         self.checks += 1
         if not (self._within(a, radius) and self._within(b, radius)):
             return False
         sweep = self._sweep.between(a, b, radius)
-        return not shapes.touch(sweep, self._solid) and not any(
-            shapes.touch(sweep, body.solid)
-            for body in self._around(ignore)
-            if body.near(a, b, radius)
+        return not touch(sweep, self._solid) and not any(
+            touch(sweep, body.solid) for body in self._around(ignore) if body.near(a, b, radius)
         )
