@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from .core.body import Body
     from .core.clock import Clock, StandstillError
+    from .core.events import EventKind
     from .core.output import OutputError
     from .core.recorder import Event, Listener
     from .core.rules import ARIAC2023, PAPER, RULE_SETS, Notice, RuleSet, rule_set
@@ -48,6 +49,7 @@ if TYPE_CHECKING:
 _HOMES = {
     "core.body": ("Body",),
     "core.clock": ("Clock", "StandstillError"),
+    "core.events": ("EventKind",),
     "exports": ("export",),
     "machines.gantry.controllers": (
         "CONTROLLERS",
@@ -101,6 +103,7 @@ __all__ = [
     "Controller",
     "ControllerError",
     "Event",
+    "EventKind",
     "Figure",
     "GantryEntry",
     "GantryRobot",

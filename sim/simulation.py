@@ -15,6 +15,7 @@ import bdi
 from floorplan import Gantry, require, suggestion
 from navigation import CollisionWorld, PathPlanner
 
+from .core import events
 from .core.body import Body
 from .core.clock import MOMENT, Clock
 from .core.recorder import Event, Listener, Listeners, Thought, recording_to, rounded
@@ -107,9 +108,9 @@ class Simulation:
         self.clock.most = MOST_AT_ONCE + MOST_AT_ONCE_EACH * len(self.bodies)
         self.scene = _scene_of(trial, self.bodies)
         self._listener.begin(self.scene)
-        self._record("trial_started", trial=trial.name, floorplan=trial.floorplan.name)
+        self._record(events.TrialStarted(trial=trial.name, floorplan=trial.floorplan.name))
         for notice in trial.notices:
-            self._record("notice", text=notice.message, field=notice.field, line=notice.line)
+            self._record(events.Notice(text=notice.message, field=notice.field, line=notice.line))
         for body in self.bodies:
             body.on_record = self._listener.motion
         if self.gantry is not None:
@@ -150,7 +151,7 @@ class Simulation:
         self.referee.close()
         if self.gantry is not None:
             self.gantry.drive.close()
-        self._record("trial_ended", interrupted=interrupted)
+        self._record(events.TrialEnded(interrupted=interrupted))
         motions = {body.name: body.track() for body in self.bodies}
         summary = summarise(
             self.trial,
@@ -251,7 +252,7 @@ class Simulation:
             entry,
             self.trial,
             act=person.act,
-            print=lambda text: self._record("said", person=entry.name, text=text),
+            print=lambda text: self._record(events.Said(person=entry.name, text=text)),
             on_event=lambda happening: self._heed(person, happening, inspector),
             society=self._society,
             start=self.clock.now,
@@ -284,8 +285,8 @@ class Simulation:
         if inspector is not None:
             inspector.heed(entry)
         if entry.kind == "warning":
-            place = {"file": Path(entry.file).name, "line": entry.line} if entry.file else {}
-            self._record("warning", person=person.name, text=entry.text, **place)
+            file, line = (Path(entry.file).name, entry.line) if entry.file else (None, None)
+            self._record(events.Warning(person=person.name, text=entry.text, file=file, line=line))
 
     def _busy(self) -> str:
         """What happens in this moment, by what was recorded of it, the most frequent first."""

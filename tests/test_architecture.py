@@ -148,25 +148,3 @@ def test_the_help_loads_no_planner_and_no_geometry():
         [sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True
     )
     assert done.stdout.strip() == "[]"
-
-
-def recorded_kinds():
-    """The file, kind and fields of every event that the sources record."""
-    for file in sources("sim"):
-        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
-            if not (isinstance(node, ast.Call) and ast.unparse(node.func).endswith("record")):
-                continue
-            if node.args and isinstance(node.args[0], ast.Constant):
-                fields = {keyword.arg for keyword in node.keywords} - {None}
-                yield file.name, node.args[0].value, fields
-
-
-def test_every_kind_of_event_is_known():
-    """Trials can expect whatever is recorded: see `sim/core/event_kinds.py`."""
-    from sim.core.event_kinds import EVENT_KINDS
-
-    found = list(recorded_kinds())
-    assert len(found) > 10
-    for file, kind, fields in found:
-        assert kind in EVENT_KINDS, f"{file} records {kind}"
-        assert fields <= set(EVENT_KINDS[kind]), f"{file} records {kind} with {fields}"

@@ -6,11 +6,12 @@ Both are handed on at once, so that a run that is broken off leaves a whole reco
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, Protocol
+from typing import Any
 
 from navigation import Motion
 
 from .body import Body
+from .events import EventKind
 from .scene import Scene
 
 DECIMALS = 9
@@ -18,6 +19,9 @@ DECIMALS = 9
 
 Event = dict[str, Any]
 """`t` (seconds), `kind`, and what belongs to the kind."""
+
+Record = Callable[[EventKind], None]
+"""Records that something happens now."""
 
 Thought = dict[str, Any]
 """What one thought has changed in a mind.
@@ -27,14 +31,6 @@ item, the place in the program), "action" or "warning"; `believes` and `forgets`
 `intends`, if that has changed: for each intention its `stack` of triggers, the one at work last,
 and the step it is `at`. All but `t` and `person` may be left out.
 """
-
-
-class Record(Protocol):
-    """Writes down that something of `kind` happened now."""
-
-    def __call__(self, kind: str, /, **fields: Any) -> None:
-        """Write it down, with the fields that belong to the kind."""
-        ...
 
 
 class Listener:
@@ -90,8 +86,8 @@ class Listeners(Listener):
 def recording_to(listener: Listener, now: Callable[[], float]) -> Record:
     """A `Record` that stamps events with the time and hands them to `listener`."""
 
-    def record(kind: str, /, **fields: Any) -> None:
-        listener.event(rounded({"t": now(), "kind": kind, **fields}))
+    def record(event: EventKind) -> None:
+        listener.event(rounded({"t": now(), **event.recorded()}))
 
     return record
 

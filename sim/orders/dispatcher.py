@@ -9,6 +9,7 @@ from typing import Any
 from floorplan import Floorplan
 
 from ..core.clock import Clock
+from ..core.events import OrderAnnounced, OrderSubmitted, RobotMalfunction
 from ..core.recorder import Record
 from ..core.triggers import Triggers
 from ..core.workload import AssemblyTask, CombinedTask, KittingTask, Order, Workload
@@ -85,7 +86,7 @@ class Dispatcher:
         for order in workload.orders:
             triggers.add(order.announcement, partial(self._announce, order))
         for malfunction in workload.malfunctions:
-            stand = partial(gantry.drive.disable, malfunction.seconds, "robot_malfunction")
+            stand = partial(gantry.drive.disable, malfunction.seconds, RobotMalfunction)
             triggers.add(malfunction.start, stand)
 
     @property
@@ -105,7 +106,7 @@ class Dispatcher:
 
     def _announce(self, order: Order) -> None:
         self._orders[order.id].announced = self._clock.now
-        self._record("order_announced", order=order.id, type=order.kind, priority=order.priority)
+        self._record(OrderAnnounced(order=order.id, type=order.kind, priority=order.priority))
         self._waiting.append(order)
         self._waiting.sort(key=lambda waiting: not waiting.priority)
         self._begin_orders()
@@ -165,12 +166,13 @@ class Dispatcher:
         progress.submitted = self._clock.now
         progress.score = work.score()
         self._record(
-            "order_submitted",
-            order=order.id,
-            type=order.kind,
-            score=progress.score,
-            best=best_score(order.task),
-            missing=progress.missing,
+            OrderSubmitted(
+                order=order.id,
+                type=order.kind,
+                score=progress.score,
+                best=best_score(order.task),
+                missing=progress.missing,
+            )
         )
         work.hand_over()
         self._begun.remove(work)

@@ -16,6 +16,7 @@ import bdi
 from floorplan import Floorplan, SafeZone
 from navigation import CollisionWorld, PlanningError
 
+from ..core import events
 from ..core.body import Body
 from ..core.clock import Alarm, Clock, Turn
 from ..core.recorder import Record
@@ -136,7 +137,7 @@ class Person:
     def _become(self, program: bdi.Program) -> None:
         assert self._percepts is not None
         name = Path(program.source).stem
-        self._record("personality_changed", person=self.name, personality=name)
+        self._record(events.PersonalityChanged(person=self.name, personality=name))
         self._forget_waits()
         self.walker.stop()
         self.walker.speed_share = 1.0
@@ -148,7 +149,7 @@ class Person:
         """The person begins; a second time does nothing."""
         if self.started_at is None:
             self.started_at = self._clock.now
-            self._record("human_started", person=self.name)
+            self._record(events.HumanStarted(person=self.name))
             self._started()
             self._perceive("human_start")
 
@@ -171,7 +172,7 @@ class Person:
             onwards, self._lets_pass_on_way_to = self._lets_pass_on_way_to, None
             if self._set_out(onwards):
                 self.walker.replans += 1
-                self._record("replanned", person=self.name, goal=onwards)
+                self._record(events.Replanned(person=self.name, goal=onwards))
             return
         goal = self.walker.goal
         trouble = self.walker.check_way()
@@ -190,7 +191,9 @@ class Person:
         if goal is None or self._waits_for is not None:
             return
         if crossing.touches(self.walker.braking()) is None:
-            self._record("path_blocked", person=self.name, goal=goal, by=crossing.pair.machine.name)
+            self._record(
+                events.PathBlocked(person=self.name, goal=goal, by=crossing.pair.machine.name)
+            )
             self.walker.stop()
             self._lets_pass_on_way_to = goal
 
@@ -198,7 +201,7 @@ class Person:
         """Go on to `goal` if it is free now; else go on waiting."""
         if self._waiting_places.occupant(goal) is None:
             self._waits_for = None
-            self._record("goal_free", person=self.name, goal=goal)
+            self._record(events.GoalFree(person=self.name, goal=goal))
             self._set_out(goal)
         elif self.walker.check_way() is not None and not self._wait_beside(goal):
             self._no_way(goal, "there is no way to a place to wait", at_the_goal=True)
@@ -209,7 +212,7 @@ class Person:
             self._count("goal_occupied")
             return
         station = self._station_at(goal)
-        self._record("arrived", person=self.name, station=station, at=goal)
+        self._record(events.Arrived(person=self.name, station=station, at=goal))
         if station is not None:
             self.visits.append(station)
         x, y = self.walker.body.at
@@ -274,7 +277,7 @@ class Person:
         at = self._place_at_home()
         if at is None:
             return self._no_way(self._home.position, "there is no room at home")
-        self._record("teleport", person=self.name, reason=reason, to=at)
+        self._record(events.Teleport(person=self.name, reason=reason, to=at))
         self.walker.put(at, self._home.heading)
         return True
 
@@ -307,7 +310,7 @@ class Person:
 
     def _go(self, goal: Place) -> bool:
         self._synchronise()
-        self._record("goal", person=self.name, station=self._station_at(goal), at=goal)
+        self._record(events.Goal(person=self.name, station=self._station_at(goal), at=goal))
         return self._set_out(goal)
 
     def _set_out(self, goal: Place) -> bool:
@@ -332,14 +335,14 @@ class Person:
         except PlanningError:
             return False
         self._waits_for = goal
-        self._record("goal_occupied", person=self.name, goal=goal, by=agv)
+        self._record(events.GoalOccupied(person=self.name, goal=goal, by=agv))
         return True
 
     # What the agent is told.
 
     def _no_way(self, goal: Place, message: str, at_the_goal: bool = False) -> bool:
         """Tell that there is no way to `goal`; False, as the outcome of the action."""
-        self._record("path_blocked", person=self.name, goal=goal, message=message)
+        self._record(events.PathBlocked(person=self.name, goal=goal, message=message))
         self._count("goal_blocked" if at_the_goal else "path_blocked")
         return False
 

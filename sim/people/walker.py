@@ -21,6 +21,7 @@ from navigation import (
 
 from ..core.body import Body
 from ..core.clock import Alarm, Clock, Turn
+from ..core.events import PathBlocked, Replanned
 from ..core.recorder import Record
 
 REPORT_DELAY = 0.1
@@ -102,14 +103,14 @@ class Walker:
         radius = self.human.radius
         if all(self._planner.world.segment_free(a, b, radius) for a, b in itertools.pairwise(way)):
             return None
-        self._record("path_blocked", person=self.body.name, goal=self.goal)
+        self._record(PathBlocked(person=self.body.name, goal=self.goal))
         try:
             self.go(self.goal)
         except PlanningError as why:
             self.stop()
             return why
         self.replans += 1
-        self._record("replanned", person=self.body.name, goal=self.goal)
+        self._record(Replanned(person=self.body.name, goal=self.goal))
         return None
 
     def _motion_to(self, goal: Place) -> Motion:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
 
@@ -11,7 +11,7 @@ from pydantic import BaseModel, Field, FiniteFloat, ValidationError, model_valid
 from floorplan import LARGEST_RECORDED, InputError, Problem, read_lines, read_text
 from navigation import Both, Condition, Motion, Moving, Piece, TooClose, join, standing, when
 
-from ..core.event_kinds import EVENT_KINDS, Form
+from ..core.events import EVENT_KINDS, Form
 from ..core.plans import Plans
 from ..core.recorder import Event, Thought
 from ..core.scene import Pose, Scene
@@ -43,7 +43,7 @@ class _Event(BaseModel, extra="allow"):
 
     @model_validator(mode="after")
     def _fields_of_its_kind(self) -> _Event:
-        forms = EVENT_KINDS.get(self.kind, {})
+        forms: Mapping[str, Form] = getattr(EVENT_KINDS.get(self.kind), "forms", {})
         for name, value in (self.model_extra or {}).items():
             if name in forms and not _has_form(value, forms[name]):
                 raise ValueError(f"{name} of {self.kind} can't be {str(value)[:60]!r}")

@@ -10,6 +10,7 @@ from functools import partial
 from floorplan import Lane
 from navigation import AnyLaw
 
+from ..core import events
 from ..core.body import Body
 from ..core.clock import Alarm, Clock, Turn
 from ..core.recorder import Record
@@ -99,7 +100,7 @@ class Referee:
         pair = next((pair for pair in pairs if pair.person is person), None)
         if pair is None or self._clock.now < self._grace_until:
             return False
-        self._record("penalty", person=person.name, cause=pair.cause())
+        self._record(events.Penalty(person=person.name, cause=pair.cause()))
         self._penalise()
         return True
 
@@ -115,10 +116,11 @@ class Referee:
 
     def _notice(self, pair: Pair, law: AnyLaw) -> None:
         self._record(
-            "gantry_detected",
-            person=pair.person.name,
-            noticing_distance=pair.required(law),
-            **_figures(pair, self.rules.gantry_law),
+            events.GantryDetected(
+                person=pair.person.name,
+                noticing_distance=pair.required(law),
+                **_figures(pair, self.rules.gantry_law),
+            )
         )
         self._warn(pair.person, "gantry_detected", pair.machine)
 
@@ -134,12 +136,13 @@ class Referee:
         cause = pair.cause()
         self.violations[person.name, cause] += 1
         self._record(
-            "violation",
-            person=person.name,
-            **{"with": machine.name},
-            penalty=is_penalty,
-            cause=cause,
-            **_figures(pair, watch.law),
+            events.Violation(
+                person=person.name,
+                with_=machine.name,
+                penalty=is_penalty,
+                cause=cause,
+                **_figures(pair, watch.law),
+            )
         )
         if watch in self._stops:
             self._stops[watch].begin()
@@ -173,7 +176,7 @@ class Referee:
         if stands and machine not in self._stopped:
             self._stopped[machine] = (now, {pair.person})
             self.protective_stops += 1
-            self._record("protective_stop", machine=machine.name, person=pair.person.name)
+            self._record(events.ProtectiveStop(machine=machine.name, person=pair.person.name))
             self._hold(machine, True)
         elif stands:
             self._stopped[machine][1].add(pair.person)
@@ -187,7 +190,7 @@ class Referee:
             if not people:
                 del self._stopped[machine]
                 self.protective_stop_time += now - since
-                self._record("protective_stop_ended", machine=machine.name)
+                self._record(events.ProtectiveStopEnded(machine=machine.name))
                 self._hold(machine, False)
 
     # How often a person hears of violations.

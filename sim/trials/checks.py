@@ -21,7 +21,7 @@ from floorplan import (
     suggestion,
 )
 
-from ..core.event_kinds import EVENT_KINDS
+from ..core.events import EVENT_KINDS
 from ..core.rules import NO_TIME, MachineMeasure, PersonMeasure, RuleSet
 from ..core.scenario import GantryEntry, Job, PersonalityChange, PersonEntry, Scenario, TrialError
 from ..core.start import Start

@@ -9,7 +9,7 @@ from typing import Any
 import bdi
 from floorplan import Floorplan, Point, suggestion
 
-from ..core.event_kinds import Form
+from ..core.events import Form
 from ..core.scenario import Scenario
 
 

@@ -9,7 +9,7 @@ from typing import Any, Protocol
 from floorplan import suggestion
 from navigation import FixedDistance, Motion, Moving, TooClose, standing, when
 
-from ..core.event_kinds import EVENT_KINDS, Form
+from ..core.events import EVENT_KINDS, Form
 from ..core.recorder import Event
 from ..core.scenario import Scenario
 from ..record.outcome import Outcome
@@ -103,7 +103,7 @@ def read_event(written: Any, trial: Scenario) -> EventPattern:
     if not isinstance(written, Mapping) or "kind" not in written:
         raise ValueError(f"expected a kind of event, or keys with kind among them: {written!r}")
     kind = checked_name(str(written["kind"]), "kind of event", EVENT_KINDS)
-    forms = EVENT_KINDS[kind]
+    forms = EVENT_KINDS[kind].forms
     fields = []
     for key, wanted in written.items():
         if key == "kind":

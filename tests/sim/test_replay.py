@@ -10,7 +10,7 @@ import pytest
 import replay_sample
 
 import sim
-from sim.core.event_kinds import EVENT_KINDS
+from sim.core.events import EVENT_KINDS
 from sim.views import replay
 from sim.views.replay_data import replay_data
 

@@ -16,6 +16,7 @@ from navigation import (
 
 from ...core.body import Body
 from ...core.clock import Alarm, Clock, Turn
+from ...core.events import AgvMoved, AgvYielded
 from ...core.recorder import Record
 from ...core.rules import RuleSet
 from ...core.scenario import AgvMove
@@ -117,7 +118,7 @@ class Agv:
             if hindered is not None:
                 return hindered
             self._looking.set(now + LOOK)
-        self._record("agv_moved", agv=self.lane.name, to=target, arrives=motion.end)
+        self._record(AgvMoved(agv=self.lane.name, to=target, arrives=motion.end))
         self._under_way_to, self._has_said = target, False
         self.body.follow(motion)
         self._arrival.set(motion.end)
@@ -143,11 +144,12 @@ class Agv:
         if not self._has_said:
             self._has_said = True
             self._record(
-                "agv_yielded",
-                agv=self.lane.name,
-                person=hindered.name,
-                distance=hindered.distance,
-                required=hindered.required,
+                AgvYielded(
+                    agv=self.lane.name,
+                    person=hindered.name,
+                    distance=hindered.distance,
+                    required=hindered.required,
+                )
             )
         self._looking.set(self._clock.now + LOOK)
 

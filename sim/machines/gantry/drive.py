@@ -14,6 +14,7 @@ from navigation import AxisLimits, Motion, State, gantry_limits, gantry_move, ga
 
 from ...core.body import Body
 from ...core.clock import Alarm, Clock, Turn
+from ...core.events import GantryDisabled, GantryEnabled, RobotMalfunction
 from ...core.recorder import Record
 from .tasks import Pose
 
@@ -141,12 +142,14 @@ class Drive:
         """Work for `seconds` as a part of `command`; the value is whether it was not replaced."""
         return self._enabled_for(seconds, command)
 
-    def disable(self, seconds: float, event: str = "gantry_disabled") -> None:
+    def disable(
+        self, seconds: float, kind: type[GantryDisabled | RobotMalfunction] = GantryDisabled
+    ) -> None:
         """Brake, and stand for `seconds` from now on, or longer if it has to already.
 
-        `event` tells of it.
+        It is recorded as an event of that `kind`.
         """
-        self._record(event, seconds=seconds)
+        self._record(kind(seconds=seconds))
         self._ready.set(max(self._clock.now + seconds, self._ready.time or 0.0))
         if self._disabled_at is None:
             self._disabled_at = self._clock.now
@@ -171,7 +174,7 @@ class Drive:
         assert self._disabled_at is not None
         self.disabled_time += self._clock.now - self._disabled_at
         self._disabled_at = None
-        self._record("gantry_enabled")
+        self._record(GantryEnabled())
         self._go_on()
 
     def _stand(self) -> None:

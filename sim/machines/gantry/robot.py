@@ -13,6 +13,7 @@ from navigation import Motion, State
 
 from ...core.body import Body
 from ...core.clock import Clock, Turn
+from ...core.events import JobDone, JobStarted, OrderSubmitted
 from ...core.recorder import Record
 from ...core.rules import PAPER, RuleSet
 from ...core.scenario import GantryEntry
@@ -62,7 +63,8 @@ class GantryRobot:
     A controller is a function or class of one argument, this robot, that yields what its
     methods return: `yield gantry.move_to(-2.5, 0.5)`. It does one thing at a time: moving,
     stopping, picking, placing and handling take the place of what was under way. While the gantry
-    is disabled it stands, and whatever was under way goes on afterwards.
+    is disabled it stands, and whatever was under way goes on afterwards. `record(event)` records
+    an event, which may be of an `EventKind` of your own.
     """
 
     def __init__(
@@ -93,7 +95,7 @@ class GantryRobot:
         self._clock = clock
         self._entry = entry
         self._surroundings = surroundings
-        self._record = record
+        self.record = record
         self._floor_changed = clock.event()
         self._begin_round()
 
@@ -351,14 +353,14 @@ class GantryRobot:
     def _begin(self, task: Task) -> None:
         if not task.announced:
             task.announced = True
-            self._record("job_started", job=task.kind, **task.fields)
+            self.record(JobStarted.of({"job": task.kind, **task.fields}))
 
     def _finish(self, task: Task) -> None:
         if task.kind == "submit":
-            self._record("order_submitted", **task.fields)
+            self.record(OrderSubmitted.of(task.fields))
         else:
             self.jobs_done += 1
-            self._record("job_done", job=task.kind, **task.fields)
+            self.record(JobDone.of({"job": task.kind, **task.fields}))
         task.done()
         round_over = all(task.finished for task in self._round)
         if self._entry.repeat and round_over and self.now > self._round_began:

@@ -1,0 +1,49 @@
+"""Writes the tables of the reference that follow from the code: `python docs/make_tables.py`."""
+
+from __future__ import annotations
+
+import inspect
+import re
+from collections.abc import Iterable
+from pathlib import Path
+
+from sim.core.events import EVENT_KINDS, EventKind
+
+DOCS = Path(__file__).parent
+
+
+def events() -> str:
+    """Return the table of all kinds of events."""
+    own = (kind for kind in EVENT_KINDS.values() if kind.__module__ == EventKind.__module__)
+    rows = ((f"`{kind.kind}`", _fields(kind), inspect.getdoc(kind) or "") for kind in own)
+    return table(("kind", "fields", "meaning"), rows)
+
+
+def _fields(kind: type[EventKind]) -> str:
+    """Return the fields of a kind of event, those that may be missing in brackets."""
+    return ", ".join(f"[`{name}`]" if name in kind.optional else f"`{name}`" for name in kind.forms)
+
+
+def table(head: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
+    """Return a table in Markdown."""
+    head = tuple(head)
+    lines = [head, ("---",) * len(head), *rows]
+    return "\n".join("| " + " | ".join(" ".join(c.split()) for c in line) + " |" for line in lines)
+
+
+TABLES = {"events": events}
+"""What makes each table, by the name that stands above it in a page."""
+
+MARKED = re.compile(r"(<!-- table: (?P<name>\w+) -->\n).*?(\n<!-- end of table -->)", re.S)
+
+
+def with_tables(page: str) -> str:
+    """Return the text of a page with its tables made anew."""
+    return MARKED.sub(lambda found: found[1] + TABLES[found["name"]]() + found[3], page)
+
+
+if __name__ == "__main__":
+    for path in sorted(DOCS.glob("*.md")):
+        text = path.read_text(encoding="utf-8")
+        if (made := with_tables(text)) != text:
+            path.write_text(made, encoding="utf-8")

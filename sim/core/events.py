@@ -1,0 +1,349 @@
+"""The kinds of events of a run: a class each, from which all else about them follows."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from types import NoneType, UnionType
+from typing import (
+    Annotated,
+    Any,
+    ClassVar,
+    Literal,
+    TypeAlias,
+    Union,
+    cast,
+    get_args,
+    get_origin,
+    get_type_hints,
+)
+
+from typing_extensions import dataclass_transform
+
+from floorplan import Point
+
+Named = Literal[
+    "person",
+    "machine",
+    "agv",
+    "station",
+    "location",
+    "place",
+    "part",
+    "order",
+    "personality",
+    "kind of job",
+    "type of order",
+    "cause",
+    "reason",
+]
+"""Things with names in a trial. A location, which an AGV goes to, may be a lane position too."""
+
+Form: TypeAlias = Named | Literal["number", "text", "flag", "point", "list"]
+"""Content of a field: the name of something in the trial, or a plain value."""
+
+_Person: TypeAlias = Annotated[str, "person"]
+_Machine: TypeAlias = Annotated[str, "machine"]
+_Agv: TypeAlias = Annotated[str, "agv"]
+_Station: TypeAlias = Annotated[str, "station"]
+_Location: TypeAlias = Annotated[str | float, "location"]
+_Place: TypeAlias = Annotated[str, "place"]
+_Part: TypeAlias = Annotated[str, "part"]
+_Order: TypeAlias = Annotated[str, "order"]
+_Cause: TypeAlias = Annotated[str, "cause"]
+
+EVENT_KINDS: dict[str, type[EventKind]] = {}
+"""Every kind of event that is defined, by its name in recordings."""
+
+
+@dataclass_transform(frozen_default=True, kw_only_default=True)
+class EventKind:
+    """Something that happens in a run. A subclass is a kind of event, known once it is defined.
+
+    In recordings and trial files its `kind` is the name of the class in snake_case. Its fields are
+    declared as those of a dataclass. One whose name ends in "_" stands there without it, one with
+    the default None only where it has a value. Its annotation says what it holds: `str`, `float`,
+    `int`, `bool`, a `list`, a point as `tuple[float, float]`, or the name of something in the trial
+    as `Annotated[str, "person"]`, with one of the words in `Named`. `TypeError` if it says nothing
+    of these, or if the library has a kind of that name.
+    """
+
+    kind: ClassVar[str]
+    forms: ClassVar[Mapping[str, Form]]
+    """The form of each field, by its name in recordings."""
+
+    optional: ClassVar[frozenset[str]]
+    """The fields that may be missing, by their names in recordings."""
+
+    _here: ClassVar[Mapping[str, str]]
+    """The name of each field in Python, by its name in recordings."""
+
+    def __init_subclass__(cls) -> None:
+        """Make the subclass a frozen dataclass, and register it."""
+        kind = re.sub(r"(?<!^)(?=[A-Z])", "_", cls.__name__).lower()
+        known = EVENT_KINDS.get(kind, cls)
+        if known.__module__ == __name__ != cls.__module__:
+            raise TypeError(f"there is a kind of event {kind!r} already; take another name")
+        hints = get_type_hints(dataclass(frozen=True, kw_only=True)(cls), include_extras=True)
+        declared = fields(cast(Any, cls))
+        reserved = {"t", *vars(EventKind), *EventKind.__annotations__}
+        for name in reserved.intersection(field.name for field in declared):
+            raise TypeError(f"{kind}: no field of an event can be called {name!r}")
+        cls.kind = kind
+        cls._here = {field.name.removesuffix("_"): field.name for field in declared}
+        cls.forms = {name: _form(hints[here], kind, name) for name, here in cls._here.items()}
+        optional = (field.name for field in declared if field.default is None)
+        cls.optional = frozenset(name.removesuffix("_") for name in optional)
+        EVENT_KINDS[kind] = cls
+
+    @classmethod
+    def of(cls, named: Mapping[str, Any]) -> EventKind:
+        """Return the event whose fields are `named` as in recordings."""
+        return cls(**{cls._here[name]: value for name, value in named.items()})
+
+    def recorded(self) -> dict[str, Any]:
+        """Return the event as a recording has it, but for its time."""
+        values = {name: getattr(self, here) for name, here in self._here.items()}
+        there = (name for name in values if values[name] is not None or name not in self.optional)
+        return {"kind": self.kind, **{name: values[name] for name in there}}
+
+
+_PLAIN: dict[Any, Form] = {
+    str: "text",
+    float: "number",
+    int: "number",
+    bool: "flag",
+    list: "list",
+    Point: "point",
+}
+
+
+def _form(hint: Any, kind: str, name: str) -> Form:
+    """Return what a field of that annotation holds."""
+    if get_origin(hint) in (Union, UnionType):
+        given = [one for one in get_args(hint) if one is not NoneType]
+        hint = given[0] if len(given) == 1 else hint
+    if get_origin(hint) is Annotated and hint.__metadata__[0] in get_args(Named):
+        named: Named = hint.__metadata__[0]
+        return named
+    for plain in (hint, get_origin(hint)):
+        if plain in _PLAIN:
+            return _PLAIN[plain]
+    raise TypeError(f"{kind}: the field {name} of an event can't be a {hint}")
+
+
+class TrialStarted(EventKind):
+    """The trial begins."""
+
+    trial: str
+    floorplan: str
+
+
+class TrialEnded(EventKind):
+    """The trial is over, or was `interrupted` before its end."""
+
+    interrupted: bool
+
+
+class HumanStarted(EventKind):
+    """A person begins."""
+
+    person: _Person
+
+
+class PersonalityChanged(EventKind):
+    """Another program decides for a person from now on."""
+
+    person: _Person
+    personality: Annotated[str, "personality"]
+
+
+class Goal(EventKind):
+    """A person wants to go somewhere; `station` is null where there is none."""
+
+    person: _Person
+    station: _Station | None
+    at: Point
+
+
+class Arrived(EventKind):
+    """A person has reached the goal; `station` is null where there is none."""
+
+    person: _Person
+    station: _Station | None
+    at: Point
+
+
+class GantryDetected(EventKind):
+    """A person notices the gantry, nearer than `noticing_distance`."""
+
+    person: _Person
+    noticing_distance: float
+    distance: float
+    required: float
+    human_speed: float
+    robot_speed: float
+
+
+class Violation(EventKind):
+    """A person and a machine are nearer to each other than the law requires."""
+
+    person: _Person
+    with_: _Machine
+    penalty: bool
+    cause: _Cause
+    distance: float
+    required: float
+    human_speed: float
+    robot_speed: float
+
+
+class Penalty(EventKind):
+    """A penalty that somebody else has asked for, over the [ROS bridge](ros-bridge.md)."""
+
+    person: _Person
+    cause: _Cause
+
+
+class Teleport(EventKind):
+    """A person is put home, because of the `gantry` or an `agv`."""
+
+    person: _Person
+    reason: Annotated[str, "reason"]
+    to: Point
+
+
+class ProtectiveStop(EventKind):
+    """A machine brakes for a person, and stands."""
+
+    machine: _Machine
+    person: _Person
+
+
+class ProtectiveStopEnded(EventKind):
+    """Nobody needs the machine to stand any more."""
+
+    machine: _Machine
+
+
+class GantryDisabled(EventKind):
+    """The gantry brakes, and stands for `seconds`, for a penalty."""
+
+    seconds: float
+
+
+class GantryEnabled(EventKind):
+    """The gantry may move again."""
+
+
+class AgvMoved(EventKind):
+    """An AGV sets out, and `arrives` at that time (s) if nothing stops it."""
+
+    agv: _Agv
+    to: _Location
+    arrives: float
+
+
+class AgvYielded(EventKind):
+    """An AGV waits for a person at that `distance`, as it wants to keep the `required` one."""
+
+    agv: _Agv
+    person: _Person
+    distance: float
+    required: float
+
+
+class JobStarted(EventKind):
+    """The gantry begins a job: that of a trial file, or one [of an order](ariac.md#scores)."""
+
+    job: Annotated[str, "kind of job"]
+    part: _Part | None = None
+    tray: int | None = None
+    from_: _Place | None = None
+    to: _Place | None = None
+    quadrant: int | None = None
+    order: _Order | None = None
+
+
+class JobDone(JobStarted):
+    """The gantry has done a job; a `submit` is recorded as `order_submitted`."""
+
+
+class OrderAnnounced(EventKind):
+    """An order of an [ARIAC trial](ariac.md#scores) is to be worked on."""
+
+    order: _Order
+    type: Annotated[str, "type of order"]
+    priority: bool
+
+
+class OrderSubmitted(EventKind):
+    """An order is handed in; one of an ARIAC trial has the points it got, and what is `missing`."""
+
+    order: _Order
+    type: Annotated[str, "type of order"] | None = None
+    score: float | None = None
+    best: float | None = None
+    missing: list[str] | None = None
+
+
+class RobotMalfunction(EventKind):
+    """The gantry stands for `seconds`: a challenge of an ARIAC trial."""
+
+    seconds: float
+
+
+class PathBlocked(EventKind):
+    """A person's path is not free: `message` says why there is none, `by` which AGV is let pass."""
+
+    person: _Person
+    goal: Point
+    message: str | None = None
+    by: _Agv | None = None
+
+
+class GoalOccupied(EventKind):
+    """An AGV stands on a person's goal, and the person goes to a place beside it to wait."""
+
+    person: _Person
+    goal: Point
+    by: _Agv | None
+
+
+class GoalFree(EventKind):
+    """The AGV has left the goal, and the person goes on."""
+
+    person: _Person
+    goal: Point
+
+
+class Replanned(EventKind):
+    """A person goes to the same goal on another path."""
+
+    person: _Person
+    goal: Point
+
+
+class Said(EventKind):
+    """A program prints something."""
+
+    person: _Person
+    text: str
+
+
+class Notice(EventKind):
+    """Something in an ARIAC trial file that is read in another way than it is written there."""
+
+    text: str
+    field: str | None
+    line: int | None
+
+
+class Warning(EventKind):
+    """Something about a program that its author should know."""
+
+    person: _Person
+    text: str
+    file: str | None = None
+    line: int | None = None

@@ -1,0 +1,87 @@
+"""Kinds of events are classes: what is known about a kind follows from its declaration."""
+
+from dataclasses import replace
+from typing import Annotated
+
+import pytest
+
+import sim
+from sim.core.events import EVENT_KINDS
+
+TRIAL = """
+floorplan: ariac2023
+duration: 20
+people:
+  - {name: nina, start: {event: tank_filled}}
+  - {name: otto, start: {time: 5.0}}
+expect:
+  timeline: [{eventually: {kind: tank_filled, from: station2, litres: "> 30", by: otto}}]
+"""
+
+
+@pytest.fixture
+def own_kind():
+    class TankFilled(sim.EventKind):
+        """Somebody has filled a tank."""
+
+        from_: Annotated[str, "place"]
+        litres: float
+        by: Annotated[str, "person"] | None = None
+        remark: str | None = None
+
+    yield TankFilled
+    del EVENT_KINDS[TankFilled.kind]
+
+
+def test_an_own_kind_is_recorded_waited_for_expected_and_read_back(own_kind, tmp_path):
+    def refuelling(gantry):
+        yield gantry.wait(2.0)
+        gantry.record(own_kind(from_="station2", litres=40, by="otto"))
+
+    trial = sim.Trial.parse(TRIAL)
+    trial = replace(trial, gantry=sim.GantryEntry(refuelling))
+    recording = sim.Recording(tmp_path / "run")
+    run = sim.run(trial, recording)
+    recording.finish(run)
+    filled = {"t": 2.0, "kind": "tank_filled", "from": "station2", "litres": 40, "by": "otto"}
+    assert filled in run.events
+    assert run.unmet == []
+    started = {e["person"]: e["t"] for e in run.events if e["kind"] == "human_started"}
+    assert started == {"nina": 2.0, "otto": 5.0}
+    assert sim.load_run(tmp_path / "run").events == run.events
+
+
+@pytest.mark.parametrize(
+    ("event", "fault"),
+    [
+        ("{kind: tank_filled, litre: 3}", "litres"),
+        ("{kind: tank_filled, by: nobody}", "no person"),
+        ("{kind: tank_fill}", "tank_filled"),
+    ],
+)
+def test_expectations_of_an_own_kind_are_checked(own_kind, event, fault):
+    text = TRIAL.split("expect:")[0] + f"expect: {{timeline: [{{never: {event}}}]}}"
+    with pytest.raises(sim.TrialError, match=fault):
+        sim.Trial.parse(text)
+
+
+def test_a_recording_with_another_form_in_a_field_is_damaged(own_kind, tmp_path):
+    recording = sim.Recording(tmp_path / "run")
+    recording.finish(sim.run(sim.Trial.parse("{floorplan: ariac2023, duration: 1}"), recording))
+    with (tmp_path / "run" / "events.jsonl").open("a") as file:
+        file.write('{"t": 1.0, "kind": "tank_filled", "from": "bin2", "litres": "many"}\n')
+    with pytest.raises(sim.RecordingError, match="litres of tank_filled"):
+        sim.load_run(tmp_path / "run")
+
+
+def test_kinds_of_the_library_are_not_taken():
+    with pytest.raises(TypeError, match="violation"):
+        type("Violation", (sim.EventKind,), {"__module__": __name__})
+    assert EVENT_KINDS["violation"].__module__ == "sim.core.events"
+
+
+@pytest.mark.parametrize("annotations", [{"kind": str}, {"t": float}, {"when": complex}])
+def test_fields_that_no_recording_could_hold_are_refused(annotations):
+    with pytest.raises(TypeError, match=next(iter(annotations))):
+        type("Odd", (sim.EventKind,), {"__module__": __name__, "__annotations__": annotations})
+    assert "odd" not in EVENT_KINDS
