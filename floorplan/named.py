@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import Any, Generic, Protocol, SupportsIndex, TypeVar, get_args, overload
 
 from pydantic import GetCoreSchemaHandler
-from pydantic_core import CoreSchema
+from pydantic_core import CoreSchema, core_schema
 
 from .problems import suggestion
 
@@ -75,4 +75,6 @@ class NamedField(Generic[Thing]):
 
     @classmethod
     def __get_pydantic_core_schema__(cls, kind: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return handler(types.GenericAlias(tuple, (*get_args(kind), ...)))
+        # Pydantic puts what it has read into the value's dictionary, past `__set__`.
+        read = handler(types.GenericAlias(tuple, (*get_args(kind), ...)))
+        return core_schema.no_info_after_validator_function(Named, read)
