@@ -75,7 +75,6 @@ _HOMES = {
     "simulation": ("Simulation", "run"),
     "record.social_metrics": ("metrics",),
     "machines.gantry.tasks": ("Handling", "Step", "Task", "Tasks"),
-    "views": ("plots",),
     "studies": ("Row", "Study", "StudyError", "StudyResults", "run_study"),
     "core.start": ("Start",),
     "core.scenario": (
@@ -158,6 +157,8 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
+    if name == "plots":
+        return import_module(".views.plots", __name__)
     for home, names in _HOMES.items():
         if name in names:
             value = getattr(import_module(f".{home}", __name__), name)

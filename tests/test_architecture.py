@@ -17,8 +17,8 @@ PACKAGES = {
     "bdi": set(),
     "sim": {"floorplan", "navigation", "bdi"},
 }
-HEAVY = {"matplotlib", "pandas", "pyarrow", "ezdxf", "PIL", "foxglove", "rosbags"}
-LOADED_WHEN_USED = re.compile(r"sim/exports/(\w+_file|ros_\w+)\.py$")
+HEAVY = {"matplotlib", "pandas", "pyarrow", "ezdxf", "PIL", "av", "foxglove", "rosbags"}
+LOADED_WHEN_USED = re.compile(r"sim/(exports/(\w+_file|ros_\w+)|views/plots/\w+)\.py$")
 
 
 ROOMS = (

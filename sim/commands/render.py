@@ -13,7 +13,7 @@ from .consoles import say
 
 def render(
     source: Source,
-    out: Annotated[Path, typer.Option(help="The film: .gif, or .mp4 where ffmpeg is installed.")],
+    out: Annotated[Path, typer.Option(help="The film: .gif or .mp4.")],
     speed: Annotated[float, typer.Option(help="How much faster than in reality.")] = 8.0,
     fps: Annotated[int, typer.Option(help="Pictures a second.")] = 20,
     width: Annotated[int, typer.Option(help="Pixels.")] = 720,

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 from ..record.outcome import Outcome
 from ..trials.expectations import verdicts
 from ..trials.trial import Trial
 from ..trials.verdict import Verdict
 from ..views.notebook import as_html
-from ..views.plots import RunPlots
+
+if TYPE_CHECKING:
+    from ..views.plots import RunPlots
 
 
 @dataclass(frozen=True)
@@ -19,7 +22,12 @@ class Recorded(Outcome):
 
     @property
     def plot(self) -> RunPlots:
-        """Pictures of it: `run.plot.separation()` and others, each a matplotlib `Figure`."""
+        """Pictures of it: `run.plot.separation()` and others, each a matplotlib `Figure`.
+
+        `sim.plots.MissingExtraError` without matplotlib.
+        """
+        from ..views.plots import RunPlots
+
         return RunPlots(self)
 
     def _repr_html_(self) -> str:

@@ -1,196 +1,283 @@
-"""A run as frames: everybody where they are at each instant, on one drawing of the floor."""
+"""A run as a film: a GIF or an MP4, everybody where they are at each of its instants."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
 
 import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.patches import Circle
 from numpy.typing import NDArray
+from PIL import Image
 
+from ...core.output import replacing, writing
 from ...record.outcome import Outcome
-from .curves import Array, instants
+from ..extras import MissingExtraError
+from .curves import Span, instants, span_of
 from .floor import draw_floor, floor_axes, machine_outline
 from .incidents import breaches, disabled_spans
 from .names import draw_names
-from .style import BLACK, GREY, MACHINES, PALE, VERMILION, person_colour, styled
+from .style import BLACK, GREY, MACHINES, PALE, VERMILION, person_colour, require_place, styled
 
-if TYPE_CHECKING:
-    from matplotlib.artist import Artist
+ENDINGS = (".gif", ".mp4")
 
-Frame = NDArray[np.uint8]
-"""(height, width, 3): red, green and blue of every pixel, from the upper left corner on."""
+MOST_PICTURES = 20_000
+"""A film of more pictures than this is refused: its speed is a mistake."""
+
+MARKED = 1.5
+"""Seconds of the film for which a violation stays on the floor."""
 
 TRAIL = 8.0
-"""Seconds of a person's way that are left behind."""
+"""Seconds of a person's path that are drawn behind them."""
 
 _DOTS_PER_INCH = 100
 
 _MARGIN = 0.7
-"""Inches that stand beside the floor, for figures and names of axes."""
+"""Inches beside the floor, for the figures and names of the axes."""
 
 _ABOVE = 0.25
 """Inches above the floor, for the time."""
 
+_SAMPLES = 12
+"""Pictures, spread over a film, from which the colours of a GIF are chosen."""
+
+Picture = NDArray[np.uint8]
+"""(height, width, 3): red, green and blue of every pixel, from the upper left corner on."""
+
+Progress = Callable[[float], None]
+"""Called with the share that is done, from 0 to 1."""
+
+
+def render(
+    run: Outcome,
+    path: str | Path,
+    *,
+    speed: float = 8.0,
+    fps: int = 20,
+    width: int = 720,
+    within: Span | None = None,
+    progress: Progress = lambda _: None,
+) -> None:
+    """Film a run into the GIF or MP4 that the end of `path` names.
+
+    `speed` is how much faster than in reality it goes, `fps` how many pictures a second it has,
+    `width` how wide it is in pixels; `within` (from, to in seconds) is the part that is filmed.
+    Errors as for `require_renderable`; `ValueError` for figures that make no film.
+    """
+    path = Path(path)
+    require_renderable(path)
+    if not 200 <= width <= 4000:
+        raise ValueError(f"a film is 200 to 4000 pixels wide, not {width}")
+    times = _times(run, speed, fps, within)
+    write = _write_gif if path.suffix.lower() == ".gif" else _write_mp4
+    with styled(), writing(path), replacing(path) as unfinished:
+        write(Film(run, width=width, mark=MARKED * speed), times, unfinished, fps, progress)
+
+
+def require_renderable(path: str | Path) -> None:
+    """Raise, before any work is done for it, if a run can't be filmed into `path`.
+
+    `ValueError` if it ends in neither .gif nor .mp4, `MissingExtraError` if the encoder for it is
+    not installed, `OutputError` if there is no such folder.
+    """
+    require_place(path, "film", ENDINGS)
+    if Path(path).suffix.lower() == ".mp4":
+        try:
+            import av as av
+        except ImportError:
+            raise MissingExtraError(
+                "an MP4 needs the package av, which is missing: pip install 'floorwalker[plot]';"
+                " or write a .gif"
+            ) from None
+
 
 class Film:
-    """The pictures of a run at given instants; `width` is that of a picture in pixels.
+    """The pictures of a run, each `width` pixels wide.
 
-    `mark` is how long (seconds) a violation stays on the floor.
+    `mark` is how long (seconds) a violation stays on the floor. The floor is drawn once, and
+    everything that moves over a copy of it.
     """
 
-    def __init__(self, run: Outcome, times: Array, *, width: int, mark: float) -> None:
-        self.times = times
+    def __init__(self, run: Outcome, *, width: int, mark: float) -> None:
         self._run = run
-        self._width = width
         self._mark = mark
-        self._poses = {
-            body: np.column_stack([motion.position(times), motion.rotation(times)])
-            for body, motion in run.motions.items()
-        }
         self._disabled = disabled_spans(run)
         west, south, east, north = run.floorplan.boundary.bounds
         inches = width / _DOTS_PER_INCH
         height = (inches - _MARGIN) * (north - south) / (east - west) + _MARGIN + _ABOVE
         # Video wants an even number of pixels each way.
-        self.size = (2 * (width // 2), 2 * round(height * _DOTS_PER_INCH / 2))
-
-    def at(self, times: Array) -> Film:
-        """The same film at other instants."""
-        return Film(self._run, times, width=self._width, mark=self._mark)
-
-    def frames(self) -> Iterator[Frame]:
-        """One picture after the other."""
+        self.size = wide, high = 2 * (width // 2), 2 * round(height * _DOTS_PER_INCH / 2)
+        above = _ABOVE / (high / _DOTS_PER_INCH)
         with styled():
-            from matplotlib.backends.backend_agg import FigureCanvasAgg
-            from matplotlib.figure import Figure
-            from matplotlib.layout_engine import ConstrainedLayoutEngine
-
-            wide, high = self.size
-            above = _ABOVE / (high / _DOTS_PER_INCH)
-            figure = Figure(
+            self._figure = Figure(
                 figsize=(wide / _DOTS_PER_INCH, high / _DOTS_PER_INCH),
                 dpi=_DOTS_PER_INCH,
                 layout=ConstrainedLayoutEngine(rect=(0.0, 0.0, 1.0, 1.0 - above)),
             )
-            canvas: Any = FigureCanvasAgg(figure)
-            self._draw_still(figure.add_subplot())
-            self._time = figure.text(0.5, 1.0 - above / 2, "", ha="center", va="center")
+            self._canvas = FigureCanvasAgg(self._figure)
+            self._draw(floor_axes(self._figure.add_subplot(), run.floorplan))
+            self._time = self._figure.text(0.5, 1.0 - above / 2, "", ha="center", va="center")
             self._time.set_animated(True)
-            canvas.draw()
-            still = canvas.copy_from_bbox(figure.bbox)
-            for k in range(len(self.times)):
-                canvas.restore_region(still)
-                for artist in self._moved(k):
-                    figure.draw_artist(artist)
-                yield np.asarray(canvas.buffer_rgba())[:, :, :3].copy()
+            self._canvas.draw()
+        self._floor = self._canvas.copy_from_bbox(self._figure.bbox)
 
-    def _draw_still(self, axes: Any) -> None:
-        """What is the same in all pictures; and what moves, to be drawn over it."""
+    def at(self, t: float) -> Picture:
+        """Return the picture of the instant `t` (seconds)."""
+        self._canvas.restore_region(self._floor)
+        with styled():
+            for artist in self._moved(t):
+                self._figure.draw_artist(artist)
+        return np.asarray(self._canvas.buffer_rgba())[:, :, :3].copy()
+
+    def _draw(self, axes: Axes) -> None:
+        """Draw the floor, and make the artists of what moves, which stay out of it."""
         run = self._run
-        floor_axes(axes, run.floorplan)
         draw_floor(axes, run.floorplan)
         self._machines: dict[str, Any] = {}
-        self._people: dict[str, _Person] = {}
-        self._beam: Any = None
         for body in run.motions:
             kind = run.scene.kind(body)
             if kind == "gantry":
-                look = {"color": MACHINES["gantry"], "linewidth": 2, "alpha": 0.6}
-                (self._beam,) = axes.plot([], [], animated=True, **look)
+                (self._beam,) = axes.plot(
+                    [], [], color=MACHINES["gantry"], linewidth=2, alpha=0.6, animated=True
+                )
             if kind != "person":
-                look = {"facecolor": PALE, "edgecolor": MACHINES[kind], "linewidth": 1.0}
-                (box,) = axes.fill([0.0], [0.0], zorder=4, animated=True, **look)
-                self._machines[body] = box
-        for index, person in enumerate(run.scene.people):
-            self._people[person.name] = _Person(axes, person.radius, person_colour(index))
+                (self._machines[body],) = axes.fill(
+                    [0.0],
+                    [0.0],
+                    facecolor=PALE,
+                    edgecolor=MACHINES[kind],
+                    linewidth=1.0,
+                    zorder=4,
+                    animated=True,
+                )
+        self._people = {
+            person.name: _Person(axes, person.radius, person_colour(index))
+            for index, person in enumerate(run.scene.people)
+        }
         (self._marks,) = axes.plot(
             [], [], "v", color=VERMILION, markersize=7, markeredgecolor="white", animated=True
         )
         draw_names(axes, run.floorplan)
 
-    def _moved(self, k: int) -> list[Artist]:
-        """Everything that moves, put where it is at the `k`-th instant, in order of drawing."""
-        t = float(self.times[k])
-        artists: list[Artist] = []
-        for person in self._people:
-            artists += self._move_person(person, k)
+    def _moved(self, t: float) -> Iterator[Artist]:
+        """Everything that moves, put where it is at `t`, in order of drawing."""
+        for name, person in self._people.items():
+            yield from self._move_person(name, person, t)
         for body, box in self._machines.items():
-            x, y, rotation = self._poses[body][k].tolist()
-            box.set_xy(machine_outline(self._run.floorplan, body, (x, y), rotation))
+            state = self._run.motions[body].state(t)
+            box.set_xy(machine_outline(self._run.floorplan, body, state.at, state.position[2]))
             if body == "gantry":
-                self._move_gantry(box, x, t)
-                artists.append(self._beam)
-            artists.append(box)
+                gantry = self._run.floorplan.gantry
+                assert gantry is not None
+                self._beam.set_data([state.at[0]] * 2, [gantry.y.low, gantry.y.high])
+                disabled = any(begin <= t < end for begin, end in self._disabled)
+                box.set_facecolor(GREY if disabled else MACHINES["gantry"])
+                yield self._beam
+            yield box
         places = [at for _, at in breaches(self._run, (t - self._mark, t))]
         self._marks.set_data([x for x, _ in places], [y for _, y in places])
         self._time.set_text(f"{t:.1f} s")
-        return [*artists, self._marks, self._time]
+        yield from (self._marks, self._time)
 
-    def _move_person(self, name: str, k: int) -> list[Artist]:
-        t = float(self.times[k])
-        x, y, rotation = self._poses[name][k].tolist()
-        person = self._people[name]
-        since = max(0.0, t - TRAIL)
-        trail = np.empty((0, 2))
-        if t > since:
-            motion = self._run.motions[name]
-            trail = motion.position(instants([motion], since, t))
+    def _move_person(self, name: str, person: _Person, t: float) -> list[Artist]:
+        run, since = self._run, max(0.0, t - TRAIL)
+        motion = run.motions[name]
+        trail = motion.position(instants([motion], since, t)) if t > since else np.empty((0, 2))
         required = None
-        if (name, "gantry") in self._run.violations:
-            required = float(self._run.required(name, "gantry", [t])[0])
+        if (name, "gantry") in run.violations:
+            required = float(run.required(name, "gantry", [t])[0])
         near = any(
             begin <= t <= end
-            for (who, _), intervals in self._run.violations.items()
+            for (who, _), intervals in run.violations.items()
             for begin, end in intervals
             if who == name
         )
-        return person.moved(x, y, rotation, trail, required, near)
-
-    def _move_gantry(self, box: Any, x: float, t: float) -> None:
-        gantry = self._run.floorplan.gantry
-        assert gantry is not None and self._beam is not None
-        self._beam.set_data([x, x], [gantry.y.low, gantry.y.high])
-        disabled = any(begin <= t < end for begin, end in self._disabled)
-        box.set_facecolor(GREY if disabled else MACHINES["gantry"])
+        return person.moved(motion.state(t).position, trail, required, near)
 
 
 class _Person:
-    """A disc with a nose, the required distance around it, and the way behind it."""
+    """A disc with a nose, the required distance around it, and the path behind it."""
 
-    def __init__(self, axes: Any, radius: float, colour: str) -> None:
-        from matplotlib.patches import Circle
-
+    def __init__(self, axes: Axes, radius: float, colour: str) -> None:
         self._radius = radius
         self._colour = colour
         self._zone = axes.add_patch(Circle((0, 0), 1.0, linewidth=0.8, animated=True, zorder=2))
-        self._body = axes.add_patch(
-            Circle((0, 0), radius, facecolor=colour, linewidth=0, animated=True, zorder=5)
-        )
+        self._body = Circle((0, 0), radius, facecolor=colour, linewidth=0, animated=True, zorder=5)
+        axes.add_patch(self._body)
         (self._nose,) = axes.plot([], [], color=BLACK, linewidth=1.2, animated=True, zorder=5)
         (self._trail,) = axes.plot([], [], color=colour, linewidth=1.2, alpha=0.6, animated=True)
 
     def moved(
         self,
-        x: float,
-        y: float,
-        rotation: float,
-        trail: Array,
+        pose: tuple[float, float, float],
+        trail: NDArray[np.float64],
         required: float | None,
         near: bool,
     ) -> list[Artist]:
-        """What is drawn of the person, put where they are."""
+        """The artists of the person, put where they are."""
+        x, y, rotation = pose
+        nose = 1.5 * self._radius
         self._trail.set_data(*trail.T)
         self._body.set_center((x, y))
-        nose = 1.5 * self._radius
         self._nose.set_data([x, x + nose * math.cos(rotation)], [y, y + nose * math.sin(rotation)])
         parts: list[Artist] = [self._trail, self._body, self._nose]
         if required is None:
             return parts
         colour = VERMILION if near else self._colour
-        self._zone.set_center((x, y))
-        self._zone.set_radius(required)
-        self._zone.set_facecolor((colour, 0.15))
-        self._zone.set_edgecolor((colour, 0.6))
+        self._zone.set(
+            center=(x, y), radius=required, facecolor=(colour, 0.15), edgecolor=(colour, 0.6)
+        )
         return [self._zone, *parts]
+
+
+def _times(run: Outcome, speed: float, fps: int, within: Span | None) -> list[float]:
+    if not (math.isfinite(speed) and speed > 0):
+        raise ValueError(f"a film's speed is more than 0, not {speed:g}")
+    if not 1 <= fps <= 50:
+        raise ValueError(f"a film has 1 to 50 pictures a second, not {fps}")
+    begin, end = span_of(run, within)
+    count = int((end - begin) * fps / speed + 1e-9) + 1
+    if count > MOST_PICTURES:
+        raise ValueError(
+            f"that would be {count:,} pictures, more than {MOST_PICTURES:,};"
+            " choose a higher speed or a shorter stretch of time"
+        )
+    times: list[float] = np.minimum(begin + np.arange(count) * (speed / fps), end).tolist()
+    return times
+
+
+def _pictures(film: Film, times: list[float], progress: Progress) -> Iterator[Picture]:
+    for k, t in enumerate(times, 1):
+        yield film.at(t)
+        progress(k / len(times))
+
+
+def _write_gif(film: Film, times: list[float], path: Path, fps: int, progress: Progress) -> None:
+    # One palette for the whole film, so that no colour flickers.
+    chosen = np.vstack([film.at(t) for t in times[:: max(1, len(times) // _SAMPLES)]])
+    palette = Image.fromarray(chosen).quantize(method=Image.Quantize.FASTOCTREE)
+    images = (
+        Image.fromarray(picture).quantize(palette=palette, dither=Image.Dither.NONE)
+        for picture in _pictures(film, times, progress)
+    )
+    first = next(images)
+    first.save(path, save_all=True, append_images=images, duration=1000 / fps, loop=0)
+
+
+def _write_mp4(film: Film, times: list[float], path: Path, fps: int, progress: Progress) -> None:
+    import av
+
+    with av.open(path, "w") as file:
+        stream = file.add_stream("libx264", rate=fps, options={"threads": "1"})
+        stream.width, stream.height = film.size
+        stream.pix_fmt = "yuv420p"
+        for picture in _pictures(film, times, progress):
+            file.mux(stream.encode(av.VideoFrame.from_ndarray(picture, format="rgb24")))
+        file.mux(stream.encode())

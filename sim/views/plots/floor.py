@@ -3,7 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import PathPatch
+from matplotlib.path import Path
+from shapely.geometry import Polygon
 
 from floorplan import Floorplan, Lane, Obstacle, Point
 
@@ -22,11 +28,6 @@ from .style import (
     styled,
 )
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-    from shapely.geometry import Polygon
-
 _DASHES = (0, (3, 2))
 
 _HIGHEST = 9.0
@@ -36,19 +37,19 @@ _BESIDE = 0.75
 """Inches that a picture of a floor needs for what stands beside the floor."""
 
 
+@styled()
 def floorplan(plan: Floorplan, *, width: Width = "double") -> Figure:
     """The floor with everything that is named on it, AGVs where they start."""
-    with styled():
-        figure, axes = floor_figure(plan, width)
-        draw_floor(axes, plan)
-        for lane in plan.lanes:
-            _draw_agv(axes, lane)
-        if plan.gantry is not None:
-            _draw_range(axes, plan)
-        _label_lines(axes, plan)
-        explain(figure, [axes], width)
-        draw_names(axes, plan, with_agvs=True)
-        return figure
+    figure, axes = floor_figure(plan, width)
+    draw_floor(axes, plan)
+    for lane in plan.lanes:
+        _draw_agv(axes, lane)
+    if plan.gantry is not None:
+        _draw_range(axes, plan)
+    _label_lines(axes, plan)
+    explain(figure, [axes], width)
+    draw_names(axes, plan, with_agvs=True)
+    return figure
 
 
 def floor_figure(plan: Floorplan, width: Width, *, beside: float = 0.0) -> tuple[Figure, Axes]:
@@ -103,9 +104,6 @@ def draw_floor(axes: Axes, plan: Floorplan) -> None:
 
 def fill_area(axes: Axes, area: Polygon, **look: object) -> None:
     """Fill a polygon, but not its holes."""
-    from matplotlib.patches import PathPatch
-    from matplotlib.path import Path
-
     rings = [area.exterior, *area.interiors]
     outline = Path.make_compound_path(*(Path(ring.coords, closed=True) for ring in rings))
     axes.add_patch(PathPatch(outline, **look))

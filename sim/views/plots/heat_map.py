@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from floorplan import Floorplan
@@ -16,9 +18,6 @@ from ...record.outcome import Outcome
 from .curves import Array
 from .floor import draw_floor, floor_figure
 from .style import Width, styled
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 CELL = 0.05
 """Metres. The side of a cell."""
@@ -33,6 +32,7 @@ _HAIR = 1e-9
 """Metres. Cells that are further off than a radius by no more than this still count."""
 
 
+@styled()
 def heat_map(runs: Outcome | Sequence[Outcome], *, width: Width = "double") -> Figure:
     """For how long each spot of the floor was under somebody's body, in all `runs` together.
 
@@ -46,26 +46,23 @@ def heat_map(runs: Outcome | Sequence[Outcome], *, width: Width = "double") -> F
     if any(run.floorplan != plan for run in several):
         raise ValueError("the runs are not on the same floor, so that they make no common heat map")
     seconds = sum((time_covered(run) for run in several), np.zeros(_shape(plan)))
-    with styled():
-        from matplotlib.colors import LogNorm
-
-        figure, axes = floor_figure(plan, width, beside=_BAR)
-        draw_floor(axes, plan)
-        west, south, *_ = plan.boundary.bounds
-        rows, columns = seconds.shape
-        most = max(float(seconds.max()), 1.0)
-        image = axes.imshow(
-            np.ma.masked_less_equal(seconds, 0.0),
-            origin="lower",
-            extent=(west, west + columns * CELL, south, south + rows * CELL),
-            norm=LogNorm(most / 1000, most),
-            cmap="viridis",
-            interpolation="nearest",
-            zorder=1.2,
-        )
-        bar = figure.colorbar(image, ax=axes, label="time occupied (s)", fraction=0.04, pad=0.02)
-        bar.ax.yaxis.set_major_formatter("{x:g}")
-        return figure
+    figure, axes = floor_figure(plan, width, beside=_BAR)
+    draw_floor(axes, plan)
+    west, south, *_ = plan.boundary.bounds
+    rows, columns = seconds.shape
+    most = max(float(seconds.max()), 1.0)
+    image = axes.imshow(
+        np.ma.masked_less_equal(seconds, 0.0),
+        origin="lower",
+        extent=(west, west + columns * CELL, south, south + rows * CELL),
+        norm=LogNorm(most / 1000, most),
+        cmap="viridis",
+        interpolation="nearest",
+        zorder=1.2,
+    )
+    bar = figure.colorbar(image, ax=axes, label="time occupied (s)", fraction=0.04, pad=0.02)
+    bar.ax.yaxis.set_major_formatter("{x:g}")
+    return figure
 
 
 def time_covered(run: Outcome) -> Array:

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+
+from matplotlib.axes import Axes
 
 from floorplan import Point
 
 from ...record.outcome import Outcome
 from .curves import Span
 from .style import VERMILION
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 
 def breaches(run: Outcome, span: Span) -> list[tuple[float, Point]]:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from matplotlib.axes import Axes
 from shapely.geometry import LineString, Polygon, box
 from shapely.geometry import Point as Spot
 
@@ -14,9 +15,6 @@ from floorplan import Floorplan, Lane, Point
 
 from .curves import Array
 from .style import BLACK, GREEN, obstacle_shade
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 _DARK = 0.6
 """Names on what is darker than this are white."""

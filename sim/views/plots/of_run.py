@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from matplotlib.figure import Figure
 
 from ...record.outcome import Outcome
 from .curves import Span
@@ -11,9 +11,6 @@ from .separation import separation
 from .space_time import space_time
 from .style import Width
 from .trails import trails
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 
 class RunPlots:

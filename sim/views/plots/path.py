@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import shapely
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from navigation import CollisionWorld, Path
@@ -13,10 +15,6 @@ from navigation import CollisionWorld, Path
 from .floor import draw_floor, fill_area, floor_axes, floor_height
 from .names import draw_names
 from .style import BLUE, GREY, PALE, VERMILION, Width, new_figure, styled
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 STEP = 0.05
 """Metres along the way between two places at which the clearance is taken."""
@@ -35,6 +33,7 @@ _NARROWEST: dict[str, Any] = {
 }
 
 
+@styled()
 def path(world: CollisionWorld, way: Path, *, radius: float, width: Width = "double") -> Figure:
     """A way on its floor, with the free room on both sides, and the clearance along it below.
 
@@ -42,21 +41,18 @@ def path(world: CollisionWorld, way: Path, *, radius: float, width: Width = "dou
     """
     along, points = _places(way.points)
     clearances = np.array([world.distance((x, y)) for x, y in points.tolist()])
-    with styled():
-        height = floor_height(world.plan, width)
-        figure = new_figure(width, height + _BELOW)
-        rows = figure.add_gridspec(2, 1, height_ratios=(height, _BELOW))
-        axes = floor_axes(figure.add_subplot(rows[0]), world.plan)
-        axes.set_title(f"{way.length:.2f} m long, {way.clearance:.2f} m clear", loc="left")
-        draw_floor(axes, world.plan)
-        for body in world.bodies:
-            fill_area(
-                axes, body.footprint, facecolor=PALE, edgecolor=GREY, linewidth=0.5, zorder=1.5
-            )
-        _draw_way(axes, way, points, clearances)
-        _draw_profile(figure.add_subplot(rows[1]), along, clearances, radius)
-        draw_names(axes, world.plan, ways=[way.points])
-        return figure
+    height = floor_height(world.plan, width)
+    figure = new_figure(width, height + _BELOW)
+    rows = figure.add_gridspec(2, 1, height_ratios=(height, _BELOW))
+    axes = floor_axes(figure.add_subplot(rows[0]), world.plan)
+    axes.set_title(f"{way.length:.2f} m long, {way.clearance:.2f} m clear", loc="left")
+    draw_floor(axes, world.plan)
+    for body in world.bodies:
+        fill_area(axes, body.footprint, facecolor=PALE, edgecolor=GREY, linewidth=0.5, zorder=1.5)
+    _draw_way(axes, way, points, clearances)
+    _draw_profile(figure.add_subplot(rows[1]), along, clearances, radius)
+    draw_names(axes, world.plan, ways=[way.points])
+    return figure
 
 
 def _places(way: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

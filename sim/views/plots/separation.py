@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from navigation import STANDING_SPEED
 
@@ -12,10 +12,6 @@ from ...record.outcome import Outcome
 from .curves import Array, Span, instants, span_of, speeds
 from .incidents import disabled_spans
 from .style import BLACK, BLUE, GREY, VERMILION, Width, explain, new_figure, styled
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 SHOWN = 3.0
 """Distances of more than this many times the largest required one are cut off."""
@@ -26,6 +22,7 @@ _PANEL = 1.9
 Pair = tuple[str, str]
 
 
+@styled()
 def separation(
     run: Outcome,
     person: str | None = None,
@@ -42,15 +39,14 @@ def separation(
     """
     begin, end = span_of(run, within)
     pairs = _pairs(run, person, machine)
-    with styled():
-        figure = new_figure(width, _PANEL * len(pairs) + 0.3)
-        panels = figure.subplots(len(pairs), 1, sharex=True, squeeze=False)[:, 0]
-        for axes, pair in zip(panels, pairs, strict=True):
-            _draw_pair(axes, run, pair, (begin, end))
-        panels[-1].set_xlabel("time (s)")
-        panels[-1].set_xlim(begin, end)
-        explain(figure, panels, width)
-        return figure
+    figure = new_figure(width, _PANEL * len(pairs) + 0.3)
+    panels = figure.subplots(len(pairs), 1, sharex=True, squeeze=False)[:, 0]
+    for axes, pair in zip(panels, pairs, strict=True):
+        _draw_pair(axes, run, pair, (begin, end))
+    panels[-1].set_xlabel("time (s)")
+    panels[-1].set_xlim(begin, end)
+    explain(figure, panels, width)
+    return figure
 
 
 def _pairs(run: Outcome, person: str | None, machine: str | None) -> list[Pair]:

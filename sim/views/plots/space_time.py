@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from navigation import Motion
 
@@ -15,14 +16,11 @@ from .floor import machine_size
 from .incidents import breaches, mark_breaches
 from .style import GREY, MACHINES, Width, explain, new_figure, person_colour, styled
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
 _PANEL = 2.3
 """Inches. The height of one axis's panel."""
 
 
+@styled()
 def space_time(run: Outcome, *, within: Span | None = None, width: Width = "double") -> Figure:
     """x and y of everybody who moves, over time (seconds), as bands as wide as they are.
 
@@ -30,20 +28,19 @@ def space_time(run: Outcome, *, within: Span | None = None, width: Width = "doub
     across.
     """
     span = span_of(run, within)
-    with styled():
-        figure = new_figure(width, 2 * _PANEL + 0.3)
-        panels = figure.subplots(2, 1, sharex=True)
-        for axis, axes in enumerate(panels):
-            _draw_stations(axes, run, axis)
-            for body in _shown(run):
-                _draw_body(axes, run, body, axis, span)
-            mark_breaches(axes, [(t, at[axis]) for t, at in breaches(run, span)])
-            axes.set_ylabel(f"{'xy'[axis]} (m)")
-            axes.margins(y=0.04)
-        panels[1].set_xlabel("time (s)")
-        panels[1].set_xlim(*span)
-        explain(figure, [panels[0]], width)
-        return figure
+    figure = new_figure(width, 2 * _PANEL + 0.3)
+    panels = figure.subplots(2, 1, sharex=True)
+    for axis, axes in enumerate(panels):
+        _draw_stations(axes, run, axis)
+        for body in _shown(run):
+            _draw_body(axes, run, body, axis, span)
+        mark_breaches(axes, [(t, at[axis]) for t, at in breaches(run, span)])
+        axes.set_ylabel(f"{'xy'[axis]} (m)")
+        axes.margins(y=0.04)
+    panels[1].set_xlabel("time (s)")
+    panels[1].set_xlim(*span)
+    explain(figure, [panels[0]], width)
+    return figure
 
 
 def _shown(run: Outcome) -> list[str]:

@@ -1,18 +1,20 @@
-"""How all pictures look: sizes of a printed column, colours that everybody can tell apart."""
+"""The look of all pictures, on the page and as files: widths of columns, colours, line widths."""
 
 from __future__ import annotations
 
 import io
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterable
 from functools import partial
-from typing import TYPE_CHECKING, Any, Literal
+from pathlib import Path
+from typing import Any, Literal
+
+import matplotlib.style
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from floorplan import Obstacle
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+from ...core.output import OutputError, replacing, writing
 
 Width = Literal["single", "double"]
 """How many columns of a paper a picture takes."""
@@ -40,6 +42,15 @@ TALL = 2.5
 """Metres. What is as high as this is drawn darkest."""
 
 _NOTEBOOK_DPI = 110
+
+_METADATA: dict[str, dict[str, Any]] = {
+    ".png": {},
+    ".svg": {"Date": None},
+    ".pdf": {"CreationDate": None},
+}
+"""What is left out of each kind of file, so that no clock gets into it."""
+
+FORMATS = tuple(_METADATA)
 
 _SETTINGS: dict[str, Any] = {
     "font.family": "sans-serif",
@@ -70,44 +81,53 @@ _SETTINGS: dict[str, Any] = {
 }
 
 
-class MissingExtraError(ValueError):
-    """A package that Floorwalker can do without, but not here; the message says how to get it."""
-
-
-@contextmanager
-def styled() -> Iterator[None]:
-    """Everything that is drawn or saved within looks the same, whatever the user's settings.
-
-    `MissingExtraError` without matplotlib.
-    """
-    try:
-        import matplotlib
-    except ImportError:
-        raise MissingExtraError(
-            "pictures need matplotlib, which is missing: pip install 'floorwalker[plot]'"
-        ) from None
-    with matplotlib.rc_context():
-        matplotlib.rcdefaults()
-        for name, value in _SETTINGS.items():
-            matplotlib.rcParams[name] = value  # type: ignore[index]
-        yield
+styled = partial(matplotlib.style.context, _SETTINGS, after_reset=True)
+"""Context, or decorator, in which all looks so, whatever the user's settings."""
 
 
 def new_figure(width: Width, height: float) -> Figure:
     """An empty figure, `height` inches high; its axes find their places themselves."""
-    from matplotlib.figure import Figure
-
     figure = Figure(figsize=(inches(width), height), layout="constrained")
     # A notebook shows figures by themselves only where pyplot has been imported.
     figure._repr_png_ = partial(_as_png, figure)  # type: ignore[attr-defined]
     return figure
 
 
+@styled()
 def _as_png(figure: Figure) -> bytes:
-    with styled():
-        picture = io.BytesIO()
-        figure.savefig(picture, format="png", dpi=_NOTEBOOK_DPI)
-        return picture.getvalue()
+    picture = io.BytesIO()
+    figure.savefig(picture, format="png", dpi=_NOTEBOOK_DPI)
+    return picture.getvalue()
+
+
+@styled()
+def save(figure: Figure, path: str | Path) -> None:
+    """Write a figure as the PNG, SVG or PDF that the end of `path` names.
+
+    Text stays text in SVG and PDF. The same figure gives the same bytes every time. Errors as for
+    `require_savable`.
+    """
+    path = Path(path)
+    require_savable(path)
+    with writing(path), replacing(path) as unfinished:
+        figure.savefig(unfinished, metadata=_METADATA[path.suffix.lower()])
+
+
+def require_savable(path: str | Path) -> None:
+    """Raise, before any work is done for it, if a picture can't be saved at `path`.
+
+    `ValueError` if its ending names no kind of picture, `OutputError` if there is no such folder.
+    """
+    require_place(path, "picture", FORMATS)
+
+
+def require_place(path: str | Path, what: str, endings: tuple[str, ...]) -> None:
+    """Raise if `path` has none of the `endings`, or lies in no folder; `what` it is in words."""
+    path = Path(path)
+    if path.suffix.lower() not in endings:
+        raise ValueError(f"{path}: the name of a {what} ends in one of {', '.join(endings)}")
+    if not path.parent.is_dir():
+        raise OutputError(f"can't write {path}: there is no folder {path.parent}")
 
 
 def inches(width: Width) -> float:

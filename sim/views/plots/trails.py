@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
 
 from ...record.outcome import Outcome
 from .curves import Array, Span, instants, span_of
@@ -10,11 +12,6 @@ from .floor import draw_floor, floor_figure, machine_outline
 from .incidents import breaches, mark_breaches
 from .names import draw_names
 from .style import MACHINES, Width, explain, person_colour, styled
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
 
 _THIN = 1.0
 """Points. The line of the person who is drawn last."""
@@ -29,6 +26,7 @@ _GAP = 0.3
 """The white on both sides of a line, as a share of the edges: tells greys apart, too."""
 
 
+@styled()
 def trails(run: Outcome, *, within: Span | None = None, width: Width = "double") -> Figure:
     """The ways of people and machines on the floor, from one time to another (seconds).
 
@@ -36,20 +34,17 @@ def trails(run: Outcome, *, within: Span | None = None, width: Width = "double")
     same way, those who come later in their order lie on the wider lines of those before.
     """
     begin, end = span_of(run, within)
-    with styled():
-        figure, axes = floor_figure(run.floorplan, width)
-        draw_floor(axes, run.floorplan)
-        ways = [_draw_way(axes, run, body, (begin, end)) for body in run.motions]
-        mark_breaches(axes, [at for _, at in breaches(run, (begin, end))])
-        explain(figure, [axes], width)
-        draw_names(axes, run.floorplan, ways=ways)
-        return figure
+    figure, axes = floor_figure(run.floorplan, width)
+    draw_floor(axes, run.floorplan)
+    ways = [_draw_way(axes, run, body, (begin, end)) for body in run.motions]
+    mark_breaches(axes, [at for _, at in breaches(run, (begin, end))])
+    explain(figure, [axes], width)
+    draw_names(axes, run.floorplan, ways=ways)
+    return figure
 
 
 def _draw_way(axes: Axes, run: Outcome, body: str, span: Span) -> Array:
     """Draw the way of a body; its points (N, 2), NaN where it breaks off."""
-    from matplotlib.patheffects import withStroke
-
     motion, kind = run.motions[body], run.scene.kind(body)
     way = motion.position(instants([motion], *span))
     if kind == "person":
