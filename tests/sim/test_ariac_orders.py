@@ -8,6 +8,7 @@ import pytest
 import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from run_events import events
 
 import floorplan
 import sim
@@ -24,10 +25,6 @@ SERVED = {1: ("as1", "as2"), 2: ("as1", "as2"), 3: ("as3", "as4"), 4: ("as3", "a
 
 def alone(trial, controller="oblivious"):
     return replace(trial, people=(), gantry=sim.GantryEntry(controller))
-
-
-def kinds(run, *wanted):
-    return [event for event in run.events if event["kind"] in wanted]
 
 
 def kitting(order="A", agv=1, tray=3, to="warehouse", at=0, priority=False, **products):
@@ -72,13 +69,13 @@ def test_the_example_from_beginning_to_end():
     orders = run.summary["orders"]
     assert [orders[name]["type"] for name in orders] == ["kitting", "kitting", "assembly"]
     assert orders["ASSEMBLY"]["announced"] == orders["KIT-B"]["submitted"]
-    (broken,) = kinds(run, "robot_malfunction")
+    (broken,) = events(run, "robot_malfunction")
     assert broken["t"] == pytest.approx(orders["KIT-A"]["submitted"])
     assert run.duration == pytest.approx(orders["ASSEMBLY"]["submitted"])
     assert run.summary["interrupted"] is False
-    placed = next(e for e in kinds(run, "job_done") if e["job"] == "pick_place")
+    placed = next(e for e in events(run, "job_done") if e["job"] == "pick_place")
     assert (placed["part"], placed["to"]) == ("red battery", "agv4")
-    assert kinds(run, "human_started")[0]["t"] == placed["t"]
+    assert events(run, "human_started")[0]["t"] == placed["t"]
 
 
 def test_real_trial_files(shared_data):
@@ -106,7 +103,7 @@ def test_real_human_trials(shared_data):
     )
     assert (trial.rules, trial.gantry.controller) == (sim.ARIAC2023, "pausing")
     run = sim.run(trial)
-    placed = next(e for e in kinds(run, "job_done") if e["job"] == "pick_place")
+    placed = next(e for e in events(run, "job_done") if e["job"] == "pick_place")
     assert run.summary["people"]["operator"]["started"] == placed["t"]
     assert run.summary["penalties"] > 0
 
@@ -140,16 +137,16 @@ def test_priority_goes_first():
         kitting("C", agv=3, tray=1, at=5, priority=True, q1="blue battery"),
     )
     run = sim.run(alone(trial_of(*orders, bins=BINS, trays=((1, 3), (4, 8), (2, 1)))))
-    submitted = [event["order"] for event in kinds(run, "order_submitted")]
+    submitted = [event["order"] for event in events(run, "order_submitted")]
     assert submitted.index("C") < submitted.index("B")
-    assert [event["priority"] for event in kinds(run, "order_announced")] == [False, False, True]
+    assert [event["priority"] for event in events(run, "order_announced")] == [False, False, True]
 
 
 def test_orders_for_one_agv_come_one_after_the_other():
     orders = (kitting("A", q1="red pump"), kitting("B", tray=8, at=1, q2="blue battery"))
     run = sim.run(alone(trial_of(*orders, bins=BINS)))
     assert run.summary["score"] == run.summary["best_score"] == 14
-    assert [e["to"] for e in kinds(run, "agv_moved")] == ["warehouse", "kitting", "warehouse"]
+    assert [e["to"] for e in events(run, "agv_moved")] == ["warehouse", "kitting", "warehouse"]
 
 
 def test_what_lies_wrong_is_put_right():
@@ -163,7 +160,7 @@ def test_what_lies_wrong_is_put_right():
     order = kitting("A", tray=7, q1="red pump", q2="blue battery")
     run = sim.run(alone(trial_of(order, bins=BINS, agvs=agvs)))
     assert run.summary["score"] == run.summary["best_score"] == 11
-    done = [event["job"] for event in kinds(run, "job_done")]
+    done = [event["job"] for event in events(run, "job_done")]
     assert done == ["dispose", "dispose", "pick_place", "pick_place"]
 
 
@@ -176,7 +173,7 @@ def test_without_tray_and_parts_the_rest_is_submitted():
     run = sim.run(alone(trial))
     order = run.summary["orders"]["A"]
     assert (order["score"], order["missing"]) == (3, ["red sensor"])
-    assert [event["text"] for event in kinds(run, "notice")] == [n.message for n in trial.notices]
+    assert [event["text"] for event in events(run, "notice")] == [n.message for n in trial.notices]
 
 
 def test_a_malfunction_is_no_penalty():
@@ -203,7 +200,7 @@ def test_a_second_malfunction_does_not_shorten_the_first():
     challenges = [malfunction(10.0, 20.0), malfunction(15.0, 5.0)]
     trial = trial_of(kitting("A", q1="red pump"), bins=BINS, challenges=challenges)
     run = sim.run(alone(trial))
-    assert [event["t"] for event in kinds(run, "gantry_enabled")] == [30.0]
+    assert [event["t"] for event in events(run, "gantry_enabled")] == [30.0]
 
 
 def test_orders_that_nothing_announces_do_not_keep_the_trial_open():

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from run_events import events
 
 import navigation
 import sim
@@ -57,10 +58,6 @@ def kitting(
     )
 
 
-def kinds(run, *names):
-    return [event for event in run.events if event["kind"] in names]
-
-
 def too_near_while_moving(run, law):
     """The instants at which the gantry moves though somebody is too near, by dense sampling."""
     gantry = run.motions["gantry"]
@@ -68,7 +65,7 @@ def too_near_while_moving(run, law):
     robot_speed = np.hypot(*gantry.velocity(ts).T)
     # The referee stops it after a violation: that braking is not its controller's doing.
     stopped = np.zeros(len(ts), dtype=bool)
-    for event in kinds(run, "gantry_disabled"):
+    for event in events(run, "gantry_disabled"):
         stopped |= (ts >= event["t"]) & (ts < event["t"] + event["seconds"])
     found = []
     for name, person in run.motions.items():
@@ -99,14 +96,14 @@ def test_careful_controllers_never_move_where_somebody_is_too_near(
     seed, personality, controller, rules, people
 ):
     run = sim.run(kitting(personality, controller, seed, rules, people, duration=90))
-    assert [e for e in kinds(run, "violation") if e["with"] == "gantry" and e["robot_speed"]] == []
+    assert [e for e in events(run, "violation") if e["with"] == "gantry" and e["robot_speed"]] == []
     if rules != INTEGRAL:
         assert too_near_while_moving(run, run.trial.rules.gantry_law) == []
 
 
 def test_the_oracle_finds_what_an_oblivious_gantry_does():
     run = sim.run(kitting("indifferent", "oblivious", 3))
-    moving = [event for event in kinds(run, "violation") if event["robot_speed"] > 1e-3]
+    moving = [event for event in events(run, "violation") if event["robot_speed"] > 1e-3]
     assert moving
     # A violation is over as soon as it is told, but its instant is between two samples.
     just_before = [round(event["t"], 2) for event in moving]
@@ -120,7 +117,7 @@ def test_alone_they_are_as_fast_as_the_oblivious(controller):
         sim.run(trial(f"duration: 90\ngantry: {{controller: {name}, jobs: {jobs}}}"))
         for name in ("oblivious", controller)
     ]
-    ends = [kinds(run, "job_done")[-1]["t"] for run in runs]
+    ends = [events(run, "job_done")[-1]["t"] for run in runs]
     # Each of the four ways begins with a look, at most 0.1 s later.
     assert ends[0] <= ends[1] <= ends[0] + 0.4 + 1e-6
 
@@ -138,7 +135,7 @@ gantry: {controller: pausing, at: [-1.0, -6.0, 0.0], jobs: [{move: [-2.0, 3.0, 0
         )
     )
     assert run.summary["penalties"] == 0
-    done = kinds(run, "job_done")[0]["t"]
+    done = events(run, "job_done")[0]["t"]
     assert done > 20.0
     assert run.motions["gantry"].position(done) == pytest.approx((-2.0, 3.0))
     speed = np.hypot(*run.motions["gantry"].velocity(np.arange(0, done, 0.05)).T)
@@ -159,8 +156,8 @@ gantry:
     pausing, avoiding = (
         sim.run(trial(text.format(name), tmp_path)) for name in ("pausing", "avoiding")
     )
-    assert [event["part"] for event in kinds(pausing, "job_done")] == []
-    assert [event["part"] for event in kinds(avoiding, "job_done")] == ["free"]
+    assert [event["part"] for event in events(pausing, "job_done")] == []
+    assert [event["part"] for event in events(avoiding, "job_done")] == ["free"]
     assert pausing.summary["penalties"] == avoiding.summary["penalties"] == 0
 
 
@@ -174,8 +171,8 @@ gantry: {{controller: {}, at: [-12.0, 0.0, 0.0], jobs: [{{move: [0.0, 0.0, 0.0]}
     pausing, avoiding = (
         sim.run(trial(text.format(name), tmp_path)) for name in ("pausing", "avoiding")
     )
-    assert kinds(pausing, "job_done") == []
-    assert len(kinds(avoiding, "job_done")) == 1
+    assert events(pausing, "job_done") == []
+    assert len(events(avoiding, "job_done")) == 1
     assert avoiding.summary["minimum_separation"]["distance"] > 3.5
 
 
@@ -269,7 +266,7 @@ gantry: {{controller: '{name}', at: [-5.0, 2.5, 0.0]}}
         )
     )
     told = __import__(name.partition(":")[0]).told
-    disabled, enabled = kinds(run, "gantry_disabled")[0], kinds(run, "gantry_enabled")[0]
+    disabled, enabled = events(run, "gantry_disabled")[0], events(run, "gantry_enabled")[0]
     person, gantry = run.motions["p"], run.motions["gantry"]
     near = navigation.first_violation(person, gantry, navigation.FixedDistance(6.0), 0.0, 80.0)
     assert [cause for cause, _ in told[:3]] == ["person_close", "disabled", "enabled"]
@@ -285,7 +282,7 @@ def test_a_controller_that_did_not_ask_is_left_alone(controller, tmp_path):
             tmp_path,
         )
     )
-    assert kinds(run, "gantry_disabled")
+    assert events(run, "gantry_disabled")
 
 
 @pytest.mark.parametrize(
@@ -349,7 +346,7 @@ gantry: {{controller: '{name}', at: [-9.0, 3.75, 0.0]}}
             tmp_path,
         )
     )
-    disabled = kinds(run, "gantry_disabled")[0]["t"]
+    disabled = events(run, "gantry_disabled")[0]["t"]
     stopped = run.motions["gantry"].position([disabled + 3.0, 60.0])
     assert stopped[0] == pytest.approx(stopped[1])
     assert math.dist(stopped[0], (-5.0, 3.0)) > 0.5
@@ -366,8 +363,8 @@ agvs:
 """
         )
     )
-    back = kinds(run, "agv_moved")[1]["arrives"]
-    (done,) = kinds(run, "job_done")
+    back = events(run, "agv_moved")[1]["arrives"]
+    (done,) = events(run, "job_done")
     assert done["t"] > back > 60.0
     assert run.motions["gantry"].position(done["t"]) == pytest.approx((-2.27, 4.8))
 

@@ -6,6 +6,7 @@ from fractions import Fraction
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from run_events import events, first
 
 import sim
 from sim.trials.comparison import Comparison
@@ -37,10 +38,6 @@ def verdict(run, text):
 def vars_of(run):
     names = ("scene", "duration", "summary", "events", "motions", "violations", "requirements")
     return {name: getattr(run, name) for name in names}
-
-
-def first(run, kind):
-    return next(event["t"] for event in run.events if event["kind"] == kind)
 
 
 @pytest.mark.parametrize(
@@ -160,7 +157,7 @@ def test_what_is_met(run, text):
 def test_what_is_not_met_is_told_with_its_time(run, text, said):
     found = verdict(run, text)
     assert not found.met
-    assert said.format(violation=first(run, "violation")) in str(found)
+    assert said.format(violation=first(run, "violation")["t"]) in str(found)
 
 
 @pytest.mark.parametrize(
@@ -261,7 +258,7 @@ expect:
   visits: {never: [%s]}
 """
     run = sim.run(sim.Trial.parse(text % "station1"))
-    arrivals = [event for event in run.events if event["kind"] == "arrived"]
+    arrivals = events(run, "arrived")
     stations = [event for event in arrivals if event["station"] is not None]
     assert arrivals.index(stations[-1]) >= len(stations), "nobody came to elsewhere before"
     last = replace(run.trial, expect={"visits": {"never": [stations[-1]["station"]]}})
@@ -274,7 +271,7 @@ expect:
 
 
 def test_what_would_have_followed_after_the_end_is_not_held_against_a_run(run):
-    late = max(event["t"] for event in run.events if event["kind"] == "goal")
+    late = max(event["t"] for event in events(run, "goal"))
     delay = 60.0 - late + 0.5
     text = f"  timeline: [{{whenever: goal, then: said, within: {delay}, after: {late - 0.001}}}]"
     assert verdict(run, text).met

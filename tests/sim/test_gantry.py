@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from run_events import events
 
 import navigation
 import sim
@@ -32,10 +33,6 @@ gantry:
 
 def alone(controller="oblivious", repeat="false", folder=".", **changes):
     return sim.Trial.parse(ALONE.format(controller=controller, repeat=repeat), folder=folder)
-
-
-def events(run, *kinds):
-    return [event for event in run.events if event["kind"] in kinds]
 
 
 def test_jobs_take_the_time_of_their_moves_and_handling():

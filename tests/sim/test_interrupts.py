@@ -10,6 +10,7 @@ import pytest
 import simpy
 from hypothesis import given
 from hypothesis import strategies as st
+from run_events import events
 
 import sim
 
@@ -183,7 +184,7 @@ PLACES = {
 
 def check_every_step_was_done_once(run):
     """Each part was taken and put down by a hand that had the two seconds it needs."""
-    done = [event for event in run.events if event["kind"] == "job_done"]
+    done = events(run, "job_done")
     assert [event["part"] for event in done] == ["first", "second", "third"]
     for event in done:
         assert stood(run, event["from"], event["t"] - 2.0) >= 2.0 - 1e-6

@@ -2,6 +2,8 @@
 
 import json
 
+from run_events import events
+
 import bdi
 import sim
 from sim.people.mind_inspector import MindInspector
@@ -78,7 +80,7 @@ def test_minds_are_looked_into_only_if_somebody_wants_to_know(tmp_path):
     lines = (tmp_path / "run" / "thoughts.jsonl").read_text(encoding="utf-8").splitlines()
     assert [json.loads(line) for line in lines] == list(run.thoughts)
     assert sim.load_run(tmp_path / "run").thoughts == run.thoughts
-    arrivals = [event["t"] for event in run.events if event["kind"] == "arrived"]
+    arrivals = [event["t"] for event in events(run, "arrived")]
     told = [
         thought["t"]
         for thought in run.thoughts

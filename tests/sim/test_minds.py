@@ -1,5 +1,7 @@
 """Minds: what a person is told, and people who are told from outside what to do."""
 
+from run_events import events
+
 import bdi
 import sim
 
@@ -19,7 +21,7 @@ def test_a_person_without_a_program_does_what_is_asked():
     simulation.advance(60.0)
     run = simulation.finish()
     assert run.summary["people"]["operator"]["visits"] == ["station4"]
-    goal, arrived = (event for event in run.events if event["kind"] in ("goal", "arrived"))
+    goal, arrived = events(run, "goal", "arrived")
     assert (goal["t"], goal["station"]) == (3.0, "station4")
     assert arrived["t"] > 6.0
 

@@ -3,6 +3,7 @@
 import math
 
 import pytest
+from run_events import events, said
 
 import navigation
 import sim
@@ -45,10 +46,6 @@ def run(tmp_path):
     return go
 
 
-def events(run, *kinds):
-    return [event for event in run.events if event["kind"] in kinds]
-
-
 def kinds(run):
     seen = ("goal", "goal_occupied", "goal_free", "path_blocked", "arrived", "violation")
     return [event["kind"] for event in events(run, *seen)]
@@ -70,7 +67,7 @@ def test_a_person_waits_beside_and_goes_on_when_the_agv_has_left(run, yields):
     assert math.dist(waited.at, (16, 5)) == pytest.approx(away, abs=0.01)
     assert free["t"] == pytest.approx(events(found, "agv_moved")[-1]["arrives"])
     assert found.motions["a"].position(60.0) == pytest.approx((16, 5))
-    assert [event["text"] for event in events(found, "said")] == ["occupied0", "completed0"]
+    assert said(found) == ["occupied0", "completed0"]
 
 
 def test_an_agv_that_stops_on_the_goal_of_somebody_who_walks(run):

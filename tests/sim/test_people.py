@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 import shapely
+from run_events import events, said
 from shapely.geometry import box
 
 import bdi
@@ -17,10 +18,6 @@ ALONE = "floorplan: ariac2023\nduration: {duration}\ngantry: {{at: [0.4, 7.0, 0.
 def run(text, folder=".", duration=60):
     trial = sim.Trial.parse(ALONE.format(duration=duration) + text, folder=folder)
     return sim.run(trial)
-
-
-def events(finished, *kinds):
-    return [event for event in finished.events if event["kind"] in kinds]
 
 
 @pytest.fixture
@@ -158,7 +155,7 @@ def test_a_goal_in_a_table_is_told_and_the_action_fails(program):
         +goal_blocked(N) <- .print("told ", N).
         """
     )
-    assert sorted(event["text"] for event in events(finished, "said")) == ["no way", "told 0"]
+    assert sorted(said(finished)) == ["no way", "told 0"]
     (blocked,) = events(finished, "path_blocked")
     assert "assembly_table1" in blocked["message"]
     assert finished.summary["people"]["a"]["distance_walked"] == 0
@@ -230,7 +227,7 @@ def test_stepping_back_where_there_is_no_room_fails_and_is_told(program):
         "!go. +!go <- move_away(2). -!go <- .print(cornered). +path_blocked(_) <- .print(told).",
         at="[1.69, -11.69]",
     )
-    assert sorted(event["text"] for event in events(finished, "said")) == ["cornered", "told"]
+    assert sorted(said(finished)) == ["cornered", "told"]
     assert finished.summary["people"]["a"]["distance_walked"] == 0
 
 

@@ -1,6 +1,7 @@
 """People whose personality changes in the course of a trial."""
 
 import pytest
+from run_events import events, first, said
 
 import bdi
 import sim
@@ -20,14 +21,6 @@ def trial(change, folder=".", text=PATROL):
     return sim.Trial.parse(text.format(change=change), folder=folder)
 
 
-def events(run, *kinds):
-    return [event for event in run.events if event["kind"] in kinds]
-
-
-def after(run, t, kind):
-    return next(event for event in run.events if event["t"] >= t and event["kind"] == kind)
-
-
 def test_a_personality_changes_at_a_time_and_the_person_goes_on(tmp_path):
     """On the way to the second station, towards which the new mind walks on."""
     run = sim.run(trial("{when: {time: 10.0}, personality: helpful}"))
@@ -35,14 +28,14 @@ def test_a_personality_changes_at_a_time_and_the_person_goes_on(tmp_path):
     (changed,) = events(run, "personality_changed")
     assert (changed["t"], changed["person"], changed["personality"]) == (10, "operator", "helpful")
     bound_for = [event["station"] for event in events(plain, "goal") if event["t"] < 10.0][-1]
-    goal = after(run, 10.0, "goal")
+    goal = first(run, "goal", after=10.0)
     assert (goal["t"], goal["station"]) == (10.0, bound_for)
     before, later = run.motions["operator"].state_before(10.0), run.motions["operator"].state(10.0)
     assert before.at == later.at
     assert later.speed == pytest.approx(before.speed)
     # The helpful mind turns round at the gantry, the indifferent one never does.
-    turned = after(run, events(run, "gantry_detected")[0]["t"] + 1e-6, "goal")
-    assert turned["station"] != after(plain, turned["t"], "goal")["station"]
+    turned = first(run, "goal", after=events(run, "gantry_detected")[0]["t"] + 1e-6)
+    assert turned["station"] != first(plain, "goal", after=turned["t"])["station"]
     assert run.summary["people"]["operator"]["personality"] == "indifferent"
 
 
@@ -85,7 +78,7 @@ def test_counters_go_on(tmp_path):
     arrivals = [event["t"] for event in events(sim.run(trial("")), "arrived")]
     when = (arrivals[1] + arrivals[2]) / 2
     run = sim.run(trial(f"{{when: {{time: {when}}}, personality: walks.asl}}", tmp_path))
-    assert [event["text"] for event in events(run, "said")] == ["completed2"]
+    assert said(run) == ["completed2"]
 
 
 def test_what_was_under_way_is_dropped(tmp_path):
@@ -125,7 +118,7 @@ def test_chances_are_new_after_a_change_and_the_same_each_time(tmp_path):
     text = PATROL.replace("indifferent", "dice.asl").replace("duration: 60", "duration: 3")
     change = "{when: {time: 1.0}, personality: dice.asl}"
     runs = [sim.run(trial(change, tmp_path, text)) for _ in range(2)]
-    thrown = [[event["text"] for event in events(run, "said")] for run in runs]
+    thrown = [said(run) for run in runs]
     assert thrown[0] == thrown[1]
     assert len(set(thrown[0])) == 2
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from run_events import events
 
 import sim
 
@@ -18,14 +19,6 @@ SAMPLE = 1e-3
 
 def run(text, **changes):
     return sim.run(replace(sim.Trial.parse(text), **changes))
-
-
-def events(run, *kinds, **fields):
-    return [
-        event
-        for event in run.events
-        if event["kind"] in kinds and all(event.get(key) == fields[key] for key in fields)
-    ]
 
 
 def parked(rules, people, *, at="[-2.5, 0.5, 0.0]", duration=60, agvs=""):

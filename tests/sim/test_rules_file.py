@@ -5,6 +5,7 @@ import pickle
 
 import numpy as np
 import pytest
+from run_events import events, first
 
 import navigation
 import sim
@@ -226,7 +227,7 @@ def test_everything_that_is_wrong_is_told_at_once(folder):
 def test_a_law_of_ones_own_decides(folder):
     rules = "gantry_law:\n  braking:BrakingLaw: {deceleration: 2.0, least: 1.5}"
     run = sim.run(trial(rules, folder))
-    violation = next(event for event in run.events if event["kind"] == "violation")
+    violation = first(run, "violation")
     assert violation["required"] == pytest.approx(1.5 + violation["human_speed"])
     assert violation["distance"] == pytest.approx(violation["required"], abs=1e-6)
     times = np.linspace(0.0, 60.0, 301)
@@ -281,7 +282,7 @@ agv_law: {iso_ts_15066_integral: {t1: 0.5, t2: 0.5, intrusion: 0.5}}
 
 def test_the_integral_law_is_a_rule_of_a_trial():
     run = sim.run(trial(INTEGRAL))
-    violations = [event for event in run.events if event["kind"] == "violation"]
+    violations = events(run, "violation")
     assert violations
     for event in violations:
         # The person was about to walk on for more than 2.5 s.
@@ -291,7 +292,7 @@ def test_the_integral_law_is_a_rule_of_a_trial():
         assert just_before == pytest.approx(3.5, abs=0.011)
     nearest = run.summary["minimum_separation"]
     assert nearest["required"] == pytest.approx(3.5, abs=1e-6)
-    noticed = next(event for event in run.events if event["kind"] == "gantry_detected")
+    noticed = first(run, "gantry_detected")
     assert noticed["noticing_distance"] == pytest.approx(2 * noticed["required"])
 
 
@@ -349,7 +350,7 @@ def test_a_violation_has_a_cause(tmp_path, x, jobs, program, cause):
     (tmp_path / "stay.asl").write_text(program)
     text = CAUSES.format(duration=7.9, x=x, jobs=jobs)
     run = sim.run(sim.Trial.parse(text, folder=tmp_path))
-    (violation,) = (event for event in run.events if event["kind"] == "violation")
+    (violation,) = events(run, "violation")
     assert violation["cause"] == cause
     assert (violation["robot_speed"] > 1e-6) == (cause == "gantry")
     counted = {"gantry": 0, "person": 0, cause: 1}

@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+from run_events import events, first
 
 import sim
 
@@ -23,18 +24,6 @@ def scene():
         return runs[personality]
 
     return run
-
-
-def events(run, *kinds):
-    return [event for event in run.events if event["kind"] in kinds]
-
-
-def first(run, kind):
-    return events(run, kind)[0]
-
-
-def after(run, t, kind):
-    return next(e for e in run.events if e["t"] >= t and e["kind"] == kind)
 
 
 def goals(run):
@@ -67,13 +56,13 @@ def test_the_indifferent_person_walks_into_the_gantry_after_station1(scene):
 def test_a_violation_disables_teleports_and_restarts(scene, personality):
     run = scene(personality)
     t = first(run, "violation")["t"]
-    assert after(run, t, "gantry_disabled")["t"] == t
-    assert after(run, t, "gantry_enabled")["t"] == pytest.approx(t + 8.0, abs=1e-9)
-    teleport = after(run, t, "teleport")
+    assert first(run, "gantry_disabled", after=t)["t"] == t
+    assert first(run, "gantry_enabled", after=t)["t"] == pytest.approx(t + 8.0, abs=1e-9)
+    teleport = first(run, "teleport", after=t)
     assert (teleport["t"], teleport["to"], teleport["reason"]) == (t, [-15.0, -10.0], "gantry")
     assert run.motions["operator"].position(t + 4.0) == pytest.approx((-15.0, -10.0))
     assert run.motions["operator"].rotation(t + 4.0) == pytest.approx(math.pi)
-    restart = after(run, t + 1e-6, "goal")
+    restart = first(run, "goal", after=t + 1e-6)
     assert restart["t"] == pytest.approx(t + 8.0, abs=1e-9)
     assert restart["station"] == "station4"
 
@@ -84,7 +73,7 @@ def test_the_antagonistic_person_turns_to_the_gantry_before_station1(scene):
     assert run.summary["people"]["operator"]["visits"][:2] == ["station4", "station2"]
     assert [name for t, name in goals(run) if t < noticed["t"]][-1] == "station1"
     assert noticed["distance"] == pytest.approx(2 * LAW.distance(1.0, 0.0), abs=1e-6)
-    headed = after(run, noticed["t"], "goal")
+    headed = first(run, "goal", after=noticed["t"])
     assert headed["t"] == noticed["t"]
     assert math.dist(headed["at"], GANTRY) < 1.0
     arrivals = [e for e in events(run, "arrived") if e["t"] < violation["t"]]
@@ -113,7 +102,7 @@ def test_the_helpful_person_never_comes_too_close_and_does_not_dither(scene):
     assert set(visits) == {"station4", "station2"}
     for t in turns:
         before = [name for u, name in goals(run) if u <= t][-1]
-        turned = after(run, t + 1e-6, "goal")
+        turned = first(run, "goal", after=t + 1e-6)
         assert turned["station"] != before
         standing = run.motions["operator"].velocity(np.array([t + 0.5, turned["t"] - 1e-6]))
         assert np.abs(standing).max() == 0.0
@@ -208,4 +197,4 @@ agvs: {agv4: [{time: 2.0, to: assembly_back}]}
     assert math.dist(person.at, agv.at) == pytest.approx(
         LAW.distance(person.speed, agv.speed), abs=1e-4
     )
-    assert after(run, t + 1e-6, "goal")["t"] == pytest.approx(t + 8.0, abs=1e-9)
+    assert first(run, "goal", after=t + 1e-6)["t"] == pytest.approx(t + 8.0, abs=1e-9)

@@ -4,6 +4,7 @@ import math
 
 import pytest
 import shapely
+from run_events import events, first
 
 import navigation
 import sim
@@ -68,7 +69,7 @@ def test_who_cannot_leave_stays(run):
     """In a niche 1 m deep, behind an AGV that has come to stand before it."""
     niche = "personality: to_a.asl, at: [7.6, 4.1], start: {time: 10}"
     found = run(niche, "[{time: 0, to: far}]")
-    blocked = next(event for event in found.events if event["kind"] == "path_blocked")
+    blocked = first(found, "path_blocked")
     assert "the start (7.6, 4.1)" in blocked["message"]
     assert "cart" in blocked["message"]
     assert found.motions["p"].position(30.0) == pytest.approx((7.6, 4.1))
@@ -95,7 +96,7 @@ def test_who_is_put_where_an_agv_stands_is_put_beside_it(run):
     assert [e["to"] for e in found.events if e["kind"] == "teleport"] == [[6.8, 4.2]]
     program = "personality: put.asl, at: [2, 2]"
     found = run(program, "[{time: 0, to: far}]", home)
-    (teleport,) = [event for event in found.events if event["kind"] == "teleport"]
+    (teleport,) = events(found, "teleport")
     assert clearance(found) >= 0.3 - 1e-3
     at = teleport["to"]
     assert found.trial.floorplan.lane("cart").footprint(2.8).distance(shapely.Point(at)) >= 0.3

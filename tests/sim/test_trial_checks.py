@@ -4,6 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from run_events import said
 
 import bdi
 import floorplan
@@ -116,18 +117,14 @@ def test_everything_is_told_at_once():
         sim.run(trial)
 
 
-def said(trial):
-    return [event["text"] for event in sim.run(trial).events if event["kind"] == "said"]
-
-
 def test_a_program_itself_is_a_personality():
     program = bdi.parse("!rest. +!rest <- .print(resting).", "calm")
     change = sim.PersonalityChange(sim.Start(0.5), bdi.parse("!go. +!go <- .print(going).", "busy"))
     person = sim.PersonEntry("ada", personality=program, changes=(change,))
     trial = sim.Trial(FLOOR, duration=1.0, people=(person,))
-    assert said(trial) == ["resting", "going"]
+    assert said(sim.run(trial)) == ["resting", "going"]
     assert sim.run(trial).summary["people"]["ada"]["personality"] == "calm"
-    assert said(trial.with_personality(program)) == ["resting"]
+    assert said(sim.run(trial.with_personality(program))) == ["resting"]
 
 
 def test_the_personality_alone_decides_who_somebody_is(tmp_path):
@@ -136,10 +133,10 @@ def test_the_personality_alone_decides_who_somebody_is(tmp_path):
     text = "floorplan: ariac2023\nduration: 1\npeople: [{name: ada, personality: calm.asl}]\n"
     trial = sim.Trial.parse(text, folder=tmp_path)
     other = replace(trial, people=(replace(trial.people[0], personality="busy.asl"),))
-    assert (said(trial), said(other)) == (["calm"], ["busy"])
+    assert (said(sim.run(trial)), said(sim.run(other))) == (["calm"], ["busy"])
     # A file counts as it is when the trial is run.
     (tmp_path / "calm.asl").write_text("!go. +!go <- .print(excited).")
-    assert said(trial) == ["excited"]
+    assert said(sim.run(trial)) == ["excited"]
 
 
 def test_a_personality_of_no_name_is_one_error_everywhere():

@@ -3,6 +3,7 @@
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from run_events import events
 
 import sim
 import sim.simulation
@@ -38,7 +39,7 @@ def test_what_is_believed_is_how_it_is_then(tmp_path_factory, every):
     folder = tmp_path_factory.mktemp("looks")
     (folder / "looks.asl").write_text(LOOKS.format(every=every))
     run = sim.run(sim.Trial.parse(TRIAL, folder=folder))
-    said = [event for event in run.events if event["kind"] == "said"]
+    said = events(run, "said")
     assert len(said) == 6 * (20_000 // every + (20_000 % every > 0))
     moving = 0
     for event in said:

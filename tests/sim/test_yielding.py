@@ -5,6 +5,7 @@ import math
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from run_events import events
 
 import sim
 
@@ -75,10 +76,6 @@ def trial(folder, people, moves, law, yields=True):
         f"people: [{', '.join(entries)}]\nagvs: {{{', '.join(agvs)}}}\n"
     )
     return sim.Trial.parse(text, folder=folder)
-
-
-def events(run, kind):
-    return [event for event in run.events if event["kind"] == kind]
 
 
 @settings(max_examples=40)

@@ -1,0 +1,20 @@
+"""Events of a run by kind and field, for tests."""
+
+
+def events(run, *kinds, **fields):
+    """The events of any of `kinds` whose fields have these values, in their order."""
+    return [
+        event
+        for event in run.events
+        if event["kind"] in kinds and all(event.get(key) == fields[key] for key in fields)
+    ]
+
+
+def first(run, *kinds, after=0.0):
+    """The first event of any of `kinds` at or after the instant `after`, seconds."""
+    return next(event for event in events(run, *kinds) if event["t"] >= after)
+
+
+def said(run):
+    """Everything that people say, in order."""
+    return [event["text"] for event in events(run, "said")]
