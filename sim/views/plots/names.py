@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
+import shapely
 from matplotlib.axes import Axes
 from shapely.geometry import LineString, Polygon, box
 from shapely.geometry import Point as Spot
 
-from floorplan import Floorplan, Lane, Point
+from floorplan import Floorplan, Point
 
 from .curves import Array
 from .style import BLACK, GREEN, obstacle_shade
@@ -25,116 +25,74 @@ _PLACE_SIZE = 6
 _INSIDE_SIZE = 5.0
 """Points. The letters of the name of an obstacle or an AGV."""
 
-_LETTER_WIDTH = 0.58
-"""A letter's width, as a share of its height."""
-
 _MARK = 3.5
 """Points. The radius of the mark of a station or of the safe zone."""
 
-_LANE, _WAY = 0.3, 1.5
-"""Points. As how wide the line of a lane, and that of a way, count: one can read across them."""
+_LANE, _PATH = 0.3, 1.5
+"""Points. The widths that count of the lines of lanes and paths: one can read across them."""
 
 _UPRIGHT = 0.05
 """An upright name is worse than one of which less than this share covers something."""
 
-
-class _Side(NamedTuple):
-    """Where a name stands beside its mark: how far off (points), aligned how, upright or not."""
-
-    x: float
-    y: float
-    aligned: str
-    upon: str
-    upright: bool = False
-
-
-_SIDES = (
-    _Side(0, 4, "center", "bottom"),
-    _Side(0, -4, "center", "top"),
-    _Side(5, 0, "left", "center"),
-    _Side(-5, 0, "right", "center"),
-    _Side(3, 3, "left", "bottom"),
-    _Side(3, -3, "left", "top"),
-    _Side(-3, -3, "right", "top"),
-    _Side(-3, 3, "right", "bottom"),
-    _Side(0, 5, "center", "bottom", upright=True),
-    _Side(0, -5, "center", "top", upright=True),
-    _Side(5, 0, "left", "center", upright=True),
-    _Side(-5, 0, "right", "center", upright=True),
-)
-"""The places for a name, the best first."""
+_LEVEL_SIDES = ((0, 4), (0, -4), (5, 0), (-5, 0), (3, 3), (3, -3), (-3, -3), (-3, 3))
+_UPRIGHT_SIDES = ((0, 5), (0, -5), (5, 0), (-5, 0))
+_SIDES = [(side, False) for side in _LEVEL_SIDES] + [(side, True) for side in _UPRIGHT_SIDES]
+"""Points from a mark to its name, and whether that stands upright; the best first."""
 
 
 def draw_names(
-    axes: Axes, plan: Floorplan, *, ways: Sequence[Array] = (), with_agvs: bool = False
+    axes: Axes, plan: Floorplan, *, paths: Sequence[Array] = (), with_agvs: bool = False
 ) -> None:
-    """The names of stations and of the safe zone, and of obstacles where there is room for them.
+    """Write the names of stations and the safe zone, and of obstacles where there is room.
 
-    Those of places keep off obstacles, AGVs at their start, and the `ways` (N, 2), metres, that
+    Those of places keep off obstacles, AGVs at their start, and the `paths` (N, 2), metres, that
     are drawn. AGVs have their own only if they are drawn there. All else has to be drawn by then:
     how much room there is depends on it.
     """
-    scale = _scale(axes)
+    point = _metres_per_point(axes)
     marks = [(station.name, station.position, BLACK) for station in plan.stations]
     if plan.safe_zone is not None:
         marks.append(("safe zone", plan.safe_zone.position, GREEN))
-    taken = _Taken(plan.boundary)
-    taken.areas += [obstacle.footprint for obstacle in plan.obstacles]
-    taken.areas += [_start(lane) for lane in plan.lanes]
-    taken.areas += [Spot(at).buffer(_MARK / scale) for _, at, _ in marks]
-    tracks = [LineString([lane.position(q) for q in lane.limits]) for lane in plan.lanes]
-    taken.lines += [(track, _LANE / scale) for track in tracks]
-    taken.lines += [(line, _WAY / scale) for way in ways for line in _unbroken(way)]
+    starts = {lane.name: lane.footprint(lane.locations[lane.start]) for lane in plan.lanes}
+    lanes = [LineString([lane.position(q) for q in lane.limits]) for lane in plan.lanes]
+    taken = [obstacle.footprint for obstacle in plan.obstacles] + list(starts.values())
+    taken += [Spot(at).buffer(_MARK * point) for _, at, _ in marks]
+    taken += [lane.buffer(_LANE / 2 * point) for lane in lanes]
+    taken += [line.buffer(_PATH / 2 * point) for path in paths for line in _unbroken(path)]
+    free = plan.boundary.difference(shapely.union_all(taken))
     for name, at, colour in marks:
-        taken.areas.append(_write_beside(axes, at, name, colour, taken))
+        free = free.difference(_write_beside(axes, at, name, colour, free))
     for obstacle in plan.obstacles:
         dark = obstacle.bottom < plan.human.height and obstacle_shade(obstacle) < _DARK
-        colour = "white" if dark else BLACK
-        _write_inside(axes, obstacle.footprint, obstacle.name, scale, colour)
+        _write_inside(axes, obstacle.footprint, obstacle.name, "white" if dark else BLACK)
     if with_agvs:
-        for lane in plan.lanes:
-            _write_inside(axes, _start(lane), lane.name, scale, BLACK)
+        for name, start in starts.items():
+            _write_inside(axes, start, name, BLACK)
 
 
-@dataclass
-class _Taken:
-    """What names should not cover, metres; each line with its width."""
-
-    boundary: Polygon
-    areas: list[Polygon] = field(default_factory=list)
-    lines: list[tuple[LineString, float]] = field(default_factory=list)
-
-    def share(self, area: Polygon) -> float:
-        """How much of an area would be over something else, or outside; 0 if nothing would."""
-        covered = area.difference(self.boundary).area
-        covered += sum(area.intersection(other).area for other in self.areas)
-        crossed = (area.intersection(line).length * width for line, width in self.lines)
-        covered += max(crossed, default=0.0)
-        return float(covered / area.area)
-
-
-def _unbroken(way: Array) -> Iterator[LineString]:
-    """The parts of a way between NaNs."""
-    for part in np.split(way, np.flatnonzero(np.isnan(way[:, 0]))):
+def _unbroken(path: Array) -> Iterator[LineString]:
+    """The parts of a path between NaNs."""
+    for part in np.split(path, np.flatnonzero(np.isnan(path[:, 0]))):
         points = part[~np.isnan(part[:, 0])]
         if len(points) > 1:
             yield LineString(points)
 
 
-def _start(lane: Lane) -> Polygon:
-    return lane.footprint(lane.locations[lane.start])
-
-
-def _scale(axes: Axes) -> float:
-    """How many points of the picture a metre of the floor takes."""
+def _metres_per_point(axes: Axes) -> float:
+    """How many metres of the floor a point of the picture takes."""
     figure: Any = axes.figure
     figure.draw_without_rendering()
     (west, _), (east, _) = axes.transData.transform([(0.0, 0.0), (1.0, 0.0)]).tolist()
-    return float(72 * (east - west) / figure.dpi)
+    return float(figure.dpi / (east - west) / 72)
 
 
-def _write_beside(axes: Axes, at: Point, text: str, colour: str, taken: _Taken) -> Polygon:
-    """A name beside its mark where it covers the least; what it takes up itself.
+def _extent(axes: Axes, name: Any) -> Polygon:
+    """What a name takes up, metres."""
+    return box(*name.get_window_extent().transformed(axes.transData.inverted()).extents)
+
+
+def _write_beside(axes: Axes, at: Point, text: str, colour: str, free: Any) -> Polygon:
+    """Write a name beside its mark where most of it is `free`; return what it takes up.
 
     It stands on a plate of its own where it covers anything.
     """
@@ -142,40 +100,33 @@ def _write_beside(axes: Axes, at: Point, text: str, colour: str, taken: _Taken) 
         text, at, (0, 0), textcoords="offset points", size=_PLACE_SIZE, color=colour, zorder=4
     )
 
-    def put(side: _Side) -> Polygon:
-        name.set_position((side.x, side.y))
-        name.set(ha=side.aligned, va=side.upon, rotation=90 if side.upright else 0)
-        return box(*name.get_window_extent().transformed(axes.transData.inverted()).extents)
+    def covered(side: tuple[Point, bool]) -> float:
+        """Put the name there; return which share of it covers something, from 0 to 1."""
+        (x, y), upright = side
+        name.set(
+            position=(x, y),
+            ha="left" if x > 0 else "right" if x < 0 else "center",
+            va="bottom" if y > 0 else "top" if y < 0 else "center",
+            rotation=90 if upright else 0,
+        )
+        area = _extent(axes, name)
+        return round(float(1.0 - area.intersection(free).area / area.area), 6)
 
-    best = min(_SIDES, key=lambda side: taken.share(put(side)) + side.upright * _UPRIGHT)
-    area = put(best)
-    if taken.share(area) > 0.0:
+    best = min(_SIDES, key=lambda side: covered(side) + side[1] * _UPRIGHT)
+    if covered(best) > 0.0:
         name.set_bbox({"facecolor": "white", "alpha": 0.75, "linewidth": 0, "pad": 0.3})
-    return area
+    return _extent(axes, name)
 
 
-def _write_inside(axes: Axes, area: Polygon, text: str, scale: float, colour: str) -> None:
-    """A name in an area, on one or two lines or upright: the first way that fits, if any does."""
+def _write_inside(axes: Axes, area: Polygon, text: str, colour: str) -> None:
+    """A name in an area, on one or two lines or upright: the first that fits, if any does."""
     west, south, east, north = area.bounds
-    wide, high = (east - west) * scale, (north - south) * scale
-    two_lines = "\n".join(text.rsplit("_", 1))
-    for written, upright in ((text, False), (two_lines, False), (text, True)):
-        lines = written.splitlines()
-        length = _LETTER_WIDTH * _INSIDE_SIZE * max(map(len, lines))
-        height = 1.2 * _INSIDE_SIZE * len(lines)
-        if length <= (high if upright else wide) and height <= (wide if upright else high):
-            inside = area.representative_point()
-            at = area.centroid if area.contains(area.centroid) else inside
-            axes.text(
-                at.x,
-                at.y,
-                written,
-                size=_INSIDE_SIZE,
-                color=colour,
-                rotation=90 if upright else 0,
-                ha="center",
-                va="center",
-                linespacing=1.0,
-                zorder=4,
-            )
+    at = area.centroid if area.contains(area.centroid) else area.representative_point()
+    look: dict[str, Any] = {"ha": "center", "va": "center", "linespacing": 1.0, "zorder": 4}
+    name = axes.text(at.x, at.y, text, size=_INSIDE_SIZE, color=colour, **look)
+    for written, upright in ((text, False), ("\n".join(text.rsplit("_", 1)), False), (text, True)):
+        name.set(text=written, rotation=90 if upright else 0)
+        left, low, right, high = _extent(axes, name).bounds
+        if right - left <= east - west and high - low <= north - south:
             return
+    name.remove()

@@ -49,9 +49,9 @@ def path(world: CollisionWorld, way: Path, *, radius: float, width: Width = "dou
     draw_floor(axes, world.plan)
     for body in world.bodies:
         fill_area(axes, body.footprint, facecolor=PALE, edgecolor=GREY, linewidth=0.5, zorder=1.5)
-    _draw_way(axes, way, points, clearances)
+    _draw_path(axes, way, points, clearances)
     _draw_profile(figure.add_subplot(rows[1]), along, clearances, radius)
-    draw_names(axes, world.plan, ways=[way.points])
+    draw_names(axes, world.plan, paths=[way.points])
     return figure
 
 
@@ -64,7 +64,7 @@ def _places(way: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.f
     return along, np.column_stack([np.interp(along, corners, way[:, k]) for k in (0, 1)])
 
 
-def _draw_way(
+def _draw_path(
     axes: Axes, way: Path, points: NDArray[np.float64], clearances: NDArray[np.float64]
 ) -> None:
     room = shapely.union_all(shapely.buffer(shapely.points(points), np.minimum(clearances, FAR)))

@@ -36,14 +36,14 @@ def trails(run: Outcome, *, within: Span | None = None, width: Width = "double")
     begin, end = span_of(run, within)
     figure, axes = floor_figure(run.floorplan, width)
     draw_floor(axes, run.floorplan)
-    ways = [_draw_way(axes, run, body, (begin, end)) for body in run.motions]
+    paths = [_draw_path(axes, run, body, (begin, end)) for body in run.motions]
     mark_breaches(axes, [at for _, at in breaches(run, (begin, end))])
     explain(figure, [axes], width)
-    draw_names(axes, run.floorplan, ways=ways)
+    draw_names(axes, run.floorplan, paths=paths)
     return figure
 
 
-def _draw_way(axes: Axes, run: Outcome, body: str, span: Span) -> Array:
+def _draw_path(axes: Axes, run: Outcome, body: str, span: Span) -> Array:
     """Draw the way of a body; its points (N, 2), NaN where it breaks off."""
     motion, kind = run.motions[body], run.scene.kind(body)
     way = motion.position(instants([motion], *span))
