@@ -12,12 +12,12 @@ from collections.abc import Iterable, Iterator
 import shapely
 from shapely.geometry import Polygon
 
-from floorplan import Floorplan, Gantry, Lane, Obstacle
+from floorplan import Floorplan, Gantry, Lane, Obstacle, Point
 
 from ..core.recorder import Event
 from ..core.scene import Figure
 from ..record.outcome import Outcome
-from .shapes import Arrow, Block, Color, Label, Line, Point3, Shape, Surface, Thing, Tube
+from .shapes import Color, Point3, Shape, Thing
 from .track import Pose, just_before
 
 ROOT_FRAME = "map"
@@ -42,6 +42,8 @@ _HAIR = 0.01
 
 _CIRCLE = tuple((math.cos(k * math.pi / 24), math.sin(k * math.pi / 24)) for k in range(49))
 
+_AS_IT_IS = (1.0, 1.0, 1.0)
+
 
 def frame(body: str) -> str:
     """The frame that moves with a body."""
@@ -50,26 +52,27 @@ def frame(body: str) -> str:
 
 def floor(plan: Floorplan) -> list[Thing]:
     """Everything that stays where it is."""
-    ground = Surface(_triangles(plan.boundary, -_HAIR), GROUND)
-    outline = _ring(plan.boundary.exterior.coords, 0.0, 0.05, MARKING)
+    ground = Shape(
+        kind="triangles", points=_triangles(plan.boundary, -_HAIR), size=_AS_IT_IS, color=GROUND
+    )
+    outline = _line([(*at[:2], 0.0) for at in plan.boundary.exterior.coords], 0.05, MARKING)
     things = [Thing("floor", ROOT_FRAME, (ground, outline))]
     things += [
-        Thing(f"obstacle {obstacle.name}", ROOT_FRAME, tuple(_solid(obstacle)))
+        Thing(f"obstacle {obstacle.name}", ROOT_FRAME, (_solid(obstacle),))
         for obstacle in plan.obstacles
     ]
     for station in plan.stations:
         x, y = station.position
-        disc = Tube((x, y, _HAIR), plan.human.goal_tolerance, _HAIR, MARKING)
-        words = Label((x, y, 0.4), station.name, 0.3, MARKING)
+        disc = _cylinder((x, y, _HAIR), plan.human.goal_tolerance, _HAIR, MARKING)
+        words = _label((x, y, 0.4), station.name, MARKING)
         things.append(Thing(f"station {station.name}", ROOT_FRAME, (disc, words)))
     if plan.safe_zone is not None:
         x, y = plan.safe_zone.position
-        circle = _ring([(x + cx, y + cy) for cx, cy in _CIRCLE], _HAIR, 0.05, AGV)
-        words = Label((x, y, 0.4), "safe zone", 0.3, AGV)
-        things.append(Thing("safe zone", ROOT_FRAME, (circle, words)))
+        words = _label((x, y, 0.4), "safe zone", AGV)
+        things.append(Thing("safe zone", ROOT_FRAME, (_circle((x, y), 1.0, 0.05, AGV), words)))
     for lane in plan.lanes:
-        ends = [(*lane.position(q), _HAIR) for q in lane.limits]
-        things.append(Thing(f"lane {lane.name}", ROOT_FRAME, (Line(tuple(ends), 0.03, AGV),)))
+        ends = _line([(*lane.position(q), _HAIR) for q in lane.limits], 0.03, AGV)
+        things.append(Thing(f"lane {lane.name}", ROOT_FRAME, (ends,)))
     if plan.gantry is not None:
         things.append(Thing("gantry rails", ROOT_FRAME, tuple(_rails(plan.gantry))))
     return things
@@ -101,19 +104,15 @@ def violation(run: Outcome, event: Event) -> Thing:
     person, machine = event["person"], event["with"]
     (x, y), end = just_before(run, person, event), just_before(run, machine, event)
     figure = next(one for one in run.scene.people if one.name == person)
-    ring, height = 2 * figure.radius, figure.height / 2
+    height = figure.height / 2
+    middle = ((x + end[0]) / 2, (y + end[1]) / 2, height + 0.4)
     return Thing(
         f"violation {person} {machine}",
         ROOT_FRAME,
         (
-            _ring([(x + ring * cx, y + ring * cy) for cx, cy in _CIRCLE], _HAIR, 0.06, ALARM),
-            Line(((x, y, height), (*end, height)), 0.04, ALARM),
-            Label(
-                ((x + end[0]) / 2, (y + end[1]) / 2, height + 0.4),
-                f"closer than {event['required']:.2f} m",
-                0.3,
-                ALARM,
-            ),
+            _circle((x, y), 2 * figure.radius, 0.06, ALARM),
+            _line([(x, y, height), (*end, height)], 0.04, ALARM),
+            _label(middle, f"closer than {event['required']:.2f} m", ALARM),
         ),
     )
 
@@ -121,46 +120,46 @@ def violation(run: Outcome, event: Event) -> Thing:
 def _person(person: Figure) -> tuple[Shape, ...]:
     radius, height = person.radius, person.height
     return (
-        Tube((0.0, 0.0, height / 2), radius, height, PERSON),
-        Arrow((radius, 0.0, 0.75 * height), 2 * radius, PERSON),
-        Label((0.0, 0.0, height + 0.3), person.name, 0.3, PERSON),
+        _cylinder((0.0, 0.0, height / 2), radius, height, PERSON),
+        _arrow((radius, 0.0, 0.75 * height), 2 * radius, PERSON),
+        _label((0.0, 0.0, height + 0.3), person.name, PERSON),
     )
 
 
 def _gantry(gantry: Gantry) -> Iterator[Shape]:
     length, width, bottom, top = gantry.torso
-    yield Block((0.0, 0.0, (bottom + top) / 2), (length, width, top - bottom), MACHINE)
+    yield _cube((0.0, 0.0, (bottom + top) / 2), (length, width, top - bottom), MACHINE)
     mast = gantry.rail_height - top
     if mast > 0:
-        yield Block((0.0, 0.0, top + mast / 2), (0.2, 0.2, mast), MACHINE)
+        yield _cube((0.0, 0.0, top + mast / 2), (0.2, 0.2, mast), MACHINE)
     low = gantry.arm_bottom
-    yield Tube((0.0, 0.0, (low + top) / 2), gantry.arm_reach, top - low, _faint(MACHINE))
+    faint = (*MACHINE[:3], 0.25)
+    yield _cylinder((0.0, 0.0, (low + top) / 2), gantry.arm_reach, top - low, faint)
     mount, height = gantry.arm_mount
-    yield Arrow((mount, 0.0, height), max(gantry.arm_reach - mount, 0.1), MACHINE)
+    yield _arrow((mount, 0.0, height), max(gantry.arm_reach - mount, 0.1), MACHINE)
 
 
-def _bridge(gantry: Gantry) -> Block:
+def _bridge(gantry: Gantry) -> Shape:
     low, high = gantry.y.low, gantry.y.high
-    center = (0.0, (low + high) / 2, gantry.rail_height + 0.1)
-    return Block(center, (0.3, high - low, 0.2), MACHINE)
+    return _cube((0.0, (low + high) / 2, gantry.rail_height + 0.1), (0.3, high - low, 0.2), MACHINE)
 
 
 def _rails(gantry: Gantry) -> Iterator[Shape]:
     low, high = gantry.x.low, gantry.x.high
     for y in (gantry.y.low, gantry.y.high):
         center = ((low + high) / 2, y, gantry.rail_height + 0.1)
-        yield Block(center, (high - low, 0.15, 0.15), WALL)
+        yield _cube(center, (high - low, 0.15, 0.15), WALL)
 
 
 def _agv(lane: Lane) -> tuple[Shape, ...]:
     size = (lane.length, lane.width, lane.height)
     return (
-        Block((0.0, 0.0, lane.height / 2), size, AGV),
-        Label((0.0, 0.0, lane.height + 0.3), lane.name, 0.3, AGV),
+        _cube((0.0, 0.0, lane.height / 2), size, AGV),
+        _label((0.0, 0.0, lane.height + 0.3), lane.name, AGV),
     )
 
 
-def _solid(obstacle: Obstacle) -> Iterator[Shape]:
+def _solid(obstacle: Obstacle) -> Shape:
     """An obstacle as a box where it is one, else as the surface of a prism."""
     footprint, bottom, top = obstacle.footprint, obstacle.bottom, obstacle.top
     corners = list(footprint.exterior.coords)
@@ -169,14 +168,14 @@ def _solid(obstacle: Obstacle) -> Iterator[Shape]:
         (ax, ay), (bx, by), (cx, cy) = (corner[:2] for corner in corners[:3])
         center = ((ax + cx) / 2, (ay + cy) / 2, (bottom + top) / 2)
         size = (math.dist((ax, ay), (bx, by)), math.dist((bx, by), (cx, cy)), top - bottom)
-        yield Block(center, size, WALL, yaw=math.atan2(by - ay, bx - ax))
-        return
-    sides: list[Point3] = []
+        return _cube(center, size, WALL, yaw=math.atan2(by - ay, bx - ax))
+    points: list[Point3] = []
     for ring in (footprint.exterior, *footprint.interiors):
         for (ax, ay), (bx, by) in zip(ring.coords[:-1], ring.coords[1:], strict=True):
             a, b, c, d = (ax, ay, bottom), (bx, by, bottom), (bx, by, top), (ax, ay, top)
-            sides += [a, b, c, a, c, d]
-    yield Surface((*sides, *_triangles(footprint, top), *_triangles(footprint, bottom)), WALL)
+            points += [a, b, c, a, c, d]
+    points += [*_triangles(footprint, top), *_triangles(footprint, bottom)]
+    return Shape(kind="triangles", points=tuple(points), size=_AS_IT_IS, color=WALL)
 
 
 def _triangles(polygon: Polygon, z: float) -> tuple[Point3, ...]:
@@ -184,9 +183,27 @@ def _triangles(polygon: Polygon, z: float) -> tuple[Point3, ...]:
     return tuple((x, y, z) for part in parts for x, y in part.exterior.coords[:3])
 
 
-def _ring(points: Iterable[tuple[float, ...]], z: float, width: float, color: Color) -> Line:
-    return Line(tuple((x, y, z) for x, y in points), width, color)
+def _cube(center: Point3, size: Point3, color: Color, yaw: float = 0.0) -> Shape:
+    return Shape(kind="cube", at=center, size=size, color=color, yaw=yaw)
 
 
-def _faint(color: Color) -> Color:
-    return (*color[:3], 0.25)
+def _cylinder(center: Point3, radius: float, height: float, color: Color) -> Shape:
+    size = (2 * radius, 2 * radius, height)
+    return Shape(kind="cylinder", at=center, size=size, color=color)
+
+
+def _arrow(start: Point3, length: float, color: Color) -> Shape:
+    return Shape(kind="arrow", at=start, size=(length, 0.12, 0.3), color=color)
+
+
+def _line(points: Iterable[Point3], width: float, color: Color) -> Shape:
+    return Shape(kind="line", points=tuple(points), size=(width, 0.0, 0.0), color=color)
+
+
+def _circle(center: Point, radius: float, width: float, color: Color) -> Shape:
+    x, y = center
+    return _line([(x + radius * cx, y + radius * cy, _HAIR) for cx, cy in _CIRCLE], width, color)
+
+
+def _label(at: Point3, text: str, color: Color) -> Shape:
+    return Shape(kind="label", at=at, text=text, size=(0.0, 0.0, 0.3), color=color)

@@ -215,40 +215,33 @@ def _entity(thing: shapes.Thing, t: float, lifetime: float) -> SceneEntity:
 def _primitive(shape: shapes.Shape) -> tuple[str, Any]:
     """The field of a SceneEntity that a shape belongs into, and what to put there."""
     color = Color(r=shape.color[0], g=shape.color[1], b=shape.color[2], a=shape.color[3])
-    if isinstance(shape, shapes.Block):
-        length, width, height = shape.size
-        size = Vector3(x=length, y=width, z=height)
-        pose = _pose(*shape.center[:2], shape.yaw, shape.center[2])
+    x, y, z = shape.at
+    pose, points = _pose(x, y, shape.yaw, z), _points(shape.points)
+    size = Vector3(x=shape.size[0], y=shape.size[1], z=shape.size[2])
+    if shape.kind == "cube":
         return "cubes", CubePrimitive(pose=pose, size=size, color=color)
-    if isinstance(shape, shapes.Tube):
-        size = Vector3(x=2 * shape.radius, y=2 * shape.radius, z=shape.height)
-        pose = _pose(*shape.center[:2], 0.0, shape.center[2])
+    if shape.kind == "cylinder":
         return "cylinders", CylinderPrimitive(
             pose=pose, size=size, bottom_scale=1.0, top_scale=1.0, color=color
         )
-    if isinstance(shape, shapes.Arrow):
-        x, y, z = shape.start
+    if shape.kind == "arrow":
+        length, shaft, head = shape.size
         return "arrows", ArrowPrimitive(
-            pose=_pose(x, y, 0.0, z),
-            shaft_length=0.6 * shape.length,
-            shaft_diameter=0.12,
-            head_length=0.4 * shape.length,
-            head_diameter=0.3,
+            pose=pose,
+            shaft_length=0.6 * length,
+            shaft_diameter=shaft,
+            head_length=0.4 * length,
+            head_diameter=head,
             color=color,
         )
-    if isinstance(shape, shapes.Line):
+    if shape.kind == "line":
         return "lines", LinePrimitive(
-            pose=_pose(0.0, 0.0, 0.0),
-            thickness=shape.width,
-            points=_points(shape.points),
-            color=color,
+            pose=pose, thickness=shape.size[0], points=points, color=color
         )
-    if isinstance(shape, shapes.Surface):
-        pose, points = _pose(0.0, 0.0, 0.0), _points(shape.points)
+    if shape.kind == "triangles":
         return "triangles", TriangleListPrimitive(pose=pose, points=points, color=color)
-    pose = _pose(*shape.at[:2], 0.0, shape.at[2])
     return "texts", TextPrimitive(
-        pose=pose, billboard=True, font_size=shape.size, color=color, text=shape.text
+        pose=pose, billboard=True, font_size=shape.size[2], color=color, text=shape.text
     )
 
 

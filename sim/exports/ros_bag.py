@@ -20,11 +20,12 @@ from rosbags.interfaces import (
     QosTime,
 )
 from rosbags.rosbag2 import StoragePlugin, Writer
+from rosbags.typesys import Stores, get_typestore
 
 from ..core.recorder import Event
 from ..record.outcome import Outcome
 from . import drawing, log, track
-from .ros_messages import Messages
+from . import ros_messages as messages
 from .track import nanoseconds
 
 VERSION: Literal[8] = 8
@@ -71,7 +72,7 @@ class _Topics:
     def __init__(self, run: Outcome, bag: Writer) -> None:
         self._run = run
         self._bag = bag
-        self._make = Messages(drawing.ROOT_FRAME)
+        self._store = get_typestore(Stores.ROS2_HUMBLE)
         self._frames = self._topic("/tf", "tf2_msgs/msg/TFMessage")
         self._markers = self._topic("/markers", "visualization_msgs/msg/MarkerArray", LATCHED)
         self._violations = self._topic("/violations", "visualization_msgs/msg/MarkerArray")
@@ -91,38 +92,34 @@ class _Topics:
         }
 
     def write(self, rate: float) -> None:
-        """Everything, in order of time."""
+        """Write everything, in order of time."""
         things = [*drawing.floor(self._run.floorplan), *drawing.bodies(self._run)]
-        self._markers(0.0, self._make.markers(0.0, things))
+        self._markers(0.0, messages.markers(0.0, things))
         for moment in track.moments(self._run, rate):
             if moment.event is not None:
                 self._write_event(moment.event)
             if moment.way is not None:
-                self._ways[moment.way.person](moment.t, self._make.path(moment.way))
+                self._ways[moment.way.person](moment.t, messages.path(moment.way))
             if moment.poses:
-                self._write_poses(moment.t, moment.poses)
+                self._frames(moment.t, messages.transforms(moment.t, drawing.frames(moment.poses)))
+            for pose in moment.poses:
+                self._poses[pose.body](moment.t, messages.pose(moment.t, pose))
+                self._velocities[pose.body](moment.t, messages.velocity(moment.t, pose))
 
     def _write_event(self, event: Event) -> None:
         line = log.line(event)
-        self._events(line.t, self._make.log(line))
+        self._events(line.t, messages.log_line(line))
         if event["kind"] == "violation":
             mark = drawing.violation(self._run, event)
-            markers = self._make.markers(line.t, [mark], drawing.ALARM_TIME)
-            self._violations(line.t, markers)
-
-    def _write_poses(self, t: float, poses: tuple[track.Pose, ...]) -> None:
-        self._frames(t, self._make.transforms(t, drawing.frames(poses)))
-        for pose in poses:
-            self._poses[pose.body](t, self._make.pose(t, pose))
-            self._velocities[pose.body](t, self._make.velocity(t, pose))
+            self._violations(line.t, messages.markers(line.t, [mark], drawing.ALARM_TIME))
 
     def _topic(self, name: str, kind: str, *qualities: Qos) -> Topic:
-        store = self._make.store
         connection = self._bag.add_connection(
-            name, kind, typestore=store, offered_qos_profiles=qualities
+            name, kind, typestore=self._store, offered_qos_profiles=qualities
         )
 
         def write(t: float, message: Any) -> None:
-            self._bag.write(connection, nanoseconds(t), store.serialize_cdr(message, kind))
+            data = self._store.serialize_cdr(message, kind)
+            self._bag.write(connection, nanoseconds(t), data)
 
         return write

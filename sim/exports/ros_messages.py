@@ -1,4 +1,4 @@
-"""ROS 2 messages out of times, poses and shapes."""
+"""ROS 2 messages, by the definitions of Humble, out of times, poses and shapes."""
 
 from __future__ import annotations
 
@@ -7,182 +7,132 @@ from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
-from rosbags.typesys import Stores, get_typestore
+from rosbags.typesys.stores import ros2_humble as ros
 
-from . import log, shapes
+from . import log
+from .drawing import ROOT_FRAME
+from .shapes import Shape, Thing
 from .track import Pose, Way, nanoseconds
 
-LEVELS = {"info": "INFO", "warning": "WARN", "error": "ERROR"}
+LEVELS = {
+    "info": ros.rcl_interfaces__msg__Log.INFO,
+    "warning": ros.rcl_interfaces__msg__Log.WARN,
+    "error": ros.rcl_interfaces__msg__Log.ERROR,
+}
+
+_Marker = ros.visualization_msgs__msg__Marker
+
+_KINDS = {
+    "cube": _Marker.CUBE,
+    "cylinder": _Marker.CYLINDER,
+    "arrow": _Marker.ARROW,
+    "line": _Marker.LINE_STRIP,
+    "triangles": _Marker.TRIANGLE_LIST,
+    "label": _Marker.TEXT_VIEW_FACING,
+}
+
+_NOTHING = np.empty(0, np.uint8)
 
 
-class Messages:
-    """Makes messages; `store` holds their types, by the definitions of ROS 2 Humble."""
-
-    def __init__(self, root: str) -> None:
-        self.store = get_typestore(Stores.ROS2_HUMBLE)
-        self._root = root
-
-    def transforms(self, t: float, frames: Iterable[tuple[str, float, float, float]]) -> Any:
-        """A tf2_msgs/TFMessage: (frame, x, y, rotation) of each at `t` (seconds)."""
-        header = self._header(t)
-        transforms = [
-            self._make(
-                "geometry_msgs/msg/TransformStamped",
-                header=header,
-                child_frame_id=frame,
-                transform=self._make(
-                    "geometry_msgs/msg/Transform",
-                    translation=self._vector(x, y, 0.0),
-                    rotation=self._turned(rotation),
-                ),
+def transforms(
+    t: float, frames: Iterable[tuple[str, float, float, float]]
+) -> ros.tf2_msgs__msg__TFMessage:
+    """Return where frames are at `t` (seconds), each given as (name, x, y, rotation)."""
+    return ros.tf2_msgs__msg__TFMessage(
+        [
+            ros.geometry_msgs__msg__TransformStamped(
+                _header(t),
+                frame,
+                ros.geometry_msgs__msg__Transform(_vector(x, y, 0.0), _turned(rotation)),
             )
             for frame, x, y, rotation in frames
         ]
-        return self._make("tf2_msgs/msg/TFMessage", transforms=transforms)
+    )
 
-    def pose(self, t: float, pose: Pose) -> Any:
-        """A geometry_msgs/PoseStamped."""
-        place = self._pose(pose.x, pose.y, 0.0, pose.rotation)
-        return self._make("geometry_msgs/msg/PoseStamped", header=self._header(t), pose=place)
 
-    def velocity(self, t: float, pose: Pose) -> Any:
-        """A geometry_msgs/TwistStamped, along the axes of the floor."""
-        twist = self._make(
-            "geometry_msgs/msg/Twist",
-            linear=self._vector(pose.vx, pose.vy, 0.0),
-            angular=self._vector(0.0, 0.0, 0.0),
-        )
-        return self._make("geometry_msgs/msg/TwistStamped", header=self._header(t), twist=twist)
+def pose(t: float, pose: Pose) -> ros.geometry_msgs__msg__PoseStamped:
+    """Return the pose of a body at `t` (seconds)."""
+    return ros.geometry_msgs__msg__PoseStamped(
+        _header(t), _pose(pose.x, pose.y, 0.0, pose.rotation)
+    )
 
-    def path(self, way: Way) -> Any:
-        """A nav_msgs/Path."""
-        header = self._header(way.t)
-        poses = [
-            self._make(
-                "geometry_msgs/msg/PoseStamped", header=header, pose=self._pose(x, y, 0.0, rotation)
-            )
-            for x, y, rotation in way.points
-        ]
-        return self._make("nav_msgs/msg/Path", header=header, poses=poses)
 
-    def log(self, line: log.Line) -> Any:
-        """A rcl_interfaces/Log."""
-        kind = self.store.types["rcl_interfaces/msg/Log"]
-        return kind(
-            stamp=self._stamp(line.t),
-            level=getattr(kind, LEVELS[line.level]),
-            name=line.name,
-            msg=line.text,
-            file="",
-            function="",
-            line=0,
-        )
+def velocity(t: float, pose: Pose) -> ros.geometry_msgs__msg__TwistStamped:
+    """Return the velocity of a body at `t` (seconds), along the axes of the floor."""
+    twist = ros.geometry_msgs__msg__Twist(_vector(pose.vx, pose.vy, 0.0), _vector(0.0, 0.0, 0.0))
+    return ros.geometry_msgs__msg__TwistStamped(_header(t), twist)
 
-    def markers(self, t: float, things: Iterable[shapes.Thing], lifetime: float = 0.0) -> Any:
-        """A visualization_msgs/MarkerArray; `lifetime` in seconds, 0 for ever."""
-        markers = [
-            self._marker(t, thing, number, shape, lifetime)
+
+def path(way: Way) -> ros.nav_msgs__msg__Path:
+    """Return the path of a person from one goal to the next."""
+    header = _header(way.t)
+    poses = [
+        ros.geometry_msgs__msg__PoseStamped(header, _pose(x, y, 0.0, rotation))
+        for x, y, rotation in way.points
+    ]
+    return ros.nav_msgs__msg__Path(header, poses)
+
+
+def log_line(line: log.Line) -> ros.rcl_interfaces__msg__Log:
+    """Return a line of the log."""
+    level = LEVELS[line.level]
+    return ros.rcl_interfaces__msg__Log(_stamp(line.t), level, line.name, line.text, "", "", 0)
+
+
+def markers(
+    t: float, things: Iterable[Thing], lifetime: float = 0.0
+) -> ros.visualization_msgs__msg__MarkerArray:
+    """Return things to draw from `t` on; `lifetime` in seconds, 0 for ever."""
+    return ros.visualization_msgs__msg__MarkerArray(
+        [
+            _marker(t, thing, number, shape, lifetime)
             for thing in things
             for number, shape in enumerate(thing.shapes)
         ]
-        return self._make("visualization_msgs/msg/MarkerArray", markers=markers)
+    )
 
-    def _marker(
-        self, t: float, thing: shapes.Thing, number: int, shape: shapes.Shape, lifetime: float
-    ) -> Any:
-        kind: Any = self.store.types["visualization_msgs/msg/Marker"]
-        red, green, blue, opacity = shape.color
-        given: dict[str, Any] = {
-            "pose": self._pose(0.0, 0.0, 0.0, 0.0),
-            "points": [],
-            "text": "",
-            **self._form(shape),
-        }
-        return kind(
-            header=self._header(t, thing.frame),
-            ns=thing.name,
-            id=number,
-            action=kind.ADD,
-            color=self._make("std_msgs/msg/ColorRGBA", r=red, g=green, b=blue, a=opacity),
-            lifetime=self._make(
-                "builtin_interfaces/msg/Duration",
-                sec=int(lifetime),
-                nanosec=round(lifetime % 1 * 1e9),
-            ),
-            frame_locked=True,
-            colors=[],
-            texture_resource="",
-            texture=self._no_texture(),
-            uv_coordinates=[],
-            mesh_resource="",
-            mesh_file=self._make(
-                "visualization_msgs/msg/MeshFile", filename="", data=np.empty(0, np.uint8)
-            ),
-            mesh_use_embedded_materials=False,
-            **given,
-        )
 
-    def _form(self, shape: shapes.Shape) -> dict[str, Any]:
-        """The fields of a marker that say what it is."""
-        kind: Any = self.store.types["visualization_msgs/msg/Marker"]
-        if isinstance(shape, shapes.Block):
-            pose = self._pose(*shape.center, shape.yaw)
-            return {"type": kind.CUBE, "pose": pose, "scale": self._vector(*shape.size)}
-        if isinstance(shape, shapes.Tube):
-            scale = self._vector(2 * shape.radius, 2 * shape.radius, shape.height)
-            return {"type": kind.CYLINDER, "pose": self._pose(*shape.center, 0.0), "scale": scale}
-        if isinstance(shape, shapes.Arrow):
-            scale = self._vector(shape.length, 0.12, 0.12)
-            return {"type": kind.ARROW, "pose": self._pose(*shape.start, 0.0), "scale": scale}
-        if isinstance(shape, shapes.Line):
-            scale = self._vector(shape.width, 0.0, 0.0)
-            return {"type": kind.LINE_STRIP, "points": self._points(shape.points), "scale": scale}
-        if isinstance(shape, shapes.Surface):
-            scale = self._vector(1.0, 1.0, 1.0)
-            points = self._points(shape.points)
-            return {"type": kind.TRIANGLE_LIST, "points": points, "scale": scale}
-        return {
-            "type": kind.TEXT_VIEW_FACING,
-            "pose": self._pose(*shape.at, 0.0),
-            "scale": self._vector(0.0, 0.0, shape.size),
-            "text": shape.text,
-        }
+def _marker(t: float, thing: Thing, number: int, shape: Shape, lifetime: float) -> Any:
+    length, width, height = shape.size
+    return _Marker(
+        header=_header(t, thing.frame),
+        ns=thing.name,
+        id=number,
+        type=_KINDS[shape.kind],
+        action=_Marker.ADD,
+        pose=_pose(*shape.at, shape.yaw),
+        scale=_vector(length, width, width if shape.kind == "arrow" else height),
+        color=ros.std_msgs__msg__ColorRGBA(*shape.color),
+        lifetime=ros.builtin_interfaces__msg__Duration(int(lifetime), round(lifetime % 1 * 1e9)),
+        frame_locked=True,
+        points=[ros.geometry_msgs__msg__Point(*point) for point in shape.points],
+        colors=[],
+        texture_resource="",
+        texture=ros.sensor_msgs__msg__CompressedImage(_header(0.0, ""), "", _NOTHING),
+        uv_coordinates=[],
+        text=shape.text,
+        mesh_resource="",
+        mesh_file=ros.visualization_msgs__msg__MeshFile("", _NOTHING),
+        mesh_use_embedded_materials=False,
+    )
 
-    def _no_texture(self) -> Any:
-        return self._make(
-            "sensor_msgs/msg/CompressedImage",
-            header=self._header(0.0, ""),
-            format="",
-            data=np.empty(0, np.uint8),
-        )
 
-    def _header(self, t: float, frame: str | None = None) -> Any:
-        name = self._root if frame is None else frame
-        return self._make("std_msgs/msg/Header", stamp=self._stamp(t), frame_id=name)
+def _header(t: float, frame: str = ROOT_FRAME) -> ros.std_msgs__msg__Header:
+    return ros.std_msgs__msg__Header(_stamp(t), frame)
 
-    def _stamp(self, t: float) -> Any:
-        seconds, rest = divmod(nanoseconds(t), 10**9)
-        return self._make("builtin_interfaces/msg/Time", sec=seconds, nanosec=rest)
 
-    def _pose(self, x: float, y: float, z: float, rotation: float) -> Any:
-        return self._make(
-            "geometry_msgs/msg/Pose",
-            position=self._point(x, y, z),
-            orientation=self._turned(rotation),
-        )
+def _stamp(t: float) -> ros.builtin_interfaces__msg__Time:
+    return ros.builtin_interfaces__msg__Time(*divmod(nanoseconds(t), 10**9))
 
-    def _points(self, points: tuple[shapes.Point3, ...]) -> list[Any]:
-        return [self._point(*point) for point in points]
 
-    def _point(self, x: float, y: float, z: float) -> Any:
-        return self._make("geometry_msgs/msg/Point", x=x, y=y, z=z)
+def _pose(x: float, y: float, z: float, rotation: float) -> ros.geometry_msgs__msg__Pose:
+    return ros.geometry_msgs__msg__Pose(ros.geometry_msgs__msg__Point(x, y, z), _turned(rotation))
 
-    def _vector(self, x: float, y: float, z: float) -> Any:
-        return self._make("geometry_msgs/msg/Vector3", x=x, y=y, z=z)
 
-    def _turned(self, rotation: float) -> Any:
-        z, w = math.sin(rotation / 2), math.cos(rotation / 2)
-        return self._make("geometry_msgs/msg/Quaternion", x=0.0, y=0.0, z=z, w=w)
+def _vector(x: float, y: float, z: float) -> ros.geometry_msgs__msg__Vector3:
+    return ros.geometry_msgs__msg__Vector3(x, y, z)
 
-    def _make(self, kind: str, **fields: Any) -> Any:
-        return self.store.types[kind](**fields)
+
+def _turned(rotation: float) -> ros.geometry_msgs__msg__Quaternion:
+    z, w = math.sin(rotation / 2), math.cos(rotation / 2)
+    return ros.geometry_msgs__msg__Quaternion(0.0, 0.0, z, w)

@@ -7,6 +7,7 @@ blue and opacity, 0 … 1.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 Point3 = tuple[float, float, float]
 """x, y, z in metres."""
@@ -14,63 +15,27 @@ Point3 = tuple[float, float, float]
 Color = tuple[float, float, float, float]
 
 
-@dataclass(frozen=True)
-class Block:
-    """A box: its centre, its length, width and height, turned about z by `yaw`."""
+@dataclass(frozen=True, kw_only=True)
+class Shape:
+    """A shape with its middle (of an arrow, its start) at `at`, turned about z by `yaw`.
 
-    center: Point3
+    | kind | `size` | |
+    |---|---|---|
+    | cube | along x, y and z | |
+    | cylinder | along x, y and z | upright |
+    | arrow | length, diameter of the shaft, diameter of the head | along x |
+    | line | width, 0, 0 | through `points` |
+    | triangles | 1, 1, 1 | three `points` each, seen from both sides |
+    | label | 0, 0, height of the letters | `text` that faces whoever looks |
+    """
+
+    kind: Literal["cube", "cylinder", "arrow", "line", "triangles", "label"]
+    color: Color
     size: Point3
-    color: Color
+    at: Point3 = (0.0, 0.0, 0.0)
     yaw: float = 0.0
-
-
-@dataclass(frozen=True)
-class Tube:
-    """An upright cylinder: the centre of its axis, its radius and height."""
-
-    center: Point3
-    radius: float
-    height: float
-    color: Color
-
-
-@dataclass(frozen=True)
-class Arrow:
-    """An arrow along x from `start`, `length` metres long."""
-
-    start: Point3
-    length: float
-    color: Color
-
-
-@dataclass(frozen=True)
-class Line:
-    """A line through points, `width` metres wide."""
-
-    points: tuple[Point3, ...]
-    width: float
-    color: Color
-
-
-@dataclass(frozen=True)
-class Surface:
-    """Triangles: three points each, seen from both sides."""
-
-    points: tuple[Point3, ...]
-    color: Color
-
-
-@dataclass(frozen=True)
-class Label:
-    """Words that face whoever looks, letters `size` metres high."""
-
-    at: Point3
-    text: str
-    size: float
-    color: Color
-
-
-Shape = Block | Tube | Arrow | Line | Surface | Label
+    points: tuple[Point3, ...] = ()
+    text: str = ""
 
 
 @dataclass(frozen=True)
