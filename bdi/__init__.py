@@ -1,4 +1,4 @@
-"""What a person wants: an AgentSpeak interpreter in the dialect of Jason.
+"""Interpreter of AgentSpeak in the dialect of Jason: the minds of people.
 
 ```python
 program = bdi.parse_file("human.asl")
@@ -8,17 +8,19 @@ agent.advance(12.5)
 ```
 """
 
-from .agent import PENDING, Agent, Pending
-from .beliefs import LiveBeliefs
+from .agent import Agent
 from .errors import EndlessProgramError, Problem, ProgramError
-from .history import Entry, History
-from .intentions import Intention
-from .internal_actions import Call, InternalAction, InternalActions
-from .loading import load, parse, parse_file, programs
-from .parser import parse_literal, parse_term
-from .program import Belief, Goal, Plan, Program, Rule
-from .society import Message, Society
-from .terms import Literal, Term, Var, text
+from .language.loading import load, parse, parse_file, programs
+from .language.parser import parse_literal, parse_term
+from .language.program import Belief, Goal, Plan, Program, Rule
+from .language.terms import Literal, Term, Var, text
+from .reasoning.actions import InternalAction, InternalActions
+from .reasoning.beliefs import LiveBeliefs
+from .reasoning.calls import Call
+from .reasoning.cycle import PENDING, Pending
+from .reasoning.history import Entry, History
+from .reasoning.intentions import Intention
+from .reasoning.society import Message, Society
 
 __all__ = [
     "PENDING",

@@ -1,22 +1,34 @@
-"""The internal actions every program can use, by name."""
+"""The internal actions that every program can use, by name."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from . import beliefs, chance, goals, kinds, lists, messages, output, plans, queries, strings, time
-from .call import Call, InternalAction, InternalActions
+from ..reasoning.actions import InternalAction
+from . import (
+    beliefs,
+    chance,
+    goals,
+    kinds,
+    lists,
+    messages,
+    output,
+    plans,
+    strings,
+    suspension,
+    time,
+)
 
-#: All of them. A program can use these and those its agents are given besides.
+#: All of them; an agent may be given more.
 STANDARD: Mapping[str, InternalAction] = MappingProxyType(
     {
         **output.ACTIONS,
         **time.ACTIONS,
         **goals.ACTIONS,
+        **suspension.ACTIONS,
         **beliefs.ACTIONS,
         **plans.ACTIONS,
-        **queries.ACTIONS,
         **lists.ACTIONS,
         **strings.ACTIONS,
         **kinds.ACTIONS,
@@ -25,4 +37,4 @@ STANDARD: Mapping[str, InternalAction] = MappingProxyType(
     }
 )
 
-__all__ = ["STANDARD", "Call", "InternalAction", "InternalActions"]
+__all__ = ["STANDARD"]

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from itertools import count
-from types import MappingProxyType
 
-from ..terms import Cons, Nil, Term, Var, make_list
-from .call import Call, InternalAction, a_list, a_number, wrong
+from ..language.terms import Cons, Nil, Term, Var, make_list
+from ..reasoning.actions import InternalAction
+from ..reasoning.calls import Call
+from .arguments import a_list, a_number, wrong
 
 
 def random(call: Call, what: Term, *more: Term) -> object:
-    """`.random(X)`, `.random(List, X)`; a last number says how many to backtrack over, 0: all."""
+    """`.random(X)` or `.random(List, X)`; a last number is that of the answers, 0 for no end."""
     numbers = call.agent.random
     if isinstance(what, Nil | Cons):
         items = list(what)
@@ -42,10 +43,8 @@ def set_random_seed(call: Call, seed: Term) -> bool:
     return True
 
 
-ACTIONS: Mapping[str, InternalAction] = MappingProxyType(
-    {
-        ".random": InternalAction(random, 1, 3),
-        ".shuffle": InternalAction(shuffle, 2, 2),
-        ".set_random_seed": InternalAction(set_random_seed, 1, 1),
-    }
-)
+ACTIONS: Mapping[str, InternalAction] = {
+    ".random": InternalAction(random, 1, 3),
+    ".shuffle": InternalAction(shuffle, 2, 2),
+    ".set_random_seed": InternalAction(set_random_seed, 1, 1),
+}

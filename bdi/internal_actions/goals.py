@@ -1,26 +1,24 @@
-"""Actions on the agent's own goals and intentions."""
+"""Actions that look for, drop or finish the agent's own goals and intentions."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from types import MappingProxyType
 
-from ..circumstance import event_wants
-from ..deliberation import clear
-from ..failure import ActionError, end, find_failure_event
-from ..intentions import Event, Intention
-from ..program import BodyTerm, TriggerTerm
-from ..steps import WAITING
-from ..terms import Literal, Term, make_list, text
-from ..unify import Unifier, substitute, substitute_literal, unified
-from .call import Call, InternalAction, a_goal, a_literal
+from ..language.body import BodyTerm
+from ..language.substitution import Unifier, substitute, substitute_literal
+from ..language.terms import Literal, Term, TriggerTerm, make_list, plain_text, text
+from ..language.unification import unified
+from ..reasoning.actions import ActionError, InternalAction
+from ..reasoning.calls import WAITING, Call
+from ..reasoning.deliberation import clear
+from ..reasoning.failure import end, find_failure_event
+from ..reasoning.intentions import Event, Intention
+from .arguments import a_goal, a_literal
 
 
 def drop_all_desires(call: Call) -> bool:
-    drop_all_intentions(call)
-    circumstance = call.agent.circumstance
-    circumstance.clear_events(only_goals=True)
-    circumstance.suspended_events.clear()
+    call.agent.circumstance.clear_intentions()
+    call.agent.circumstance.clear_events(only_goals=True)
     return True
 
 
@@ -30,9 +28,7 @@ def drop_all_intentions(call: Call) -> bool:
 
 
 def drop_all_events(call: Call) -> bool:
-    circumstance = call.agent.circumstance
-    circumstance.clear_events()
-    circumstance.suspended_events.clear()
+    call.agent.circumstance.clear_events()
     return True
 
 
@@ -47,26 +43,23 @@ def drop_desire(call: Call, goal: Term) -> object:
 
 
 def drop_intention(call: Call, *goal: Term) -> object:
-    """Ends the intentions that have a goal, or the one that says so.
+    """End the intentions that have a goal, or the one that calls.
 
-    One that drops itself does no further step: it is not put back.
+    One that ends itself carries out no further step: it is not put back among those that run.
     """
     agent = call.agent
-    if not goal:
-        if call.intention is not None:
-            agent.circumstance.forget(call.intention)
-        return WAITING
-    wanted = a_goal("drop_intention", goal[0])
-    itself = False
-    for intention in list(agent.circumstance.intentions()):
-        if isinstance(wanted, Literal) and intention.wants(wanted, dict(call.unifier)):
-            if intention is call.intention:
-                itself = True
-            agent.circumstance.drop(intention)
-    if itself and call.intention is not None:
+    itself = not goal
+    if goal:
+        wanted = a_goal("drop_intention", goal[0])
+        for intention in list(agent.circumstance.intentions()):
+            if isinstance(wanted, Literal) and intention.wants(wanted, dict(call.unifier)):
+                itself = itself or intention is call.intention
+                agent.circumstance.drop(intention)
+    if not itself:
+        return True
+    if call.intention is not None:
         agent.circumstance.forget(call.intention)
-        return WAITING
-    return True
+    return WAITING
 
 
 def _intended(
@@ -89,14 +82,13 @@ def intend(call: Call, goal: Term, *identity: Term) -> Iterator[Unifier]:
 
 
 def desire(call: Call, goal: Term, *identity: Term) -> Iterator[Unifier]:
-    """A goal that is intended, or whose event waits to be dealt with."""
+    """Yield the goals that are intended, or whose event is to be dealt with."""
     pattern = _pattern("desire", goal)
     circumstance = call.agent.circumstance
-    events = [circumstance.selected_event, *circumstance.all_events()]
-    for event in events:
+    for event in (circumstance.selected_event, *circumstance.all_events()):
         if event is not None:
             solution = dict(call.unifier)
-            if event_wants(event, pattern, solution):
+            if event.is_for(pattern, solution):
                 yield solution
     yield from _intended(call, pattern, identity, suspended=True)
 
@@ -108,121 +100,27 @@ def _pattern(name: str, goal: Term) -> Literal:
     raise ActionError(f"{name}: which goal? {text(goal)} has no value", "wrong_arguments")
 
 
-def suspend(call: Call, *goal: Term) -> object:
-    circumstance = call.agent.circumstance
-    reason = Literal("suspend_ia")
-    if not goal:
-        if call.intention is None:
-            return False
-        call.intention.is_suspended = True
-        circumstance.suspend("suspended-self", call.intention, reason)
-        return WAITING
-    wanted = a_literal("suspend", goal[0])
-    u = dict(call.unifier)
-    for action in list(circumstance.pending_actions.values()):
-        if action.intention.wants(wanted, u):
-            action.intention.is_suspended = True
-            circumstance.suspend("suspended", action.intention, reason)
-    for _, intention in list(circumstance.pending.values()):
-        if intention.wants(wanted, u):
-            intention.is_suspended = True
-    running = [circumstance.atomic, *circumstance.running]
-    for candidate in running:
-        if candidate is not None and candidate.wants(wanted, u):
-            candidate.is_suspended = True
-            circumstance.remove_running(candidate)
-            circumstance.suspend("suspended", candidate, reason)
-    _suspend_events(call, wanted, u)
-    current = call.intention
-    if current is not None and current.wants(wanted, u):
-        current.is_suspended = True
-        circumstance.suspend("suspended-self", current, reason)
-        return WAITING
-    return u
-
-
-def _suspend_events(call: Call, wanted: Literal, u: Unifier) -> None:
-    circumstance = call.agent.circumstance
-    for event in circumstance.all_events():
-        intention = event.intention
-        by_stack = intention is not None and intention.wants(wanted, u)
-        if by_stack or _is_goal(event, wanted, u):
-            if event is circumstance.atomic_event:
-                circumstance.atomic_event = None
-            else:
-                circumstance.events.remove(event)
-            circumstance.suspended_events.append(event)
-            if intention is not None:
-                intention.is_suspended = True
-
-
-def _is_goal(event: Event, wanted: Literal, u: Unifier) -> bool:
-    solution = unified(wanted, event.literal, u) if event.sort == "+!" else None
-    if solution is not None:
-        u.update(solution)
-    return solution is not None
-
-
-def resume(call: Call, goal: Term) -> object:
-    wanted = a_literal("resume", goal)
-    circumstance = call.agent.circumstance
-    u = dict(call.unifier)
-    for kind, intention in list(circumstance.pending.values()):
-        if not intention.is_suspended or not intention.wants(wanted, u):
-            continue
-        intention.is_suspended = False
-        if kind == "suspended-self" and intention.top.step is not None:
-            intention.top.step = intention.top.step.next
-        if kind.startswith("suspended"):
-            circumstance.take_pending(intention, kind)
-            if intention.number not in circumstance.pending_actions:
-                circumstance.add_running(intention)
-    for event in list(circumstance.suspended_events):
-        stacked = event.intention
-        if _is_goal(event, wanted, u) or (stacked is not None and stacked.wants(wanted, u)):
-            circumstance.suspended_events.remove(event)
-            if stacked is not None:
-                stacked.is_suspended = False
-            circumstance.post(event)
-    return u
-
-
-def suspended(call: Call, goal: Term, *reason: Term) -> object:
-    wanted = a_literal("suspended", goal)
-    circumstance = call.agent.circumstance
-    waiting = [
-        *((a.intention, Literal("act")) for a in circumstance.pending_actions.values()),
-        *((i, i.reason or Literal("no_reason")) for _, i in circumstance.pending.values()),
-    ]
-    for intention, why in waiting:
-        u = dict(call.unifier)
-        if intention.wants(wanted, u):
-            return unified(reason[0], why, u) if reason else u
-    return False
-
-
 def fail(call: Call, *annots: Term) -> bool:
-    """Fails the plan; the arguments annotate its `-!g` event."""
+    """Fail the plan; the arguments annotate its `-!g` event."""
     if not annots:
         return False
     message = "fail"
     others: list[Term] = []
     for annot in annots:
         if isinstance(annot, Literal) and annot.functor == "error_msg" and annot.args:
-            said = annot.args[0]
-            message = said if isinstance(said, str) else text(said)
+            message = plain_text(annot.args[0])
         else:
             others.append(annot)
     raise ActionError(message, annots=tuple(others))
 
 
-# ---- goals that are said to be achieved, or failed
+# ---- goals declared achieved or failed
 
 _RUNS_ON, _FAILS, _IS_OVER = 1, 2, 3
 
 
 def _achieve(call: Call, intention: Intention, goal: Literal, u: Unifier) -> int:
-    """Takes a goal off an intention as if it had been achieved; 0 when it was not there."""
+    """Take a goal off an intention as if it had been achieved; return 0 if it was not there."""
     if intention.drop_goal(goal, u) is None:
         return 0
     if intention.is_finished:
@@ -235,7 +133,7 @@ def _achieve(call: Call, intention: Intention, goal: Literal, u: Unifier) -> int
 
 
 def _fail(call: Call, intention: Intention, goal: Literal, u: Unifier) -> int:
-    """Takes a goal off an intention as if it had failed; 0 when it was not there."""
+    """Take a goal off an intention as if it had failed; return 0 if it was not there."""
     agent = call.agent
     if intention.drop_goal(goal, u) is None:
         return 0
@@ -291,33 +189,24 @@ def _finish_events(call: Call, goal: Literal, succeeded: bool) -> None:
     take = _achieve if succeeded else _fail
     for event in [*circumstance.all_events(), *circumstance.suspended_events]:
         intention = event.intention
-        kept_apart = event in circumstance.suspended_events
         done = 0
         if intention is not None:
             done = take(call, intention, goal, dict(call.unifier))
         if done:
-            _take_event(call, event, kept_apart)
+            circumstance.remove_event(event)
             if done == _RUNS_ON and intention is not None:
                 circumstance.add_running(intention)
-        elif event_wants(event, goal, dict(call.unifier)):
+        elif event.is_for(goal, dict(call.unifier)):
             if not succeeded:
                 event.sort = "-!"
                 continue
-            _take_event(call, event, kept_apart)
+            circumstance.remove_event(event)
             if intention is not None and intention.stack:
                 if intention.top.step is not None:
                     intention.top.step = intention.top.step.next
                 clear(call.agent, intention)
                 if intention.stack:
                     circumstance.add_running(intention)
-
-
-def _take_event(call: Call, event: Event, kept_apart: bool) -> None:
-    circumstance = call.agent.circumstance
-    if kept_apart:
-        circumstance.remove_suspended_event(event)
-    else:
-        circumstance.remove_event(event)
 
 
 def current_intention(call: Call, description: Term) -> object:
@@ -347,23 +236,18 @@ def _description(intention: Intention) -> Literal:
     return Literal("intention", (float(intention.number), make_list(stack)))
 
 
-ACTIONS: Mapping[str, InternalAction] = MappingProxyType(
-    {
-        ".drop_all_desires": InternalAction(drop_all_desires, 0, 0),
-        ".drop_all_intentions": InternalAction(drop_all_intentions, 0, 0),
-        ".drop_all_events": InternalAction(drop_all_events, 0, 0),
-        ".drop_event": InternalAction(drop_event, 1, 1),
-        ".drop_desire": InternalAction(drop_desire, 1, 1),
-        ".drop_intention": InternalAction(drop_intention, 0, 1),
-        ".intend": InternalAction(intend, 1, 2),
-        ".desire": InternalAction(desire, 1, 2),
-        ".suspend": InternalAction(suspend, 0, 1),
-        ".resume": InternalAction(resume, 1, 1),
-        ".suspended": InternalAction(suspended, 1, 2),
-        ".fail": InternalAction(fail),
-        ".succeed_goal": InternalAction(succeed_goal, 1, 1),
-        ".fail_goal": InternalAction(fail_goal, 1, 1),
-        ".current_intention": InternalAction(current_intention, 1, 1),
-        ".intention": InternalAction(current_intention, 1, 1),
-    }
-)
+ACTIONS: Mapping[str, InternalAction] = {
+    ".drop_all_desires": InternalAction(drop_all_desires, 0, 0),
+    ".drop_all_intentions": InternalAction(drop_all_intentions, 0, 0),
+    ".drop_all_events": InternalAction(drop_all_events, 0, 0),
+    ".drop_event": InternalAction(drop_event, 1, 1),
+    ".drop_desire": InternalAction(drop_desire, 1, 1),
+    ".drop_intention": InternalAction(drop_intention, 0, 1),
+    ".intend": InternalAction(intend, 1, 2),
+    ".desire": InternalAction(desire, 1, 2),
+    ".fail": InternalAction(fail),
+    ".succeed_goal": InternalAction(succeed_goal, 1, 1),
+    ".fail_goal": InternalAction(fail_goal, 1, 1),
+    ".current_intention": InternalAction(current_intention, 1, 1),
+    ".intention": InternalAction(current_intention, 1, 1),
+}

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from types import MappingProxyType
 
-from ..failure import ActionError
-from ..order import compare, standard_order
-from ..terms import EMPTY, Cons, Nil, Term, Var, make_list, text
-from ..unify import Unifier, substitute
-from .call import Call, InternalAction, a_list, a_number, plain, wrong
-from .queries import distinct
+from ..language.order import compare, distinct, standard_order
+from ..language.substitution import Unifier
+from ..language.terms import EMPTY, Cons, Nil, Term, Var, make_list, plain_text, text
+from ..reasoning.actions import ActionError, InternalAction
+from ..reasoning.calls import Call
+from .arguments import a_list, a_number, wrong
+from .beliefs import answers
 
 
 def length(call: Call, value: Term, result: Term) -> object:
@@ -20,18 +20,15 @@ def length(call: Call, value: Term, result: Term) -> object:
 
 
 MAX_LENGTH = 100_000
-"""How many elements a list, or characters a text, may have that is put together."""
+"""Largest number of elements of a list, or characters of a text, that `.concat` makes."""
 
 
 def member(call: Call, element: Term, elements: Term) -> Iterator[Unifier]:
-    for candidate in a_list("member", elements, "second"):
-        solution = call.unify(element, candidate)
-        if solution is not None:
-            yield solution
+    yield from call.each(element, a_list("member", elements, "second"))
 
 
 def concat(call: Call, *terms: Term) -> object:
-    """Joins lists, or the texts of anything else; the last argument is the result."""
+    """Join lists, or the texts of anything else; the last argument is the result."""
     *parts, result = terms
     if isinstance(parts[0], Nil | Cons):
         if not isinstance(result, Var | Nil | Cons):
@@ -60,7 +57,7 @@ def _limit(length: int, what: str) -> None:
 
 
 def _bare(term: Term) -> str:
-    word = plain(term)
+    word = plain_text(term)
     is_quoted = not isinstance(term, str) and len(word) > 1 and word[0] == word[-1] == "'"
     return word[1:-1] if is_quoted else word
 
@@ -85,7 +82,7 @@ def nth(call: Call, index: Term, elements: Term, element: Term) -> object:
 def _extreme(name: str, better: Callable[[int], bool]) -> Callable[..., object]:
     def extreme(call: Call, what: Term, *more: Term) -> object:
         if len(more) == 2:
-            items = [substitute(what, u) for u in call.agent.logic.solutions(more[0], call.unifier)]
+            items = answers(call, what, more[0])
         else:
             items = list(a_list(name, what, "first"))
         if not items:
@@ -100,9 +97,8 @@ def _extreme(name: str, better: Callable[[int], bool]) -> Callable[..., object]:
 
 
 def sort(call: Call, elements: Term, result: Term) -> object:
-    return call.unify(
-        make_list(sorted(a_list("sort", elements, "first"), key=standard_order)), result
-    )
+    ordered = sorted(a_list("sort", elements, "first"), key=standard_order)
+    return call.unify(ordered, result)
 
 
 def reverse(call: Call, value: Term, result: Term) -> object:
@@ -110,11 +106,11 @@ def reverse(call: Call, value: Term, result: Term) -> object:
         rest = value.open_tail if isinstance(value, Cons) else None
         backwards = make_list(reversed(list(value)), EMPTY if rest is None else rest)
         return call.unify(backwards, result)
-    return call.unify(plain(value)[::-1], result)
+    return call.unify(plain_text(value)[::-1], result)
 
 
 def delete(call: Call, what: Term, where: Term, *more: Term) -> object:
-    """By position, by a range of positions, by element, or a part of a string."""
+    """Delete by position, by a range of positions or by element; or a part of a string."""
     if isinstance(what, float):
         begin, finish, rest = int(what), int(what) + 1, (where, *more)
         if len(more) == 2 and isinstance(where, float):
@@ -128,7 +124,7 @@ def delete(call: Call, what: Term, where: Term, *more: Term) -> object:
             kept = [item for i, item in enumerate(rest[0]) if i < begin or i >= finish]
             return call.unify(rest[1], kept)
     if isinstance(what, str):
-        return call.unify(more[0], plain(where).replace(what, ""))
+        return call.unify(more[0], plain_text(where).replace(what, ""))
     if isinstance(where, Nil | Cons):
         kept = [item for item in where if call.unify(what, item) is None]
         return call.unify(more[0], kept)
@@ -140,23 +136,21 @@ def _set_operation(
 ) -> Callable[..., object]:
     def operate(call: Call, one: Term, other: Term, result: Term) -> object:
         ones, others = list(a_list(name, one, "first")), list(a_list(name, other, "second"))
-        return call.unify(make_list(distinct(operation(ones, others))), result)
+        return call.unify(distinct(operation(ones, others)), result)
 
     return operate
 
 
-def _keys(terms: list[Term]) -> list[object]:
-    return [standard_order(term) for term in terms]
+def _is_among(term: Term, others: list[Term]) -> bool:
+    return any(compare(term, other) == 0 for other in others)
 
 
 def _common(ones: list[Term], others: list[Term]) -> list[Term]:
-    keys = _keys(ones)
-    return [term for term in others if standard_order(term) in keys]
+    return [term for term in others if _is_among(term, ones)]
 
 
 def _without(ones: list[Term], others: list[Term]) -> list[Term]:
-    keys = _keys(others)
-    return [term for term in ones if standard_order(term) not in keys]
+    return [term for term in ones if not _is_among(term, others)]
 
 
 def _prefixes(items: list[Term]) -> Iterator[Term]:
@@ -200,24 +194,22 @@ def empty(call: Call, value: Term) -> bool:
     return len(value) == 0 if isinstance(value, str | Nil | Cons) else False
 
 
-ACTIONS: Mapping[str, InternalAction] = MappingProxyType(
-    {
-        ".length": InternalAction(length, 2, 2),
-        ".member": InternalAction(member, 2, 2),
-        ".concat": InternalAction(concat, 2),
-        ".nth": InternalAction(nth, 3, 3),
-        ".max": InternalAction(_extreme("max", lambda order: order < 0), 2, 3),
-        ".min": InternalAction(_extreme("min", lambda order: order > 0), 2, 3),
-        ".sort": InternalAction(sort, 2, 2),
-        ".reverse": InternalAction(reverse, 2, 2),
-        ".delete": InternalAction(delete, 3, 4),
-        ".union": InternalAction(_set_operation("union", lambda a, b: b + a), 3, 3),
-        ".intersection": InternalAction(_set_operation("intersection", _common), 3, 3),
-        ".difference": InternalAction(_set_operation("difference", _without), 3, 3),
-        ".prefix": InternalAction(prefix, 2, 2),
-        ".suffix": InternalAction(suffix, 2, 2),
-        ".sublist": InternalAction(sublist, 2, 2),
-        ".range": InternalAction(range_, 3, 4),
-        ".empty": InternalAction(empty, 1, 1),
-    }
-)
+ACTIONS: Mapping[str, InternalAction] = {
+    ".length": InternalAction(length, 2, 2),
+    ".member": InternalAction(member, 2, 2),
+    ".concat": InternalAction(concat, 2),
+    ".nth": InternalAction(nth, 3, 3),
+    ".max": InternalAction(_extreme("max", lambda order: order < 0), 2, 3),
+    ".min": InternalAction(_extreme("min", lambda order: order > 0), 2, 3),
+    ".sort": InternalAction(sort, 2, 2),
+    ".reverse": InternalAction(reverse, 2, 2),
+    ".delete": InternalAction(delete, 3, 4),
+    ".union": InternalAction(_set_operation("union", lambda a, b: b + a), 3, 3),
+    ".intersection": InternalAction(_set_operation("intersection", _common), 3, 3),
+    ".difference": InternalAction(_set_operation("difference", _without), 3, 3),
+    ".prefix": InternalAction(prefix, 2, 2),
+    ".suffix": InternalAction(suffix, 2, 2),
+    ".sublist": InternalAction(sublist, 2, 2),
+    ".range": InternalAction(range_, 3, 4),
+    ".empty": InternalAction(empty, 1, 1),
+}

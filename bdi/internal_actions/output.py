@@ -3,26 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from types import MappingProxyType
 
-from ..steps import WAITING, Waiting
-from ..terms import Literal, Term, display, text
-from .call import Call, InternalAction
+from ..language.terms import Literal, Term, Var, plain_text, text
+from ..reasoning.actions import InternalAction
+from ..reasoning.calls import WAITING, Call, Waiting
+
+
+def _line(terms: tuple[Term, ...]) -> str:
+    return "".join(f"{t}<no-value>" if isinstance(t, Var) else plain_text(t) for t in terms)
 
 
 def print_line(call: Call, *terms: Term) -> bool:
-    call.agent.say("".join(map(display, terms)))
+    call.agent.say(_line(terms))
     return True
 
 
 def log(call: Call, level: Term, *terms: Term) -> bool:
-    line = "".join(map(display, terms))
-    if isinstance(level, Literal) and level.functor in ("warning", "severe"):
-        call.agent.warn(line, call.intention)
-    elif isinstance(level, Literal) and level.functor in ("fine", "finer", "finest"):
-        call.agent.note("log", line, call.intention)
+    name = level.functor if isinstance(level, Literal) else ""
+    if name in ("warning", "severe"):
+        call.agent.warn(_line(terms), call.intention)
+    elif name in ("fine", "finer", "finest"):
+        call.agent.note("log", _line(terms), call.intention)
     else:
-        call.agent.say(line)
+        call.agent.say(_line(terms))
     return True
 
 
@@ -36,12 +39,10 @@ def stop(call: Call, *delay: Term) -> Waiting:
     return WAITING
 
 
-ACTIONS: Mapping[str, InternalAction] = MappingProxyType(
-    {
-        ".print": InternalAction(print_line),
-        ".println": InternalAction(print_line),
-        ".log": InternalAction(log, 1),
-        ".my_name": InternalAction(my_name, 1, 1),
-        ".stopMAS": InternalAction(stop, 0, 2),
-    }
-)
+ACTIONS: Mapping[str, InternalAction] = {
+    ".print": InternalAction(print_line),
+    ".println": InternalAction(print_line),
+    ".log": InternalAction(log, 1),
+    ".my_name": InternalAction(my_name, 1, 1),
+    ".stopMAS": InternalAction(stop, 0, 2),
+}

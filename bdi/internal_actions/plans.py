@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from types import MappingProxyType
 
 from ..errors import ProgramError
-from ..failure import ActionError
-from ..loading import check_actions, find_included, parse_file
-from ..parser import parse_plan
-from ..program import Plan, PlanTerm, Program
-from ..terms import Cons, Literal, Nil, Term, make_list, text
-from .call import Call, InternalAction, wrong
-from .time import a_trigger
+from ..language.loading import find_included, parse_file
+from ..language.parser import parse_plan
+from ..language.program import Plan, PlanTerm, Program
+from ..language.terms import Cons, Literal, Nil, Term, make_list, text
+from ..reasoning.actions import ActionError, InternalAction, check_actions
+from ..reasoning.calls import Call
+from .arguments import a_trigger, wrong
 
 
 def include(call: Call, name: Term) -> bool:
-    """Adds the plans of a file after those there are, and its beliefs and goals at once."""
+    """Add the plans of a file after those there are, and its beliefs and goals."""
     if not isinstance(name, str):
         raise wrong("include", "first argument must be a string.")
     agent = call.agent
@@ -24,9 +23,7 @@ def include(call: Call, name: Term) -> bool:
     if isinstance(found, str):
         raise ActionError(found)
     try:
-        program = parse_file(found)
-        check_actions(program, agent.actions)
-        agent.add_program(program)
+        agent.add_program(parse_file(found))
     except ProgramError as error:
         raise ActionError(str(error)) from None
     return True
@@ -72,11 +69,7 @@ def _label_of(call: Call, plan: Plan) -> str:
     if plan.name:
         return plan.name
     for known in call.agent.plans:
-        if (known.plan.trigger, known.plan.context, known.plan.body) == (
-            plan.trigger,
-            plan.context,
-            plan.body,
-        ):
+        if known.plan.is_same(plan):
             return known.label.functor
     return ""
 
@@ -90,7 +83,7 @@ def relevant_plans(call: Call, event: Term, plans: Term, *labels: Term) -> objec
         )
     found = [
         plan
-        for plan in call.agent.plans.candidates(trigger.kind, trigger.literal)
+        for plan in call.agent.plans.candidates(trigger.sort, trigger.literal)
         if call.unify(trigger.literal, plan.plan.trigger.literal) is not None
     ]
     terms: list[Term] = [make_list(PlanTerm(plan.plan) for plan in found)]
@@ -99,11 +92,9 @@ def relevant_plans(call: Call, event: Term, plans: Term, *labels: Term) -> objec
     return call.unify(make_list(terms), make_list([plans, *labels]))
 
 
-ACTIONS: Mapping[str, InternalAction] = MappingProxyType(
-    {
-        ".include": InternalAction(include, 1, 1),
-        ".add_plan": InternalAction(add_plan, 1, 3),
-        ".remove_plan": InternalAction(remove_plan, 1, 2),
-        ".relevant_plans": InternalAction(relevant_plans, 2, 3),
-    }
-)
+ACTIONS: Mapping[str, InternalAction] = {
+    ".include": InternalAction(include, 1, 1),
+    ".add_plan": InternalAction(add_plan, 1, 3),
+    ".remove_plan": InternalAction(remove_plan, 1, 2),
+    ".relevant_plans": InternalAction(relevant_plans, 2, 3),
+}

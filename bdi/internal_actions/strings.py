@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
-from types import MappingProxyType
 
 from ..errors import ProgramError
-from ..failure import ActionError
-from ..parser import parse_term
-from ..terms import Term, Var, make_list, text
-from .call import Call, InternalAction, plain, wrong
+from ..language.parser import parse_term
+from ..language.terms import Term, Var, make_list, plain_text, text
+from ..reasoning.actions import ActionError, InternalAction
+from ..reasoning.calls import Call
+from .arguments import wrong
 
 
 def substring(call: Call, part: Term, whole: Term, *position: Term) -> object:
-    """Whether a text is in another; with a third argument also where, each place in turn."""
-    small, big = plain(part), plain(whole)
+    """`.substring(Part, Whole)`, with its begin and end, place by place, in further arguments."""
+    small, big = plain_text(part), plain_text(whole)
     if not position:
         return small in big
     return call.each(make_list(position), _places(small, big, len(position)))
@@ -29,18 +29,18 @@ def _places(small: str, big: str, count: int) -> Iterator[list[float]]:
 
 
 def replace(call: Call, whole: Term, pattern: Term, by: Term, result: Term) -> object:
-    """Replaces what a regular expression matches."""
+    """Replace the matches of a regular expression."""
     if not isinstance(pattern, str) or not isinstance(by, str):
         raise wrong("replace", "second and third argument must be strings")
     try:
-        replaced = re.sub(pattern, lambda found: found.expand(_groups(by)), plain(whole))
+        replaced = re.sub(pattern, lambda found: found.expand(_groups(by)), plain_text(whole))
     except re.error as error:
         raise wrong("replace", f"'{pattern}' is no regular expression: {error}") from None
     return call.unify(result, replaced)
 
 
 def _groups(replacement: str) -> str:
-    """Java's `$1` as Python's `\\1`."""
+    """Return a replacement with Python's `\\1` for Java's `$1`."""
     return re.sub(r"\$(\d)", r"\\\1", replacement)
 
 
@@ -59,19 +59,17 @@ def term2string(call: Call, term: Term, string: Term) -> object:
 
 
 def upper_case(call: Call, word: Term, result: Term) -> object:
-    return call.unify(result, plain(word).upper())
+    return call.unify(result, plain_text(word).upper())
 
 
 def lower_case(call: Call, word: Term, result: Term) -> object:
-    return call.unify(result, plain(word).lower())
+    return call.unify(result, plain_text(word).lower())
 
 
-ACTIONS: Mapping[str, InternalAction] = MappingProxyType(
-    {
-        ".substring": InternalAction(substring, 2, 4),
-        ".replace": InternalAction(replace, 4, 4),
-        ".term2string": InternalAction(term2string, 2, 2),
-        ".upper_case": InternalAction(upper_case, 2, 2),
-        ".lower_case": InternalAction(lower_case, 2, 2),
-    }
-)
+ACTIONS: Mapping[str, InternalAction] = {
+    ".substring": InternalAction(substring, 2, 4),
+    ".replace": InternalAction(replace, 4, 4),
+    ".term2string": InternalAction(term2string, 2, 2),
+    ".upper_case": InternalAction(upper_case, 2, 2),
+    ".lower_case": InternalAction(lower_case, 2, 2),
+}

@@ -1,42 +1,24 @@
-"""Simulated time: waiting, events to come, dates."""
+"""Simulated time: waits, announced events, dates."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Mapping
 from datetime import datetime, timedelta
-from types import MappingProxyType
 
-from ..errors import ProgramError
-from ..failure import ActionError
-from ..intentions import Event
-from ..parser import parse_trigger
-from ..program import BodyTerm, TriggerTerm
-from ..steps import WAITING, Waiting
-from ..terms import And, Literal, Not, Or, Relation, Term, Var, text
-from ..unify import rename
-from ..waiting import MILLISECOND, Wait
-from .call import Call, InternalAction, a_number, wrong
+from ..language.substitution import rename
+from ..language.terms import And, Literal, Not, Or, Relation, Term, Var, text
+from ..reasoning.actions import ActionError, InternalAction
+from ..reasoning.calls import WAITING, Call
+from ..reasoning.intentions import Event
+from ..reasoning.waiting import ActiveWait
+from .arguments import a_number, a_trigger, wrong
 
-#: What `.date` and `.time` say at simulated time 0.
+#: Date and time of `.date` and `.time` at simulated time 0.
 EPOCH = datetime(2023, 1, 1)
 
 _UNITS = {"": 1, "s": 1_000, "m": 60_000, "h": 3_600_000, "d": 86_400_000}
 _AT = re.compile(r"now\s*\+\s*(\d+)\s*(s|seconds?|m|minutes?|h|hours?|d|days?|)\s*", re.ASCII)
-
-
-def a_trigger(term: Term) -> TriggerTerm | None:
-    """The event a term stands for: `{+b}`, or the same in a string."""
-    if isinstance(term, TriggerTerm):
-        return term
-    if isinstance(term, BodyTerm):
-        return term.as_trigger
-    if isinstance(term, str):
-        try:
-            return parse_trigger(term)
-        except ProgramError as error:
-            raise ActionError(str(error), "wrong_arguments") from None
-    return None
 
 
 def wait(call: Call, what: Term, *more: Term) -> object:
@@ -46,7 +28,7 @@ def wait(call: Call, what: Term, *more: Term) -> object:
     reason: Term
     if isinstance(what, float):
         milliseconds = float(max(0, int(what)))
-        Wait(agent, intention, timeout=int(milliseconds))
+        ActiveWait(agent, intention, timeout=int(milliseconds))
         reason = Literal("time", (milliseconds,))
     else:
         timeout = int(a_number("wait", more[0], "second")) if more else None
@@ -58,7 +40,7 @@ def wait(call: Call, what: Term, *more: Term) -> object:
             solution = agent.logic.first(what, call.unifier)
             if solution is not None:
                 return solution
-        Wait(
+        ActiveWait(
             agent,
             intention,
             trigger=trigger,
@@ -92,9 +74,9 @@ def at(call: Call, when: Term, event: Term) -> bool:
 
     def happen() -> None:
         announced.remove(alarm)
-        agent.circumstance.post(Event(trigger.kind, literal))
+        agent.circumstance.post(Event(trigger.sort, literal))
 
-    alarm = agent.alarms.set(agent.clock + milliseconds * MILLISECOND, happen)
+    alarm = agent.after(milliseconds, happen)
     announced.append(alarm)
     return True
 
@@ -105,27 +87,19 @@ def _instant(call: Call) -> datetime:
 
 def date(call: Call, year: Term, month: Term, day: Term) -> object:
     now = _instant(call)
-    return _unify_all(call, (year, month, day), (now.year, now.month, now.day))
+    return call.unify([year, month, day], [now.year, now.month, now.day])
 
 
 def time(call: Call, hour: Term, minute: Term, second: Term, *milliseconds: Term) -> object:
     now = _instant(call)
-    values = (now.hour, now.minute, now.second, now.microsecond // 1_000)
-    terms = (hour, minute, second, *milliseconds)
-    return _unify_all(call, terms, values[: len(terms)])
+    values = [now.hour, now.minute, now.second, now.microsecond // 1_000]
+    terms = [hour, minute, second, *milliseconds]
+    return call.unify(terms, values[: len(terms)])
 
 
-def _unify_all(call: Call, terms: tuple[Term, ...], values: tuple[int, ...]) -> object:
-    return call.unify(list(terms), list(values))
-
-
-ACTIONS: Mapping[str, InternalAction] = MappingProxyType(
-    {
-        ".wait": InternalAction(wait, 1, 3, in_context=False),
-        ".at": InternalAction(at, 2, 2),
-        ".date": InternalAction(date, 3, 3),
-        ".time": InternalAction(time, 3, 4),
-    }
-)
-
-__all__ = ["ACTIONS", "EPOCH", "Waiting", "a_trigger"]
+ACTIONS: Mapping[str, InternalAction] = {
+    ".wait": InternalAction(wait, 1, 3, in_context=False),
+    ".at": InternalAction(at, 2, 2),
+    ".date": InternalAction(date, 3, 3),
+    ".time": InternalAction(time, 3, 4),
+}

@@ -344,7 +344,6 @@ def test_many_beliefs_are_found_by_their_first_argument():
     shelf = agent.beliefs.shelf(("b", 2, False))
     query = bdi.parse_literal("b(777,X)")
     assert len(shelf.candidates(query, {})) == 2  # the belief and the rule
-    agent.circumstance.clear_events()
     agent.plans.add(bdi.parse("+p(K) <- !ask(K).").plans[0])
     agent.add_percept("p(777)")
     agent.advance(0.0)

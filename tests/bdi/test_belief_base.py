@@ -4,9 +4,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import bdi
-from bdi.beliefs import BeliefBase
-from bdi.terms import Var, is_ground
-from bdi.unify import unify
+from bdi.language.terms import Var, is_ground
+from bdi.language.unification import unify
+from bdi.reasoning.beliefs import BeliefBase
 
 TERMS = st.sampled_from([1.0, 2.0, bdi.Literal("a"), "text", Var("Any")])
 SOURCES = st.sampled_from([bdi.Literal("source", (bdi.Literal(n),)) for n in ("self", "ann")])

@@ -5,9 +5,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import bdi
-from bdi.order import compare
-from bdi.terms import is_ground
-from bdi.unify import Names, rename, substitute, unify, variable_names
+from bdi.language.order import compare
+from bdi.language.substitution import Names, rename, substitute, variable_names
+from bdi.language.terms import is_ground
+from bdi.language.unification import unify
 
 ATOMS = st.sampled_from(["a", "b", "1", "2.5", '"s"', "X", "Y", "[]", "~p(1)"])
 

@@ -5,9 +5,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import bdi
-from bdi.facts import plain_fact
-from bdi.parser import parse_clause
-from bdi.tokens import clauses, tokenize
+from bdi.language.facts import plain_fact
+from bdi.language.parser import parse_clause
+from bdi.language.tokens import clauses, tokenize
 
 ENDLESS = {
     "a goal that calls itself": "!g. +!g <- !g.",

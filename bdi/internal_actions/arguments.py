@@ -1,0 +1,52 @@
+"""Checks of the arguments of internal actions, with Jason's messages."""
+
+from __future__ import annotations
+
+from ..errors import ProgramError
+from ..language.body import BodyTerm
+from ..language.parser import parse_trigger
+from ..language.terms import Cons, Literal, Nil, Term, TriggerTerm, Var, text
+from ..reasoning.actions import ActionError
+
+
+def wrong(name: str, reason: str) -> ActionError:
+    """Return the error of an action that got a wrong argument."""
+    return ActionError(f"Wrong argument for internal action '{name}': {reason}", "wrong_arguments")
+
+
+def a_list(name: str, term: Term, which: str) -> Nil | Cons:
+    if isinstance(term, Nil | Cons):
+        return term
+    raise wrong(name, f"{which} argument must be a list and not '{text(term)}'.")
+
+
+def a_number(name: str, term: Term, which: str) -> float:
+    if isinstance(term, float):
+        return term
+    raise wrong(name, f"{which} parameter ('{text(term)}') must be a number!")
+
+
+def a_literal(name: str, term: Term) -> Literal:
+    if isinstance(term, Literal):
+        return term
+    raise wrong(name, "first argument must be a literal")
+
+
+def a_goal(name: str, term: Term) -> Literal | Var:
+    if isinstance(term, Literal | Var):
+        return term
+    raise wrong(name, f"first argument '{text(term)}' must be a literal or variable")
+
+
+def a_trigger(term: Term) -> TriggerTerm | None:
+    """Return the event in a term, `{+b}` or the same in a string; None if it is none."""
+    if isinstance(term, TriggerTerm):
+        return term
+    if isinstance(term, BodyTerm):
+        return term.as_trigger
+    if isinstance(term, str):
+        try:
+            return parse_trigger(term)
+        except ProgramError as error:
+            raise ActionError(str(error), "wrong_arguments") from None
+    return None

@@ -1,0 +1,175 @@
+"""Bodies of plans: the formulas that a plan carries out, one after another.
+
+`str` of any of them is AgentSpeak again.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TypeAlias
+
+from ..errors import Problem
+from .terms import Literal, Quoted, Relation, Term, TriggerTerm, Var, text
+
+
+@dataclass(frozen=True)
+class Place:
+    """Position in a source; lines and columns count from 1."""
+
+    file: str = ""
+    line: int = 0
+    column: int = 0
+
+    def problem(self, message: str) -> Problem:
+        """Return a problem at this place."""
+        return Problem(self.file, self.line, self.column, message)
+
+
+NOWHERE = Place()
+
+
+@dataclass(frozen=True)
+class Achieve:
+    """`!g`: a subgoal; with `new_focus` (`!!g`) a goal of its own."""
+
+    goal: Literal | Var
+    new_focus: bool = False
+    place: Place = field(default=NOWHERE, compare=False)
+
+    def __str__(self) -> str:
+        return f"{'!!' if self.new_focus else '!'}{self.goal}"
+
+
+@dataclass(frozen=True)
+class Test:
+    """`?b`: a query, or a subgoal if there is no answer but a `+?b` plan."""
+
+    formula: Term
+    place: Place = field(default=NOWHERE, compare=False)
+
+    def __str__(self) -> str:
+        return f"?{text(self.formula)}"
+
+
+@dataclass(frozen=True)
+class Update:
+    """Change of the belief base; `operator` is one of + +< +> ++ - -- -+."""
+
+    operator: str
+    belief: Literal | Var
+    place: Place = field(default=NOWHERE, compare=False)
+
+    def __str__(self) -> str:
+        return f"{self.operator}{self.belief}"
+
+
+@dataclass(frozen=True)
+class Act:
+    """External or internal action, or a variable that stands for one."""
+
+    action: Literal | Var
+    place: Place = field(default=NOWHERE, compare=False)
+
+    def __str__(self) -> str:
+        return str(self.action)
+
+
+@dataclass(frozen=True)
+class Constraint:
+    """Expression in a body, as `X = Y + 1`: fails if it does not hold."""
+
+    relation: Term
+    place: Place = field(default=NOWHERE, compare=False)
+
+    def __str__(self) -> str:
+        if isinstance(self.relation, Relation):
+            relation = self.relation
+            return f"{text(relation.left)} {relation.symbol} {text(relation.right)}"
+        return text(self.relation)
+
+
+@dataclass(frozen=True)
+class If:
+    """`if (condition) { then } else { otherwise }`."""
+
+    condition: Term
+    then: Body
+    otherwise: Body
+    place: Place = field(default=NOWHERE, compare=False)
+
+    def __str__(self) -> str:
+        tail = f" else {block_text(self.otherwise)}" if self.otherwise else ""
+        return f"if ({text(self.condition)}) {block_text(self.then)}{tail}"
+
+
+@dataclass(frozen=True)
+class While:
+    """`while (condition) { body }`."""
+
+    condition: Term
+    body: Body
+    place: Place = field(default=NOWHERE, compare=False)
+
+    def __str__(self) -> str:
+        return f"while ({text(self.condition)}) {block_text(self.body)}"
+
+
+@dataclass(frozen=True)
+class For:
+    """`for (generator) { body }`: the body for each solution of the generator."""
+
+    generator: Term
+    body: Body
+    place: Place = field(default=NOWHERE, compare=False)
+
+    def __str__(self) -> str:
+        return f"for ({text(self.generator)}) {block_text(self.body)}"
+
+
+@dataclass(frozen=True)
+class Fork:
+    """Concurrent branches: `|&|` goes on when all have ended, `|||` when the first has."""
+
+    all_of: bool
+    branches: tuple[Body, ...]
+    place: Place = field(default=NOWHERE, compare=False)
+
+    def __str__(self) -> str:
+        sign = " |&| " if self.all_of else " ||| "
+        return sign.join(
+            str(branch[0])
+            if len(branch) == 1 and not isinstance(branch[0], Fork | If | While | For)
+            else f"({body_text(branch)})"
+            for branch in self.branches
+        )
+
+
+BodyFormula: TypeAlias = "Achieve | Test | Update | Act | Constraint | If | While | For | Fork"
+Body: TypeAlias = tuple[BodyFormula, ...]
+
+
+def body_text(body: Body) -> str:
+    return "; ".join(map(str, body))
+
+
+def block_text(body: Body) -> str:
+    return f"{{ {body_text(body)} }}" if body else "{ }"
+
+
+@dataclass(frozen=True)
+class BodyTerm(Quoted):
+    """`{ !g; +b }` as an argument."""
+
+    body: Body
+
+    @property
+    def as_trigger(self) -> TriggerTerm | None:
+        """The event that a body like `{+b}` stands for where an event is expected."""
+        if len(self.body) == 1 and isinstance(self.body[0], Update):
+            update = self.body[0]
+            if update.operator in ("+", "-"):
+                return TriggerTerm(update.operator, update.belief)
+        return None
+
+    def __str__(self) -> str:
+        return block_text(self.body)

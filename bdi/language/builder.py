@@ -1,0 +1,394 @@
+"""From the parse tree of a clause to the values of `program.py` and `body.py`."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Any
+
+from lark import Token, Transformer_NonRecursive, v_args
+from lark.tree import Meta
+
+from .arithmetic import is_function
+from .body import (
+    Achieve,
+    Act,
+    Body,
+    BodyFormula,
+    BodyTerm,
+    Constraint,
+    For,
+    Fork,
+    If,
+    Place,
+    Test,
+    Update,
+    While,
+)
+from .order import sorted_annots
+from .program import Belief, Clause, Goal, Plan, PlanTerm, Rule, Trigger
+from .terms import (
+    EMPTY,
+    FALSE,
+    TRUE,
+    And,
+    AnnotatedVar,
+    Arithmetic,
+    Function,
+    List,
+    Literal,
+    Nil,
+    Not,
+    Or,
+    Relation,
+    RestVar,
+    Term,
+    TriggerTerm,
+    Var,
+    make_list,
+    text,
+)
+
+
+@dataclass(frozen=True, repr=False)
+class Directive(Clause):
+    """`{ include("file.asl") }`: carried out while a program is read."""
+
+    name: str
+    args: tuple[Term, ...]
+    place: Place
+
+
+class RefusedError(Exception):
+    """Clause that the grammar allows but the language does not."""
+
+    def __init__(self, line: int, column: int, message: str) -> None:
+        self.line = line
+        self.column = column
+        self.message = message
+        super().__init__(message)
+
+
+def stray_message(character: str) -> str:
+    """Return what is wrong with a character with which no token begins."""
+    if character == '"':
+        return "a string that does not end on its line"
+    return f"'{character}' has no meaning here"
+
+
+def _at(meta: Meta) -> tuple[int, int]:
+    return getattr(meta, "line", 0), getattr(meta, "column", 0)
+
+
+@v_args(inline=True, meta=True)
+class Builder(Transformer_NonRecursive[Token, Any]):
+    """Makes a clause of its parse tree; each method is named after the rule that it takes."""
+
+    def __init__(self, file: str) -> None:
+        super().__init__()
+        self._file = file
+
+    def _place(self, meta: Meta) -> Place:
+        return Place(self._file, *_at(meta))
+
+    # ---- clauses
+
+    def clause(self, meta: Meta, clause: Clause) -> Clause:
+        return clause
+
+    def stray(self, meta: Meta, character: Token) -> None:
+        raise RefusedError(*_at(meta), stray_message(character))
+
+    def directive(self, meta: Meta, name: Token, args: tuple[Term, ...] | None) -> Directive:
+        return Directive(str(name), args or (), self._place(meta))
+
+    def belief(self, meta: Meta, head: Term, body: Term | None) -> Belief | Rule:
+        if not isinstance(head, Literal):
+            raise RefusedError(*_at(meta), "a variable cannot be a belief")
+        if head.is_internal_action:
+            raise RefusedError(*_at(meta), f"the internal action {head.functor} cannot be a belief")
+        if body is None:
+            return Belief(head, self._place(meta))
+        return Rule(head, body, self._place(meta))
+
+    def initial_goal(self, meta: Meta, goal: Term) -> Goal:
+        if not isinstance(goal, Literal):
+            raise RefusedError(*_at(meta), "a variable cannot be a goal")
+        return Goal(goal, self._place(meta))
+
+    def plan(
+        self,
+        meta: Meta,
+        label: Literal | None,
+        trigger: Trigger,
+        context: Term | None,
+        body: Body | None,
+    ) -> Plan:
+        return Plan(
+            label,
+            trigger,
+            TRUE if context is None else context,
+            _without_true(body or ()),
+            self._place(meta),
+        )
+
+    def named_label(self, meta: Meta, name: Token, annots: List | None) -> Literal:
+        return Literal(str(name), (), _annots(annots))
+
+    def unnamed_label(self, meta: Meta, annots: List) -> Literal:
+        return Literal("", (), _annots(annots))
+
+    def trigger(
+        self, meta: Meta, update: Token, kind: Token | None, literal: Literal | Var
+    ) -> Trigger:
+        if update not in ("+", "-"):
+            raise RefusedError(*_at(meta), f"a plan begins with '+' or '-', not with '{update}'")
+        if isinstance(literal, Literal) and literal.is_internal_action:
+            raise RefusedError(*_at(meta), f"there is no event of {literal.functor}")
+        return Trigger(str(update), str(kind or ""), literal)
+
+    # ---- bodies
+
+    def body_end(self, meta: Meta, step: BodyFormula | Body) -> Body:
+        return _as_body(step)
+
+    def body_more(self, meta: Meta, step: BodyFormula | Body, rest: Body) -> Body:
+        return (*_as_body(step), *rest)
+
+    def achieve(self, meta: Meta, goal: Literal | Var) -> Achieve:
+        self._not_internal(meta, "!", goal)
+        return Achieve(goal, False, self._place(meta))
+
+    def achieve_new(self, meta: Meta, goal: Literal | Var) -> Achieve:
+        self._not_internal(meta, "!!", goal)
+        return Achieve(goal, True, self._place(meta))
+
+    def _not_internal(self, meta: Meta, operator: str, literal: Term) -> None:
+        if isinstance(literal, Literal) and literal.is_internal_action:
+            raise RefusedError(
+                *_at(meta), f"'{operator}' and the internal action {literal.functor} do not combine"
+            )
+
+    def test(self, meta: Meta, formula: Term) -> Test:
+        self._not_internal(meta, "?", formula)
+        return Test(formula, self._place(meta))
+
+    def update(self, meta: Meta, operator: Token, belief: Term) -> BodyFormula:
+        if isinstance(belief, PlanTerm):
+            return self._plan_update(meta, operator, belief)
+        if not isinstance(belief, Literal | Var):
+            raise RefusedError(
+                *_at(meta), f"'{operator}' is followed by a belief, not by {text(belief)}"
+            )
+        self._not_internal(meta, operator, belief)
+        return Update(str(operator), belief, self._place(meta))
+
+    def _plan_update(self, meta: Meta, operator: Token, plan: PlanTerm) -> Act:
+        """Return the internal action that adds or removes a plan."""
+        if operator == "-":
+            action = Literal(".remove_plan", (plan,))
+        elif operator in ("+", "+<", "+>"):
+            at = Literal("end" if operator == "+>" else "begin")
+            action = Literal(".add_plan", (plan, Literal("self"), at))
+        else:
+            raise RefusedError(*_at(meta), f"'{operator}' and a plan do not combine")
+        return Act(action, self._place(meta))
+
+    def act(self, meta: Meta, formula: Term) -> BodyFormula:
+        if isinstance(formula, Literal | Var):
+            return Act(formula, self._place(meta))
+        if isinstance(formula, Relation):
+            return Constraint(formula, self._place(meta))
+        raise RefusedError(*_at(meta), f"{text(formula)} is nothing a plan can do")
+
+    def group(self, meta: Meta, body: Body) -> Body:
+        return body
+
+    def fork(
+        self, meta: Meta, one: BodyFormula | Body, sign: Token, other: BodyFormula | Body
+    ) -> Fork:
+        all_of = sign == "|&|"
+        branches: tuple[Body, ...] = (_as_body(one),)
+        if isinstance(other, Fork) and other.all_of == all_of:
+            branches += other.branches
+        else:
+            branches += (_as_body(other),)
+        return Fork(all_of, branches, self._place(meta))
+
+    def if_(self, meta: Meta, conditional: If) -> If:
+        return replace(conditional, place=self._place(meta))
+
+    def if_then(self, meta: Meta, condition: Term, then: Body) -> If:
+        return If(condition, then, (), self._place(meta))
+
+    def if_else(self, meta: Meta, condition: Term, then: Body, otherwise: Body) -> If:
+        return If(condition, then, otherwise, self._place(meta))
+
+    def if_elif(self, meta: Meta, condition: Term, then: Body, otherwise: If) -> If:
+        return If(condition, then, (otherwise,), self._place(meta))
+
+    def while_(self, meta: Meta, condition: Term, body: Body) -> While:
+        return While(condition, body, self._place(meta))
+
+    def for_(self, meta: Meta, generator: Term, body: Body) -> For:
+        return For(generator, body, self._place(meta))
+
+    def block(self, meta: Meta, body: Body | None) -> Body:
+        return body or ()
+
+    # ---- formulas and terms
+
+    def or_(self, meta: Meta, left: Term, right: Term) -> Or:
+        return Or(left, right)
+
+    def and_(self, meta: Meta, left: Term, right: Term) -> And:
+        return And(left, right)
+
+    def not_(self, meta: Meta, formula: Term) -> Not:
+        return Not(formula)
+
+    def relation(self, meta: Meta, left: Term, symbol: Token, right: Term) -> Relation:
+        return Relation(str(symbol), left, right)
+
+    def arithmetic(self, meta: Meta, left: Term, operator: Token, right: Term) -> Arithmetic:
+        for operand in (left, right):
+            self._numeric(meta, operator, operand)
+        return Arithmetic(str(operator), left, right)
+
+    def sign(self, meta: Meta, sign: Token, operand: Term) -> Term:
+        if isinstance(operand, float):
+            return -operand if sign == "-" else operand
+        self._numeric(meta, sign, operand)
+        return Function(str(sign), (operand,))
+
+    def _numeric(self, meta: Meta, operator: str, operand: Term) -> None:
+        if not isinstance(operand, float | Var | Arithmetic | Function):
+            raise RefusedError(
+                *_at(meta),
+                f"'{operator}' takes numbers and variables, and {text(operand)} is neither",
+            )
+
+    def number(self, meta: Meta, token: Token) -> float:
+        value = float(token)
+        if math.isinf(value):
+            raise RefusedError(*_at(meta), f"the number {token} is too large")
+        return value
+
+    def string(self, meta: Meta, token: Token) -> str:
+        return string_value(token)
+
+    def positive_literal(
+        self, meta: Meta, name: Token, args: tuple[Term, ...] | None, annots: List | None
+    ) -> Term:
+        if annots is None and is_function(name, len(args or ())):
+            return Function(str(name), args or ())
+        return self._literal(meta, name, args, annots, False)
+
+    def negative_literal(
+        self, meta: Meta, name: Token, args: tuple[Term, ...] | None, annots: List | None
+    ) -> Literal:
+        return self._literal(meta, name, args, annots, True)
+
+    def _literal(
+        self,
+        meta: Meta,
+        name: Token,
+        args: tuple[Term, ...] | None,
+        annots: List | None,
+        negated: bool,
+    ) -> Literal:
+        literal = Literal(str(name), args or (), _annots(annots), negated)
+        if literal.is_internal_action and (negated or literal.annots):
+            what = "be negated" if negated else "have annotations"
+            raise RefusedError(*_at(meta), f"the internal action {name} cannot {what}")
+        return literal
+
+    def variable(self, meta: Meta, name: Token, annots: List | None) -> Var:
+        return _variable(str(name), annots)
+
+    def anonymous(self, meta: Meta, token: Token, annots: List | None) -> Var:
+        return _variable(_anonymous(token), annots)
+
+    def true(self, meta: Meta) -> Literal:
+        return TRUE
+
+    def false(self, meta: Meta) -> Literal:
+        return FALSE
+
+    def terms(self, meta: Meta, *terms: Term) -> tuple[Term, ...]:
+        return terms
+
+    def list(self, meta: Meta, elements: tuple[Term, ...] | None, tail: Term | None) -> Term:
+        return make_list(elements or (), EMPTY if tail is None else tail)
+
+    def elements(self, meta: Meta, *elements: Term) -> tuple[Term, ...]:
+        return elements
+
+    def tail_variable(self, meta: Meta, name: Token) -> Var:
+        return Var(str(name))
+
+    def tail_anonymous(self, meta: Meta, token: Token) -> Var:
+        return Var(_anonymous(token))
+
+    def tail_list(self, meta: Meta, tail: Term) -> Term:
+        return tail
+
+    def empty_body_term(self, meta: Meta) -> BodyTerm:
+        return BodyTerm(())
+
+    def body_term(self, meta: Meta, body: Body) -> BodyTerm:
+        return BodyTerm(body)
+
+    def goal_trigger_term(self, meta: Meta, update: Token, literal: Literal | Var) -> TriggerTerm:
+        return TriggerTerm(f"{update}!", literal)
+
+    def test_trigger_term(self, meta: Meta, update: Token, literal: Literal | Var) -> TriggerTerm:
+        return TriggerTerm(f"{update}?", literal)
+
+    def plan_term(
+        self,
+        meta: Meta,
+        label: Literal | None,
+        trigger: Trigger,
+        context: Term,
+        body: Body | None,
+    ) -> PlanTerm:
+        return PlanTerm(self.plan(meta, label, trigger, context, body))
+
+    def short_plan_term(
+        self, meta: Meta, label: Literal | None, trigger: Trigger, body: Body
+    ) -> PlanTerm:
+        return PlanTerm(self.plan(meta, label, trigger, None, body))
+
+
+def string_value(token: str) -> str:
+    """Return the string that a token in quotes stands for."""
+    return token[1:-1].replace("\\n", "\n").replace('\\"', '"')
+
+
+def _anonymous(token: Token) -> str:
+    return f"__{token.line}_{token.column}"
+
+
+def _as_body(step: BodyFormula | Body) -> Body:
+    """Return a step as a body; steps in brackets are one already."""
+    return step if isinstance(step, tuple) else (step,)
+
+
+def _without_true(body: Body) -> Body:
+    """Return a body without the `true` that it may begin with."""
+    first = body[0] if body else None
+    return body[1:] if isinstance(first, Act) and first.action == TRUE else body
+
+
+def _variable(name: str, written: List | None) -> Var:
+    annots = _annots(written)
+    return AnnotatedVar(name, annots) if annots else Var(name)
+
+
+def _annots(annots: List | None) -> tuple[Term, ...]:
+    if annots is None or isinstance(annots, Nil):
+        return ()
+    rest = annots.open_tail
+    ordered = sorted_annots(tuple(annots))
+    return ordered if rest is None else (*ordered, RestVar(rest.name))

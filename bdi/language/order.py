@@ -1,0 +1,100 @@
+"""The standard order of terms: numbers, strings, lists, then literals and variables."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import cmp_to_key
+
+from .terms import Arithmetic, Cons, Function, Literal, Nil, Relation, Term, Var, text
+
+
+def compare(one: Term, other: Term) -> int:
+    """Return a negative number, 0 or a positive one as `one` sorts before, with or after `other`.
+
+    Numbers come first, by value. Strings compare by their text, quotes included; lists by length
+    and then element by element; literals by strong negation (negated last, atoms excepted), arity,
+    functor, arguments and annotations. An unbound variable is greater than anything bound.
+    """
+    one_is_var, other_is_var = isinstance(one, Var), isinstance(other, Var)
+    if one_is_var or other_is_var:
+        if one_is_var and other_is_var:
+            return _sign(one.name, other.name)  # type: ignore[union-attr]
+        return 1 if one_is_var else -1
+    if isinstance(one, float):
+        return _sign(one, other) if isinstance(other, float) else -1
+    if isinstance(other, float):
+        return 1
+    if isinstance(one, str) or isinstance(other, str):
+        if isinstance(one, Nil | Cons):
+            return 1
+        return _sign(text(one), text(other))
+    if isinstance(one, Nil | Cons):
+        if not isinstance(other, Nil | Cons):
+            return -1
+        return _sign(len(one), len(other)) or _compare_each(tuple(one), tuple(other))
+    if isinstance(other, Nil | Cons):
+        return 1
+    return _compare_structures(one, other)
+
+
+def _sign(one: float | str, other: float | str) -> int:
+    return (one > other) - (one < other)  # type: ignore[operator]
+
+
+def _compare_structures(one: Term, other: Term) -> int:
+    if isinstance(one, Literal) and isinstance(other, Literal):
+        if one.negated != other.negated and not one.is_atom:
+            return 1 if one.negated else -1
+        return (
+            _sign(len(one.args), len(other.args))
+            or _sign(one.functor, other.functor)
+            or _compare_each(one.args, other.args)
+            or _compare_each(one.annots, other.annots)
+            or _sign(len(one.annots), len(other.annots))
+        )
+    mine, theirs = _parts(one), _parts(other)
+    if mine is None or theirs is None:
+        return _sign(text(one), text(other))
+    return (
+        _sign(len(mine[1]), len(theirs[1]))
+        or _sign(mine[0], theirs[0])
+        or _compare_each(mine[1], theirs[1])
+    )
+
+
+def _parts(term: Term) -> tuple[str, tuple[Term, ...]] | None:
+    """Return the name and the arguments by which a structure compares; None if it has none."""
+    if isinstance(term, Literal):
+        return term.functor, term.args
+    if isinstance(term, Relation):
+        return f" {term.symbol} ", (term.left, term.right)
+    if isinstance(term, Function):
+        return term.name, term.args
+    if isinstance(term, Arithmetic):
+        return term.symbol, (term.left, term.right)
+    return None
+
+
+def _compare_each(ones: tuple[Term, ...], others: tuple[Term, ...]) -> int:
+    for one, other in zip(ones, others, strict=False):
+        order = compare(one, other)
+        if order:
+            return order
+    return 0
+
+
+standard_order = cmp_to_key(compare)
+
+
+def distinct(terms: Iterable[Term]) -> list[Term]:
+    """Return the terms in standard order, each once."""
+    result: list[Term] = []
+    for term in sorted(terms, key=standard_order):
+        if not result or compare(result[-1], term) != 0:
+            result.append(term)
+    return result
+
+
+def sorted_annots(annots: tuple[Term, ...]) -> tuple[Term, ...]:
+    """Return annotations in standard order and each once; a variable for their tail stays last."""
+    return annots if len(annots) < 2 else tuple(distinct(annots))

@@ -1,0 +1,254 @@
+"""From a text to a program.
+
+The grammar is that of one clause, so that a mistake ends with the clause it is in: all wrong
+clauses of a program are reported at once, each with its place.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Sequence
+from functools import lru_cache
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any, TypeAlias
+
+from lark import Lark, Token, Tree
+from lark.exceptions import UnexpectedInput, UnexpectedToken, VisitError
+
+from ..errors import Problem, ProgramError, TooDeepError
+from .body import Place
+from .builder import Builder, Directive, RefusedError, stray_message
+from .facts import plain_fact
+from .program import Belief, Clause, Goal, Plan, Program, Rule
+from .terms import Literal, Term, TriggerTerm
+from .tokens import clauses, grammar, nesting, tokenize
+
+_NAMES = {
+    "ATOM": "a name",
+    "VAR": "a variable",
+    "ANONYMOUS": "'_'",
+    "NUMBER": "a number",
+    "STRING": "a string",
+    "RELATION": "a comparison",
+    "UPDATE": "'+' or '-'",
+}
+
+_BEGIN_A_LITERAL = frozenset({"ATOM", "VAR", "ANONYMOUS", "TILDE", "TRUE", "FALSE"})
+_BEGIN_A_TERM = frozenset({"NUMBER", "STRING", "LPAR", "LSQB", "LBRACE", "PLUS", "MINUS", "NOT"})
+_KINDS = (
+    ("a term", _BEGIN_A_LITERAL | {"NUMBER", "LPAR"}),
+    ("a literal", _BEGIN_A_LITERAL),
+)
+
+_OPERATORS = frozenset({"'*'", "'**'", "'+'", "'-'", "'/'", "'div'", "'mod'"})
+
+MOST_NESTED = MappingProxyType({"{}": 60, "(){}[]": 250})
+"""Largest nesting of each set of brackets; a branch after `elif` is one level."""
+
+#: Value of the full stop that is put after a part of a clause.
+_END = "the end"
+
+
+# ---- reading clauses
+
+
+def parse_clause(tokens: Sequence[Token], file: str) -> Any:
+    """Return the clause of the tokens; raise an error of lark's, or TooDeepError."""
+    for brackets, most in MOST_NESTED.items():
+        if len(tokens) > most and nesting(tokens, brackets) > most:
+            raise TooDeepError(f"brackets within brackets, more than {most} deep")
+    parser = grammar().parse_interactive()
+    for token in tokens:
+        parser.feed_token(token)
+    tree: Tree[Token] = parser.feed_eof(tokens[-1] if tokens else None)  # type: ignore[no-untyped-call]
+    return Builder(file).transform(tree)
+
+
+def _problem(error: Exception, tokens: Sequence[Token], file: str) -> Problem:
+    """Return the problem for which a clause could not be read."""
+    if isinstance(error, VisitError) and isinstance(error.orig_exc, RefusedError):
+        refused = error.orig_exc
+        return Problem(file, refused.line, refused.column, refused.message)
+    if isinstance(error, VisitError):
+        # A term over the limits of size and depth.
+        error = TooDeepError(str(error.orig_exc))
+    if isinstance(error, RecursionError | TooDeepError):
+        what = "too deeply nested" if isinstance(error, RecursionError) else str(error)
+        return Problem(file, tokens[0].line or 0, tokens[0].column or 0, what)
+    if isinstance(error, UnexpectedToken):
+        token = error.token
+        line, column = token.line or 0, token.column or 0
+        stray = next((t for t in tokens if t.type == "STRAY"), None)
+        if stray is not None and (stray.line, stray.column) <= (line, column):
+            return Problem(file, stray.line or 0, stray.column or 0, stray_message(stray))
+        found = f"'{token}'"
+        if token.type == "$END" or token == _END:
+            last = tokens[-1] if token.type == "$END" or len(tokens) < 2 else tokens[-2]
+            found, line, column = "the end", last.end_line or 0, last.end_column or 0
+        expected = _expected(_acceptable(tokens, error.token))
+        return Problem(file, line, column, f"found {found}, expected {expected}")
+    raise error
+
+
+def _acceptable(tokens: Sequence[Token], wrong: Token) -> Collection[str]:
+    """Return the types of tokens that the grammar accepts in place of a wrong one."""
+    parser = grammar().parse_interactive()
+    for token in tokens:
+        if token is wrong:
+            break
+        parser.feed_token(token)
+    accepts: Collection[str] = parser.accepts()  # type: ignore[no-untyped-call]
+    return accepts
+
+
+def _expected(names: Collection[str]) -> str:
+    """Return a list of token types in words."""
+    parser: Lark = grammar()
+    left = set(names) - {"$END", "STRAY"}
+    words = []
+    for word, begins in _KINDS:
+        if begins <= left:
+            words.append(word)
+            left -= begins | _BEGIN_A_LITERAL | _BEGIN_A_TERM
+    words += sorted(_NAMES.get(name, "") for name in left & _NAMES.keys())
+    signs = {f"'{parser.get_terminal(name).pattern.value}'" for name in left - _NAMES.keys()}
+    if signs >= _OPERATORS:
+        words.append("an operator")
+        signs -= _OPERATORS
+    words += sorted(signs)
+    if len(words) < 2:
+        return "".join(words) or "nothing more"
+    return f"{', '.join(words[:-1])} or {words[-1]}"
+
+
+REMEMBERED = 50_000
+"""Longest text (characters) whose clauses are cached: many people share a few programs."""
+
+
+def read_clauses(source: str, file: str) -> tuple[tuple[Clause, ...], tuple[Problem, ...]]:
+    """Return the clauses of a text, in order, and the problems of those that cannot be read."""
+    read = _remembered_clauses if len(source) <= REMEMBERED else _read_clauses
+    return read(source, file)
+
+
+def _read_clauses(source: str, file: str) -> tuple[tuple[Clause, ...], tuple[Problem, ...]]:
+    found: list[Clause] = []
+    problems: list[Problem] = []
+    for tokens in clauses(tokenize(source)):
+        try:
+            found.append(plain_fact(tokens, file) or parse_clause(tokens, file))
+        except (UnexpectedInput, VisitError, RecursionError, TooDeepError) as error:
+            problems.append(_problem(error, tokens, file))
+    return tuple(found), tuple(problems)
+
+
+_remembered_clauses = lru_cache(maxsize=64)(_read_clauses)
+
+
+def _parse_part(source: str, before: str = "") -> Any:
+    """Return the clause of `before`, a part of a clause, and a full stop."""
+    first = list(tokenize(before)) if before else []
+    previous = str(first[-1]) if first else ""
+    tokens = [*first, *tokenize(source, previous), Token("DOT", _END)]
+    try:
+        return parse_clause(tokens, source)
+    except (UnexpectedInput, VisitError, RecursionError, TooDeepError) as error:
+        raise ProgramError([_problem(error, tokens, source)]) from None
+
+
+def _wrong_part(source: str, expected: str) -> ProgramError:
+    return ProgramError([Problem(source, 0, 0, f"{expected} is expected")])
+
+
+def parse_literal(source: str) -> Literal:
+    """Return the belief, goal or percept in `source`, as `gantry_detected(3)[source(percept)]`.
+
+    Raises:
+        ProgramError: `source` is not one literal.
+    """
+    clause = _parse_part(source)
+    if isinstance(clause, Belief):
+        return clause.belief
+    raise _wrong_part(source, "a literal")
+
+
+def parse_term(source: str) -> Term:
+    """Return the term or formula in `source`.
+
+    Raises:
+        ProgramError: `source` is not one term.
+    """
+    clause = _parse_part(source, "term :- ")
+    if isinstance(clause, Rule):
+        return clause.body
+    raise _wrong_part(source, "a term")
+
+
+def parse_trigger(source: str) -> TriggerTerm:
+    """Return the event in `source`, as `+work_completed(_)`."""
+    clause = _parse_part(source)
+    if isinstance(clause, Plan):
+        return TriggerTerm(clause.trigger.sort, clause.trigger.literal)
+    raise _wrong_part(source, "an event, as +b or +!g,")
+
+
+def parse_plan(source: str) -> Plan:
+    """Return the plan in `source`, with or without its full stop."""
+    whole = source.rstrip()
+    clause = _parse_part(whole[:-1] if whole.endswith(".") else whole)
+    if isinstance(clause, Plan):
+        return clause
+    raise _wrong_part(source, "a plan")
+
+
+# ---- reading programs
+
+Include: TypeAlias = Callable[[str, Place], "tuple[str, str] | Problem"]
+
+
+def parse_clauses(
+    source: str, file: str, include: Include, including: tuple[str, ...] = ()
+) -> tuple[list[Clause], list[Problem]]:
+    """Return the clauses of a text, included files in place of the directives, and all problems."""
+    clauses_here, wrong_here = read_clauses(source, file)
+    problems = list(wrong_here)
+    result: list[Clause] = []
+    for clause in clauses_here:
+        if not isinstance(clause, Directive):
+            result.append(clause)
+            continue
+        opened = _open_included(clause, include, (*including, file))
+        if isinstance(opened, Problem):
+            problems.append(opened)
+            continue
+        more, wrong = parse_clauses(*opened, include, (*including, file))
+        result.extend(more)
+        problems.extend(wrong)
+    return result, sorted(problems, key=lambda p: (p.file != file, p.file, p.line, p.column))
+
+
+def _open_included(
+    directive: Directive, include: Include, including: tuple[str, ...]
+) -> tuple[str, str] | Problem:
+    place = directive.place
+    if directive.name != "include":
+        return place.problem(
+            f"there is no directive '{directive.name}'; the one there is is include"
+        )
+    if len(directive.args) != 1 or not isinstance(directive.args[0], str):
+        return place.problem('include takes the name of a file: { include("patrol.asl") }')
+    opened = include(directive.args[0], place)
+    if not isinstance(opened, Problem) and opened[1] in including:
+        return place.problem(f"{directive.args[0]} includes itself")
+    return opened
+
+
+def make_program(found: Sequence[Clause], source: str, folder: Path | None) -> Program:
+    """Return the program of the clauses, sorted by their kind."""
+    return Program(
+        source,
+        tuple(c for c in found if isinstance(c, Belief | Rule)),
+        tuple(c for c in found if isinstance(c, Goal)),
+        tuple(c for c in found if isinstance(c, Plan)),
+        folder,
+    )

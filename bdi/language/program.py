@@ -1,0 +1,244 @@
+"""A program as written: beliefs, rules, goals and plans, each with its place in the file.
+
+`str` of any of them is AgentSpeak again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field, fields, is_dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any, TypeVar
+
+from .body import NOWHERE, Body, Place, body_text
+from .terms import TRUE, Function, Literal, Quoted, Term, Var, parts, rebuilt, text
+
+
+@dataclass(frozen=True)
+class Trigger:
+    """Event of a plan: an operator (+ or -), a kind ("" belief, "!" goal, "?" test), a literal."""
+
+    operator: str
+    kind: str
+    literal: Literal | Var
+
+    @property
+    def sort(self) -> str:
+        """Operator and kind together: `+!`, `-`, `+?` …"""
+        return self.operator + self.kind
+
+    def __str__(self) -> str:
+        return f"{self.operator}{self.kind}{self.literal}"
+
+
+# ---- clauses
+
+
+@dataclass(frozen=True, repr=False)
+class Clause:
+    """Base of what a program consists of."""
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} {self}>"
+
+    @cached_property
+    def functions(self) -> frozenset[str]:
+        """Names of the arithmetic functions that the clause calls.
+
+        Collected once: a clause is shared by all agents that run it.
+        """
+        return frozenset(part.name for part in _all_parts(self) if isinstance(part, Function))
+
+
+@dataclass(frozen=True, repr=False)
+class Rule(Clause):
+    """Rule `head :- body`: the head is believed wherever the body holds.
+
+    Attributes:
+        head: what follows.
+        body: the formula from which it follows.
+        place: position in the source.
+    """
+
+    head: Literal
+    body: Term
+    place: Place = field(default=NOWHERE, compare=False)
+
+    def __str__(self) -> str:
+        return f"{self.head} :- {text(self.body)}"
+
+
+@dataclass(frozen=True, repr=False)
+class Plan(Clause):
+    """Plan `@label[annotations] trigger : context <- body.`
+
+    Attributes:
+        label: name and annotations, or None.
+        trigger: the event for which the plan is relevant.
+        context: the formula by which it is applicable; `true` if none is written.
+        body: its steps, in order.
+        place: position in the source.
+    """
+
+    label: Literal | None
+    trigger: Trigger
+    context: Term
+    body: Body
+    place: Place = field(default=NOWHERE, compare=False)
+
+    @property
+    def atomic(self) -> bool:
+        """True if the label says `[atomic]`: no other intention runs while the plan does."""
+        return self.label is not None and Literal("atomic") in self.label.annots
+
+    @property
+    def name(self) -> str:
+        """Functor of the label; empty without a label."""
+        return "" if self.label is None else self.label.functor
+
+    def is_same(self, other: Plan) -> bool:
+        """Return True if the plans differ in label and place only."""
+        return (self.trigger, self.context, self.body) == (
+            other.trigger,
+            other.context,
+            other.body,
+        )
+
+    def __str__(self) -> str:
+        label = "" if self.label is None else f"@{self.label} "
+        context = "" if self.context == TRUE else f" : {text(self.context)}"
+        body = f" <- {body_text(self.body)}" if self.body else ""
+        return f"{label}{self.trigger}{context}{body}"
+
+
+@dataclass(frozen=True, repr=False)
+class Goal(Clause):
+    """Initial goal.
+
+    Attributes:
+        goal: what is to be achieved.
+        place: position in the source.
+    """
+
+    goal: Literal
+    place: Place = field(default=NOWHERE, compare=False)
+
+    def __str__(self) -> str:
+        return f"!{self.goal}"
+
+
+@dataclass(frozen=True, repr=False)
+class Belief(Clause):
+    """Initial belief.
+
+    Attributes:
+        belief: what is believed.
+        place: position in the source.
+    """
+
+    belief: Literal
+    place: Place = field(default=NOWHERE, compare=False)
+
+    def __str__(self) -> str:
+        return str(self.belief)
+
+
+@dataclass(frozen=True, repr=False)
+class Program:
+    """Program of an agent: what it believes, wants and knows to do at the start.
+
+    Attributes:
+        source: file or name of the text it was read from.
+        beliefs: initial beliefs and rules, in order.
+        goals: initial goals, in order.
+        plans: plans, in order.
+        folder: folder from which `.include` may read, or None for built-in programs only.
+    """
+
+    source: str
+    beliefs: tuple[Belief | Rule, ...] = ()
+    goals: tuple[Goal, ...] = ()
+    plans: tuple[Plan, ...] = ()
+    folder: Path | None = None
+
+    def __str__(self) -> str:
+        clauses = (*self.beliefs, *self.goals, *self.plans)
+        return "".join(f"{clause}.\n" for clause in transformed(clauses, _escaped))
+
+    def __repr__(self) -> str:
+        counts = f"{len(self.beliefs)} beliefs, {len(self.goals)} goals, {len(self.plans)} plans"
+        return f"<Program {self.source}: {counts}>"
+
+
+def _escaped(part: object) -> str | None:
+    """Return a string as it is written in a program; None for anything else."""
+    if not isinstance(part, str):
+        return None
+    return part.replace('"', '\\"').replace("\n", "\\n")
+
+
+@dataclass(frozen=True)
+class PlanTerm(Quoted):
+    """`{ +!g : c <- b }` as an argument."""
+
+    plan: Plan
+
+    def __str__(self) -> str:
+        has_more = self.plan.body or self.plan.context != TRUE
+        return f"{{ {self.plan} }}" if has_more else f"{{ {self.plan} <- true }}"
+
+
+# ---- going through a program
+
+
+def transformed(part: Any, change: Callable[[Any], Any]) -> Any:
+    """Return a part of a program with everything replaced for which `change` returns not None."""
+    changed = change(part)
+    if changed is not None:
+        return changed
+
+    def inside(inner: Any) -> Any:
+        return transformed(inner, change)
+
+    if isinstance(part, tuple):
+        return tuple(map(inside, part))
+    if is_dataclass(part) and not isinstance(part, type):
+        return replace(part, **{f.name: inside(getattr(part, f.name)) for f in fields(part)})
+    return rebuilt(part, inside)
+
+
+def _all_parts(part: Any) -> Iterator[Any]:
+    yield part
+    if isinstance(part, tuple):
+        inside: Any = part
+    elif is_dataclass(part):
+        inside = [getattr(part, f.name) for f in fields(part)]
+    else:
+        inside = parts(part)
+    for inner in inside:
+        yield from _all_parts(inner)
+
+
+_Clause = TypeVar("_Clause", bound=Clause)
+
+
+def with_run_functions(program: Program, functions: Mapping[str, Callable[..., float]]) -> Program:
+    """Return the program with the functions of one run, as `math.random`, bound to `functions`.
+
+    A program is shared by the agents that run it, so each binds its own when it loads it.
+    """
+
+    def bind(part: Any) -> Any:
+        if isinstance(part, Function) and part.name in functions:
+            return Function(part.name, transformed(part.args, bind), functions[part.name])
+        return None
+
+    def bound(clause: _Clause) -> _Clause:
+        return clause if clause.functions.isdisjoint(functions) else transformed(clause, bind)
+
+    return replace(
+        program,
+        beliefs=tuple(map(bound, program.beliefs)),
+        plans=tuple(map(bound, program.plans)),
+    )

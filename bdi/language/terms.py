@@ -1,0 +1,601 @@
+"""Terms of AgentSpeak: the values of which beliefs, goals, actions and formulas are made.
+
+Numbers are Python floats and strings are Python strs; every other term is an instance of one of
+the classes below. Terms are immutable. A term is `ground` if substitution leaves it unchanged.
+
+Terms share their parts: `X = f(Y, Y), Y = f(Z, Z)` … doubles with every step what there is to
+print and to compare, though each step takes constant time. So every term knows its `size`, in
+parts counted as often as they occur, and its `depth`, and a term over either limit is refused.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from decimal import Decimal
+from numbers import Real
+from typing import NoReturn, TypeAlias, cast
+
+from ..errors import TooDeepError
+
+MAX_SIZE = 1_000_000
+"""Largest number of parts of a term; one of this size takes seconds to print."""
+
+MAX_DEPTH = 150
+"""Largest number of terms nested in each other; a level takes several Python calls."""
+
+
+class Var:
+    """Variable. One that is made while a program runs is `fresh`: no clause names it."""
+
+    __slots__ = ("fresh", "name")
+    ground = False
+    size = 1
+    depth = 0
+
+    def __init__(self, name: str, fresh: bool = False) -> None:
+        self.name = name
+        self.fresh = fresh
+
+    def __str__(self) -> str:
+        return "_" if self.name.startswith("__") else self.name
+
+    def __repr__(self) -> str:
+        return f"Var({self.name!r})"
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Var) and self.name == other.name
+
+    def __hash__(self) -> int:
+        return hash(self.name)
+
+
+class AnnotatedVar(Var):
+    """Variable with annotations, as in `+!Goal[source(Sender)]`."""
+
+    __slots__ = ("annots", "depth", "size")
+
+    def __init__(self, name: str, annots: tuple[Term, ...]) -> None:
+        super().__init__(name)
+        self.annots = annots
+        self.size, self.depth = _measure(annots)
+
+    def __str__(self) -> str:
+        return super().__str__() + _annots_text(self.annots)
+
+
+class RestVar(Var):
+    """Tail of a list of annotations, R in `p[a|R]`. Always the last annotation."""
+
+    __slots__ = ()
+
+
+class Literal:
+    """Functor with arguments and annotations, optionally strongly negated; an atom has neither.
+
+    `annots` are in standard order and without duplicates. Numbers of any type become floats.
+
+    Raises:
+        TypeError: an argument is not a term.
+    """
+
+    __slots__ = (
+        *("_hash", "annots", "args", "depth", "functor", "ground", "key", "negated", "size"),
+    )
+
+    def __init__(
+        self,
+        functor: str,
+        args: tuple[Term, ...] = (),
+        annots: tuple[Term, ...] = (),
+        negated: bool = False,
+    ) -> None:
+        self.functor = functor
+        self.args = args
+        self.annots = annots
+        self.negated = negated
+        #: Key under which beliefs and plans are indexed: functor, arity, strong negation.
+        self.key = (functor, len(args), negated)
+        self._hash: int | None = None
+        self.ground = True
+        self.size = 1
+        self.depth = 0
+        try:
+            self._weigh(args)
+        except AttributeError:
+            # An argument is a number of another type: an int, or one of NumPy's.
+            self.args = tuple(map(_term, args))
+            self.size, self.depth, self.ground = 1, 0, True
+            self._weigh(self.args)
+        if annots:
+            self._weigh(annots)
+
+    def _weigh(self, terms: tuple[Term, ...]) -> None:
+        """Add the terms inside it to its size and depth."""
+        for term in terms:
+            cls = term.__class__
+            if cls is float:
+                continue
+            if cls is str:
+                self.size += len(term) >> 6  # type: ignore[arg-type]
+                continue
+            if not term.ground:  # type: ignore[union-attr]
+                self.ground = False
+            self.size += term.size  # type: ignore[union-attr]
+            if term.depth >= self.depth:  # type: ignore[union-attr]
+                self.depth = term.depth + 1  # type: ignore[union-attr]
+        if self.size > MAX_SIZE or self.depth > MAX_DEPTH:
+            _refuse(self.size)
+
+    def with_args(self, args: tuple[Term, ...]) -> Literal:
+        """Return this literal, whose annotations are ground, with other arguments (as many)."""
+        other = Literal.__new__(Literal)
+        other.functor = self.functor
+        other.args = args
+        other.annots = self.annots
+        other.negated = self.negated
+        other.key = self.key
+        other._hash = None
+        other.ground = True
+        other.size = 1
+        other.depth = 0
+        if args:
+            other._weigh(args)
+        return other
+
+    def with_annots(self, annots: tuple[Term, ...]) -> Literal:
+        """Return this literal with these annotations: in standard order, without duplicates."""
+        other = self.with_args(self.args)
+        other.annots = annots
+        if annots:
+            other._weigh(annots)
+        return other
+
+    def without_annots(self) -> Literal:
+        """Return this literal without annotations."""
+        return self.with_annots(()) if self.annots else self
+
+    @property
+    def is_atom(self) -> bool:
+        """True for a bare name: no arguments, no annotations, no negation."""
+        return not (self.args or self.annots or self.negated)
+
+    @property
+    def is_internal_action(self) -> bool:
+        """True for the name of an internal action, as `.print` or `floor.distance`."""
+        return "." in self.functor and self.functor[0] != "'"
+
+    def __str__(self) -> str:
+        parts = ["~" if self.negated else "", self.functor]
+        if self.args:
+            parts.append(f"({','.join(map(text, self.args))})")
+        if self.annots:
+            parts.append(_annots_text(self.annots))
+        return "".join(parts)
+
+    def __repr__(self) -> str:
+        return f"<{self}>"
+
+    def __eq__(self, other: object) -> bool:
+        if self is other:
+            return True
+        return (
+            isinstance(other, Literal)
+            and self.functor == other.functor
+            and self.negated == other.negated
+            and self.args == other.args
+            and self.annots == other.annots
+        )
+
+    def __hash__(self) -> int:
+        if self._hash is None:
+            self._hash = hash((self.functor, self.args, self.negated))
+        return self._hash
+
+
+class Nil:
+    """The empty list. Its one instance is EMPTY."""
+
+    __slots__ = ()
+    ground = True
+    size = 1
+    depth = 0
+
+    def __iter__(self) -> Iterator[Term]:
+        return iter(())
+
+    def __len__(self) -> int:
+        return 0
+
+    def __str__(self) -> str:
+        return "[]"
+
+    __repr__ = __str__
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Nil)
+
+    def __hash__(self) -> int:
+        return 0
+
+
+EMPTY = Nil()
+
+
+class Cons:
+    """List with elements: a head and a tail, which is a list or a variable."""
+
+    __slots__ = ("depth", "ground", "head", "size", "tail")
+
+    def __init__(self, head: Term, tail: Term) -> None:
+        self.head = head
+        self.tail = tail
+        self.ground = is_ground(head) and is_ground(tail)
+        self.size, self.depth = _measure((head,))
+        if not isinstance(tail, float | str):
+            # The elements of a list stand side by side, so the tail is no deeper than the list.
+            self.size += tail.size
+            self.depth = max(self.depth, tail.depth)
+            if self.size > MAX_SIZE:
+                _refuse(self.size)
+
+    def cells(self) -> Iterator[Cons]:
+        cell: Term = self
+        while isinstance(cell, Cons):
+            yield cell
+            cell = cell.tail
+
+    def __iter__(self) -> Iterator[Term]:
+        """Iterate over the elements, without an open tail."""
+        return (cell.head for cell in self.cells())
+
+    def __len__(self) -> int:
+        return sum(1 for _ in self.cells())
+
+    @property
+    def open_tail(self) -> Var | None:
+        rest: Term = self
+        while isinstance(rest, Cons):
+            rest = rest.tail
+        return rest if isinstance(rest, Var) else None
+
+    def __str__(self) -> str:
+        rest = self.open_tail
+        return f"[{','.join(map(text, self))}{'' if rest is None else f'|{rest}'}]"
+
+    __repr__ = __str__
+
+    def __eq__(self, other: object) -> bool:
+        mine: Term = self
+        theirs = other
+        while isinstance(mine, Cons) and isinstance(theirs, Cons):
+            if mine is theirs:
+                return True
+            if mine.head != theirs.head:
+                return False
+            mine, theirs = mine.tail, theirs.tail
+        if isinstance(mine, Cons) or isinstance(theirs, Cons):
+            return False
+        return mine == theirs
+
+    def __hash__(self) -> int:
+        return hash(tuple(self))
+
+
+# ---- expressions and formulas
+
+
+class Infix:
+    """Base of the terms that are written as a symbol between two operands."""
+
+    __slots__ = ("depth", "ground", "left", "right", "size", "symbol")
+
+    def __init__(self, symbol: str, left: Term, right: Term) -> None:
+        self.symbol = symbol
+        self.left = left
+        self.right = right
+        self.ground = is_ground(left) and is_ground(right)
+        self.size, self.depth = _measure((left, right))
+
+    def __str__(self) -> str:
+        return f"({text(self.left)} {self.symbol} {text(self.right)})"
+
+    def __repr__(self) -> str:
+        return f"<{self}>"
+
+    def __eq__(self, other: object) -> bool:
+        return (
+            isinstance(other, Infix)
+            and self.symbol == other.symbol
+            and self.left == other.left
+            and self.right == other.right
+        )
+
+    def __hash__(self) -> int:
+        return hash((self.symbol, self.left, self.right))
+
+
+class Arithmetic(Infix):
+    """Arithmetic operation, `N-1`. Never ground: substitution replaces it by its value."""
+
+    __slots__ = ()
+
+    def __init__(self, symbol: str, left: Term, right: Term) -> None:
+        super().__init__(symbol, left, right)
+        self.ground = False
+
+    def __str__(self) -> str:
+        spaced = f" {self.symbol} " if self.symbol.isalpha() else self.symbol
+        return f"({text(self.left)}{spaced}{text(self.right)})"
+
+
+class Relation(Infix):
+    """Comparison (`<`, `==`, …), unification (`=`) or decomposition (`=..`)."""
+
+    __slots__ = ()
+
+
+class And(Infix):
+    """Conjunction."""
+
+    __slots__ = ()
+
+    def __init__(self, left: Term, right: Term) -> None:
+        super().__init__("&", left, right)
+
+
+class Or(Infix):
+    """Disjunction."""
+
+    __slots__ = ()
+
+    def __init__(self, left: Term, right: Term) -> None:
+        super().__init__("|", left, right)
+
+
+class Not:
+    """Negation as failure."""
+
+    __slots__ = ("depth", "formula", "ground", "size")
+
+    def __init__(self, formula: Term) -> None:
+        self.formula = formula
+        self.ground = is_ground(formula)
+        self.size, self.depth = _measure((formula,))
+
+    def __str__(self) -> str:
+        return f"not ({text(self.formula)})"
+
+    def __repr__(self) -> str:
+        return f"<{self}>"
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Not) and self.formula == other.formula
+
+    def __hash__(self) -> int:
+        return hash(("not", self.formula))
+
+
+class Function:
+    """Call of an arithmetic function, `math.abs(X)`, or a sign, `-X`. Never ground.
+
+    `calculate` is set for a function that belongs to the run, as `math.random`.
+    """
+
+    __slots__ = ("args", "calculate", "depth", "name", "size")
+    ground = False
+
+    def __init__(
+        self, name: str, args: tuple[Term, ...], calculate: Callable[..., float] | None = None
+    ) -> None:
+        self.name = name
+        self.args = args
+        self.calculate = calculate
+        self.size, self.depth = _measure(args)
+
+    def __str__(self) -> str:
+        if self.name in ("+", "-"):
+            return f"({self.name}{text(self.args[0])})"
+        return f"{self.name}({','.join(map(text, self.args))})" if self.args else self.name
+
+    def __repr__(self) -> str:
+        return f"<{self}>"
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Function) and (self.name, self.args) == (other.name, other.args)
+
+    def __hash__(self) -> int:
+        return hash((self.name, self.args))
+
+
+# ---- parts of a program as terms
+
+
+@dataclass(frozen=True)
+class TriggerTerm:
+    """Event as an argument, `{+!g(X)}`; `sort` is its `+!`."""
+
+    sort: str
+    literal: Literal | Var
+
+    @property
+    def ground(self) -> bool:
+        return is_ground(self.literal)
+
+    @property
+    def size(self) -> int:
+        return self.literal.size
+
+    @property
+    def depth(self) -> int:
+        return self.literal.depth
+
+    def __str__(self) -> str:
+        return f"{{ {self.sort}{self.literal} }}"
+
+
+class Quoted:
+    """Base of the plans and bodies that are arguments: constants to substitution (`program.py`)."""
+
+    ground = True
+    size = 1
+    depth = 1
+
+
+Term: TypeAlias = (
+    "float | str | Literal | Var | Nil | Cons | Arithmetic | Function"
+    " | Relation | And | Or | Not | TriggerTerm | Quoted"
+)
+"""Everything that can stand in a literal or a context; numbers and strings are Python's own."""
+List: TypeAlias = "Nil | Cons"
+
+
+# ---- structure
+
+_PLAIN = (float, str)
+
+
+def is_ground(term: Term) -> bool:
+    """Return True if substitution leaves the term unchanged."""
+    return isinstance(term, _PLAIN) or term.ground
+
+
+def _measure(terms: tuple[Term, ...]) -> tuple[int, int]:
+    """Return size and depth of a term with these parts; refuse one over the limits."""
+    size, depth = 1, 0
+    for term in terms:
+        if isinstance(term, str):
+            size += len(term) >> 6
+        elif not isinstance(term, float):
+            size += term.size
+            depth = max(depth, term.depth + 1)
+    if size > MAX_SIZE or depth > MAX_DEPTH:
+        _refuse(size)
+    return size, depth
+
+
+def _refuse(size: int) -> NoReturn:
+    if size > MAX_SIZE:
+        raise TooDeepError(f"a term of more than {MAX_SIZE:,} parts")
+    raise TooDeepError(f"terms within terms, more than {MAX_DEPTH} deep")
+
+
+def parts(term: Term) -> tuple[Term, ...]:
+    """Return the terms that stand directly inside a term; none for a `TriggerTerm`."""
+    if isinstance(term, Literal):
+        return (*term.args, *term.annots)
+    if isinstance(term, Cons):
+        rest = term.open_tail
+        return tuple(term) if rest is None else (*term, rest)
+    if isinstance(term, Infix):
+        return (term.left, term.right)
+    if isinstance(term, Not):
+        return (term.formula,)
+    if isinstance(term, Function):
+        return term.args
+    return term.annots if isinstance(term, AnnotatedVar) else ()
+
+
+def rebuilt(term: Term, change: Callable[[Term], Term]) -> Term:
+    """Return the term with `change` applied to each of its `parts`."""
+    if isinstance(term, Literal):
+        args, annots = tuple(map(change, term.args)), tuple(map(change, term.annots))
+        return Literal(term.functor, args, annots, term.negated)
+    if isinstance(term, Cons):
+        elements, rest = list(map(change, term)), term.open_tail
+        return make_list(elements, EMPTY if rest is None else change(rest))
+    if isinstance(term, And | Or):
+        return type(term)(change(term.left), change(term.right))
+    if isinstance(term, Arithmetic | Relation):
+        return type(term)(term.symbol, change(term.left), change(term.right))
+    if isinstance(term, Not):
+        return Not(change(term.formula))
+    if isinstance(term, Function):
+        return Function(term.name, tuple(map(change, term.args)), term.calculate)
+    if isinstance(term, AnnotatedVar):
+        return AnnotatedVar(term.name, tuple(map(change, term.annots)))
+    return term
+
+
+# ---- making terms
+
+TRUE = Literal("true")
+FALSE = Literal("false")
+FROM_SELF = Literal("source", (Literal("self"),))
+#: The annotations of most beliefs and goals.
+ONLY_SELF: tuple[Term, ...] = (FROM_SELF,)
+FROM_PERCEPT = Literal("source", (Literal("percept"),))
+ONLY_PERCEPT: tuple[Term, ...] = (FROM_PERCEPT,)
+
+
+def make_list(elements: Iterable[Term], tail: Term = EMPTY) -> Term:
+    """Return the list of `elements`, followed by `tail`."""
+    result = tail
+    for element in reversed(list(elements)):
+        result = Cons(element, result)
+    return result
+
+
+def _term(value: object) -> Term:
+    if isinstance(value, Real):
+        return float(value)
+    if not isinstance(value, str) and not hasattr(value, "ground"):
+        raise TypeError(f"an argument is a number, a text or a term, not {value!r}")
+    return value  # type: ignore[return-value]
+
+
+def make_term(value: object) -> Term:
+    """Return the term for a Python value: a number, str, list, tuple, or a term itself."""
+    if isinstance(value, bool):
+        return TRUE if value else FALSE
+    if isinstance(value, int | float):
+        return float(value)
+    if isinstance(value, list | tuple):
+        return make_list(make_term(element) for element in value)
+    if isinstance(value, str) or hasattr(value, "depth"):  # as all other terms have
+        return cast(Term, value)
+    raise TypeError(f"{type(value).__name__} cannot be made a term: {value!r}")
+
+
+# ---- printing
+
+
+def text(term: Term) -> str:
+    """Return a term as Jason prints it: strings in quotes, whole numbers without `.0`."""
+    if isinstance(term, str):
+        return f'"{term}"'
+    if isinstance(term, float):
+        return number_text(term)
+    return str(term)
+
+
+def plain_text(term: Term) -> str:
+    """Return a string as it is and any other term as its `text`."""
+    return term if isinstance(term, str) else text(term)
+
+
+def _annots_text(annots: tuple[Term, ...]) -> str:
+    if isinstance(annots[-1], RestVar):
+        return f"[{','.join(map(text, annots[:-1]))}|{annots[-1]}]"
+    return f"[{','.join(map(text, annots))}]"
+
+
+def number_text(value: float) -> str:
+    """Return a double as Jason prints it: an integer if it is one of 64 bits, else Java's way.
+
+    `Double.toString` of Java writes plain decimals from 1e-3 up to 1e7 and `1.5E10` elsewhere.
+    """
+    if math.isnan(value):
+        return "NaN"
+    if math.isinf(value):
+        return "Infinity" if value > 0 else "-Infinity"
+    if value.is_integer() and -(2.0**63) <= value <= 2.0**63:
+        return str(min(int(value), 2**63 - 1))
+    if 1e-3 <= abs(value) < 1e7:
+        return repr(value)
+    # The fewest digits that tell the double from its neighbours, as in `repr`.
+    sign, digits, exponent = Decimal(repr(value)).normalize().as_tuple()
+    first, rest = str(digits[0]), "".join(map(str, digits[1:]))
+    power = int(exponent) + len(digits) - 1
+    return f"{'-' if sign else ''}{first}.{rest or '0'}E{power}"

@@ -1,0 +1,127 @@
+"""Tokens of a program, and the ends of its clauses."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from functools import cache
+from importlib.resources import files
+from itertools import islice
+
+from lark import Lark, Token
+
+#: Tokens before a trigger or a body formula; a sign after one of these is an UPDATE.
+_BEFORE_A_STEP = frozenset({"<-", ";", "{", "}", "|||", "|&|"})
+_UPDATES = frozenset({"++", "+<", "+>", "--", "-+"})
+#: Tokens after a step.
+_AFTER_A_STEP = frozenset({";", ")", "}", "|||", "|&|", "."})
+_AFTER_A_SIGNED_LITERAL = _AFTER_A_STEP | {":", "<-"}
+_OPENING = frozenset({"LPAR", "LSQB", "LBRACE"})
+_CLOSING = frozenset({"RPAR", "RSQB", "RBRACE"})
+
+
+@cache
+def grammar() -> Lark:
+    """Return the parser of one clause, made once from the grammar beside this file."""
+    source = files(__package__).joinpath("agentspeak.lark").read_text(encoding="utf-8")
+    return Lark(source, start="clause", parser="lalr", lexer="basic", propagate_positions=True)
+
+
+def tokenize(source: str, previous: str = "") -> Iterator[Token]:
+    """Return the tokens of a text; a character that belongs to none becomes a STRAY token.
+
+    `previous` is the token before the text, empty at the beginning.
+    """
+    reading = grammar().parse_interactive(source)
+    tokens = reading.lexer_thread.lex(reading.parser_state)  # type: ignore[no-untyped-call]
+    return _with_updates(list(tokens), previous)
+
+
+def _with_updates(tokens: Sequence[Token], previous: str) -> Iterator[Token]:
+    """Join the signs that begin a trigger or a body formula to one UPDATE token."""
+    around_terms = _brackets_around_terms(tokens)
+    begins_step = previous == "" or previous in _BEFORE_A_STEP
+    in_label = False
+    depth = 0
+    numbered = enumerate(tokens)
+    for index, token in numbered:
+        if token.value == "@" and token.type != "STRING":
+            in_label, depth = True, 0
+        depth += {"[": 1, "]": -1}.get(token.value, 0)
+        begins_step = begins_step or (in_label and depth == 0)
+        if token.type in ("PLUS", "MINUS") and begins_step and not _is_compared(tokens, index):
+            both = token.value + "".join(tokens[index + 1 : index + 2])
+            if both in _UPDATES:
+                next(numbered)
+            else:
+                both = token.value
+            token = Token.new_borrow_pos("UPDATE", both, token)
+            in_label = False
+        yield token
+        if token.type == "LPAR":
+            begins_step = begins_step and index not in around_terms
+        else:
+            begins_step = token.type == "DOT" or token.value in _BEFORE_A_STEP
+
+
+def _is_compared(tokens: Sequence[Token], index: int) -> bool:
+    """Return True if the step that begins with the sign at `index` is a comparison, `-X < 3`."""
+    depth = 0
+    for token in islice(tokens, index + 1, None):
+        if depth == 0 and token.value in _AFTER_A_SIGNED_LITERAL:
+            return False
+        if depth == 0 and token.type == "RELATION" and token is not tokens[index + 1]:
+            return True
+        depth += (token.type in _OPENING) - (token.type in _CLOSING)
+    return False
+
+
+def _brackets_around_terms(tokens: Sequence[Token]) -> set[int]:
+    """Return the indices of the opening brackets that cannot enclose a group of steps.
+
+    `(-X) < 3` and `(-b; a)` begin alike: the token after the closing bracket decides.
+    """
+    found: set[int] = set()
+    opened: list[int] = []
+    for index, token in enumerate(tokens):
+        if token.type == "DOT":
+            opened.clear()
+        elif token.type == "LPAR":
+            opened.append(index)
+        elif token.type == "RPAR" and opened:
+            begin = opened.pop()
+            if index + 1 < len(tokens) and tokens[index + 1].value not in _AFTER_A_STEP:
+                found.add(begin)
+    return found
+
+
+def clauses(tokens: Iterator[Token]) -> Iterator[list[Token]]:
+    """Yield the tokens of each clause; a wrong clause ends at its full stop as well."""
+    clause: list[Token] = []
+    braces = 0
+    for token in tokens:
+        clause.append(token)
+        if token.type == "LBRACE":
+            braces += 1
+        elif token.type == "RBRACE":
+            braces -= 1
+        is_directive = clause[0].type == "LBRACE"
+        if token.type == "DOT" or (is_directive and braces == 0):
+            yield clause
+            clause, braces = [], 0
+    if clause:
+        yield clause
+
+
+def nesting(tokens: Sequence[Token], brackets: str) -> int:
+    """Return how deep these brackets are nested in a clause; an `elif` is one level."""
+    opening, closing = brackets[::2], brackets[1::2]
+    deepest = depth = 0
+    for token in tokens:
+        if token.type == "STRING":
+            continue
+        if token.value in opening or token.type == "ELIF":
+            depth += 1
+            deepest = max(deepest, depth)
+        elif token.value in closing:
+            depth -= 1
+    return deepest

@@ -1,0 +1,1 @@
+"""The reasoning cycle of an agent: beliefs, plans, intentions, and what moves them on."""

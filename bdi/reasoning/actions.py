@@ -1,0 +1,196 @@
+"""Internal actions: what one is, how a user adds some, and the check that a program's exist."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from difflib import get_close_matches
+from typing import Any, TypeAlias
+
+from ..errors import Problem, ProgramError
+from ..language.body import Act, Body, BodyTerm, For, Fork, If, Place, Test, While
+from ..language.program import PlanTerm, Program, Rule
+from ..language.terms import And, Cons, Literal, Not, Or, Term
+
+#: Takes a `Call` and the arguments; returns True, False, None, a unifier, or an iterator of them.
+Function: TypeAlias = "Callable[..., Any]"
+
+
+def error_annots(error: str, message: str) -> tuple[Term, ...]:
+    """Return the annotations of a failure event that say what went wrong."""
+    return (Literal("error", (Literal(error),)), Literal("error_msg", (message,)))
+
+
+class ActionError(Exception):
+    """Failure of an internal action; `annots` are the annotations of its `-!g` event."""
+
+    def __init__(
+        self, message: str, error: str = "internal_action", annots: tuple[Term, ...] = ()
+    ) -> None:
+        self.message = message
+        self.annots = (*error_annots(error, message), *annots)
+        super().__init__(message)
+
+
+@dataclass(frozen=True)
+class InternalAction:
+    """Internal action of a program.
+
+    Attributes:
+        function: takes a `Call` and the arguments; returns whether the action holds, a unifier
+            with which it does, or an iterator of unifiers.
+        least: smallest number of arguments.
+        most: largest number of arguments, or None for any number.
+        in_context: True if contexts and queries may use it.
+    """
+
+    function: Function
+    least: int = 0
+    most: int | None = None
+    in_context: bool = True
+
+    def check(self, name: str, count: int) -> None:
+        """Check the number of arguments with which `name` is called.
+
+        Raises:
+            ActionError: the action does not take a `count` of arguments.
+        """
+        if self.least <= count and (self.most is None or count <= self.most):
+            return
+        if self.least != self.most:
+            most = 2**31 - 1 if self.most is None else self.most
+            wanted = f"From {self.least} to {most} arguments are"
+        else:
+            wanted = "One argument is" if self.least == 1 else f"{self.least} arguments are"
+        raise ActionError(
+            f"The internal action '{name.lstrip('.')}' has not received the required number"
+            f" of argument(s). {wanted} expected.",
+            "wrong_arguments",
+        )
+
+
+class InternalActions(Mapping[str, InternalAction]):
+    """Internal actions of your own, given to agents as `actions=`.
+
+    ```python
+    actions = bdi.InternalActions()
+
+    @actions.add("floor.distance")
+    def distance(call, x, y, result):
+        return call.unify(result, math.hypot(x, y))
+    ```
+    """
+
+    def __init__(self) -> None:
+        self._actions: dict[str, InternalAction] = {}
+
+    def __repr__(self) -> str:
+        return f"<InternalActions {', '.join(self._actions) or 'none'}>"
+
+    def add(
+        self, name: str, *, least: int = 0, most: int | None = None, in_context: bool = True
+    ) -> Callable[[Function], Function]:
+        """Register a function under a name with a dot in it, as `floor.distance`.
+
+        Args:
+            name: its name in programs.
+            least: smallest number of arguments.
+            most: largest number of arguments; None for any number.
+            in_context: False to keep it out of contexts and queries.
+
+        Raises:
+            ValueError: the name has no dot or is taken.
+        """
+        if "." not in name:
+            raise ValueError(f"the name of an internal action has a dot in it, and '{name}' none")
+        if name in self._actions:
+            raise ValueError(f"there is an internal action '{name}' already")
+
+        def register(function: Function) -> Function:
+            self._actions[name] = InternalAction(function, least, most, in_context)
+            return function
+
+        return register
+
+    def __getitem__(self, name: str) -> InternalAction:
+        return self._actions[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._actions)
+
+    def __len__(self) -> int:
+        return len(self._actions)
+
+
+# ---- the calls in a program
+
+
+def check_actions(program: Program, actions: Mapping[str, InternalAction]) -> None:
+    """Check that the internal actions of a program exist and are allowed where they stand.
+
+    Raises:
+        ProgramError: some are not; it has all of them.
+    """
+    problems: dict[Problem, None] = {}
+    for place, action, in_context in _calls(program):
+        name = action.functor
+        if name not in actions:
+            near = get_close_matches(name, actions, n=1)
+            hint = f"; did you mean {near[0]}?" if near else ""
+            problems[place.problem(f"there is no internal action {name}{hint}")] = None
+        elif in_context and not actions[name].in_context:
+            problems[place.problem(f"{name} cannot be used in a context or query")] = None
+    if problems:
+        raise ProgramError(list(problems))
+
+
+def _calls(program: Program) -> Iterator[tuple[Place, Literal, bool]]:
+    """Yield each call with its place, and True if it stands in a context or query."""
+    for clause in program.beliefs:
+        if isinstance(clause, Rule):
+            yield from ((clause.place, call, True) for call in _in_formula(clause.body))
+    for plan in program.plans:
+        yield from ((plan.place, call, True) for call in _in_formula(plan.context))
+        yield from _in_body(plan.body)
+
+
+def _in_body(body: Body) -> Iterator[tuple[Place, Literal, bool]]:
+    for step in body:
+        formulas: tuple[Term, ...] = ()
+        bodies: tuple[Body, ...] = ()
+        if isinstance(step, Act):
+            if isinstance(step.action, Literal) and step.action.is_internal_action:
+                yield step.place, step.action, False
+                formulas = step.action.args
+        elif isinstance(step, Test):
+            formulas = (step.formula,)
+        elif isinstance(step, If):
+            formulas, bodies = (step.condition,), (step.then, step.otherwise)
+        elif isinstance(step, While):
+            formulas, bodies = (step.condition,), (step.body,)
+        elif isinstance(step, For):
+            formulas, bodies = (step.generator,), (step.body,)
+        elif isinstance(step, Fork):
+            bodies = step.branches
+        for formula in formulas:
+            yield from ((step.place, call, True) for call in _in_formula(formula))
+        for inner in bodies:
+            yield from _in_body(inner)
+
+
+def _in_formula(formula: Term) -> Iterator[Literal]:
+    pending = [formula]
+    while pending:
+        part = pending.pop()
+        if isinstance(part, Literal) and part.is_internal_action:
+            yield part
+            pending.extend(part.args)
+        elif isinstance(part, And | Or):
+            pending.extend((part.right, part.left))
+        elif isinstance(part, Not):
+            pending.append(part.formula)
+        elif isinstance(part, Cons):
+            pending.extend(e for e in part if isinstance(e, PlanTerm))
+        elif isinstance(part, PlanTerm | BodyTerm):
+            body = part.plan.body if isinstance(part, PlanTerm) else part.body
+            yield from (call for _, call, _ in _in_body(body))

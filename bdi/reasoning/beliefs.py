@@ -1,0 +1,206 @@
+"""The belief base: beliefs and rules, in order, found by functor and first argument.
+
+Beside them are live beliefs, which a source supplies whenever a query asks for them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from types import MappingProxyType
+from typing import TypeAlias
+
+from ..language.order import sorted_annots
+from ..language.program import Rule
+from ..language.substitution import Unifier, substitute_literal
+from ..language.terms import (
+    FROM_PERCEPT,
+    FROM_SELF,
+    ONLY_PERCEPT,
+    ONLY_SELF,
+    Literal,
+    Term,
+    Var,
+)
+from ..language.unification import try_unify, unify
+from .shelves import LiveShelf, Shelf
+
+Key: TypeAlias = tuple[str, int, bool]
+
+LiveBeliefs: TypeAlias = "Mapping[tuple[str, int], Callable[[], Iterable[tuple[Term, ...]]]]"
+"""By functor and arity: a function that returns the arguments of each belief that holds now."""
+
+
+def has_source(literal: Literal) -> bool:
+    """Return True if an annotation says where the literal comes from."""
+    return any(isinstance(annot, Literal) and annot.functor == "source" for annot in literal.annots)
+
+
+def with_source(literal: Literal, source: Literal = FROM_SELF) -> Literal:
+    """Return the literal with a source: its own, or else the one given."""
+    if not literal.annots and source is FROM_SELF:
+        return literal.with_annots(ONLY_SELF)
+    if has_source(literal):
+        return literal
+    return literal.with_annots(sorted_annots((*literal.annots, source)))
+
+
+def _among(some: tuple[Term, ...], others: tuple[Term, ...]) -> bool:
+    return some is others or all(annot in others for annot in some)
+
+
+class BeliefBase:
+    """Beliefs and rules; `live` beliefs answer queries, and are not counted among the others.
+
+    Attributes:
+        percepts: the beliefs whose source is `percept`, by their literal without annotations.
+        lost_percepts: percepts no longer believed since the base was last updated from them.
+    """
+
+    def __init__(self, live: LiveBeliefs = MappingProxyType({})) -> None:
+        self._shelves: dict[Key, Shelf] = {
+            (functor, arity, False): LiveShelf(functor, arity, source)
+            for (functor, arity), source in live.items()
+        }
+        self.percepts: dict[Literal, Literal] = {}
+        self.lost_percepts: dict[Literal, None] = {}
+
+    def __iter__(self) -> Iterator[Literal]:
+        """Iterate over the beliefs, without the rules."""
+        for shelf in self._shelves.values():
+            for clause in shelf.all():
+                if isinstance(clause, Literal):
+                    yield clause
+
+    def __len__(self) -> int:
+        return sum(len(shelf) - shelf.rules for shelf in self._shelves.values())
+
+    def shelf(self, key: Key) -> Shelf | None:
+        """Return the shelf of a functor, arity and negation, if there is one."""
+        return self._shelves.get(key)
+
+    def all_clauses(self) -> tuple[Literal | Rule, ...]:
+        """Return all that may answer a query for anything."""
+        return tuple(c for shelf in self._shelves.values() for c in shelf.everything())
+
+    def find(self, literal: Literal) -> Literal | None:
+        """Return the belief that equals a literal, annotations aside."""
+        shelf = self._shelves.get(literal.key)
+        return None if shelf is None else shelf.find(literal.args)
+
+    def add_rule(self, rule: Rule) -> None:
+        """Add a rule before the clauses of its functor and arity."""
+        self._shelves.setdefault(rule.head.key, Shelf()).add(rule)
+
+    def add(self, literal: Literal, *, at_end: bool = False) -> Literal | None:
+        """Add a belief, or annotations to one. Return what is new of it, or None."""
+        shelf = self._shelves.get(literal.key)
+        if shelf is None:
+            shelf = self._shelves[literal.key] = Shelf()
+        known = shelf.find(literal.args)
+        if known is None:
+            shelf.add(literal, at_end=at_end)
+            if literal.annots is not ONLY_SELF and FROM_PERCEPT in literal.annots:
+                self.percepts[literal.without_annots()] = literal
+            return literal
+        added = tuple(annot for annot in literal.annots if annot not in known.annots)
+        if not added:
+            return None
+        shelf.replace(known.with_annots(sorted_annots(known.annots + added)))
+        if FROM_PERCEPT in added:
+            self.percepts[literal.without_annots()] = literal
+        return literal.with_annots(added)
+
+    def perceive(self, key: Literal, percept: Literal) -> Literal | None:
+        """Believe a percept, which is `key` without annotations. Return what is new, as `add`."""
+        if percept.annots:
+            annots = sorted_annots((*percept.annots, FROM_PERCEPT))
+            return self.add(percept.with_annots(annots))
+        shelf = self._shelves.get(key.key)
+        if shelf is None:
+            shelf = self._shelves[key.key] = Shelf()
+        literal = key.with_annots(ONLY_PERCEPT)
+        if shelf.find(key.args) is not None:
+            return self.add(literal)
+        shelf.add(literal)
+        self.percepts[key] = literal
+        return literal
+
+    def forget_percept(self, key: Literal) -> Literal | None:
+        """Stop believing a percept, unless it has other sources. Return as `remove`."""
+        shelf = self._shelves[key.key]
+        belief = shelf.find(key.args)
+        if belief is not None and belief.annots is ONLY_PERCEPT:
+            shelf.remove(key.args)
+            del self.percepts[key]
+            return belief
+        return self.remove(key.with_annots(ONLY_PERCEPT), {})
+
+    def remove(self, literal: Literal, u: Unifier) -> Literal | None:
+        """Take annotations off a belief, and remove it when it has no source left.
+
+        A literal with variables that is not believed as it stands removes the first belief with
+        which it unifies, and binds them in `u`. Return the literal removed, or None.
+        """
+        shelf = self._shelves.get(literal.key)
+        if shelf is None:
+            return None
+        known = shelf.find(literal.args)
+        if known is not None and _among(literal.annots, known.annots):
+            if not literal.annots:
+                return None
+            self._strip(shelf, known, literal.annots)
+            return literal
+        if literal.ground:
+            return None
+        for belief in shelf.kept(literal, u):
+            if isinstance(belief, Literal) and try_unify(literal, belief, u):
+                removed = substitute_literal(literal, u)
+                return removed if self._strip(shelf, belief, removed.annots) else None
+        return None
+
+    def remove_first(self, key: Key, annots: tuple[Term, ...]) -> Literal | None:
+        """Take annotations off the first belief that has them all, whatever its arguments.
+
+        Return what was removed, or None if there is no such belief or it has other sources.
+        """
+        shelf = self._shelves.get(key)
+        if shelf is None:
+            return None
+        for belief in shelf.all():
+            if isinstance(belief, Literal) and _among(annots, belief.annots):
+                removed = belief if belief.annots is annots else belief.with_annots(annots)
+                return removed if self._strip(shelf, belief, annots) else None
+        return None
+
+    def _strip(self, shelf: Shelf, belief: Literal, annots: tuple[Term, ...]) -> bool:
+        """Take annotations off; return True if the belief was removed with its last source."""
+        if belief.annots is ONLY_SELF and annots is ONLY_SELF:
+            shelf.remove(belief.args)
+            return True
+        if FROM_PERCEPT in belief.annots and FROM_PERCEPT in annots:
+            key = belief.without_annots()
+            self.percepts.pop(key, None)
+            self.lost_percepts[key] = None
+        if belief.annots is annots:
+            shelf.remove(belief.args)
+            return True
+        left = belief.with_annots(tuple(a for a in belief.annots if a not in annots))
+        if has_source(left):
+            shelf.replace(left)
+            return False
+        shelf.remove(belief.args)
+        return True
+
+    def matching(self, pattern: Literal | Var, u: Unifier) -> list[Literal]:
+        """Return the beliefs that unify with a pattern, each on its own."""
+        clauses: tuple[Literal | Rule, ...]
+        if isinstance(pattern, Literal):
+            shelf = self._shelves.get(pattern.key)
+            clauses = () if shelf is None else shelf.candidates(pattern, u)
+        else:
+            clauses = self.all_clauses()
+        return [
+            clause
+            for clause in clauses
+            if isinstance(clause, Literal) and unify(pattern, clause, dict(u))
+        ]

@@ -1,0 +1,263 @@
+"""An agent's circumstance: its events, and its intentions in all their states.
+
+After the operational semantics of AgentSpeak (Bordini, Hübner and Wooldridge, "Programming
+Multi-Agent Systems in AgentSpeak using Jason", 2007, ch. 10): E the events, I the running
+intentions, PA those pending for an action and PI those pending for anything else. While there is
+an atomic intention, no event is taken and no other intention runs.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Iterator
+
+from ..language.substitution import Unifier
+from ..language.terms import Literal, Term
+from .alarms import Alarm
+from .intentions import Event, Intention, Wait
+
+
+class PendingAction:
+    """External action under way; `number` names it for `Agent.finish`."""
+
+    __slots__ = ("action", "intention", "number")
+
+    def __init__(self, number: int, action: Literal, intention: Intention) -> None:
+        self.number = number
+        self.action = action
+        self.intention = intention
+
+
+class Circumstance:
+    """Events and intentions of one agent.
+
+    Attributes:
+        events: events to be dealt with, in order.
+        atomic_event: the event for which an atomic intention waits; it comes before the others.
+        suspended_events: events put off by `.suspend`.
+        future_events: alarms of the events announced by `.at`.
+        running: intentions that run in turns.
+        atomic: the atomic intention, if there is one.
+        atomic_waits: True while that intention is pending.
+        selected_event, selected: event and intention of the current reasoning cycle.
+        pending_actions: by number of the intention, the action it waits for.
+        feedback: outcomes of actions, in the order in which they came.
+        pending: by number, the intentions that wait for anything else, and for what.
+        waits: the waits that events and changes may end.
+        on_end: called with every intention that has ended.
+    """
+
+    def __init__(self) -> None:
+        self.events: deque[Event] = deque()
+        self.atomic_event: Event | None = None
+        self.suspended_events: list[Event] = []
+        self.future_events: list[Alarm] = []
+        self.running: deque[Intention] = deque()
+        self.atomic: Intention | None = None
+        self.atomic_waits = False
+        self.selected_event: Event | None = None
+        self.selected: Intention | None = None
+        self.pending_actions: dict[int, PendingAction] = {}
+        self.feedback: deque[tuple[PendingAction, bool]] = deque()
+        self.pending: dict[int, tuple[str, Intention]] = {}
+        self.waits: list[Wait] = []
+        self.on_end: Callable[[Intention], None] | None = None
+
+    # ---- events
+
+    def post(self, event: Event) -> None:
+        """Add an event to those to be dealt with."""
+        if event.intention is not None and event.intention.atomic:
+            self.atomic_event = event
+        else:
+            self.events.append(event)
+        if self.waits:
+            self._notice(event)
+
+    def all_events(self) -> list[Event]:
+        """Return the events to be dealt with, in order."""
+        first = [] if self.atomic_event is None else [self.atomic_event]
+        return [*first, *self.events]
+
+    def remove_event(self, event: Event) -> None:
+        """Remove an event, suspended or not; the intention that waits for it ends."""
+        if event is self.atomic_event:
+            self.atomic_event = None
+        self.events = deque(e for e in self.events if e is not event)
+        self.suspended_events = [e for e in self.suspended_events if e is not event]
+        if event.intention is not None:
+            self._dropped(event.intention)
+
+    def remove_goals(self, goal: Literal, u: Unifier) -> None:
+        """Remove the `+!goal` events, suspended ones as well."""
+        for event in [*self.events, *self.suspended_events]:
+            if event.is_for(goal, dict(u)):
+                self.remove_event(event)
+
+    def clear_events(self, *, only_goals: bool = False) -> None:
+        """Remove all events, or those of goals; the intentions that wait for them end."""
+        for event in self.all_events():
+            if event.intention is not None and (event.is_goal or not only_goals):
+                self._dropped(event.intention)
+        self.events = deque(e for e in self.events if only_goals and not e.is_goal)
+        self.atomic_event = None
+        self.suspended_events.clear()
+
+    # ---- intentions
+
+    def add_running(self, intention: Intention) -> None:
+        """Put an intention at the end of those that run in turns."""
+        if intention.atomic:
+            self.atomic = intention
+        else:
+            intention.in_line = True
+            self.running.append(intention)
+        if self.waits:
+            self._notice(None)
+
+    def is_running(self, intention: Intention) -> bool:
+        """Return True if an intention is atomic or runs in turns."""
+        return intention is self.atomic or intention.in_line
+
+    def remove_running(self, intention: Intention) -> bool:
+        """Take an intention out of those that run; return True if it was there."""
+        if intention is self.atomic:
+            self.atomic = None
+            return True
+        # Most that end are not in line, and need not be searched for.
+        if not intention.in_line:
+            return False
+        intention.in_line = False
+        self.running.remove(intention)
+        return True
+
+    def select(self) -> Intention | None:
+        """Take out the intention whose turn it is."""
+        if self.atomic is not None:
+            if self.atomic_waits:
+                return None
+            intention, self.atomic = self.atomic, None
+            return intention
+        if not self.running:
+            return None
+        intention = self.running.popleft()
+        intention.in_line = False
+        return intention
+
+    def suspend(self, kind: str, intention: Intention, reason: Term | None = None) -> None:
+        """Make an intention pending until something of a kind resumes it."""
+        if intention.atomic:
+            self.atomic = intention
+            self.atomic_waits = True
+        self.pending[intention.number] = (kind, intention)
+        intention.reason = reason
+        if self.waits:
+            self._notice(None)
+
+    def take_pending(self, intention: Intention, kind: str) -> bool:
+        """Take an intention out of those pending for a kind of thing; True if it was there."""
+        found = self.pending.get(intention.number)
+        return found is not None and found[0] == kind and self._unpend(intention)
+
+    def _unpend(self, intention: Intention) -> bool:
+        if self.pending.pop(intention.number, None) is None:
+            return False
+        self._release(intention)
+        return True
+
+    def _release(self, intention: Intention) -> None:
+        if intention is self.atomic:
+            self.atomic = None
+            self.atomic_waits = False
+
+    def expect(self, action: PendingAction) -> None:
+        """Make an intention pending for the outcome of its action."""
+        intention = action.intention
+        if intention.atomic:
+            self.atomic = intention
+            self.atomic_waits = True
+        self.pending_actions[intention.number] = action
+        intention.reason = action.action
+
+    def take_action(self, intention: Intention) -> PendingAction | None:
+        """Take an intention out of those pending for an action; return the action."""
+        action = self.pending_actions.pop(intention.number, None)
+        if action is not None:
+            self._release(intention)
+        return action
+
+    def has_feedback(self) -> bool:
+        """Return True if an outcome has come for an intention that is not suspended."""
+        return any(not action.intention.is_suspended for action, _ in self.feedback)
+
+    def drop(self, intention: Intention) -> None:
+        """End an intention in whatever state it is."""
+        for event in [*self.all_events(), *self.suspended_events]:
+            if event.intention is intention:
+                self.remove_event(event)
+        if self.take_action(intention) is not None:
+            self._dropped(intention)
+        if self.remove_running(intention):
+            self._dropped(intention)
+        if self._unpend(intention):
+            self._dropped(intention)
+
+    def clear_intentions(self) -> None:
+        """End all intentions but the selected one, and cancel the events announced by `.at`."""
+        for alarm in self.future_events:
+            alarm.cancel()
+        self.future_events.clear()
+        self.atomic = None
+        self.atomic_waits = False
+        for intention in list(self.running):
+            intention.in_line = False
+            self._dropped(intention)
+        self.running.clear()
+        for _, intention in list(self.pending.values()):
+            self._dropped(intention)
+        self.pending.clear()
+        for action in list(self.pending_actions.values()):
+            self._dropped(action.intention)
+        self.pending_actions.clear()
+        for event in [*self.all_events(), *self.suspended_events]:
+            if event.intention is not None:
+                self.remove_event(event)
+
+    def forget(self, intention: Intention) -> None:
+        """Notify `on_end` that an intention has ended."""
+        if self.on_end is not None:
+            self.on_end(intention)
+
+    @property
+    def size(self) -> int:
+        """Number of intentions that run or are pending."""
+        return len(self.running) + len(self.pending) + len(self.pending_actions)
+
+    def intentions(self) -> Iterator[Intention]:
+        """Iterate over all intentions, each once, in the order in which Jason searches them."""
+        seen: set[int] = set()
+        candidates: list[Intention | None] = [
+            None if self.selected_event is None else self.selected_event.intention,
+            self.selected,
+            *(event.intention for event in self.all_events()),
+            *(event.intention for event in self.suspended_events),
+            *(action.intention for action in self.pending_actions.values()),
+            *(intention for _, intention in self.pending.values()),
+            self.atomic,
+            *self.running,
+        ]
+        for intention in candidates:
+            if intention is not None and intention.number not in seen and intention.stack:
+                seen.add(intention.number)
+                yield intention
+
+    def _dropped(self, intention: Intention) -> None:
+        if intention.wait is not None:
+            intention.wait.cancel()
+        self.forget(intention)
+        if self.waits:
+            self._notice(None)
+
+    def _notice(self, event: Event | None) -> None:
+        for wait in list(self.waits):
+            wait.notice(event)

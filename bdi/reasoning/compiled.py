@@ -1,0 +1,231 @@
+"""Terms, conditions and triggers of plans, compiled to Python closures.
+
+What `substitute`, `Logic.first` and `unify` find out about a term each time they meet it is found
+out here once, when a plan is loaded: which arguments are constants, which are plain variables,
+which comparison it is. Forms that are not frequent are left to them.
+"""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+from typing import TypeAlias
+
+from ..language.arithmetic import OPERATORS
+from ..language.substitution import Unifier, substitute
+from ..language.terms import TRUE, And, Arithmetic, Literal, Not, Relation, Term, Var, is_ground
+from ..language.unification import matched, unify
+from .logic import Logic
+
+Build: TypeAlias = "Callable[[Unifier], Term]"
+Condition: TypeAlias = "Callable[[Logic, Unifier], Unifier | None]"
+Match: TypeAlias = "Callable[[Literal], Unifier | None]"
+
+_COMPARISONS: Mapping[str, Callable[[float, float], bool]] = MappingProxyType(
+    {
+        "<": operator.lt,
+        "<=": operator.le,
+        ">": operator.gt,
+        ">=": operator.ge,
+        "==": operator.eq,
+        "\\==": operator.ne,
+    }
+)
+
+
+# ---- terms
+
+
+def builder(term: Term) -> Build:
+    """Return a function equal to `lambda u: substitute(term, u)`, but faster."""
+    if is_ground(term):
+        return lambda u: term
+    if term.__class__ is Var:
+        return _build_variable(term)
+    if isinstance(term, Arithmetic):
+        return _build_arithmetic(term)
+    if isinstance(term, Literal) and all(map(is_ground, term.annots)):
+        return _build_literal(term)
+    return lambda u: substitute(term, u)
+
+
+def _build_variable(variable: Var) -> Build:
+    name = variable.name
+
+    def build(u: Unifier) -> Term:
+        value = u.get(name)
+        if value is None:
+            return variable
+        cls = value.__class__
+        if cls is float or cls is str:
+            return value
+        return substitute(value, u)
+
+    return build
+
+
+def _build_arithmetic(term: Arithmetic) -> Build:
+    right = term.right
+    calculate = OPERATORS[term.symbol]
+    left_of = builder(term.left)
+    if right.__class__ is float:
+
+        def build_with_constant(u: Unifier) -> Term:
+            left = left_of(u)
+            if left.__class__ is float:
+                return calculate(left, right)
+            return substitute(term, u)
+
+        return build_with_constant
+    right_of = builder(right)
+
+    def build(u: Unifier) -> Term:
+        left, right = left_of(u), right_of(u)
+        if left.__class__ is float and right.__class__ is float:
+            return calculate(left, right)
+        return substitute(term, u)
+
+    return build
+
+
+def _build_literal(literal: Literal) -> Build:
+    build_args = [builder(arg) for arg in literal.args]
+    if len(build_args) == 1:
+        build_arg = build_args[0]
+        return lambda u: literal.with_args((build_arg(u),))
+    return lambda u: literal.with_args(tuple([build(u) for build in build_args]))
+
+
+# ---- conditions
+
+
+def condition(formula: Term) -> Condition:
+    """Return a function equal to `lambda logic, u: logic.first(formula, u)`, but faster."""
+    if formula == TRUE:
+        return lambda logic, u: u
+    if isinstance(formula, Relation):
+        if formula.symbol in _COMPARISONS:
+            return _compare(formula)
+        if formula.symbol == "=" and formula.left.__class__ is Var:
+            return _assign(formula)
+    if isinstance(formula, And) and isinstance(formula.left, Relation | Not):
+        return _both(condition(formula.left), condition(formula.right))
+    if isinstance(formula, And) and _is_plain_query(formula.left):
+        return _query_and(formula)
+    if isinstance(formula, Not):
+        inner = condition(formula.formula)
+        return lambda logic, u: u if inner(logic, u) is None else None
+    if _is_plain_query(formula):
+        return _query(formula)  # type: ignore[arg-type]
+    return lambda logic, u: logic.first(formula, u)
+
+
+def _is_plain_query(formula: Term) -> bool:
+    return isinstance(formula, Literal) and not formula.annots and not formula.is_internal_action
+
+
+def _compare(relation: Relation) -> Condition:
+    holds = _COMPARISONS[relation.symbol]
+    left_of, right_of = builder(relation.left), builder(relation.right)
+
+    def check(logic: Logic, u: Unifier) -> Unifier | None:
+        left, right = left_of(u), right_of(u)
+        if left.__class__ is float and right.__class__ is float:
+            return u if holds(left, right) else None
+        return logic.first(relation, u)
+
+    return check
+
+
+def _assign(relation: Relation) -> Condition:
+    """Compile `X = …`, which mostly gives a value to a variable that has none."""
+    name = relation.left.name  # type: ignore[union-attr]
+    value_of = builder(relation.right)
+
+    def check(logic: Logic, u: Unifier) -> Unifier | None:
+        value = value_of(u)
+        if name not in u and (value.__class__ is float or value.__class__ is str):
+            return {**u, name: value}
+        return logic.first(relation, u)
+
+    return check
+
+
+def _both(one: Condition, other: Condition) -> Condition:
+    def check(logic: Logic, u: Unifier) -> Unifier | None:
+        solution = one(logic, u)
+        return None if solution is None else other(logic, solution)
+
+    return check
+
+
+def _query(query: Literal) -> Condition:
+    key = query.key
+
+    def check(logic: Logic, u: Unifier) -> Unifier | None:
+        shelf = logic.beliefs.shelf(key)
+        if shelf is None:
+            return None
+        if shelf.rules:
+            return logic.first(query, u)
+        for belief in shelf.candidates(query, u):
+            solution = matched(query, belief, u)  # type: ignore[arg-type]
+            if solution is not None:
+                return solution
+        return None
+
+    return check
+
+
+def _query_and(formula: And) -> Condition:
+    """Compile a query followed by a formula: the first of its beliefs for which that holds."""
+    query = formula.left
+    key = query.key  # type: ignore[union-attr]
+    rest = condition(formula.right)
+
+    def check(logic: Logic, u: Unifier) -> Unifier | None:
+        shelf = logic.beliefs.shelf(key)
+        if shelf is None:
+            return None
+        if shelf.rules:
+            return logic.first(formula, u)
+        for belief in shelf.candidates(query, u):  # type: ignore[arg-type]
+            solution = matched(query, belief, u)  # type: ignore[arg-type]
+            if solution is not None:
+                logic.goals_left -= 1
+                if logic.goals_left < 0:
+                    logic.give_up(formula)
+                solution = rest(logic, solution)
+                if solution is not None:
+                    return solution
+        return None
+
+    return check
+
+
+# ---- triggers
+
+
+def matcher(pattern: Literal | Var) -> Match:
+    """Return a function that unifies a trigger with the literal of an event.
+
+    The two are known to have the same functor and arity.
+    """
+    if pattern.__class__ is not Literal or pattern.annots:
+        return lambda literal: _unified(pattern, literal)
+    args = pattern.args
+    if not args:
+        return lambda literal: {}
+    names = [arg.name for arg in args if arg.__class__ is Var]
+    if len(names) == len(args) == len(set(names)):
+        if len(names) == 1:
+            name = names[0]
+            return lambda literal: {name: literal.args[0]}
+        return lambda literal: dict(zip(names, literal.args))  # noqa: B905 - equal lengths
+    return lambda literal: matched(pattern, literal, {})
+
+
+def _unified(pattern: Term, literal: Literal) -> Unifier | None:
+    u: Unifier = {}
+    return u if unify(pattern, literal, u) else None

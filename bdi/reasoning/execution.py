@@ -1,0 +1,304 @@
+"""Execution of plan bodies: the operation of each kind of step.
+
+An operation carries its step out once. Unless it has raised an event or left the intention
+pending, it moves the intention on.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+from typing import TypeAlias
+
+from ..language.body import BodyTerm
+from ..language.substitution import Unifier, rename, substitute, variable_names, walk
+from ..language.terms import Literal, Relation, Var, text
+from .actions import ActionError, error_annots
+from .beliefs import with_source
+from .bodies import Step, compile_body
+from .calls import Waiting, call
+from .deliberation import move_on
+from .failure import end_fork, fail
+from .intentions import Event, Fork, Intention, Means
+from .state import AgentState
+
+Operation: TypeAlias = Callable[[AgentState, Intention, Means, Step], None]
+LiteralOperation: TypeAlias = Callable[[AgentState, Intention, Means, Step, Literal], None]
+
+
+def _on_literal(operation: LiteralOperation) -> Operation:
+    """Return an operation on the literal of its step, which fails if a variable stands for none."""
+
+    def operate(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:
+        literal = step.build(means.u)
+        if step.term.__class__ is not Literal:
+            if not isinstance(literal, Literal):
+                _not_a_literal(agent, intention, means, step)
+                return
+            literal = with_source(literal)
+        operation(agent, intention, means, step, literal)  # type: ignore[arg-type]
+
+    return operate
+
+
+def _not_a_literal(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:
+    value = walk(step.term, means.u)
+    if isinstance(value, Var):
+        message = f"{step.formula.place.line}: Variable '{value}' must be ground."
+        fail(agent, intention, error_annots("body_var_without_value", message))
+    else:
+        message = f"Variable '{step.term}' must be a Literal and not '{text(value)}'"
+        fail(agent, intention, error_annots("body_var_not_literal", message))
+
+
+def _export(agent: AgentState, means: Means, literal: Literal) -> Literal:
+    """Return the literal of an event, with fresh variables whose values the plan awaits."""
+    if literal.ground:
+        means.awaited = ()
+        return literal
+    renamed: dict[str, Var] = {}
+    exported = rename(literal, agent.names, renamed)
+    means.u.update(renamed)
+    means.awaited = variable_names(exported)
+    return exported  # type: ignore[return-value]
+
+
+# ---- goals
+
+
+def _achieve(
+    agent: AgentState, intention: Intention, means: Means, step: Step, goal: Literal
+) -> None:
+    agent.circumstance.post(Event("+!", _export(agent, means, goal), intention))
+
+
+def _achieve_new(
+    agent: AgentState, intention: Intention, means: Means, step: Step, goal: Literal
+) -> None:
+    if not goal.ground:
+        goal = rename(goal, agent.names, {})  # type: ignore[assignment]
+    agent.circumstance.post(Event("+!", goal))
+    move_on(agent, intention, means)
+
+
+def _test(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:
+    solution = step.check(agent.logic, means.u)
+    if solution is not None:
+        means.u = solution
+        move_on(agent, intention, means)
+        return
+    formula = substitute(step.term, means.u)
+    if isinstance(formula, Literal) and agent.plans.candidates("+?", formula):
+        goal = _export(agent, means, with_source(formula))
+        agent.circumstance.post(Event("+?", goal, intention))
+        return
+    message = f"Failed to test '{text(step.term)}'"
+    fail(agent, intention, error_annots("test_goal_failed", message))
+
+
+def _constrain(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:
+    solution = step.check(agent.logic, means.u)
+    if solution is None:
+        message = f"Constraint {step.formula} was not satisfied ({step.formula.place.line})"
+        fail(agent, intention, error_annots("constraint_failed", message))
+        return
+    means.u = solution
+    move_on(agent, intention, means)
+
+
+# ---- beliefs
+
+
+def _adding(*, at_end: bool = False, new_focus: bool = False) -> LiteralOperation:
+    """Return the operation that adds a belief; with `new_focus` nothing waits for its event."""
+
+    def add(
+        agent: AgentState, intention: Intention, means: Means, step: Step, literal: Literal
+    ) -> None:
+        added = agent.beliefs.add(_export(agent, means, literal), at_end=at_end)
+        focus = None if new_focus else intention
+        if added is None or not agent.changed("+", added, focus) or new_focus:
+            move_on(agent, intention, means)
+
+    return add
+
+
+def _deleting(*, new_focus: bool = False) -> LiteralOperation:
+    """Return the operation that removes a belief; with `new_focus` nothing waits for its event."""
+
+    def delete(
+        agent: AgentState, intention: Intention, means: Means, step: Step, literal: Literal
+    ) -> None:
+        means.awaited = ()
+        removed = agent.beliefs.remove(literal, means.u)
+        focus = None if new_focus else intention
+        if removed is None or not agent.changed("-", removed, focus) or new_focus:
+            move_on(agent, intention, means)
+
+    return delete
+
+
+_add = _adding()
+
+
+def _replace(
+    agent: AgentState, intention: Intention, means: Means, step: Step, literal: Literal
+) -> None:
+    """`-+b(X)`: removes the first `b` of the agent's own, whatever its arguments, and adds this."""
+    removed = agent.beliefs.remove_first(literal.key, literal.annots)
+    if removed is not None:
+        agent.changed("-", removed, None)
+    _add(agent, intention, means, step, literal)
+
+
+# ---- actions
+
+
+def _act_externally(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:
+    agent.request(step.build(means.u), intention)  # type: ignore[arg-type]
+
+
+def _act_internally(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:
+    _call(agent, intention, means, step.term)  # type: ignore[arg-type]
+
+
+def _do_value(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:
+    """Carry out what a variable stands for."""
+    value = step.build(means.u)
+    if isinstance(value, BodyTerm):
+        means.step = compile_body(value.body, step.next)
+        agent.circumstance.add_running(intention)
+    elif isinstance(value, Relation):
+        solution = agent.logic.first(value, means.u)
+        if solution is None:
+            message = f"Constraint {value} was not satisfied"
+            fail(agent, intention, error_annots("constraint_failed", message))
+            return
+        means.u = solution
+        move_on(agent, intention, means)
+    elif isinstance(value, Literal) and value.is_internal_action:
+        _call(agent, intention, means, value)
+    elif isinstance(value, Literal):
+        agent.request(value, intention)
+    else:
+        _not_a_literal(agent, intention, means, step)
+
+
+def _call(agent: AgentState, intention: Intention, means: Means, action: Literal) -> None:
+    try:
+        answer = call(agent, action, means.u, intention)
+        if answer is not None and not isinstance(answer, bool | dict | Waiting):
+            answer = next(answer, None)
+    except ActionError as error:
+        fail(agent, intention, error.annots)
+        return
+    if isinstance(answer, Waiting):
+        return
+    if answer is None or answer is False:
+        fail(agent, intention, error_annots("ia_failed", ""))
+        return
+    if isinstance(answer, dict):
+        means.u = dict(answer)
+    # An action that achieves a goal of its own intention has taken this plan off it, too.
+    move_on(agent, intention, intention.top if intention.stack else means)
+
+
+# ---- control
+
+
+def _choose(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:
+    solution = step.check(agent.logic, means.u)
+    if solution is None:
+        means.step = step.branches[1]
+    else:
+        means.u = solution
+        means.step = step.branches[0]
+    agent.circumstance.add_running(intention)
+
+
+def _begin_while(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:
+    means.loops.append((means.u, iter(())))
+    _repeat_while(agent, intention, means, step)
+
+
+def _repeat_while(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:
+    before, _ = means.loops[-1]
+    _iterate(agent, intention, means, step, step.check(agent.logic, before))
+
+
+def _begin_for(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:
+    solutions = list(agent.logic.solutions(step.term, means.u))
+    if not solutions:
+        move_on(agent, intention, means)
+        return
+    means.loops.append((means.u, iter(solutions)))
+    _repeat_for(agent, intention, means, step)
+
+
+def _repeat_for(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:
+    _, solutions = means.loops[-1]
+    _iterate(agent, intention, means, step, next(solutions, None))
+
+
+def _iterate(
+    agent: AgentState, intention: Intention, means: Means, step: Step, solution: Unifier | None
+) -> None:
+    """Begin the body of a loop once more, or go on with the bindings from before the loop."""
+    if solution is None:
+        means.u, _ = means.loops.pop()
+        means.step = step.next
+    else:
+        means.u = dict(solution)
+        means.step = step.branches[0]
+    agent.circumstance.add_running(intention)
+
+
+def _fork(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:
+    fork = Fork(step.operation == "|&|", intention)
+    for beginning in step.branches:
+        branch = intention.branch(agent.next_intention_number(), fork)
+        branch.top.step = beginning
+        fork.add(branch)
+        agent.circumstance.add_running(branch)
+    fork.take_place()
+    agent.circumstance.forget(intention)
+
+
+def _join(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:
+    fork = intention.fork
+    if fork is not None:
+        fork.to_finish -= 1
+        if fork.all_of and fork.to_finish > 0:
+            fork.remove(intention)
+            agent.circumstance.forget(intention)
+            return
+        end_fork(agent, intention)
+    move_on(agent, intention, means)
+
+
+OPERATIONS: Mapping[str, Operation] = MappingProxyType(
+    {
+        "!": _on_literal(_achieve),
+        "!!": _on_literal(_achieve_new),
+        "?": _test,
+        "constraint": _constrain,
+        "+": _on_literal(_add),
+        "+<": _on_literal(_add),
+        "+>": _on_literal(_adding(at_end=True)),
+        "++": _on_literal(_adding(new_focus=True)),
+        "-": _on_literal(_deleting()),
+        "--": _on_literal(_deleting(new_focus=True)),
+        "-+": _on_literal(_replace),
+        "external action": _act_externally,
+        "internal action": _act_internally,
+        "variable": _do_value,
+        "if": _choose,
+        "while": _begin_while,
+        "while again": _repeat_while,
+        "for": _begin_for,
+        "for again": _repeat_for,
+        "|&|": _fork,
+        "|||": _fork,
+        "join": _join,
+    }
+)

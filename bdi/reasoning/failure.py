@@ -1,0 +1,180 @@
+"""Failure of plans: the failure plan that takes over, or the end of the intention.
+
+Jason looks for the failure plan of the goal that failed, then of the goals below it in the stack of
+the intention; what called the goal for which there is one goes on (Bordini, Hübner and Wooldridge,
+"Programming Multi-Agent Systems in AgentSpeak using Jason", 2007, sec. 4.2).
+"""
+
+from __future__ import annotations
+
+from ..language.body import Achieve, Act, Constraint, Place, Test, Update
+from ..language.order import sorted_annots
+from ..language.substitution import rename, substitute
+from ..language.terms import Literal, Term, Var
+from ..language.unification import unify
+from .intentions import Event, Intention
+from .state import AgentState
+
+DEAR = 10
+"""Cost, in goals, of one step of the search through the goals of an intention."""
+
+
+def find_failure_event(agent: AgentState, intention: Intention, event: Event) -> Event | None:
+    """Return the `-!g` (or `-?g`) event of the nearest goal with a plan for it, or None.
+
+    The search goes from `event`, which failed, through the goals below it. In a fork, a failure
+    that reaches below the fork ends the other branches (`|&|`) or only its own (`|||`).
+    """
+    found, height = _search(agent, intention, event.sort, event.literal)
+    while intention.fork is not None and height <= intention.fork_point:
+        if not intention.fork.all_of:
+            return None
+        end_fork(agent, intention)
+    return found
+
+
+def end_fork(agent: AgentState, intention: Intention) -> None:
+    """End all branches of a fork but `intention`, which goes on in their place."""
+    fork = intention.leave_fork()
+    for branch in list(fork.branches):
+        if branch is not intention:
+            fork.remove(branch)
+            agent.circumstance.drop(branch)
+
+
+def _search(
+    agent: AgentState, intention: Intention, sort: str, literal: Literal
+) -> tuple[Event | None, int]:
+    """Return the event and the height in the stack (from 1) of the plan of its goal; 0 for none."""
+    below = list(intention.downwards())
+    position = 0
+    if sort in ("-!", "-?"):
+        # A failure plan has failed: the search continues below the goal it was for.
+        position = 1
+        found = False
+        while position < len(below) and not found:
+            means = below[position]
+            position += 1
+            while position < len(below) and unify(means.literal, literal, dict(means.u)):
+                agent.logic.spend(DEAR, literal)
+                means = below[position]
+                position += 1
+                found = True
+        means = below[position - 1]
+        sort, literal = means.sort, means.literal
+    while not agent.plans.candidates("-" + sort[1:], literal) and position < len(below):
+        means = below[position]
+        sort, literal = means.sort, means.literal
+        position += 1
+    if len(sort) == 2 and agent.plans.candidates("-" + sort[1:], literal):
+        return Event("-" + sort[1:], literal, intention), len(below) - max(position - 1, 0)
+    return None, 0
+
+
+def fail(agent: AgentState, intention: Intention, annots: tuple[Term, ...]) -> None:
+    """Fail the current step of an intention: post the failure event, or end the intention."""
+    means = intention.top
+    step = means.step
+    event = find_failure_event(agent, intention, Event(means.sort, means.literal, intention))
+    code: Term = Literal("no_code")
+    place: Place | None = None
+    if step is not None:
+        place = step.formula.place
+        shown = step.formula
+        if isinstance(shown, Achieve):
+            code = substitute(shown.goal, means.u)
+        elif isinstance(shown, Update):
+            code = substitute(shown.belief, means.u)
+        elif isinstance(shown, Test | Act | Constraint):
+            code = substitute(step.term, means.u)
+    if not means.is_goal:
+        agent.warn(f"an intention ended: {means.trigger} could not be finished", intention)
+        return
+    if event is None:
+        why = "; ".join(_summary(annot) for annot in annots)
+        at = f" at {place.file}:{place.line}" if place is not None and place.line else ""
+        agent.warn(
+            f"no plan for the failure of {means.sort}{means.literal.without_annots()}{at}: {why}",
+            intention,
+        )
+        end(agent, intention)
+        return
+    event.literal = annotated(agent, event.literal, annots, code, place)
+    agent.circumstance.post(event)
+
+
+def fail_event(agent: AgentState, event: Event, annots: tuple[Term, ...], why: str) -> None:
+    """Fail a goal without a usable plan: post the failure event, or end the intention."""
+    failure: Event | None = None
+    if event.sort[0] == "+":
+        if event.intention is not None:
+            failure = find_failure_event(agent, event.intention, event)
+        elif agent.plans.candidates("-" + event.sort[1:], event.literal):
+            failure = Event("-" + event.sort[1:], event.literal)
+    if failure is None:
+        agent.warn(why, event.intention)
+        if event.intention is not None:
+            end(agent, event.intention)
+        return
+    place = None
+    if event.intention is not None and event.intention.stack:
+        step = event.intention.top.step
+        place = None if step is None else step.formula.place
+    failure.literal = annotated(agent, failure.literal, annots, event.literal, place)
+    agent.circumstance.post(failure)
+
+
+def end(agent: AgentState, intention: Intention) -> None:
+    """End an intention that has failed for good, and with it the others of its `|&|`."""
+    while (
+        intention.fork is not None
+        and intention.fork.all_of
+        and len(intention.stack) >= intention.fork_point
+    ):
+        end_fork(agent, intention)
+        agent.circumstance.drop(intention)
+    if intention.fork is not None:
+        intention.fork.remove(intention)
+    agent.circumstance.forget(intention)
+
+
+def _summary(annot: Term) -> str:
+    if isinstance(annot, Literal) and annot.args:
+        value = annot.args[0]
+        return value if isinstance(value, str) else str(value)
+    return str(annot)
+
+
+def annotated(
+    agent: AgentState, literal: Literal, annots: tuple[Term, ...], code: Term, place: Place | None
+) -> Literal:
+    """Return the literal of a failure event, annotated with what went wrong and where."""
+    added: list[Term] = [*literal.annots, *annots]
+    if place is not None:
+        added.append(Literal("code_src", (place.file,)))
+        added.append(Literal("code_line", (float(place.line),)))
+    added.append(Literal("code", (rename(code, agent.names, {}),)))
+    return literal.with_annots(sorted_annots(tuple(added)))
+
+
+def clear_failed(intention: Intention, literal: Literal) -> None:
+    """Drop the plans between a failure plan that has ended and the goal it was for."""
+
+    def called(means_index: int) -> bool:
+        means = intention.stack[means_index]
+        step = means.step
+        return (
+            step is not None
+            and step.goal is not None
+            and not isinstance(step.goal, Var)
+            and unify(step.goal, literal, dict(means.u))
+        )
+
+    if called(-1):
+        return
+    means = intention.pop()
+    while intention.stack and not (means.is_goal and unify(means.literal, literal, dict(means.u))):
+        step = means.step
+        if step is not None and step.goal is not None and unify(step.goal, literal, dict(means.u)):
+            break
+        means = intention.pop()

@@ -1,0 +1,253 @@
+"""Events, and the intentions they lead to: stacks of plans that are being carried out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Protocol
+
+from ..language.body import Place
+from ..language.program import Trigger
+from ..language.substitution import Unifier, substitute, substitute_literal
+from ..language.terms import Literal, Term, text
+from ..language.unification import try_unify
+from .bodies import Step
+from .plans import LoadedPlan
+
+
+class Event:
+    """Change of a belief or a goal; `intention` waits until it has been dealt with."""
+
+    __slots__ = ("intention", "literal", "sort")
+
+    def __init__(self, sort: str, literal: Literal, intention: Intention | None = None) -> None:
+        self.sort = sort
+        self.literal = literal
+        self.intention = intention
+
+    @property
+    def is_goal(self) -> bool:
+        """True for the events of goals, `+!g`, `-!g`, `+?g` and `-?g`."""
+        return len(self.sort) == 2
+
+    def is_for(self, goal: Literal, u: Unifier) -> bool:
+        """Return True if the event is `+!goal`, and bind in `u` what that takes."""
+        if self.sort != "+!":
+            return False
+        literal = self.literal
+        if self.intention is not None and self.intention.stack:
+            literal = substitute_literal(literal, self.intention.top.u)
+        return try_unify(goal, literal, u)
+
+    def __str__(self) -> str:
+        return f"{self.sort}{self.literal}"
+
+
+class Wait(Protocol):
+    """Wait of an intention for an event or a condition."""
+
+    def notice(self, event: Event | None) -> None:
+        """Check if an event, or a change that something else has made, ends the wait."""
+
+    def cancel(self) -> None:
+        """End the wait of an intention that has ended."""
+
+
+class Means:
+    """Plan of an intention (intended means): its next step and its unifier.
+
+    `awaited` names the variables of the last event the plan has raised that the plan on top of it
+    may bind; `loops` has the unifiers to which the loops around the step return.
+    """
+
+    __slots__ = ("awaited", "literal", "loops", "plan", "sort", "step", "u")
+
+    def __init__(
+        self, plan: LoadedPlan, sort: str, literal: Literal, u: Unifier, step: Step | None
+    ) -> None:
+        self.plan = plan
+        self.sort = sort
+        self.literal = literal
+        self.u = u
+        self.step = step
+        self.awaited: tuple[str, ...] = ()
+        self.loops: list[tuple[Unifier, Iterator[Unifier]]] = []
+
+    @property
+    def is_goal(self) -> bool:
+        """True if the plan is for the event of a goal."""
+        return len(self.sort) == 2
+
+    @property
+    def trigger(self) -> Trigger:
+        """The event for which the plan was chosen."""
+        return Trigger(self.sort[0], self.sort[1:], self.literal)
+
+    @property
+    def place(self) -> Place:
+        """Position in the program of the next step, or of the plan after the last one."""
+        return self.plan.plan.place if self.step is None else self.step.formula.place
+
+    @property
+    def doing(self) -> str:
+        """The next step with its variables substituted; empty after the last one."""
+        return "" if self.step is None else text(substitute(self.step.term, self.u))
+
+    def branch(self) -> Means:
+        """Return a copy that can be carried out on its own."""
+        copy = Means(self.plan, self.sort, self.literal, dict(self.u), self.step)
+        copy.awaited = self.awaited
+        copy.loops = list(self.loops)
+        return copy
+
+
+class Fork:
+    """Branches of an intention, the `whole`, which may itself be a branch of an outer fork."""
+
+    def __init__(self, all_of: bool, whole: Intention) -> None:
+        self.all_of = all_of
+        self.outer = whole.fork
+        self.outer_point = whole.fork_point
+        self.branches: list[Intention] = []
+        self.to_finish = 0
+        self._whole = whole
+
+    def add(self, intention: Intention) -> None:
+        """Add a branch."""
+        self.branches.append(intention)
+        self.to_finish += 1
+
+    def take_place(self) -> None:
+        """Put the branches in place of the whole in the outer forks."""
+        for fork in self._around():
+            if self._whole in fork.branches:
+                at = fork.branches.index(self._whole)
+                fork.branches[at : at + 1] = self.branches
+
+    def remove(self, intention: Intention) -> None:
+        """Remove a branch that has ended, here and in the outer forks."""
+        for fork in (self, *self._around()):
+            if intention in fork.branches:
+                fork.branches.remove(intention)
+
+    def _around(self) -> Iterator[Fork]:
+        fork = self.outer
+        while fork is not None:
+            yield fork
+            fork = fork.outer
+
+
+class Intention:
+    """Stack of plans that one event has led to, the one being carried out last.
+
+    Attributes:
+        number: number of the intention, from 1.
+        stack: the plans.
+        atomic: number of atomic plans in the stack.
+        is_suspended: True from `.suspend` until `.resume`.
+        in_line: True while it is among the intentions that run in turns.
+        reason: cause of its suspension, or the action it waits for.
+        wait: the `.wait` it is in, if any.
+        fork: the fork it is a branch of, if any.
+        fork_point: height of the stack at which it was forked.
+    """
+
+    __slots__ = (
+        "atomic",
+        "fork",
+        "fork_point",
+        "in_line",
+        "is_suspended",
+        "number",
+        "reason",
+        "stack",
+        "wait",
+    )
+
+    def __init__(self, number: int) -> None:
+        self.number = number
+        self.stack: list[Means] = []
+        self.is_suspended = False
+        self.in_line = False
+        self.reason: Term | None = None
+        self.wait: Wait | None = None
+        self.fork: Fork | None = None
+        self.fork_point = 0
+        self.atomic = 0
+
+    def __repr__(self) -> str:
+        return f"<Intention {self.number}: {' '.join(str(means.trigger) for means in self.stack)}>"
+
+    def push(self, means: Means) -> None:
+        """Put a plan on top of the stack."""
+        self.stack.append(means)
+        if means.plan.atomic:
+            self.atomic += 1
+
+    def pop(self) -> Means:
+        """Take the plan on top off the stack."""
+        means = self.stack.pop()
+        if means.plan.atomic:
+            self.atomic -= 1
+        return means
+
+    @property
+    def top(self) -> Means:
+        """The plan being carried out."""
+        return self.stack[-1]
+
+    @property
+    def is_finished(self) -> bool:
+        """True if the stack is empty."""
+        return not self.stack
+
+    def downwards(self) -> Iterator[Means]:
+        """Iterate over the plans of the stack, the one being carried out first."""
+        return reversed(self.stack)
+
+    def branch(self, number: int, fork: Fork) -> Intention:
+        """Return a copy for a branch of a fork: its own plan on top, those below shared."""
+        copy = Intention(number)
+        copy.stack = [*self.stack[:-1], self.top.branch()]
+        copy.atomic = self.atomic
+        copy.fork = fork
+        copy.fork_point = len(self.stack)
+        return copy
+
+    def wants(self, goal: Literal, u: Unifier) -> bool:
+        """Return True if `!goal` is in the stack, and bind in `u` what that takes."""
+        return self._position(goal, u) is not None
+
+    def drop_goal(self, goal: Literal, u: Unifier) -> Means | None:
+        """Cut the stack off below the lowest `!goal`; return the plan for that, if any."""
+        dropped = None
+        position = self._position(goal, u)
+        while position is not None:
+            while len(self.stack) > position:
+                dropped = self.pop()
+            position = self._position(goal, u)
+        while dropped is not None and len(self.stack) < self.fork_point:
+            if not self._leaves_first():
+                self.stack.clear()
+                return None
+        return dropped
+
+    def _leaves_first(self) -> bool:
+        """Leave the fork for good; return True for the first of its branches that does so."""
+        fork = self.leave_fork()
+        first = fork.to_finish > 0
+        fork.to_finish = 0
+        return first
+
+    def leave_fork(self) -> Fork:
+        """Leave its fork for the outer one, if there is one; return the fork that it has left."""
+        fork = self.fork
+        assert fork is not None  # called for branches only
+        self.fork, self.fork_point = fork.outer, fork.outer_point
+        return fork
+
+    def _position(self, goal: Literal, u: Unifier) -> int | None:
+        for position in range(len(self.stack) - 1, -1, -1):
+            means = self.stack[position]
+            if means.sort == "+!" and try_unify(goal, means.literal, u):
+                return position
+        return None

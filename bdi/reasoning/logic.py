@@ -1,0 +1,356 @@
+"""Queries over beliefs and rules, and the formulas of contexts.
+
+`Logic.solutions` is SLD resolution with negation as failure, depth first and from left to right, as
+in Prolog. It keeps its own stack, so a rule may call itself as deeply as memory allows: a state is
+a unifier and a linked list of the goals still to prove; a choice point is a state to return to or
+an iterator of such states. `Logic.first` decides formulas that need no search directly.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from itertools import combinations
+from operator import ge, gt, le, lt
+from types import MappingProxyType
+from typing import TypeAlias
+
+from ..errors import TooDeepError
+from ..language.order import compare
+from ..language.program import Rule
+from ..language.substitution import (
+    Names,
+    Unifier,
+    rename,
+    substitute,
+    substitute_literal,
+    variable_names,
+)
+from ..language.terms import (
+    EMPTY,
+    TRUE,
+    And,
+    Literal,
+    Nil,
+    Not,
+    Or,
+    Relation,
+    RestVar,
+    Term,
+    Var,
+    make_list,
+)
+from ..language.terms import Cons as ListCell
+from ..language.unification import matched, unified, unify
+from .beliefs import BeliefBase
+
+#: Answer of an internal action: whether it holds, a unifier, or one unifier after another.
+Answer: TypeAlias = "bool | Unifier | Iterator[Unifier] | None"
+Goals: TypeAlias = "tuple[object, Goals] | None"
+State: TypeAlias = "tuple[Unifier, Goals]"
+
+MAX_CHOICES = 250_000
+"""Largest number of open choice points; rules that call each other without end only add some."""
+
+CYCLES = 20
+"""Number of cycles of one instant that may each try the most goals a cycle may try."""
+
+
+class _Commit:
+    """End of a negated formula: it holds, so the negation fails."""
+
+    __slots__ = ("height",)
+
+    def __init__(self, height: int) -> None:
+        self.height = height
+
+
+class _Return:
+    """End of a rule's body: the values of the query's variables return to the caller.
+
+    A rule is proved in a unifier of its own, which starts empty, so its cost does not grow with the
+    caller's. `asked` are the variables of the query, `renamed` the caller's names for them.
+    """
+
+    __slots__ = ("asked", "caller", "renamed")
+
+    def __init__(self, asked: tuple[str, ...], renamed: dict[str, Var], caller: Unifier) -> None:
+        self.asked = asked
+        self.renamed = renamed
+        self.caller = caller
+
+
+class Logic:
+    """Answers formulas from a belief base; `call` runs an internal action.
+
+    At most `max_goals` goals are tried in one reasoning cycle, and CYCLES times as many in one
+    instant: a count, not a time, stops a query without end, so that results repeat.
+    """
+
+    def __init__(
+        self,
+        beliefs: BeliefBase,
+        names: Names,
+        call: Callable[[Literal, Unifier], Answer],
+        max_goals: int,
+    ) -> None:
+        self.beliefs = beliefs
+        self.names = names
+        self._call = call
+        self._max_goals = max_goals
+        self._left_at_this_instant = CYCLES * max_goals
+        self._allowed = self.goals_left = max_goals
+
+    def begin_instant(self) -> None:
+        """Renew the budget of an instant."""
+        self._left_at_this_instant = CYCLES * self._max_goals
+
+    def begin_cycle(self) -> None:
+        """Renew the budget of a cycle, as far as that of the instant allows."""
+        if self.goals_left == self._allowed == self._max_goals:
+            return
+        self._left_at_this_instant -= self._allowed - self.goals_left
+        self._allowed = self.goals_left = min(self._max_goals, self._left_at_this_instant)
+
+    def spend(self, goals: int, formula: Term) -> None:
+        """Count goals that were tried for `formula`.
+
+        Raises:
+            TooDeepError: the budget is used up.
+        """
+        self.goals_left -= goals
+        if self.goals_left < 0:
+            self.give_up(formula)
+
+    def give_up(self, formula: Term) -> None:
+        """Raise the error for a budget that is used up, at last by `formula`."""
+        tried = self._max_goals if self._allowed == self._max_goals else CYCLES * self._max_goals
+        raise TooDeepError(f"more than {tried:,} goals were tried at once, at last {formula}")
+
+    def first(self, formula: Term, u: Unifier) -> Unifier | None:
+        """Return the first solution, or None. `u` is not changed."""
+        if formula is TRUE:
+            return u
+        if isinstance(formula, Relation):
+            return self._relate(formula, u)
+        if isinstance(formula, Not):
+            return u if self.first(formula.formula, u) is None else None
+        if isinstance(formula, And) and isinstance(formula.left, Relation | Not):
+            solution = self.first(formula.left, u)
+            return None if solution is None else self.first(formula.right, solution)
+        if isinstance(formula, Or):
+            solution = self.first(formula.left, u)
+            return self.first(formula.right, u) if solution is None else solution
+        return next(self.solutions(formula, u), None)
+
+    def solutions(self, formula: Term, u: Unifier) -> Iterator[Unifier]:
+        """Yield every solution, in order. `u` is not changed."""
+        choices: list[State | Iterator[State]] = []
+        goals: Goals = (formula, None)
+        while True:
+            if self.goals_left < 0:
+                self.give_up(formula)
+            state = self._prove(u, goals, choices)
+            if state is not None:
+                yield state
+            while choices:
+                choice = choices[-1]
+                if isinstance(choice, tuple):
+                    choices.pop()
+                    u, goals = choice
+                    break
+                following = next(choice, None)
+                if following is not None:
+                    # Counted as well: an internal action may have answers without end.
+                    self.goals_left -= 1
+                    u, goals = following
+                    break
+                choices.pop()
+            else:
+                return
+
+    def _prove(
+        self, u: Unifier, goals: Goals, choices: list[State | Iterator[State]]
+    ) -> Unifier | None:
+        """Prove one goal after another, and append to `choices` the choice points this opens."""
+        solution: Unifier | None
+        while goals is not None:
+            goal, goals = goals
+            self.goals_left -= 1
+            if isinstance(goal, Literal):
+                solution = self._query(goal, u, goals, choices)
+                if solution is None:
+                    return None
+                u = solution
+            elif isinstance(goal, Relation):
+                solution = self._relate(goal, u)
+                if solution is None:
+                    return None
+                u = solution
+            elif isinstance(goal, And):
+                goals = (goal.left, (goal.right, goals))
+            elif isinstance(goal, _Return):
+                u = self._return(goal, u)
+            elif isinstance(goal, Or):
+                choices.append((u, (goal.right, goals)))
+                goals = (goal.left, goals)
+            elif isinstance(goal, Not):
+                choices.append((u, goals))
+                goals = (goal.formula, (_Commit(len(choices) - 1), None))
+            elif isinstance(goal, _Commit):
+                del choices[goal.height :]
+                return None
+            elif isinstance(goal, Var):
+                value = substitute(goal, u)
+                if isinstance(value, Var):
+                    choices.append(self._any(value, u, goals))
+                    return None
+                goals = (value, goals)
+            else:
+                return None
+        return u
+
+    def _query(
+        self,
+        literal: Literal,
+        u: Unifier,
+        goals: Goals,
+        choices: list[State | Iterator[State]],
+    ) -> Unifier | None:
+        """Return the one answer of a query; else None, with the answers as a choice point."""
+        if literal.is_internal_action:
+            answer = self._call(literal, u)
+            if answer is True:
+                return u
+            if answer is None or answer is False:
+                return None
+            if isinstance(answer, dict):
+                return answer
+            choices.append((solution, goals) for solution in answer)
+            return None
+        shelf = self.beliefs.shelf(literal.key)
+        if shelf is None:
+            return u if literal == TRUE else None
+        candidates = shelf.candidates(literal, u)
+        if len(candidates) == 1 and isinstance(candidates[0], Literal) and not literal.annots:
+            return matched(literal, candidates[0], u)
+        if len(choices) > MAX_CHOICES:
+            raise TooDeepError(f"rules call each other without end, at last {literal}")
+        choices.append(self._clauses(literal, candidates, u, goals))
+        return None
+
+    def _clauses(
+        self,
+        literal: Literal,
+        candidates: tuple[Literal | Rule, ...],
+        u: Unifier,
+        goals: Goals,
+    ) -> Iterator[State]:
+        """Yield a state for each belief and rule that may answer a query."""
+        renamed: dict[str, Var] = {}
+        asked: tuple[str, ...] = ()
+        query: Term | None = None
+        for clause in candidates:
+            if isinstance(clause, Rule):
+                if query is None:
+                    query = rename(substitute_literal(literal, u), self.names, renamed)
+                    asked = variable_names(query)
+                scope: Unifier = {}
+                if unify(query, clause.head, scope):
+                    yield scope, (clause.body, (_Return(asked, renamed, u), goals))
+            elif not literal.annots:
+                solution = matched(literal, clause, u)
+                if solution is not None:
+                    yield solution, goals
+            else:
+                for solution in self._with_annots(literal, clause, u):
+                    yield solution, goals
+
+    def _with_annots(self, literal: Literal, belief: Literal, u: Unifier) -> Iterator[Unifier]:
+        """Yield a solution for each choice of annotations that unifies with the query's."""
+        if isinstance(literal.annots[-1], RestVar):
+            solution = unified(literal, belief, u)
+            if solution is not None:
+                yield solution
+            return
+        for annots in combinations(belief.annots, len(literal.annots)):
+            solution = unified(literal, belief.with_annots(annots), u)
+            if solution is not None:
+                yield solution
+
+    def _any(self, pattern: Var, u: Unifier, goals: Goals) -> Iterator[State]:
+        """Yield a state for each belief there is."""
+        for clause in self.beliefs.all_clauses():
+            if isinstance(clause, Literal):
+                solution = unified(pattern, clause, u)
+                if solution is not None:
+                    yield solution, goals
+
+    def _return(self, end: _Return, scope: Unifier) -> Unifier:
+        if not end.asked:
+            return end.caller
+        result = {**end.caller, **end.renamed}
+        others: dict[str, Var] = {}
+        for name in end.asked:
+            value = scope.get(name)
+            if value is not None:
+                result[name] = rename(substitute(value, scope), self.names, others)
+        return result
+
+    def _relate(self, relation: Relation, u: Unifier) -> Unifier | None:
+        left, right = substitute(relation.left, u), substitute(relation.right, u)
+        symbol = relation.symbol
+        if symbol == "=":
+            return unified(left, right, u)
+        if symbol == "==":
+            return u if left == right else None
+        if symbol == "\\==":
+            return u if left != right else None
+        if symbol == "=..":
+            return take_apart(left, right, u)
+        if left.__class__ is float and right.__class__ is float:
+            order = (left > right) - (left < right)
+        else:
+            order = compare(left, right)
+        return u if _ORDERS[symbol](order, 0) else None
+
+
+_ORDERS = MappingProxyType({"<": lt, "<=": le, ">": gt, ">=": ge})
+NAMESPACE = Literal("default")
+
+
+def take_apart(left: Term, right: Term, u: Unifier) -> Unifier | None:
+    """Unify the sides of `Literal =.. [default, Functor, Arguments, Annotations]`.
+
+    The namespace `default` may be left out.
+    """
+    if isinstance(left, Literal):
+        parts: list[Term] = [
+            NAMESPACE,
+            Literal(left.functor, negated=left.negated),
+            make_list(left.args),
+            make_list(left.annots),
+        ]
+        if isinstance(right, ListCell) and len(right) == 3:
+            del parts[0]
+        return unified(make_list(parts), right, u)
+    if isinstance(right, ListCell):
+        made = put_together(right)
+        return None if made is None else unified(left, made, u)
+    return None
+
+
+def put_together(parts: ListCell) -> Literal | None:
+    """Return the literal that a list like [foo, [1, 2], [annotation]] describes, or None."""
+    elements = list(parts)
+    if len(elements) == 4:
+        del elements[0]
+    functor = elements[0]
+    if isinstance(functor, str):
+        functor = Literal(functor)
+    if not isinstance(functor, Literal) or len(elements) > 3:
+        return None
+    lists = [*elements[1:], EMPTY, EMPTY][:2]
+    if not all(isinstance(part, Nil | ListCell) for part in lists):
+        return None
+    args, annots = (tuple(part) for part in lists)  # type: ignore[arg-type]
+    return Literal(functor.functor, args, annots, functor.negated)

@@ -1,0 +1,145 @@
+"""Shelves of the belief base: the beliefs and rules of one functor and arity, in order."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from operator import itemgetter
+
+from ..language.program import Rule
+from ..language.substitution import Unifier, substitute
+from ..language.terms import ONLY_PERCEPT, Literal, Term, is_ground
+
+#: A rank and a belief or rule: the lower the rank, the earlier it is tried.
+_Entry = tuple[int, "Literal | Rule"]
+
+_by_rank = itemgetter(0)
+
+
+class Shelf:
+    """The beliefs and rules of one functor and arity.
+
+    Many are also indexed by their first argument, as clauses are in Prolog. Those whose first
+    argument is not ground, and the rules, are `loose`: they may answer any query.
+    """
+
+    _MANY = 8
+
+    def __init__(self) -> None:
+        self.rules = 0
+        self._entries: dict[object, _Entry] = {}
+        self._by_first: dict[Term, dict[object, _Entry]] | None = None
+        self._loose: dict[object, _Entry] = {}
+        self._front = 0
+        self._back = 0
+        self._ordered: tuple[Literal | Rule, ...] | None = None
+
+    def __len__(self) -> int:
+        return len(self._entries)
+
+    def all(self) -> tuple[Literal | Rule, ...]:
+        """Return all that is kept, in order."""
+        if self._ordered is None:
+            self._ordered = _in_order(self._entries)
+        return self._ordered
+
+    def find(self, args: tuple[Term, ...]) -> Literal | None:
+        """Return the belief with these arguments."""
+        entry = self._entries.get(args)
+        return None if entry is None else entry[1]  # type: ignore[return-value]
+
+    def add(self, clause: Literal | Rule, *, at_end: bool = False) -> None:
+        """Add a belief or rule before the others, or after them."""
+        if at_end:
+            self._back = rank = self._back + 1
+        else:
+            self._front = rank = self._front - 1
+        key: object
+        if clause.__class__ is Rule:
+            key = (None, rank)
+            self.rules += 1
+        else:
+            key = clause.args  # type: ignore[union-attr]
+        self._entries[key] = (rank, clause)
+        self._ordered = None
+        if self._by_first is not None:
+            self._file(key, (rank, clause))
+        elif len(self._entries) > self._MANY:
+            self._by_first = {}
+            for known, entry in self._entries.items():
+                self._file(known, entry)
+
+    def replace(self, belief: Literal) -> None:
+        """Put a belief with other annotations in its old place."""
+        rank, _ = self._entries[belief.args]
+        self._entries[belief.args] = (rank, belief)
+        self._ordered = None
+        if self._by_first is not None:
+            self._file(belief.args, (rank, belief))
+
+    def remove(self, args: tuple[Term, ...]) -> None:
+        """Remove the belief with these arguments."""
+        del self._entries[args]
+        self._ordered = None
+        if self._by_first is None:
+            return
+        if args and is_ground(args[0]):
+            bucket = self._by_first[args[0]]
+            del bucket[args]
+            if not bucket:
+                del self._by_first[args[0]]
+        else:
+            del self._loose[args]
+
+    def _file(self, key: object, entry: _Entry) -> None:
+        _, clause = entry
+        if isinstance(clause, Literal) and clause.args and is_ground(clause.args[0]):
+            self._by_first.setdefault(clause.args[0], {})[key] = entry  # type: ignore[union-attr]
+        else:
+            self._loose[key] = entry
+
+    def kept(self, query: Literal, u: Unifier) -> tuple[Literal | Rule, ...]:
+        """Return what is kept and may answer a query, in order."""
+        if self._by_first is not None and query.args:
+            first = substitute(query.args[0], u)
+            if is_ground(first):
+                bucket = self._by_first.get(first, {})
+                return _in_order({**bucket, **self._loose} if self._loose else bucket)
+        return self.all()
+
+    # What may answer a query, and all that can, in order. Aliases, not methods that call the
+    # others: most shelves have nothing live, and every query comes here.
+    candidates = kept
+    everything = all
+
+
+class LiveShelf(Shelf):
+    """Shelf whose `source` is asked by each query; its answers come before what is kept."""
+
+    def __init__(
+        self, functor: str, arity: int, source: Callable[[], Iterable[tuple[Term, ...]]]
+    ) -> None:
+        super().__init__()
+        self._functor = functor
+        self._arity = arity
+        self._source = source
+
+    def candidates(self, query: Literal, u: Unifier) -> tuple[Literal | Rule, ...]:
+        return (*self._live(), *self.kept(query, u))
+
+    def everything(self) -> tuple[Literal | Rule, ...]:
+        return (*self._live(), *self.all())
+
+    def _live(self) -> Iterator[Literal]:
+        for given in self._source():
+            args = tuple([float(arg) if isinstance(arg, int | float) else arg for arg in given])
+            if len(args) != self._arity:
+                taken = f"{self._functor} takes {self._arity} arguments"
+                raise ValueError(f"{taken}, and its source gave {len(args)}")
+            yield Literal(self._functor, args, ONLY_PERCEPT)
+
+
+def _in_order(entries: dict[object, _Entry]) -> tuple[Literal | Rule, ...]:
+    if len(entries) == 1:
+        for _, clause in entries.values():
+            return (clause,)
+    return tuple([clause for _, clause in sorted(entries.values(), key=_by_rank)])

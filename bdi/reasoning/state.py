@@ -1,0 +1,252 @@
+"""State of an agent: all that the reasoning cycle, its steps and internal actions work on."""
+
+from __future__ import annotations
+
+import logging
+import math
+from collections import deque
+from collections.abc import Callable, Mapping
+from itertools import count
+from random import Random
+from typing import TypeAlias
+
+from ..errors import ProgramError, TooDeepError
+from ..language.program import Belief, Program, Rule, with_run_functions
+from ..language.substitution import Names, Unifier, rename, substitute_literal
+from ..language.terms import TRUE, Literal
+from .actions import InternalAction, check_actions
+from .alarms import Alarm, Alarms
+from .beliefs import BeliefBase, LiveBeliefs, with_source
+from .circumstance import Circumstance, PendingAction
+from .history import Entry
+from .intentions import Event, Intention
+from .logic import Answer, Logic
+from .percepts import Percepts
+from .plans import PlanLibrary
+from .society import Message, Society
+
+MILLISECOND = 1_000_000
+SECOND = 1_000_000_000
+
+_LOG = logging.getLogger("bdi")
+
+Query: TypeAlias = "Callable[[AgentState, Literal, Unifier], Answer]"
+
+
+def nanoseconds(seconds: float) -> int:
+    """Return a time in whole nanoseconds, in which times add up exactly: 0.1 + 0.2 is 0.3.
+
+    Raises:
+        ValueError: the time is not finite.
+    """
+    if not math.isfinite(seconds):
+        raise ValueError(f"a time is a number of seconds, not {seconds}")
+    return round(seconds * SECOND)
+
+
+class AgentState:
+    """State of one agent.
+
+    Attributes:
+        name: name of the agent.
+        program: the program it started with.
+        actions: its internal actions by name.
+        beliefs: its belief base.
+        plans: its plan library.
+        circumstance: its events and intentions.
+        logic: answers queries over its beliefs.
+        names: source of fresh variables.
+        percepts: what it perceives.
+        mailbox: messages it has not read.
+        questions: by number of the question, the function that takes the answer.
+        society: the agents it can send messages to, if any.
+        alarms: tasks for later times.
+        tasks: tasks for the beginning of the next cycle.
+        random: its random numbers.
+        clock: time (ns).
+        now: the same time (s), as the caller gave it.
+        max_depth: largest number of plans in an intention.
+        requested: external action to be carried out at the end of the cycle.
+        is_stopped: True when the program has ended itself.
+    """
+
+    def __init__(
+        self,
+        program: Program,
+        name: str,
+        query: Query,
+        *,
+        actions: Mapping[str, InternalAction],
+        live: LiveBeliefs,
+        seed: int,
+        start: float,
+        print: Callable[[str], None] | None,
+        on_event: Callable[[Entry], None] | None,
+        society: Society | None,
+        max_goals: int,
+        max_depth: int,
+        max_intentions: int,
+    ) -> None:
+        self.name = name
+        self.program = program
+        self.actions = actions
+        self.names = Names()
+        self.beliefs = BeliefBase(live)
+        self.plans = PlanLibrary()
+        self.circumstance = Circumstance()
+        self.logic = Logic(self.beliefs, self.names, lambda a, u: query(self, a, u), max_goals)
+        self.percepts = Percepts()
+        self.mailbox: deque[Message] = deque()
+        self.questions: dict[int, Callable[[Message], None]] = {}
+        self.society = society
+        self.alarms = Alarms()
+        self.tasks: deque[Callable[[], None]] = deque()
+        self.random = Random(seed)
+        self.clock = nanoseconds(start)
+        self.now = float(start)
+        self.max_depth = max_depth
+        self.requested: PendingAction | None = None
+        self.is_stopped = False
+        self._max_intentions = max_intentions
+        self._print = print
+        self._on_event = on_event
+        self._intention_numbers = count(1)
+        self._action_numbers = count(1)
+        if on_event is not None:
+            self.circumstance.on_end = self._note_end
+
+    # ---- loading
+
+    def add_program(self, program: Program) -> None:
+        """Add plans after those there are, then beliefs and goals, which raise events.
+
+        Raises:
+            ProgramError: it uses internal actions that do not exist, or a label that is taken.
+        """
+        check_actions(program, self.actions)
+        program = with_run_functions(
+            program,
+            {
+                "math.random": lambda limit=1.0: self.random.random() * limit,
+                "system.time": lambda: float(self.clock // MILLISECOND),
+            },
+        )
+        for plan in program.plans:
+            try:
+                self.plans.add(plan)
+            except ValueError as error:
+                raise ProgramError([plan.place.problem(str(error))]) from None
+        # Each belief goes to the front, so that the first of them stands first in the end.
+        for clause in reversed(program.beliefs):
+            self._add_initial(clause)
+        for goal in program.goals:
+            literal = rename(with_source(goal.goal), self.names, {})
+            self.circumstance.post(Event("+!", literal))  # type: ignore[arg-type]
+
+    def _add_initial(self, clause: Belief | Rule) -> None:
+        if isinstance(clause, Rule):
+            self.beliefs.add_rule(Rule(with_source(clause.head), clause.body, clause.place))
+            return
+        literal = substitute_literal(clause.belief, {})
+        if literal.ground:
+            self.believe(literal)
+        else:
+            self.beliefs.add_rule(Rule(with_source(literal), TRUE, clause.place))
+
+    # ---- beliefs
+
+    def believe(self, literal: Literal) -> None:
+        """Add a belief, with source `self` if it names none, and raise its event."""
+        added = self.beliefs.add(with_source(literal))
+        if added is not None:
+            self.circumstance.post(Event("+", added))
+
+    def disbelieve(self, literal: Literal) -> None:
+        """Remove a belief, that of source `self` if it names none, and raise the event."""
+        removed = self.beliefs.remove(with_source(literal), {})
+        if removed is not None:
+            self.circumstance.post(Event("-", removed))
+
+    def changed(self, sort: str, literal: Literal, intention: Intention | None) -> bool:
+        """Raise the event of a change of belief; return False if the intention can just continue.
+
+        That is so if the event would be the next one taken and be discarded: no plan is relevant,
+        nobody waits for it, and nothing else is to be dealt with before. Leaving it out then saves
+        a cycle and changes nothing else.
+        """
+        circumstance = self.circumstance
+        if (
+            circumstance.events
+            or circumstance.waits
+            or circumstance.atomic is not None
+            or circumstance.atomic_event is not None
+            or self.tasks
+            or self.mailbox
+            or self.percepts.changed
+            or (self.alarms.heap and self.alarms.is_due(self.clock))
+            or self.plans.candidates(sort, literal)
+        ):
+            circumstance.post(Event(sort, literal, intention))
+            return True
+        return False
+
+    # ---- actions and intentions
+
+    def request(self, action: Literal, intention: Intention) -> None:
+        """Have an external action carried out at the end of this cycle."""
+        self.requested = PendingAction(next(self._action_numbers), action, intention)
+
+    def next_intention_number(self) -> int:
+        """Return a number that no intention of this agent has yet.
+
+        Raises:
+            TooDeepError: there are as many intentions as are allowed.
+        """
+        if self.circumstance.size >= self._max_intentions:
+            raise TooDeepError(f"more than {self._max_intentions:,} intentions at once")
+        return next(self._intention_numbers)
+
+    def at_next_cycle(self, task: Callable[[], None]) -> None:
+        """Have `task` run at the beginning of the next cycle."""
+        self.tasks.append(task)
+
+    def after(self, milliseconds: int, task: Callable[[], None]) -> Alarm:
+        """Have `task` run after a time."""
+        return self.alarms.set(self.clock + milliseconds * MILLISECOND, task)
+
+    def stop(self) -> None:
+        """End the program: nothing runs any more."""
+        self.is_stopped = True
+        self.circumstance.clear_intentions()
+        self.circumstance.clear_events()
+        self.alarms.clear()
+        self.tasks.clear()
+
+    # ---- reports
+
+    def say(self, line: str) -> None:
+        """Print a line, as `.print` does."""
+        self.note("print", line)
+        if self._print is None:
+            print(line)
+        else:
+            self._print(line)
+
+    def warn(self, line: str, intention: Intention | None = None) -> None:
+        """Log a warning, which an `intention` has caused, and report it to `on_event`."""
+        _LOG.warning("%s: %s", self.name, line)
+        self.note("warning", line, intention)
+
+    def note(self, kind: str, what: object, intention: Intention | None = None) -> None:
+        """Report something to `on_event`."""
+        if self._on_event is None:
+            return
+        number = 0 if intention is None else intention.number
+        file, line = "", 0
+        if intention is not None and intention.stack:
+            place = intention.top.place
+            file, line = place.file, place.line
+        self._on_event(Entry(self.now, kind, str(what), number, file, line))
+
+    def _note_end(self, intention: Intention) -> None:
+        self.note("ended", f"intention {intention.number}", intention)
