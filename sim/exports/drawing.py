@@ -1,4 +1,4 @@
-"""What a viewer draws of a run: the floor, and the bodies on it.
+"""The scene that viewers draw of a run: the floor, and the bodies on it.
 
 Every body has a frame of its own, at its centre on the floor, that turns with it; the gantry has
 a second one, `gantry/bridge`, which follows its x only and carries the bridge.
@@ -46,12 +46,12 @@ _AS_IT_IS = (1.0, 1.0, 1.0)
 
 
 def frame(body: str) -> str:
-    """The frame that moves with a body."""
+    """Return the frame that moves with a body."""
     return f"{body}/base"
 
 
 def floor(plan: Floorplan) -> list[Thing]:
-    """Everything that stays where it is."""
+    """Return everything that stays where it is."""
     ground = Shape(
         kind="triangles", points=_triangles(plan.boundary, -_HAIR), size=_AS_IT_IS, color=GROUND
     )
@@ -79,7 +79,7 @@ def floor(plan: Floorplan) -> list[Thing]:
 
 
 def bodies(run: Outcome) -> list[Thing]:
-    """Everything that moves, each thing in the frame that moves it."""
+    """Return everything that moves, each thing in the frame that moves it."""
     plan = run.floorplan
     things = [
         Thing(person.name, frame(person.name), _person(person)) for person in run.scene.people
@@ -92,7 +92,7 @@ def bodies(run: Outcome) -> list[Thing]:
 
 
 def frames(poses: Iterable[Pose]) -> Iterator[tuple[str, float, float, float]]:
-    """The frames that move with bodies which are there: name, x, y, rotation."""
+    """Return the frames that move with these bodies: name, x, y, rotation."""
     for pose in poses:
         yield frame(pose.body), pose.x, pose.y, pose.rotation
         if pose.body == "gantry":
@@ -100,7 +100,7 @@ def frames(poses: Iterable[Pose]) -> Iterator[tuple[str, float, float, float]]:
 
 
 def violation(run: Outcome, event: Event) -> Thing:
-    """What marks a `violation` event: a ring round the person, a line to the machine, figures."""
+    """Return the mark of a `violation`: a ring round the person, a line to the machine, a label."""
     person, machine = event["person"], event["with"]
     (x, y), end = just_before(run, person, event), just_before(run, machine, event)
     figure = next(one for one in run.scene.people if one.name == person)

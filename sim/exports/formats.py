@@ -1,4 +1,4 @@
-"""Which formats there are, and how a run gets into one of them."""
+"""The formats of others, and the export of a run into one of them."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ Writer = Callable[[Outcome, Path, float], None]
 
 @dataclass(frozen=True)
 class Format:
-    """A format: what it is called, what its files end in, what has to be installed for it.
+    """A format: its name and title, the suffix of its files, and what has to be installed for it.
 
     `parts` are the packages that its writer imports, `extra` the extra of Floorwalker that
     brings them. A format without a suffix is a folder.
@@ -38,7 +38,7 @@ class Format:
     extra: str = ""
 
     def writer(self) -> Writer:
-        """The function that writes it; `ValueError` that says what to install for it."""
+        """Return the function that writes it; `ValueError` that says what to install for it."""
         try:
             module = import_module(f".{self.module}", __package__)
         except ImportError as why:
@@ -75,7 +75,7 @@ class Export:
     def to(
         cls, path: str | Path, *, rate: float = DEFAULT_RATE, format: str | None = None
     ) -> Export:
-        """See `export`; what can be known to be wrong before there is a run is said here."""
+        """Check the arguments of `export` before there is a run; errors as there."""
         require_rate(rate)
         path = Path(path)
         chosen = _by_name(format) if format is not None else _by_suffix(path)
@@ -87,7 +87,7 @@ class Export:
     def write(self, run: Outcome) -> None:
         """Write `run`; `OutputError` if that can't be done, and then nothing is left.
 
-        `ValueError` if the rate is so high that nobody would wait for the end.
+        `ValueError` if the rate is so high that it would never end.
         """
         require(run, Outcome, "sim.load_run")
         require_instants(run.duration, self.rate)
@@ -107,8 +107,8 @@ def export(
 
     The format is the one that `path` ends in (.csv, .parquet, .mcap, .sqlite; nothing: a ROS 2
     bag, which is a folder), or the one called `format`. A file that is there is replaced, and
-    only by a whole one; a folder is never. `ValueError` for a format or rate that can't be, or
-    for a part that isn't installed; `OutputError` if `path` can't be written.
+    only by a whole one; a folder is never. `ValueError` for an unknown format, an impossible rate
+    or a missing package; `OutputError` if `path` can't be written.
     """
     Export.to(path, rate=rate, format=format).write(run)
 

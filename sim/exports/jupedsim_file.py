@@ -1,9 +1,8 @@
 """A run as JuPedSim records one (SQLite, version 2), for PedPy and JuPedSim's own tools.
 
-Only people are in it, as agents; the walkable area is the floor minus what stands on it for
-good. An agent walks, it is never put elsewhere: a person who was is another agent from then on,
-so that no speed, flow or crossing is made up. Which agent is which person stands in `metadata`
-under `floorwalker_agents`.
+Only people are in it, as agents; the walkable area is the floor minus its obstacles. An agent is
+never put elsewhere: a person who was is another agent from then on, so that no speed, flow or
+crossing is made up. `floorwalker_agents` in `metadata` has the person of each agent.
 """
 
 from __future__ import annotations
@@ -95,7 +94,7 @@ def _agents(run: Outcome) -> Iterator[Agent]:
 def _rows(
     run: Outcome, agents: list[Agent], times: Array, frames: range
 ) -> list[tuple[float, ...]]:
-    """frame, id, x, y and the direction of the look, by frame and agent."""
+    """Return frame, id, x, y and the heading as a unit vector, by frame and agent."""
     rows: list[tuple[float, ...]] = []
     for agent in agents:
         until = times < agent.end if agent.end < run.duration else times <= agent.end
@@ -110,7 +109,7 @@ def _rows(
 
 
 def _walkable(run: Outcome) -> Polygon:
-    """Where people can stand; of several areas the one that most of them start in."""
+    """Return the area in which people can stand; of several that in which most of them start."""
     human = run.floorplan.human
     starts = [Point(*run.scene.starts[person.name][:2]) for person in run.scene.people]
 

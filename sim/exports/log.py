@@ -19,12 +19,12 @@ LEVELS: dict[str, Level] = {
     "teleport": "warning",
     "warning": "warning",
 }
-"""How grave an event is, by its kind; all others are "info"."""
+"""The level of events by their kind; all others are "info"."""
 
 
 @dataclass(frozen=True)
 class Line:
-    """One line of a log: when (seconds), how grave, who it is about, and what happened."""
+    """One line of a log: its instant (seconds), level, subject and text."""
 
     t: float
     level: Level
@@ -33,7 +33,7 @@ class Line:
 
 
 def line(event: Event) -> Line:
-    """The line for an event: its kind, and its fields as name=value."""
+    """Return the line for an event: its kind, and its fields as name=value."""
     kind = event["kind"]
     named = (event.get(role) for role in ("person", "agv", "machine"))
     who = next(filter(None, named), "trial" if "trial" in kind else "gantry")

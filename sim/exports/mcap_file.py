@@ -79,7 +79,7 @@ def _about(run: Outcome, rate: float) -> dict[str, str]:
 
 
 class _Sink:
-    """A file that swallows what no longer fits on its disk, and tells afterwards.
+    """A file that drops what no longer fits on its disk, and keeps the error for afterwards.
 
     The SDK prints a line for every message that it can't write, and raises nothing. From the
     first failure on only the position is kept, which the SDK relies on.
@@ -128,17 +128,19 @@ class _Writer:
         self._poses = {
             name: PoseInFrameChannel(f"/{name}/pose", context=context) for name in run.motions
         }
-        self._ways = {name: PosesInFrameChannel(f"/{name}/way", context=context) for name in people}
+        self._paths = {
+            name: PosesInFrameChannel(f"/{name}/way", context=context) for name in people
+        }
 
     def write(self, rate: float) -> None:
-        """Everything, in order of time."""
+        """Write everything, in order of time."""
         self._draw(self._floor, drawing.floor(self._run.floorplan), 0.0)
         self._draw(self._bodies, drawing.bodies(self._run), 0.0)
         for moment in track.moments(self._run, rate):
             if moment.event is not None:
                 self._write_event(moment.event)
-            if moment.way is not None:
-                self._write_way(moment.way)
+            if moment.path is not None:
+                self._write_path(moment.path)
             if moment.poses:
                 self._write_poses(moment.t, moment.poses)
 
@@ -162,14 +164,14 @@ class _Writer:
             mark = drawing.violation(self._run, event)
             self._draw(self._violations, [mark], line.t, drawing.ALARM_TIME)
 
-    def _write_way(self, way: track.Way) -> None:
-        self._ways[way.person].log(
+    def _write_path(self, path: track.WalkedPath) -> None:
+        self._paths[path.person].log(
             PosesInFrame(
-                timestamp=_stamp(way.t),
+                timestamp=_stamp(path.t),
                 frame_id=drawing.ROOT_FRAME,
-                poses=[_pose(*point) for point in way.points],
+                poses=[_pose(*point) for point in path.points],
             ),
-            log_time=nanoseconds(way.t),
+            log_time=nanoseconds(path.t),
         )
 
     def _write_poses(self, t: float, poses: tuple[track.Pose, ...]) -> None:

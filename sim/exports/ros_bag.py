@@ -1,4 +1,4 @@
-"""A run as a ROS 2 bag: transforms, poses, velocities, ways, markers and the log.
+"""A run as a ROS 2 bag: transforms, poses, velocities, paths, markers and the log.
 
 The bag's storage is SQLite and its version 8, which every ROS 2 reads from Humble on. The shapes
 of bodies are written once, each in a frame of its own; `/tf` moves the frames.
@@ -41,7 +41,7 @@ LATCHED = Qos(
     liveliness_lease_duration=QosTime(0, 0),
     avoid_ros_namespace_conventions=False,
 )
-"""Who subscribes later gets the last message too."""
+"""Later subscribers get the last message too."""
 
 Topic = Callable[[float, Any], None]
 """Writes a message for an instant (seconds)."""
@@ -54,7 +54,7 @@ def write(run: Outcome, path: Path, rate: float) -> None:
 
 
 def topic_names(names: Iterable[str]) -> dict[str, str]:
-    """For each name one that ROS allows in a topic: letters, digits and _; no two the same."""
+    """Return for each name one that ROS allows in a topic: letters, digits and _, all different."""
     found: dict[str, str] = {}
     for name in names:
         plain = re.sub(r"[^A-Za-z0-9_]", "_", name)
@@ -86,7 +86,7 @@ class _Topics:
             body: self._topic(f"/{name}/velocity", "geometry_msgs/msg/TwistStamped")
             for body, name in names.items()
         }
-        self._ways = {
+        self._paths = {
             person.name: self._topic(f"/{names[person.name]}/way", "nav_msgs/msg/Path")
             for person in run.scene.people
         }
@@ -98,8 +98,8 @@ class _Topics:
         for moment in track.moments(self._run, rate):
             if moment.event is not None:
                 self._write_event(moment.event)
-            if moment.way is not None:
-                self._ways[moment.way.person](moment.t, messages.path(moment.way))
+            if moment.path is not None:
+                self._paths[moment.path.person](moment.t, messages.path(moment.path))
             if moment.poses:
                 self._frames(moment.t, messages.transforms(moment.t, drawing.frames(moment.poses)))
             for pose in moment.poses:

@@ -12,7 +12,7 @@ from rosbags.typesys.stores import ros2_humble as ros
 from . import log
 from .drawing import ROOT_FRAME
 from .shapes import Shape, Thing
-from .track import Pose, Way, nanoseconds
+from .track import Pose, WalkedPath, nanoseconds
 
 LEVELS = {
     "info": ros.rcl_interfaces__msg__Log.INFO,
@@ -63,12 +63,12 @@ def velocity(t: float, pose: Pose) -> ros.geometry_msgs__msg__TwistStamped:
     return ros.geometry_msgs__msg__TwistStamped(_header(t), twist)
 
 
-def path(way: Way) -> ros.nav_msgs__msg__Path:
+def path(walked: WalkedPath) -> ros.nav_msgs__msg__Path:
     """Return the path of a person from one goal to the next."""
-    header = _header(way.t)
+    header = _header(walked.t)
     poses = [
         ros.geometry_msgs__msg__PoseStamped(header, _pose(x, y, 0.0, rotation))
-        for x, y, rotation in way.points
+        for x, y, rotation in walked.points
     ]
     return ros.nav_msgs__msg__Path(header, poses)
 

@@ -1,4 +1,4 @@
-"""A run for viewers that draw from frames and poses: what happens, moment by moment."""
+"""A run for viewers that draw from frames and poses, moment by moment."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ ROUNDING = 1e-8
 
 @dataclass(frozen=True)
 class Pose:
-    """Where a body is: x, y (metres), rotation (radians), and its velocity (m/s)."""
+    """The pose of a body: x, y (metres), rotation (radians); and its velocity (m/s)."""
 
     body: str
     x: float
@@ -33,8 +33,8 @@ class Pose:
 
 
 @dataclass(frozen=True)
-class Way:
-    """The way a person went from `t` (seconds) until a new goal: (x, y, rotation) of its points."""
+class WalkedPath:
+    """The path of a person from `t` (seconds) until a new goal: (x, y, rotation) of its points."""
 
     t: float
     person: str
@@ -43,32 +43,32 @@ class Way:
 
 @dataclass(frozen=True)
 class Moment:
-    """What there is to say of `t` (seconds): poses of bodies, an event, or a way that begins."""
+    """The news of the instant `t` (seconds): poses of bodies, an event, or a path that begins."""
 
     t: float
     poses: tuple[Pose, ...] = ()
     event: Event | None = None
-    way: Way | None = None
+    path: WalkedPath | None = None
 
 
 def moments(run: Outcome, rate: float) -> Iterator[Moment]:
-    """Everything to tell of a run in order of time, with every body's pose at `rate` (Hz).
+    """Return the moments of a run in order of time, with the pose of every body at `rate` (Hz).
 
     Viewers draw a straight line from one pose to the next: another pose a nanosecond before
-    every jump, and one at it, keep them from drawing somebody who slides over the floor.
+    every jump, and one at it, keep them from drawing a body that slides over the floor.
     """
     return heapq.merge(
         (Moment(event["t"], event=event) for event in run.events),
-        (Moment(way.t, way=way) for way in ways(run)),
+        (Moment(path.t, path=path) for path in walked_paths(run)),
         _regular(run, rate),
         _jumps(run),
         key=attrgetter("t"),
     )
 
 
-def ways(run: Outcome) -> list[Way]:
-    """Every person's ways from goal to goal, in order of time; as they went, not as they meant."""
-    found: list[Way] = []
+def walked_paths(run: Outcome) -> list[WalkedPath]:
+    """Return the paths of people from goal to goal, in order of time; as walked, not as planned."""
+    found: list[WalkedPath] = []
     for person in run.scene.people:
         changes = [
             event
@@ -80,17 +80,17 @@ def ways(run: Outcome) -> list[Way]:
             begin = event["t"] + ROUNDING
             if event["kind"] != "teleport" and end - ROUNDING > begin:
                 motion = run.motions[person.name].cut(begin, end - ROUNDING)
-                found.append(Way(event["t"], person.name, _corners(motion)))
+                found.append(WalkedPath(event["t"], person.name, _corners(motion)))
     return sorted(found, key=attrgetter("t"))
 
 
 def just_before(run: Outcome, body: str, event: Event) -> tuple[float, float]:
-    """Where a body (x, y in metres) was when `event` came about, not where it put the body."""
+    """Return the place (x, y in metres) of a body just before `event`, not where that put it."""
     return run.motions[body].state(event["t"] - ROUNDING).at
 
 
 def nanoseconds(t: float) -> int:
-    """An instant (seconds) as viewers count."""
+    """Return an instant (seconds) in nanoseconds, as viewers count."""
     return round(t * 1e9)
 
 
@@ -112,7 +112,7 @@ def _jumps(run: Outcome) -> list[Moment]:
 
 
 def _corners(motion: Motion) -> tuple[tuple[float, float, float], ...]:
-    """Where the pieces of a motion begin, and where the last ends; none twice."""
+    """Return the poses at which the pieces of a motion begin, and the last one ends; none twice."""
     corners = [motion.state(piece.begin).position for piece in motion.pieces]
     corners.append(motion.state_before(motion.end).position)
     new = [after for before, after in pairwise(corners) if after[:2] != before[:2]]

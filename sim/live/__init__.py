@@ -1,1 +1,1 @@
-"""Runs that are watched as they happen."""
+"""Runs in a browser while they go on."""

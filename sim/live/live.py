@@ -1,7 +1,7 @@
 """A run in the browser while it goes on.
 
-What the page is told are the plans of the moment, in closed form: it draws them as smoothly as a
-recording, and the simulation has nothing to do until somebody changes their mind.
+The page gets the plans of the moment, in closed form: it draws them as smoothly as a recording,
+and the simulation has nothing to do until a plan changes.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ PATIENCE = 10.0
 class LiveRun(Listener):
     """Serves a page that shows a run of `duration` (seconds) while it is advanced.
 
-    To be given to the `Simulation` as a listener. A browser may come and go as it likes.
+    It is a listener of the `Simulation`. Browsers may come and go.
     """
 
     wants_thoughts = True
@@ -64,15 +64,15 @@ class LiveRun(Listener):
         self._page = render(replay_data(nothing), stream="stream", speed=self.speed)
 
     def event(self, event: Event) -> None:
-        """Something happened."""
+        """Send an event to the page."""
         self._send(event=event)
 
     def thought(self, thought: Thought) -> None:
-        """A person has thought."""
+        """Send a person's thought to the page."""
         self._send(thought=thought)
 
     def advance(self, simulation: Simulation) -> None:
-        """Run to the end, as fast as asked for."""
+        """Run to the end at `speed`."""
         for body in simulation.bodies:
             self._plan(body, simulation)
             body.on_change.append(lambda body=body: self._plan(body, simulation))  # type: ignore[misc]
@@ -80,14 +80,14 @@ class LiveRun(Listener):
         while not simulation.over:
             time.sleep(PERIOD)
             simulation.advance((time.monotonic() - begun) * self.speed)
-            self._tell(simulation)
+            self._send_changes(simulation)
 
     def wait_for_viewer(self) -> None:
-        """Give a browser that was just opened the time to come up."""
+        """Wait until a browser that was just opened reads the stream."""
         self._stream.wait_for_reader(PATIENCE)
 
     def finish(self, run: Run) -> None:
-        """Send the whole recording to those who watch, and wait until they have it."""
+        """Send the whole recording to all viewers, and wait until they have it."""
         self._stream.send(json.dumps(replay_data(run)), event="finished")
         self._stream.close()
         self._stream.wait_until_read(PATIENCE)
@@ -98,7 +98,7 @@ class LiveRun(Listener):
         pieces = [piece_data(piece) for piece in plan.pieces]
         self._send(motion={"body": body.name, "pieces": pieces})
 
-    def _tell(self, simulation: Simulation) -> None:
+    def _send_changes(self, simulation: Simulation) -> None:
         known = [watch.known for watch in simulation.referee.watches]
         for number, intervals in enumerate(known):
             if number >= len(self._violations) or intervals != self._violations[number]:

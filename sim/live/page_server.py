@@ -1,7 +1,7 @@
 """A page for a browser on this machine, and a stream of messages that the page can follow.
 
-The messages are server-sent events, as HTML defines them: plain HTTP, which a browser takes up
-again by itself from the last message it has seen.
+The messages are server-sent events, as HTML defines them: plain HTTP, which a browser resumes
+from the last message that it has seen.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from types import TracebackType
 
 HOST = "127.0.0.1"
 SIGN_OF_LIFE = 5.0
-"""Seconds between two signs of life on a quiet stream; so it is noticed that a reader is gone."""
+"""Seconds between two signs of life on a quiet stream, which show that a reader is gone."""
 
 
 class Stream:
@@ -35,13 +35,13 @@ class Stream:
             self._changed.notify_all()
 
     def close(self) -> None:
-        """There are no more messages."""
+        """End the stream: there are no more messages."""
         with self._changed:
             self._closed = True
             self._changed.notify_all()
 
     def messages(self, first: int = 0) -> Iterator[bytes]:
-        """All messages from number `first` on, as they come; a comment where nothing happens."""
+        """Yield all messages from number `first` on, as they come; comments while there is none."""
         reader = threading.get_ident()
         try:
             while True:
@@ -62,12 +62,12 @@ class Stream:
                 self._changed.notify_all()
 
     def wait_for_reader(self, seconds: float) -> bool:
-        """Wait until somebody has begun to read, but no longer than `seconds`."""
+        """Wait until a reader has begun, but no longer than `seconds`."""
         with self._changed:
             return self._changed.wait_for(lambda: self._ever_read, seconds)
 
     def wait_until_read(self, seconds: float) -> bool:
-        """Wait until those who read have read all there is, but no longer than `seconds`."""
+        """Wait until all readers have read all messages, but no longer than `seconds`."""
 
         def read() -> bool:
             return all(done >= len(self._messages) for done in self._readers.values())
@@ -79,8 +79,8 @@ class Stream:
 class PageServer:
     """Serves a page at `url` from a thread of its own, and a stream beside it, at `url`stream.
 
-    Nobody but this machine can reach it; nor can a page from elsewhere in a browser on this
-    machine, whatever name it calls this machine by. `port` 0 takes any that is free.
+    Only this machine can reach it, and no page from elsewhere in a browser on this machine,
+    whatever name it calls this machine by. `port` 0 takes any that is free.
     """
 
     def __init__(
@@ -98,7 +98,7 @@ class PageServer:
 
     @property
     def url(self) -> str:
-        """Where the page is."""
+        """The address of the page."""
         return f"http://{HOST}:{self._server.server_port}/"
 
     def __enter__(self) -> PageServer:
@@ -120,7 +120,7 @@ class _Server(ThreadingHTTPServer):
     block_on_close = False
 
     def handle_error(self, request: object, client_address: object) -> None:
-        """A browser that goes away in the middle is no news."""
+        """Ignore a browser that goes away in the middle."""
 
 
 class _Handler(BaseHTTPRequestHandler):
@@ -143,7 +143,7 @@ class _Handler(BaseHTTPRequestHandler):
             self.send_error(HTTPStatus.NOT_FOUND)
 
     def log_message(self, format: str, *values: object) -> None:
-        """Requests are nobody's news."""
+        """Write no log of requests."""
 
     def _send_page(self) -> None:
         content = self.make_page().encode()

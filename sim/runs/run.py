@@ -24,7 +24,7 @@ class Recorded(Outcome):
     def plot(self) -> RunPlots:
         """Pictures of it: `run.plot.separation()` and others, each a matplotlib `Figure`.
 
-        `sim.plots.MissingExtraError` without matplotlib.
+        `ImportError` without matplotlib.
         """
         from ..views.plots import RunPlots
 

@@ -1,4 +1,4 @@
-"""A run as a notebook shows it: its figures, and the replay."""
+"""A run as a notebook shows it: its figures and its replay."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ REPLAY_HEIGHT = 720
 
 
 def as_html(run: Outcome) -> str:
-    """A table of the run's figures, and its replay page in a frame of its own."""
+    """Return a table of the run's figures, and its replay page in a frame of its own."""
     return f"<div>{_table(run)}{_replay(run)}</div>"
 
 
 def _table(run: Outcome) -> str:
-    # Of a run that was broken off there are no figures.
+    # A run that was broken off has no figures.
     figures = figures_in_words(run.summary) if run.summary else []
     rows = [("trial", run.scene.trial), ("duration", f"{run.duration:g} s"), *figures]
     lines = "".join(

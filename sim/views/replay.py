@@ -18,7 +18,7 @@ from typing import Any
 from ..record.strict_json import parse_json
 
 FORMAT = "floorwalker-replay/1"
-"""What `recording["format"]` says, so that a page can tell a recording it does not know."""
+"""The `format` of a recording, by which a page knows one that it can read."""
 
 SCRIPTS = (
     "recording",
@@ -55,12 +55,12 @@ def render(
     stream: str = "",
     speed: float = 1.0,
 ) -> str:
-    """The page that replays `recording`, as HTML (to be written as UTF-8).
+    """Return the page that replays `recording`, as HTML (to be written as UTF-8).
 
     `recording` has the form described in `docs/replay.md`: plain dicts, lists, strings and finite
-    numbers; an `other` is shown beside it. With a `stream`, the page is for a run under way: what
-    it adds to the recording comes from that address beside the page, `speed` times as fast as it
-    happens. `ValueError` if a recording's `format` is another, or if it holds what JSON can't say.
+    numbers; an `other` is shown beside it. With a `stream`, the page follows a run under way:
+    what is added to the recording comes from that address beside the page, `speed` times as fast
+    as it happens. `ValueError` for a recording of another `format`, or one that isn't JSON.
     """
     live = {"data-stream": stream, "data-speed": f"{speed:g}"} if stream else {}
     contents = {
@@ -76,7 +76,7 @@ def render(
 
 
 def recordings_in(page: str) -> list[dict[str, Any]]:
-    """The one or two recordings that stand in a page made by `render`; `ValueError` if none."""
+    """Return the one or two recordings in a page made by `render`; `ValueError` if none."""
     recordings = []
     for name in ("recording", "other"):
         found = re.search(
@@ -112,7 +112,7 @@ def _check_format(recording: Any) -> None:
 def _embeddable(recording: Mapping[str, Any]) -> str:
     """`recording` as JSON that can stand inside an HTML script element.
 
-    No `<` is left, so that neither `</script>` nor `<!--` in a name ends or upsets the element.
+    No `<` is left, so that neither `</script>` nor `<!--` in a name ends the element.
     """
     try:
         text = json.dumps(recording, allow_nan=False, separators=(",", ":"))

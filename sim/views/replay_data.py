@@ -1,4 +1,4 @@
-"""What the replay page shows of a run, as the JSON that stands in the page."""
+"""A run as the JSON that stands in its replay page."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .replay import FORMAT
 
 
 def replay_data(run: Outcome) -> dict[str, Any]:
-    """The run in the format of the replay page: metres, seconds, radians."""
+    """Return the run in the format of the replay page: metres, seconds, radians."""
     plan, trial = run.floorplan, run.scene.trial
     timing = ("cpu_seconds", "realtime_factor")
     data: dict[str, Any] = rounded(
@@ -144,7 +144,7 @@ def _notice(rules: RuleSet) -> dict[str, Any]:
 
 
 def piece_data(piece: Piece) -> list[Any]:
-    """A piece of a motion: when it begins and ends, and its cubics without zeros at their ends."""
+    """Return the begin and end of a piece, and its cubics without zeros at their ends."""
     return [
         piece.begin,
         piece.end,

@@ -1,4 +1,4 @@
-"""The instants at which to look at motions so as to draw them truly.
+"""The instants at which motions are sampled so that they are drawn truly.
 
 Between changes of a motion all curves are smooth, and a few points a second are enough; at a
 change both sides of it are there, and at a jump the line is broken.
@@ -20,16 +20,16 @@ from ...record.outcome import Outcome
 Array = NDArray[np.float64]
 
 Span = tuple[float, float]
-"""From when to when, seconds."""
+"""Begin and end, seconds."""
 
 STEP = 0.1
-"""Seconds. The most between two instants of a curve."""
+"""Seconds. The longest step between two instants of a curve."""
 
 
 def span_of(run: Outcome, within: Span | None) -> Span:
-    """The part of a run to draw: `within` as far as the run goes, or all of it.
+    """Return the part of a run to draw: `within`, clipped to the run, or all of it.
 
-    `ValueError` if nothing is left of it.
+    `ValueError` if nothing is left.
     """
     begin, end = within or (0.0, run.duration)
     begin, end = max(begin, 0.0), min(end, run.duration)
@@ -42,11 +42,11 @@ def span_of(run: Outcome, within: Span | None) -> Span:
 
 
 def instants(motions: Sequence[Motion], begin: float, end: float) -> Array:
-    """Instants (N,) at which to draw these motions from `begin` to just before `end` (seconds).
+    """Return instants (N,) to draw these motions from `begin` to just before `end` (seconds).
 
-    Every change stands there twice: as the last instant before it, and as itself. Where a body
-    was put elsewhere, NaN stands between the two: no line is drawn across. Of a single motion,
-    straight stretches have their ends only.
+    Every change is there twice: as the last instant before it, and as itself. Where a body is
+    put elsewhere, NaN stands between the two, so that no line is drawn across. Straight stretches
+    of a single motion have their ends only.
     """
     changes = {begin, end}
     for motion in motions:
@@ -65,12 +65,12 @@ def instants(motions: Sequence[Motion], begin: float, end: float) -> Array:
 
 
 def _is_straight(motion: Motion, t: float) -> bool:
-    """Whether from `t` (seconds) to the next change x and y grow evenly, and nothing turns."""
+    """True if from `t` (seconds) to the next change x and y are linear, and nothing turns."""
     piece = motion.pieces_from(t)[0]
     return t >= motion.end or not any((*piece.x[2:], *piece.y[2:], *piece.rotation[1:]))
 
 
 def speeds(motion: Motion, t: Array) -> Array:
-    """How fast it is over the floor: (N,) m/s, NaN where the instants are."""
+    """Return the speed over the floor: (N,) m/s, NaN where `t` is NaN."""
     vx, vy = motion.velocity(t).T
     return np.where(np.isnan(t), np.nan, np.hypot(vx, vy))

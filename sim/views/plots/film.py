@@ -1,4 +1,4 @@
-"""A run as a film: a GIF or an MP4, everybody where they are at each of its instants."""
+"""A run as a film, GIF or MP4: the poses of all bodies, drawn instant by instant."""
 
 from __future__ import annotations
 

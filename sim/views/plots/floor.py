@@ -1,4 +1,4 @@
-"""A floor from above: what stands on it, where people go, and what the machines can reach."""
+"""A floor from above: obstacles, stations, lanes, and the range of the gantry."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ _BESIDE = 0.75
 
 @styled()
 def floorplan(plan: Floorplan, *, width: Width = "double") -> Figure:
-    """The floor with everything that is named on it, AGVs where they start."""
+    """Draw the floor with everything that has a name on it, AGVs where they start."""
     figure, axes = floor_figure(plan, width)
     draw_floor(axes, plan)
     for lane in plan.lanes:
@@ -53,20 +53,20 @@ def floorplan(plan: Floorplan, *, width: Width = "double") -> Figure:
 
 
 def floor_figure(plan: Floorplan, width: Width, *, beside: float = 0.0) -> tuple[Figure, Axes]:
-    """A figure as high as the floor needs, and its axes; `beside` inches are left for more."""
+    """Return a figure as high as the floor needs, and its axes; `beside` inches stay free."""
     figure = new_figure(width, floor_height(plan, width, beside=beside))
     return figure, floor_axes(figure.add_subplot(), plan)
 
 
 def floor_height(plan: Floorplan, width: Width, *, beside: float = 0.0) -> float:
-    """How high a picture of the whole floor is, inches, if it is `beside` inches less wide."""
+    """Return the height of a picture of the whole floor, `beside` inches of it free; inches."""
     west, south, east, north = plan.boundary.bounds
     across = inches(width) - _BESIDE - beside
     return min(across * float((north - south) / (east - west)) + _BESIDE, _HIGHEST)
 
 
 def floor_axes(axes: Axes, plan: Floorplan) -> Axes:
-    """Axes in metres that show the whole floor, undistorted."""
+    """Let axes show the whole floor, undistorted, in metres; return them."""
     west, south, east, north = plan.boundary.bounds
     margin = 0.01 * max(east - west, north - south)
     axes.set_aspect("equal")
@@ -78,7 +78,7 @@ def floor_axes(axes: Axes, plan: Floorplan) -> Axes:
 
 
 def draw_floor(axes: Axes, plan: Floorplan) -> None:
-    """Walls, obstacles (the higher the darker; dashed what people walk under), lanes, stations."""
+    """Draw walls, obstacles (the higher the darker; overhead ones dashed), lanes and stations."""
     for ring in (plan.boundary.exterior, *plan.boundary.interiors):
         axes.plot(*ring.xy, color=BLACK, linewidth=0.8, zorder=2)
     for lane in plan.lanes:
@@ -156,7 +156,7 @@ def _draw_range(axes: Axes, plan: Floorplan) -> None:
 
 
 def _label_lines(axes: Axes, plan: Floorplan) -> None:
-    """Say in the legend what the lines and marks on this floor are."""
+    """Explain the lines and marks on this floor in the legend."""
     looks: list[tuple[bool, str, dict[str, Any]]] = [
         (bool(plan.stations), "station", {"color": BLACK, "marker": "+", "linestyle": "none"}),
         (

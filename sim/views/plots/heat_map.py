@@ -1,4 +1,4 @@
-"""Where people were, and for how long."""
+"""The time for which each spot of a floor was occupied by people."""
 
 from __future__ import annotations
 
@@ -23,21 +23,21 @@ CELL = 0.05
 """Metres. The side of a cell."""
 
 _BAR = 0.6
-"""Inches. What the bar of colours takes."""
+"""Inches. The width of the bar of colours."""
 
 MOMENT = 0.02
-"""Seconds. Somebody who moves is looked at this often."""
+"""Seconds. The step at which moving people are sampled."""
 
 _HAIR = 1e-9
-"""Metres. Cells that are further off than a radius by no more than this still count."""
+"""Metres. Cells that are beyond a radius by no more than this still count."""
 
 
 @styled()
 def heat_map(runs: Outcome | Sequence[Outcome], *, width: Width = "double") -> Figure:
-    """For how long each spot of the floor was under somebody's body, in all `runs` together.
+    """Draw the time for which each spot was under a person's body, in all `runs` together.
 
-    People count from their start. The colours are logarithmic, so that where somebody waited
-    does not hide where they walked. `ValueError` if the runs are on different floors.
+    People count from their start. The colours are logarithmic, so that places of waiting do not
+    hide paths. `ValueError` if the runs are on different floors.
     """
     several = [runs] if isinstance(runs, Outcome) else list(runs)
     if not several:
@@ -66,7 +66,7 @@ def heat_map(runs: Outcome | Sequence[Outcome], *, width: Width = "double") -> F
 
 
 def time_covered(run: Outcome) -> Array:
-    """For how long the middle of each cell was under a person's body: seconds, (rows, columns).
+    """Return the time for which the middle of each cell was occupied: seconds, (rows, columns).
 
     The first cell is in the south-west corner of the floor's bounds.
     """
@@ -86,7 +86,7 @@ def _shape(plan: Floorplan) -> tuple[int, int]:
 
 
 def _time_in_cells(motion: Motion, begin: float, end: float, plan: Floorplan) -> Array:
-    """For how long the body's centre was in each cell."""
+    """Return the time for which the body's centre was in each cell."""
     west, south, *_ = plan.boundary.bounds
     rows, columns = _shape(plan)
     middles: list[NDArray[Any]] = [np.empty(0)]
@@ -107,7 +107,7 @@ def _time_in_cells(motion: Motion, begin: float, end: float, plan: Floorplan) ->
 
 
 def _spread(seconds: Array, radius: float) -> Array:
-    """The same time for all cells within `radius` metres of each."""
+    """Add the time of each cell to all cells within `radius` metres of it."""
     reach = math.ceil(radius / CELL)
     rows, columns = seconds.shape
     padded = np.pad(seconds, reach)

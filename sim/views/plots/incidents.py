@@ -1,4 +1,4 @@
-"""What went wrong in a run, and where: for the marks in its pictures."""
+"""Violations and stops of a run, for the marks in its pictures."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .style import VERMILION
 
 
 def breaches(run: Outcome, span: Span) -> list[tuple[float, Point]]:
-    """When somebody came too close (seconds), and where they were then, of all that `span` has."""
+    """Return instant (seconds) and place of the person for every violation within `span`."""
     begin, end = span
     return sorted(
         (t, run.motions[person].state_before(t).at)
@@ -25,7 +25,7 @@ def breaches(run: Outcome, span: Span) -> list[tuple[float, Point]]:
 
 
 def mark_breaches(axes: Axes, places: Sequence[Point]) -> None:
-    """Mark where on `axes` somebody came too close."""
+    """Mark the `places` of violations on `axes`."""
     if places:
         axes.plot(
             *zip(*places, strict=True),

@@ -79,7 +79,7 @@ def _unbroken(path: Array) -> Iterator[LineString]:
 
 
 def _metres_per_point(axes: Axes) -> float:
-    """How many metres of the floor a point of the picture takes."""
+    """Return the metres of the floor that a point of the picture takes."""
     figure: Any = axes.figure
     figure.draw_without_rendering()
     (west, _), (east, _) = axes.transData.transform([(0.0, 0.0), (1.0, 0.0)]).tolist()
@@ -87,7 +87,7 @@ def _metres_per_point(axes: Axes) -> float:
 
 
 def _extent(axes: Axes, name: Any) -> Polygon:
-    """What a name takes up, metres."""
+    """Return the rectangle that a name covers, metres."""
     return box(*name.get_window_extent().transformed(axes.transData.inverted()).extents)
 
 

@@ -14,10 +14,10 @@ from .trails import trails
 
 
 class RunPlots:
-    """Draws a run. Every method gives a figure; `MissingExtraError` without matplotlib.
+    """Draws a run; every method returns a figure.
 
-    `within` is the stretch of time to draw (from, to in seconds), all of the run if not given;
-    `width` is how many columns of a paper the picture takes.
+    `within` is the stretch of time to draw (from, to in seconds), the whole run by default;
+    `width` is the number of columns of a paper that the picture takes.
     """
 
     def __init__(self, run: Outcome) -> None:
@@ -35,13 +35,13 @@ class RunPlots:
         return separation(self._run, person, machine, within=within, width=width)
 
     def space_time(self, *, within: Span | None = None, width: Width = "double") -> Figure:
-        """x and y of everybody who moves, over time."""
+        """x and y of all that moves, over time."""
         return space_time(self._run, within=within, width=width)
 
     def trails(self, *, within: Span | None = None, width: Width = "double") -> Figure:
-        """The ways of people and machines on the floor."""
+        """The paths of people and machines on the floor."""
         return trails(self._run, within=within, width=width)
 
     def heat_map(self, *, width: Width = "double") -> Figure:
-        """Where people were, and for how long."""
+        """The time for which each spot was occupied by people."""
         return heat_map(self._run, width=width)

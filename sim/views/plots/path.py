@@ -1,4 +1,4 @@
-"""A planned way across a floor, and how much room there is along it."""
+"""A planned path across a floor, and the clearance along it."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from .names import draw_names
 from .style import BLUE, GREY, PALE, VERMILION, Width, new_figure, styled
 
 STEP = 0.05
-"""Metres along the way between two places at which the clearance is taken."""
+"""Metres along the path between two places at which the clearance is taken."""
 
 FAR = 1.0
-"""Metres. More room than this is not shown on the floor."""
+"""Metres. More clearance than this is not shown on the floor."""
 
 _BELOW = 1.4
 """Inches for the profile below the floor."""
@@ -34,45 +34,45 @@ _NARROWEST: dict[str, Any] = {
 
 
 @styled()
-def path(world: CollisionWorld, way: Path, *, radius: float, width: Width = "double") -> Figure:
-    """A way on its floor, with the free room on both sides, and the clearance along it below.
+def path(world: CollisionWorld, planned: Path, *, radius: float, width: Width = "double") -> Figure:
+    """Draw a path on its floor, with the free room on both sides; below, the clearance along it.
 
     `radius` (metres) is that of the person who is to walk it.
     """
-    along, points = _places(way.points)
+    along, points = _places(planned.points)
     clearances = np.array([world.distance((x, y)) for x, y in points.tolist()])
     height = floor_height(world.plan, width)
     figure = new_figure(width, height + _BELOW)
     rows = figure.add_gridspec(2, 1, height_ratios=(height, _BELOW))
     axes = floor_axes(figure.add_subplot(rows[0]), world.plan)
-    axes.set_title(f"{way.length:.2f} m long, {way.clearance:.2f} m clear", loc="left")
+    axes.set_title(f"{planned.length:.2f} m long, {planned.clearance:.2f} m clear", loc="left")
     draw_floor(axes, world.plan)
     for body in world.bodies:
         fill_area(axes, body.footprint, facecolor=PALE, edgecolor=GREY, linewidth=0.5, zorder=1.5)
-    _draw_path(axes, way, points, clearances)
+    _draw_path(axes, planned, points, clearances)
     _draw_profile(figure.add_subplot(rows[1]), along, clearances, radius)
-    draw_names(axes, world.plan, paths=[way.points])
+    draw_names(axes, world.plan, paths=[planned.points])
     return figure
 
 
-def _places(way: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Distances along a way (N,) and the places there (N, 2), metres; every corner is one."""
-    legs = np.hypot(*np.diff(way, axis=0).T)
+def _places(path: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return distances along a path (N,) and the points there (N, 2), metres; corners included."""
+    legs = np.hypot(*np.diff(path, axis=0).T)
     corners = np.concatenate([[0.0], np.cumsum(legs)])
     count = max(2, int(np.ceil(corners[-1] / STEP)) + 1)
     along = np.unique(np.concatenate([np.linspace(0.0, corners[-1], count), corners]))
-    return along, np.column_stack([np.interp(along, corners, way[:, k]) for k in (0, 1)])
+    return along, np.column_stack([np.interp(along, corners, path[:, k]) for k in (0, 1)])
 
 
 def _draw_path(
-    axes: Axes, way: Path, points: NDArray[np.float64], clearances: NDArray[np.float64]
+    axes: Axes, planned: Path, points: NDArray[np.float64], clearances: NDArray[np.float64]
 ) -> None:
     room = shapely.union_all(shapely.buffer(shapely.points(points), np.minimum(clearances, FAR)))
     for part in getattr(room, "geoms", [room]):
         fill_area(axes, part, facecolor=BLUE, alpha=0.15, linewidth=0, zorder=1.2)
-    axes.plot(*way.points.T, color=BLUE, linewidth=1.2, zorder=3)
-    axes.plot(*way.points[0], "o", color=BLUE, markersize=4, zorder=3)
-    axes.plot(*way.points[-1], "*", color=BLUE, markersize=8, zorder=3)
+    axes.plot(*planned.points.T, color=BLUE, linewidth=1.2, zorder=3)
+    axes.plot(*planned.points[0], "o", color=BLUE, markersize=4, zorder=3)
+    axes.plot(*planned.points[-1], "*", color=BLUE, markersize=8, zorder=3)
     axes.plot(*points[int(clearances.argmin())], zorder=4, **_NARROWEST)
 
 
@@ -107,5 +107,5 @@ def _draw_profile(
     )
     axes.set_xlim(0.0, max(along[-1], 1e-9))
     axes.set_ylim(0.0, max(1.15 * float(clearances.max()), 2 * radius))
-    axes.set_xlabel("distance along the way (m)")
+    axes.set_xlabel("distance along the path (m)")
     axes.set_ylabel("clearance (m)")

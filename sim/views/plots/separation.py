@@ -1,4 +1,4 @@
-"""How far apart a person and a machine were, and how far they had to be."""
+"""The distance of a person to a machine over time, and the required distance."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def separation(
     within: Span | None = None,
     width: Width = "double",
 ) -> Figure:
-    """The distance over time, the required one, and where it was not kept.
+    """Draw the distance over time, the required one, and the time in which it was not kept.
 
     One panel for each person (or the one called `person`) beside `machine`: the gantry if no
     other is named, or where there is none, the AGV that drives first. What is required of an
@@ -96,7 +96,7 @@ def _draw_pair(axes: Axes, run: Outcome, pair: Pair, span: Span) -> None:
 
 
 def _required(run: Outcome, pair: Pair, t: Array) -> Array:
-    """What the rules required at these instants (N,), metres; NaN where they required nothing."""
+    """Return the required distance at these instants (N,), metres; NaN where there is none."""
     required = np.full(len(t), np.nan)
     known = ~np.isnan(t)
     required[known] = run.required(*pair, t[known])
@@ -106,7 +106,7 @@ def _required(run: Outcome, pair: Pair, t: Array) -> Array:
 
 
 def _mark_violations(axes: Axes, run: Outcome, pair: Pair, span: Span) -> None:
-    """A mark where they came too close, and a band for as long as it went on."""
+    """Mark the begin of each violation, and shade the time that it lasted."""
     begin, end = span
     times = []
     for since, until in run.violations.get(pair, ()):
@@ -128,7 +128,7 @@ def _mark_violations(axes: Axes, run: Outcome, pair: Pair, span: Span) -> None:
 
 
 def _mark_disabled(axes: Axes, run: Outcome) -> None:
-    """A bar at the bottom for as long as the gantry was disabled."""
+    """Draw a bar at the bottom for the time in which the machine was disabled."""
     bars = [(begin, end - begin) for begin, end in disabled_spans(run)]
     if bars:
         axes.broken_barh(

@@ -1,4 +1,4 @@
-"""A space–time diagram: where everybody was along x and along y, over time."""
+"""A space–time diagram: x and y of people and machines over time."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ _PANEL = 2.3
 
 @styled()
 def space_time(run: Outcome, *, within: Span | None = None, width: Width = "double") -> Figure:
-    """x and y of everybody who moves, over time (seconds), as bands as wide as they are.
+    """Draw x and y of all that moves, over time (seconds), as bands as wide as the bodies.
 
-    Two whose bands meet in both panels at an instant are at one place. Stations are the lines
-    across.
+    Two bodies whose bands meet in both panels at an instant are at one place. Stations are the
+    lines across.
     """
     span = span_of(run, within)
     figure = new_figure(width, 2 * _PANEL + 0.3)
@@ -71,7 +71,7 @@ def _draw_body(axes: Axes, run: Outcome, body: str, axis: int, span: Span) -> No
 
 
 def _half_extent(run: Outcome, body: str, motion: Motion, t: Array, axis: int) -> Array:
-    """Half of what a body takes up along x (0) or y (1) at these instants: (N,) metres."""
+    """Return half the extent of a body along x (0) or y (1) at these instants: (N,) metres."""
     for person in run.scene.people:
         if person.name == body:
             return np.full(len(t), person.radius)

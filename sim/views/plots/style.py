@@ -17,10 +17,10 @@ from floorplan import Obstacle
 from ...core.output import OutputError, replacing, writing
 
 Width = Literal["single", "double"]
-"""How many columns of a paper a picture takes."""
+"""The number of columns of a paper that a picture takes."""
 
 WIDTHS: dict[Width, float] = {"single": 3.5, "double": 7.16}
-"""Inches: the columns of the IEEE's journals, close to everybody else's."""
+"""Inches: the columns of the IEEE's journals, close to those of others."""
 
 BLACK = "#222222"
 GREY = "#8a8a8a"
@@ -34,12 +34,12 @@ SKY = "#56b4e9"
 # M. Okabe and K. Ito, "Color universal design", 2008.
 
 PEOPLE = (BLUE, GREEN, PURPLE, SKY)
-"""People's colours, in their order; again from the first where there are more."""
+"""Colours of people, in their order; from the first again where there are more."""
 
 MACHINES = {"gantry": ORANGE, "agv": BLACK}
 
 TALL = 2.5
-"""Metres. What is as high as this is drawn darkest."""
+"""Metres. Obstacles of this height and more are drawn darkest."""
 
 _NOTEBOOK_DPI = 110
 
@@ -48,7 +48,7 @@ _METADATA: dict[str, dict[str, Any]] = {
     ".svg": {"Date": None},
     ".pdf": {"CreationDate": None},
 }
-"""What is left out of each kind of file, so that no clock gets into it."""
+"""Fields that are left out of each kind of file, so that no clock gets into it."""
 
 FORMATS = tuple(_METADATA)
 
@@ -86,7 +86,7 @@ styled = partial(matplotlib.style.context, _SETTINGS, after_reset=True)
 
 
 def new_figure(width: Width, height: float) -> Figure:
-    """An empty figure, `height` inches high; its axes find their places themselves."""
+    """Return an empty figure, `height` inches high, with constrained layout."""
     figure = Figure(figsize=(inches(width), height), layout="constrained")
     # A notebook shows figures by themselves only where pyplot has been imported.
     figure._repr_png_ = partial(_as_png, figure)  # type: ignore[attr-defined]
@@ -131,14 +131,14 @@ def require_place(path: str | Path, what: str, endings: tuple[str, ...]) -> None
 
 
 def inches(width: Width) -> float:
-    """How wide a picture is; `ValueError` if it is not as wide as a column or two."""
+    """Return the width of a picture; `ValueError` if it is not that of one column or two."""
     if width not in WIDTHS:
         raise ValueError(f"a picture is {' or '.join(WIDTHS)} column wide, not {width!r}")
     return WIDTHS[width]
 
 
 def explain(figure: Figure, axes: Iterable[Axes], width: Width) -> None:
-    """A legend above the picture of everything in `axes` that has a label; none if nothing has."""
+    """Put a legend of everything with a label in `axes` above the picture, if there is any."""
     known: dict[str, Any] = {}
     for one in axes:
         handles, labels = one.get_legend_handles_labels()
@@ -149,10 +149,10 @@ def explain(figure: Figure, axes: Iterable[Axes], width: Width) -> None:
 
 
 def person_colour(index: int) -> str:
-    """The colour of the person at a place in the order of people."""
+    """Return the colour of the person at this place in the order of people."""
     return PEOPLE[index % len(PEOPLE)]
 
 
 def obstacle_shade(obstacle: Obstacle) -> float:
-    """How light an obstacle is, from 0 to 1: the higher the darker."""
+    """Return the lightness of an obstacle, from 0 to 1: the higher the darker."""
     return 0.86 - 0.42 * min(obstacle.top / TALL, 1.0)

@@ -1,4 +1,4 @@
-"""Where everybody went: the ways on the floor, and where somebody came too close."""
+"""The paths of people and machines on the floor, and the places of violations."""
 
 from __future__ import annotations
 
@@ -28,10 +28,10 @@ _GAP = 0.3
 
 @styled()
 def trails(run: Outcome, *, within: Span | None = None, width: Width = "double") -> Figure:
-    """The ways of people and machines on the floor, from one time to another (seconds).
+    """Draw the paths of people and machines on the floor, `within` a stretch of time (seconds).
 
-    The way of a person who is put elsewhere ends, and begins anew there. Where people went the
-    same way, those who come later in their order lie on the wider lines of those before.
+    The path of a person who is put elsewhere is broken there. Where people took the same path,
+    the lines of those who come later in their order lie on the wider lines of those before.
     """
     begin, end = span_of(run, within)
     figure, axes = floor_figure(run.floorplan, width)
@@ -44,9 +44,9 @@ def trails(run: Outcome, *, within: Span | None = None, width: Width = "double")
 
 
 def _draw_path(axes: Axes, run: Outcome, body: str, span: Span) -> Array:
-    """Draw the way of a body; its points (N, 2), NaN where it breaks off."""
+    """Draw the path of a body; return its points (N, 2), NaN where it is broken."""
     motion, kind = run.motions[body], run.scene.kind(body)
-    way = motion.position(instants([motion], *span))
+    path = motion.position(instants([motion], *span))
     if kind == "person":
         people = [person.name for person in run.scene.people]
         index = people.index(body)
@@ -54,7 +54,7 @@ def _draw_path(axes: Axes, run: Outcome, body: str, span: Span) -> Array:
         edges = min(_EDGES, (_WIDEST - _THIN) / len(people))
         width = _THIN + later * edges
         axes.plot(
-            *way.T,
+            *path.T,
             color=person_colour(index),
             linewidth=width,
             path_effects=[withStroke(linewidth=width + _GAP * edges, foreground="white")],
@@ -62,7 +62,7 @@ def _draw_path(axes: Axes, run: Outcome, body: str, span: Span) -> Array:
             zorder=3.2,
         )
     else:
-        axes.plot(*way.T, color=MACHINES[kind], linewidth=0.7, label=_once(axes, kind), zorder=3)
+        axes.plot(*path.T, color=MACHINES[kind], linewidth=0.7, label=_once(axes, kind), zorder=3)
         rotation = float(motion.rotation(span[1]))
         outline = machine_outline(run.floorplan, body, tuple(motion.position(span[1])), rotation)
         axes.fill(
@@ -72,10 +72,10 @@ def _draw_path(axes: Axes, run: Outcome, body: str, span: Span) -> Array:
             linewidth=0.7,
             zorder=3,
         )
-    return way
+    return path
 
 
 def _once(axes: Axes, kind: str) -> str:
-    """The label of a kind of machine, or one that a legend leaves out where it stands already."""
+    """Return the label of a kind of machine, hidden from the legend where it stands already."""
     name = "AGV" if kind == "agv" else kind
     return f"_{name}" if name in axes.get_legend_handles_labels()[1] else name
