@@ -1,9 +1,9 @@
-"""The ROS bridge: a trial served over the rosbridge protocol, or an agent at somebody else's.
+"""The ROS bridge: a trial served over the rosbridge protocol, or an agent at another one's.
 
-From below: `protocol` and `conformance` say what may be sent, `exchange` what is done with it,
+From below: `protocol` and `message_types` define what may be sent, `exchange` carries it out, and
 `server` brings it in over websockets. `workcell` makes topics and services of a simulation and
 `session` keeps its time. At the other end, `connection` is a client and `remote_person` the body
-of an agent there.
+of an agent.
 """
 
 from .connection import ConnectError, Connection, ServiceError

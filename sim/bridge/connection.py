@@ -8,14 +8,12 @@ import json
 import logging
 from collections.abc import Callable
 from contextlib import suppress
-from types import TracebackType
 from typing import Any
 
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed, InvalidHandshake, InvalidURI
 
-from .conformance import MessageError, conform
-from .message_types import MessageType, message_type
+from .message_types import MessageError, MessageType, conform, message_type
 from .protocol import encode
 
 ANSWER_WITHIN = 5.0
@@ -26,7 +24,7 @@ _LONGEST_FRAME = 16 * 1024 * 1024
 
 
 class ConnectError(OSError):
-    """Nobody at an address, or nobody who speaks rosbridge."""
+    """An address where no server answers, or none that speaks rosbridge."""
 
 
 class LostError(ConnectError):
@@ -34,7 +32,7 @@ class LostError(ConnectError):
 
 
 class ServiceError(ValueError):
-    """A service that could not do what it was asked for, or is not there."""
+    """A service that is not there, or that could not do what it was asked for."""
 
 
 Heard = Callable[[dict[str, Any]], None]
@@ -43,24 +41,21 @@ Heard = Callable[[dict[str, Any]], None]
 class Connection:
     """Subscribes, publishes and calls services; for use with `async with`.
 
-    `told(text)` takes what the server has to complain about. Messages are handed to whoever
-    subscribed in the order in which they come, before the answer to a call that comes after them.
+    `complained(text)` takes the complaints of the server. Subscribers get messages in the order in
+    which they come, before the answer to a call that comes after them.
     """
 
-    def __init__(self, url: str, *, told: Callable[[str], None] = lambda _: None) -> None:
+    def __init__(self, url: str, *, complained: Callable[[str], None] = lambda _: None) -> None:
         self.url = url
-        self._told = told
-        self._socket: ClientConnection | None = None
+        self._complained = complained
         self._heard: dict[str, tuple[MessageType, Heard]] = {}
         self._advertised: set[str] = set()
         self._calls: dict[str, asyncio.Future[dict[str, Any]]] = {}
         self._numbers = itertools.count(1)
         self._outgoing: asyncio.Queue[str] = asyncio.Queue()
-        self._tasks: list[asyncio.Task[None]] = []
-        self._lost: asyncio.Future[None] | None = None
 
     async def __aenter__(self) -> Connection:
-        """Connect; `ConnectError` says why it doesn't work."""
+        """Connect; `ConnectError` says why that fails."""
         logger = logging.getLogger(f"{__name__}.websockets")
         logger.addHandler(logging.NullHandler())
         logger.propagate = False
@@ -77,30 +72,19 @@ class Connection:
         except (OSError, InvalidHandshake, EOFError) as why:
             reason = getattr(why, "strerror", None) or str(why) or "no answer"
             raise ConnectError(f"can't connect to {self.url}: {reason}") from None
-        self._lost = asyncio.get_running_loop().create_future()
-        self._tasks = [
-            asyncio.create_task(self._read(self._socket)),
-            asyncio.create_task(self._write(self._socket)),
-        ]
+        self._reading = asyncio.create_task(self._read(self._socket))
+        self._writing = asyncio.create_task(self._write(self._socket))
         return self
 
-    async def __aexit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    async def __aexit__(self, kind: type[BaseException] | None, *_: object) -> None:
         """Send what is still to be sent, and disconnect."""
         if kind is None:
             with suppress(asyncio.TimeoutError):
                 await asyncio.wait_for(self._outgoing.join(), 1.0)
-        for task in self._tasks:
+        for task in (self._reading, self._writing):
             task.cancel()
-        await asyncio.gather(*self._tasks, return_exceptions=True)
-        if self._socket is not None:
-            await self._socket.close()
-        if self._lost is not None and not self._lost.done():
-            self._lost.cancel()
+        await asyncio.gather(self._reading, self._writing, return_exceptions=True)
+        await self._socket.close()
 
     def subscribe(self, topic: str, type_: str, heard: Heard) -> None:
         """Have `heard` called with every message of a topic."""
@@ -117,26 +101,31 @@ class Connection:
     async def call(
         self, service: str, arguments: dict[str, Any], within: float | None = ANSWER_WITHIN
     ) -> dict[str, Any]:
-        """The answer of a service.
+        """Return the answer of a service.
 
         `ServiceError` where it has none, or none `within` that time (seconds; None: no limit);
         `LostError` where the connection breaks off.
         """
         id = f"call-{next(self._numbers)}"
-        answer = self._calls[id] = asyncio.get_running_loop().create_future()
+        answer: asyncio.Future[dict[str, Any]] = asyncio.get_running_loop().create_future()
+        self._calls[id] = answer
         self._send({"op": "call_service", "id": id, "service": service, "args": arguments})
         try:
-            return await asyncio.wait_for(answer, within)
-        except asyncio.TimeoutError:
-            raise ServiceError(f"{service} did not answer") from None
+            await asyncio.wait(
+                (answer, self._reading), timeout=within, return_when=asyncio.FIRST_COMPLETED
+            )
+            if not answer.done():
+                await self.wait(0.0)
+                raise ServiceError(f"{service} did not answer")
+            return answer.result()
         finally:
             del self._calls[id]
 
-    async def wait(self, seconds: float | None) -> None:
-        """Let `seconds` of the wall clock go by (None: for ever); `LostError` as `call`."""
-        assert self._lost is not None  # within `async with`
-        with suppress(asyncio.TimeoutError):
-            await asyncio.wait_for(asyncio.shield(self._lost), seconds)
+    async def wait(self, seconds: float) -> None:
+        """Let `seconds` of the wall clock go by; `LostError` as `call`."""
+        await asyncio.wait((self._reading,), timeout=seconds)
+        if self._reading.done():
+            self._reading.result()
 
     def _send(self, operation: dict[str, Any]) -> None:
         self._outgoing.put_nowait(encode(operation))
@@ -149,24 +138,17 @@ class Connection:
                 self._outgoing.task_done()
 
     async def _read(self, socket: ClientConnection) -> None:
-        failure: Exception = LostError(f"the connection to {self.url} broke off")
-        try:
+        """Hand on what comes; what a subscriber raises is raised where the agent waits."""
+        with suppress(ConnectionClosed):
             async for text in socket:
                 self._take(text)
-        except ConnectionClosed:
-            pass
-        except Exception as why:  # of whoever listens: told where they wait
-            failure = why
-        for waiting in (*self._calls.values(), self._lost):
-            if waiting is not None and not waiting.done():
-                waiting.set_exception(failure)
-                waiting.exception()
+        raise LostError(f"the connection to {self.url} broke off")
 
     def _take(self, text: str | bytes) -> None:
         try:
             operation = json.loads(text)
         except (ValueError, RecursionError):
-            self._told("the server sent something that is not JSON")
+            self._complained("the server sent something that is not JSON")
             return
         if not isinstance(operation, dict):
             return
@@ -174,11 +156,9 @@ class Connection:
         if kind == "publish":
             self._hear(operation.get("topic"), operation.get("msg"))
         elif kind == "service_response":
-            call = self._calls.get(str(operation.get("id")))
-            if call is not None and not call.done():
-                self._answer(call, operation)
+            self._answer(self._calls.get(str(operation.get("id"))), operation)
         elif kind == "status":
-            self._told(str(operation.get("msg")))
+            self._complained(str(operation.get("msg")))
 
     def _hear(self, topic: Any, message: Any) -> None:
         if not isinstance(topic, str) or topic not in self._heard:
@@ -187,11 +167,15 @@ class Connection:
         try:
             complete = conform(type_, message)
         except MessageError as why:
-            self._told(f"{topic}: {why}")
+            self._complained(f"{topic}: {why}")
             return
         heard(complete)
 
-    def _answer(self, call: asyncio.Future[dict[str, Any]], response: dict[str, Any]) -> None:
+    def _answer(
+        self, call: asyncio.Future[dict[str, Any]] | None, response: dict[str, Any]
+    ) -> None:
+        if call is None or call.done():
+            return
         values = response.get("values")
         if response.get("result", True) and isinstance(values, dict):
             call.set_result(values)

@@ -1,4 +1,4 @@
-"""A person's topics: what they perceive goes out, what they are told to do comes in.
+"""A person's topics: percepts go out, commands come in.
 
 Topics and types are those of the ARIAC 2023 competition. `/ariac_human/gantry_detected`,
 `/ariac_human/blocked` and `/ariac_human/action` are ours.
@@ -18,8 +18,7 @@ from ..people.minds import Outside
 from ..people.person import MindError, Person
 from ..safety.referee import Referee
 from .client import Client
-from .exchange import Exchange, RefusedError
-from .gate import Gate
+from .exchange import Admit, Exchange, RefusedError
 
 START = "/ariac/start_human"
 REACHED = "/ariac_human/position_reached"
@@ -33,20 +32,20 @@ GO_HOME_AGV = "/ariac_human/go_home_agv"
 ACTION = "/ariac_human/action"
 
 COMMANDS = (GOAL, STOP, GO_HOME, GO_HOME_AGV, ACTION)
-"""What an agent publishes on."""
+"""The topics that an agent publishes on."""
 
-_BOOL, _STRING = "std_msgs/Bool", "std_msgs/String"
+BOOL, POINT, STRING = "std_msgs/Bool", "geometry_msgs/Point", "std_msgs/String"
 
-_TELLING: dict[str, tuple[str, dict[str, Any]]] = {
-    "human_start": (START, {"data": True}),
-    "work_completed": (REACHED, {"data": True}),
-    "gantry_detected": (DETECTED, {"data": True}),
-    "gantry_disabled": (UNSAFE, {"data": True}),
-    "agv_danger": (UNSAFE, {"data": False}),
-    "path_blocked": (BLOCKED, {"data": "path_blocked"}),
-    "goal_blocked": (BLOCKED, {"data": "goal_blocked"}),
+PERCEPTS: dict[str, tuple[str, bool | str]] = {
+    "human_start": (START, True),
+    "work_completed": (REACHED, True),
+    "gantry_detected": (DETECTED, True),
+    "gantry_disabled": (UNSAFE, True),
+    "agv_danger": (UNSAFE, False),
+    "path_blocked": (BLOCKED, "path_blocked"),
+    "goal_blocked": (BLOCKED, "goal_blocked"),
 }
-"""Which message tells of a percept."""
+"""The topic of a percept, and the data that stands for it there."""
 
 _HAPPENINGS = {
     "human_started": "human_start",
@@ -54,11 +53,11 @@ _HAPPENINGS = {
     "gantry_detected": "gantry_detected",
     "path_blocked": "path_blocked",
 }
-"""Which percept an event is for the person it is about."""
+"""The percept that an event is for its person."""
 
 
 class HumanTopics:
-    """Publishes what `person` perceives, and has them do what comes from outside."""
+    """Publishes the percepts of `person`, and carries out commands from outside."""
 
     def __init__(
         self,
@@ -66,7 +65,7 @@ class HumanTopics:
         plan: Floorplan,
         referee: Referee,
         exchange: Exchange,
-        gate: Gate,
+        admit: Admit,
         *,
         outside: Outside | None,
     ) -> None:
@@ -74,39 +73,37 @@ class HumanTopics:
         self._plan = plan
         self._referee = referee
         self._exchange = exchange
-        self._gate = gate
+        self._admit = admit
         self._outside = outside
         self._topics = {
-            START: exchange.advertise(START, _BOOL, heard=self._start, latched=1),
-            REACHED: exchange.advertise(REACHED, _BOOL),
-            UNSAFE: exchange.advertise(UNSAFE, _BOOL),
-            DETECTED: exchange.advertise(DETECTED, _BOOL),
-            BLOCKED: exchange.advertise(BLOCKED, _STRING),
+            START: exchange.advertise(START, BOOL, heard=self._start, latched=1),
+            REACHED: exchange.advertise(REACHED, BOOL),
+            UNSAFE: exchange.advertise(UNSAFE, BOOL),
+            DETECTED: exchange.advertise(DETECTED, BOOL),
+            BLOCKED: exchange.advertise(BLOCKED, STRING),
         }
-        exchange.listen(GOAL, "geometry_msgs/Point", self._goal)
-        exchange.listen(STOP, _BOOL, self._stop)
-        exchange.listen(GO_HOME, _BOOL, self._go_home)
-        exchange.listen(GO_HOME_AGV, _BOOL, self._go_home_agv)
-        exchange.listen(ACTION, _STRING, self._action)
+        exchange.listen(GOAL, POINT, self._goal)
+        exchange.listen(STOP, BOOL, self._stop)
+        exchange.listen(GO_HOME, BOOL, self._go_home)
+        exchange.listen(GO_HOME_AGV, BOOL, self._go_home_agv)
+        exchange.listen(ACTION, STRING, self._action)
         exchange.provide("/ariac_human/teleport", "std_srvs/Trigger", self._teleport)
         exchange.provide("/ariac/set_human_safe_zone_penalty", "std_srvs/Trigger", self._penalise)
 
-    def tell(self, percept: str) -> None:
+    def publish(self, percept: str) -> None:
         """Publish a percept, where there is a topic for it."""
-        if percept in _TELLING:
-            topic, message = _TELLING[percept]
-            self._exchange.publish(self._topics[topic], message)
+        if percept in PERCEPTS:
+            topic, data = PERCEPTS[percept]
+            self._exchange.publish(self._topics[topic], {"data": data})
 
     def event(self, event: Event) -> None:
-        """Publish what happens to a person with a mind of their own."""
+        """Publish the percept of an event, for a person with a mind of their own."""
         if self._outside is not None or event.get("person") != self._person.name:
             return
         if event["kind"] == "violation":
-            self.tell("gantry_disabled" if event["with"] == "gantry" else "agv_danger")
+            self.publish("gantry_disabled" if event["with"] == "gantry" else "agv_danger")
         elif event["kind"] in _HAPPENINGS:
-            self.tell(_HAPPENINGS[event["kind"]])
-
-    # What comes in.
+            self.publish(_HAPPENINGS[event["kind"]])
 
     def _goal(self, _: Client, point: dict[str, Any]) -> None:
         x, y = point["x"], point["y"]
@@ -138,16 +135,16 @@ class HumanTopics:
 
     def _start(self, _: Client, message: dict[str, Any]) -> None:
         if message["data"]:
-            self._gate.enter(START)
+            self._admit(START)
             self._person.start()
 
     def _act(self, action: bdi.Literal) -> None:
         if self._outside is None:
             raise RefusedError(
                 f"{self._person.name} has a mind of their own;"
-                " give them the personality external to tell them what to do"
+                " give them the personality external to command them"
             )
-        self._gate.enter(action.functor)
+        self._admit(action.functor)
         try:
             self._person.act(action)
         except MindError as why:
@@ -158,7 +155,7 @@ class HumanTopics:
         return {"success": True, "message": f"{self._person.name} is in the safe zone"}
 
     def _penalise(self, _: Client, __: dict[str, Any]) -> dict[str, Any]:
-        self._gate.enter("penalty")
+        self._admit("penalty")
         counted = self._referee.penalise(self._person.walker.body)
         told = "a penalty, and the gantry is disabled" if counted else "counted already"
         return {"success": True, "message": f"{told}; penalties: {self._referee.penalties}"}

@@ -1,4 +1,4 @@
-"""A connection that counts what has come in of it and is not taken yet."""
+"""A connection that counts the bytes that have come in and are not taken yet."""
 
 from __future__ import annotations
 
@@ -13,23 +13,23 @@ from websockets.protocol import State
 from .ledger import Account, Ledger
 
 _FRAME = 300
-"""Bytes. The place that a frame takes while it waits, beside its data."""
+"""Bytes. The memory that a frame takes while it waits, beside its data."""
 
 _GOODBYE = 1.0
-"""Seconds. How long a client that is let go may take to hear why."""
+"""Seconds. How long a client that is disconnected may take to read the reason."""
 
 _LONGEST_FAREWELL = 10_000
-"""Bytes, with what was on its way."""
+"""Bytes that are still taken of a client that is disconnected."""
 
 _POLICY = 1008
-"""The code with which a connection is closed that breaks a rule (RFC 6455, 7.4.1)."""
+"""The close code for a client that violates a policy (RFC 6455, 7.4.1)."""
 
 
 class Incoming(ServerConnection):
     """A client's connection, with the account of what is held for it.
 
-    Counted are the bytes of a frame that is not complete, frames that wait or belong to a message
-    that is not complete, and what waits to be written: answers to pings are, unasked.
+    Counted are the bytes of an incomplete frame, frames that wait or belong to an incomplete
+    message, and bytes that wait to be written: answers to pings, which websockets sends unasked.
     """
 
     ledger: Ledger
@@ -51,7 +51,7 @@ class Incoming(ServerConnection):
             self.transport.abort()
 
     def data_received(self, data: bytes) -> None:
-        """Count what comes in; of a client that is let go no more is taken than a farewell."""
+        """Count what comes in; of a client that is disconnected only a farewell is taken."""
         self._buffer(len(data))
         if self.account.is_closed:
             self._farewell -= len(data)
@@ -83,11 +83,11 @@ class Incoming(ServerConnection):
         super().connection_lost(exc)
 
     def taken(self) -> None:
-        """The oldest of the messages that are complete is taken: it is not counted any more."""
+        """Count the oldest of the complete messages no longer: it is taken."""
         self.account.add(-self._messages.popleft())
 
     def dismiss(self, why: str) -> None:
-        """Close the connection; a client that doesn't read will not hear why."""
+        """Close the connection; a client that doesn't read won't get the reason."""
         self._goodbye = asyncio.ensure_future(self._dismiss(why))
 
     async def _dismiss(self, why: str) -> None:

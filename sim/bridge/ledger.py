@@ -1,7 +1,7 @@
-"""Bytes that are held for clients: counted, and limited for each of them and for all together.
+"""The bytes that are held for clients: counted, and limited for each and for all together.
 
-A count is of what Python takes for it, near enough: texts by their size in memory, and a flat
-figure for every object around them, so that many small things cost as much as they do.
+A count is close to the memory that Python uses: texts by their size in memory, and a flat figure
+for every object around them, so that many small things cost as much as they do.
 """
 
 from __future__ import annotations
@@ -9,14 +9,8 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 
-MOST_FOR_ONE = 8_000_000
-"""Bytes. A client for which more is held is let go."""
-
-MOST_FOR_ALL = 128_000_000
-"""Bytes. Where more is held for all clients, the one with the most is let go."""
-
 _PLACE = 100
-"""Bytes. The place that a text takes in a queue, beside its own."""
+"""Bytes. The memory that a text takes in a queue, beside its own."""
 
 
 def size_of(text: str) -> int:
@@ -25,11 +19,13 @@ def size_of(text: str) -> int:
 
 
 class Ledger:
-    """The accounts of all clients, and limits in bytes for each and for all of them."""
+    """The accounts of all clients.
 
-    def __init__(
-        self, *, most_for_one: int = MOST_FOR_ONE, most_for_all: int = MOST_FOR_ALL
-    ) -> None:
+    A client for which more than `most_for_one` bytes are held is disconnected. So is the one for
+    which the most are held, where they are more than `most_for_all` for all clients.
+    """
+
+    def __init__(self, *, most_for_one: int = 8_000_000, most_for_all: int = 128_000_000) -> None:
         self.most_for_one = most_for_one
         self.most_for_all = most_for_all
         self.held = 0
@@ -37,9 +33,9 @@ class Ledger:
 
 
 class Account:
-    """What is held for one client, in bytes.
+    """The bytes that are held for one client.
 
-    `let_go(why)` is called, once, when that gets too much. From then on nothing is counted, and
+    `let_go(why)` is called, once, when there are too many. From then on nothing is counted, and
     nothing must be kept for the client any more.
     """
 
@@ -51,7 +47,7 @@ class Account:
 
     @property
     def is_closed(self) -> bool:
-        """Whether the client has gone or is let go."""
+        """Whether the client has gone or is being disconnected."""
         return self not in self._ledger.accounts
 
     def add(self, size: int) -> None:
@@ -71,13 +67,13 @@ class Account:
             )
 
     def refuse(self, why: str) -> None:
-        """Let the client go, unless it has gone already."""
+        """Disconnect the client, unless that is under way."""
         if not self.is_closed:
             self.close()
             self.let_go(why)
 
     def close(self) -> None:
-        """Count nothing any more: the client has gone."""
+        """Count nothing any more, since the client has gone."""
         if not self.is_closed:
             del self._ledger.accounts[self]
             self._ledger.held -= self.held

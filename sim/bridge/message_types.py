@@ -1,13 +1,15 @@
-"""The ROS message and service types that the bridge speaks, field by field.
+"""The ROS types that the bridge speaks, and messages checked against them.
 
-Written as in .msg files: one line a type, its fields in their order. From std_msgs, geometry_msgs,
-sensor_msgs, trajectory_msgs, tf2_msgs, rosgraph_msgs, builtin_interfaces and std_srvs of ROS 2,
-from rosapi_msgs, and from the ariac_msgs of the ARIAC 2023 competition.
+The types are written as in .msg files: one line a type, its fields in their order. They are from
+std_msgs, geometry_msgs, sensor_msgs, trajectory_msgs, tf2_msgs, rosgraph_msgs, builtin_interfaces
+and std_srvs of ROS 2, from rosapi_msgs, and from the ariac_msgs of the ARIAC 2023 competition.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from typing import Any
 
 from floorplan import suggestion
 
@@ -46,58 +48,37 @@ ariac_msgs/Part: uint8 color, uint8 type
 ariac_msgs/Robots: bool floor_robot, bool ceiling_robot
 """  # noqa: E501
 
-_SERVICES = """
-std_srvs/Trigger: -> bool success, string message
-ariac_msgs/MoveAGV: int8 location -> bool success, string message
-floorwalker_msgs/Advance: float64 until -> float64 time, bool ended
-rosapi_msgs/GetActionServers: -> string[] action_servers
-rosapi_msgs/GetParamNames: -> string[] names
-rosapi_msgs/GetTime: -> builtin_interfaces/Time time
-rosapi_msgs/MessageDetails: string type -> rosapi_msgs/TypeDef[] typedefs
-rosapi_msgs/Nodes: -> string[] nodes
-rosapi_msgs/Publishers: string topic -> string[] publishers
-rosapi_msgs/ServiceType: string service -> string type
-rosapi_msgs/Services: -> string[] services
-rosapi_msgs/ServicesForType: string type -> string[] services
-rosapi_msgs/Subscribers: string topic -> string[] subscribers
-rosapi_msgs/TopicType: string topic -> string type
-rosapi_msgs/Topics: -> string[] topics, string[] types
-rosapi_msgs/TopicsForType: string type -> string[] topics
-"""
+_INTEGERS = {
+    f"{sign}int{bits}": ((0, 2**bits - 1) if sign else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1))
+    for sign in ("", "u")
+    for bits in (8, 16, 32, 64)
+}
+_OTHERS = {"bool": bool, "string": str}
+_LONGEST_ARRAY = 10_000
+"""Elements. The longest array in a message."""
 
 
 class UnknownTypeError(ValueError):
-    """A message or service type that nobody here knows."""
+    """A message type that the bridge does not speak."""
 
 
-@dataclass(frozen=True)
-class Field:
-    """One field of a message: a primitive or a message type, or an array of them."""
-
-    name: str
-    type: str
-    is_array: bool = False
+class MessageError(ValueError):
+    """A message that is not of its type, with the field that is wrong."""
 
 
 @dataclass(frozen=True)
 class MessageType:
-    """A message type by its name (`std_msgs/msg/Bool`), and its fields."""
+    """A message type, or the request of a service type, by its name (`std_srvs/srv/Trigger`).
+
+    `fields` gives the type of each field by the field's name; an array's type ends with `[]`.
+    """
 
     name: str
-    fields: tuple[Field, ...]
-
-
-@dataclass(frozen=True)
-class ServiceType:
-    """A service type by its name (`std_srvs/srv/Trigger`), its request and its response."""
-
-    name: str
-    request: MessageType
-    response: MessageType
+    fields: dict[str, str]
 
 
 def message_type(name: str) -> MessageType:
-    """The message type of that name, in ROS 2's form (`std_msgs/msg/Bool`) or ROS 1's.
+    """Return the message type of that name, in ROS 2's form (`std_msgs/msg/Bool`) or ROS 1's.
 
     `UnknownTypeError` names the nearest one there is.
     """
@@ -108,44 +89,104 @@ def message_type(name: str) -> MessageType:
 
 
 def canonical(name: str, kind: str) -> str:
-    """The name in ROS 2's form: `std_msgs/Bool` is `std_msgs/msg/Bool`; `kind` is msg or srv."""
+    """Return a name in ROS 2's form: `std_msgs/Bool` is `std_msgs/msg/Bool`.
+
+    `kind` is msg or srv.
+    """
     package, _, short = name.partition("/")
     return name if "/" in short else f"{package}/{kind}/{short}"
 
 
-def _fields(text: str) -> tuple[Field, ...]:
-    fields = []
-    for declaration in filter(None, text.strip().split(", ")):
-        kind, name = declaration.split()
-        base = kind.removesuffix("[]")
-        if "/" in base:
-            base = canonical(base, "msg")
-        fields.append(Field(name, base, is_array=kind != base and kind.endswith("[]")))
-    return tuple(fields)
+def conform(type_: MessageType, message: Any, place: str = "") -> dict[str, Any]:
+    """Return `message` with all fields of its type, those left out being zero or empty.
 
-
-def _messages() -> dict[str, MessageType]:
-    types = {}
-    for line in _MESSAGES.strip().splitlines():
-        name, _, fields = line.partition(":")
-        full = canonical(name, "msg")
-        types[full] = MessageType(full, _fields(fields))
-    return types
-
-
-def _services() -> dict[str, ServiceType]:
-    types = {}
-    for line in _SERVICES.strip().splitlines():
-        name, _, fields = line.partition(":")
-        full = canonical(name, "srv")
-        request, _, response = fields.partition("->")
-        types[full] = ServiceType(
-            full,
-            MessageType(f"{full}_Request", _fields(request)),
-            MessageType(f"{full}_Response", _fields(response)),
+    `MessageError` names the field that is wrong; `place` is the field that `message` stands in.
+    """
+    if not isinstance(message, dict):
+        raise MessageError(
+            f"{place or 'the message'} should be a {type_.name}, not {_shown(message)}"
         )
+    for name in message:
+        if name not in type_.fields:
+            has = ", ".join(sorted(type_.fields)) or "none"
+            where = f" at {place}" if place else ""
+            raise MessageError(
+                f"{type_.name} has no field {_shown(name)}{where} (there are: {has})"
+            )
+    return {
+        name: _field(kind, message[name], f"{place}.{name}" if place else name)
+        if name in message
+        else _blank(kind)
+        for name, kind in type_.fields.items()
+    }
+
+
+def _field(type_: str, value: Any, place: str) -> Any:
+    if type_.endswith("[]"):
+        inner = type_.removesuffix("[]")
+        if not isinstance(value, list):
+            raise MessageError(f"{place} should be a list of {inner}, not {_shown(value)}")
+        if len(value) > _LONGEST_ARRAY:
+            raise MessageError(f"{place} has {len(value)} elements; {_LONGEST_ARRAY} is the most")
+        return [_field(inner, one, f"{place}[{k}]") for k, one in enumerate(value)]
+    if "/" in type_:
+        return conform(MESSAGES[type_], value, place)
+    if type_ in _OTHERS:
+        if isinstance(value, _OTHERS[type_]):
+            return value
+    elif isinstance(value, int | float) and not isinstance(value, bool):
+        return _number(type_, value, place)
+    raise MessageError(f"{place} should be a {type_}, not {_shown(value)}")
+
+
+def _number(type_: str, value: int | float, place: str) -> int | float:
+    if type_ in ("float32", "float64"):
+        try:
+            number = float(value)
+        except OverflowError:
+            number = math.inf
+        if not math.isfinite(number):
+            raise MessageError(f"{place} is not a finite number")
+        return number
+    low, high = _INTEGERS[type_]
+    if isinstance(value, float) and not value.is_integer():
+        raise MessageError(f"{place} should be a whole number, not {_shown(value)}")
+    if not low <= value <= high:
+        raise MessageError(f"{place} = {_shown(value)} is outside {low} … {high}")
+    return int(value)
+
+
+def _blank(type_: str) -> Any:
+    """The value of a field that is left out."""
+    if type_.endswith("[]"):
+        return []
+    if "/" in type_:
+        return conform(MESSAGES[type_], {})
+    if type_ in _OTHERS:
+        return _OTHERS[type_]()
+    return 0.0 if type_.startswith("float") else 0
+
+
+def _shown(value: Any) -> str:
+    """A value in an error: short, whatever it is."""
+    if isinstance(value, dict):
+        return "an object"
+    if isinstance(value, list):
+        return "a list"
+    text = repr(value) if not isinstance(value, int) or abs(value) < 10**20 else "a huge number"
+    return text if len(text) <= 60 else f"{text[:57]}…"
+
+
+def _types(text: str) -> dict[str, MessageType]:
+    types = {}
+    for line in text.strip().splitlines():
+        name, _, declarations = line.partition(":")
+        fields = {}
+        for declaration in filter(None, declarations.strip().split(", ")):
+            type_, field = declaration.split()
+            fields[field] = canonical(type_, "msg") if "/" in type_ else type_
+        types[canonical(name, "msg")] = MessageType(canonical(name, "msg"), fields)
     return types
 
 
-MESSAGES = _messages()
-SERVICES = _services()
+MESSAGES = _types(_MESSAGES)

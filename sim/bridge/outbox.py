@@ -1,4 +1,4 @@
-"""What waits to be sent to one client: bounded, whatever the client does or doesn't read."""
+"""The messages that wait to be sent to one client, bounded however slowly the client reads."""
 
 from __future__ import annotations
 
@@ -8,14 +8,13 @@ from collections import deque
 from .ledger import Account, size_of
 
 LONGEST_QUEUE = 1000
-"""Messages. The most that wait of one topic, whatever a client asks for."""
+"""Messages. The most that wait of one topic, however many a client asks for."""
 
 USUAL_QUEUE = 100
-"""Messages. What waits of one topic, if a client asks for nothing (10 s at 10 Hz)."""
+"""Messages. The most that wait of one topic unless a client asks for more (10 s at 10 Hz)."""
 
 MOST_REPLIES = 1000
-"""Answers and status messages that may wait; a client that reads none of them is let go."""
-
+"""Answers and status messages that may wait; a client that reads none of them is disconnected."""
 
 Item = tuple[str, ...]
 """One message in one piece, or in fragments that belong together."""
@@ -30,13 +29,15 @@ class Stream:
 
 
 class Outbox:
-    """Hands messages out in the order in which they came, without those that grew too old.
+    """Hands messages out in the order in which they came, without those dropped meanwhile.
 
-    What waits is counted to `account`, and what was handed out last until the next one is asked
-    for; nothing is kept where that is closed.
+    `account` counts the messages that wait, and the one handed out last until the next is asked
+    for; nothing is kept where it is closed. `idle` is set while all messages are sent.
     """
 
     def __init__(self, account: Account) -> None:
+        self.idle = asyncio.Event()
+        self.idle.set()
         self._account = account
         self._replies = Stream(MOST_REPLIES)
         self._order: deque[Stream] = deque()
@@ -47,34 +48,35 @@ class Outbox:
         return len(self._order)
 
     def reply(self, item: Item) -> None:
-        """Put an answer in; a client for which too many wait is let go."""
+        """Add an answer; a client for which too many wait is disconnected."""
         if len(self._replies.waiting) >= MOST_REPLIES:
             self._account.refuse(f"{MOST_REPLIES} answers wait to be read")
         self._put(self._replies, item)
 
     def put(self, stream: Stream, item: Item) -> None:
-        """Put a topic's message in; the oldest one of the topic goes where too many wait."""
+        """Add a topic's message, and drop the oldest ones of the topic where too many wait."""
         while len(stream.waiting) >= stream.limit:
             self._account.add(-_size(stream.waiting.popleft()))
             self._order.remove(stream)
         self._put(stream, item)
 
     def drop(self, stream: Stream) -> None:
-        """Throw away what waits of a topic."""
+        """Drop the messages of a topic."""
         self._account.add(-sum(map(_size, stream.waiting)))
         stream.waiting.clear()
         self._order = deque(one for one in self._order if one is not stream)
 
     def clear(self) -> None:
-        """Throw everything away."""
+        """Drop all messages."""
         for stream in set(self._order):
             self.drop(stream)
 
     async def get(self) -> Item:
-        """The next message, as soon as there is one."""
+        """Return the next message, as soon as there is one."""
         self._account.add(-_size(self._under_way))
         self._under_way = ()
         while not self._order:
+            self.idle.set()
             self._filled.clear()
             await self._filled.wait()
         self._under_way = self._order.popleft().waiting.popleft()
@@ -82,11 +84,11 @@ class Outbox:
 
     def _put(self, stream: Stream, item: Item) -> None:
         self._account.add(_size(item))
-        if self._account.is_closed:
-            return
-        stream.waiting.append(item)
-        self._order.append(stream)
-        self._filled.set()
+        if not self._account.is_closed:
+            stream.waiting.append(item)
+            self._order.append(stream)
+            self._filled.set()
+            self.idle.clear()
 
 
 def _size(item: Item) -> int:

@@ -6,7 +6,7 @@ import json
 from collections.abc import Iterator
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 from pydantic_core import from_json
 
 from .ledger import Account, size_of
@@ -18,77 +18,84 @@ LONGEST_NAME = 256
 """Characters. The longest name of a topic or a service, and the longest id."""
 
 _MOST_UNFINISHED = 16
-"""How many messages one client may have in pieces at once."""
+"""How many incomplete messages one client may have at once."""
 
 _UNFINISHED = 1000
-"""Bytes. The place that a message in pieces takes, beside them."""
+"""Bytes. The memory of an incomplete message beside its fragments."""
 
 _MOST_FRAGMENTS = 10_000
 _SMALLEST_FRAGMENT = 64
 
 Level = Literal["error", "warning", "info", "none"]
 LEVELS: tuple[Level, ...] = ("none", "error", "warning", "info")
-"""Of status messages, from telling nothing to telling everything."""
+"""Of status messages, from the level at which none is sent to that at which all are."""
 
 
 class ProtocolError(ValueError):
-    """Something that is no operation of the protocol; `id` is its id, if it gave one."""
+    """A message that is no operation of the protocol; `id` is its id, if it has one."""
 
     def __init__(self, message: str, id: str | int | None = None) -> None:
         super().__init__(message)
         self.id = id
 
 
+def absolute(name: str) -> str:
+    """Return the full name of a topic or service, which may be given without its first /."""
+    return name if name.startswith("/") else f"/{name}"
+
+
 _Name = Annotated[str, Field(min_length=1, max_length=LONGEST_NAME)]
-_Id = Annotated[str, Field(max_length=LONGEST_NAME)] | int | None
+_Topic = Annotated[_Name, AfterValidator(absolute)]
+_Id = Annotated[str, Field(max_length=LONGEST_NAME)] | int
 _Count = Annotated[int, Field(ge=0, le=1_000_000_000)]
+_Size = Annotated[int, Field(ge=1)]
 
 
 class _Operation(BaseModel):
     model_config = ConfigDict(extra="ignore", strict=True)
-    id: _Id = None
+    id: _Id | None = None
 
 
 class Advertise(_Operation):
-    """The client will publish on a topic."""
+    """The client is going to publish on a topic."""
 
     op: Literal["advertise"]
-    topic: _Name
+    topic: _Topic
     type: _Name
 
 
 class Unadvertise(_Operation):
-    """The client won't publish on a topic any more."""
+    """The client no longer publishes on a topic."""
 
     op: Literal["unadvertise"]
-    topic: _Name
+    topic: _Topic
 
 
 class Publish(_Operation):
     """A message on a topic."""
 
     op: Literal["publish"]
-    topic: _Name
+    topic: _Topic
     msg: Any
 
 
 class Subscribe(_Operation):
-    """The client wants a topic's messages; `throttle_rate` in milliseconds between them."""
+    """A request for a topic's messages, `throttle_rate` milliseconds or more apart."""
 
     op: Literal["subscribe"]
-    topic: _Name
+    topic: _Topic
     type: _Name | None = None
     throttle_rate: Annotated[float, Field(ge=0, le=1e9, allow_inf_nan=False)] | None = None
     queue_length: _Count | None = None
-    fragment_size: Annotated[int, Field(ge=1)] | None = None
+    fragment_size: _Size | None = None
     compression: str | None = None
 
 
 class Unsubscribe(_Operation):
-    """The client doesn't want a topic any more; with an id, that subscription."""
+    """The end of the subscription with that id, or without one of all of the client's."""
 
     op: Literal["unsubscribe"]
-    topic: _Name
+    topic: _Topic
 
 
 class CallService(_Operation):
@@ -97,19 +104,19 @@ class CallService(_Operation):
     op: Literal["call_service"]
     service: _Name
     args: dict[str, Any] | list[Any] | None = None
-    fragment_size: Annotated[int, Field(ge=1)] | None = None
+    fragment_size: _Size | None = None
     compression: str | None = None
 
 
 class SetLevel(_Operation):
-    """Which status messages the client wants."""
+    """A choice of the status messages that the client gets."""
 
     op: Literal["set_level"]
     level: Level
 
 
 class Status(_Operation):
-    """What a client has to say about how it is; taken, and left at that."""
+    """A status message of the client; it has no effect."""
 
     op: Literal["status"]
     level: str | None = None
@@ -120,7 +127,7 @@ class Fragment(_Operation):
     """A piece of a message."""
 
     op: Literal["fragment"]
-    id: Annotated[str, Field(max_length=LONGEST_NAME)] | int
+    id: _Id
     data: str
     num: _Count
     total: Annotated[int, Field(ge=1, le=_MOST_FRAGMENTS)]
@@ -141,7 +148,7 @@ _OPERATION: TypeAdapter[Operation] = TypeAdapter(Annotated[Operation, Field(disc
 
 
 def decode(text: str | bytes) -> Operation:
-    """The operation that `text` is; `ProtocolError` says what is wrong with it."""
+    """Return the operation that `text` is; `ProtocolError` says what is wrong with it."""
     if len(text) > LONGEST_MESSAGE:
         raise ProtocolError(
             f"a message of {len(text)} characters; {LONGEST_MESSAGE} is the most that is taken"
@@ -159,23 +166,24 @@ def decode(text: str | bytes) -> Operation:
 
 
 def encode(operation: dict[str, Any]) -> str:
-    """An operation as JSON."""
+    """Return an operation as JSON."""
     return json.dumps(operation, separators=(",", ":"), allow_nan=False)
 
 
 def publication(topic: str, message: dict[str, Any]) -> str:
-    """A message on a topic, as JSON."""
+    """Return a message on a topic as JSON."""
     return encode({"op": "publish", "topic": topic, "msg": message})
 
 
 def status(level: Level, message: str, id: str | int | None = None) -> str:
-    """A status message, as JSON."""
-    told: dict[str, Any] = {"op": "status", "level": level, "msg": message}
-    return encode(told if id is None else {**told, "id": id})
+    """Return a status message as JSON."""
+    return encode(
+        {"op": "status", "level": level, "msg": message} | ({} if id is None else {"id": id})
+    )
 
 
 def fragments(text: str, size: int, id: str) -> Iterator[str]:
-    """`text`, or where it is longer than `size` characters the fragments of it."""
+    """Yield `text`, or where it is longer than `size` characters its fragments."""
     if len(text) <= size:
         yield text
         return
@@ -187,60 +195,51 @@ def fragments(text: str, size: int, id: str) -> Iterator[str]:
 
 
 class Reassembly:
-    """Puts the fragments of one client's messages together again; `account` counts them."""
+    """Joins the fragments of one client's messages; `account` counts their bytes."""
 
     def __init__(self, account: Account) -> None:
         self._account = account
-        self._unfinished: dict[str | int, _Pieces] = {}
+        self._unfinished: dict[str | int, dict[int, str]] = {}
+        self._lengths: dict[str | int, int] = {}
 
     def add(self, fragment: Fragment) -> str | None:
-        """The whole message, once all of it is there.
+        """Return the whole message once it is complete.
 
-        `ProtocolError` where it gets too long, or too many are begun (the oldest one is given up).
+        `ProtocolError` where it gets too long, or too many are begun (the oldest one is dropped).
         """
-        if fragment.num >= fragment.total:
-            raise ProtocolError(f"fragment {fragment.num} of {fragment.total}", fragment.id)
-        if fragment.id not in self._unfinished:
+        id, num = fragment.id, fragment.num
+        if num >= fragment.total:
+            raise ProtocolError(f"fragment {num} of {fragment.total}", id)
+        if id not in self._unfinished:
+            self._unfinished[id], self._lengths[id] = {}, 0
             self._account.add(_UNFINISHED)
-        pieces = self._unfinished.setdefault(fragment.id, _Pieces())
-        self._account.add(pieces.add(fragment))
-        if pieces.length > LONGEST_MESSAGE:
-            self._give_up(fragment.id)
-            raise ProtocolError(f"fragments of more than {LONGEST_MESSAGE} characters", fragment.id)
-        if len(pieces.data) == fragment.total:
-            self._give_up(fragment.id)
-            return "".join(pieces.data[num] for num in sorted(pieces.data))
+        pieces = self._unfinished[id]
+        if num in pieces:
+            self._account.add(-size_of(pieces[num]))
+        self._lengths[id] += len(fragment.data) - len(pieces.get(num, ""))
+        pieces[num] = fragment.data
+        self._account.add(size_of(fragment.data))
+        if self._lengths[id] > LONGEST_MESSAGE:
+            self._drop(id)
+            raise ProtocolError(f"fragments of more than {LONGEST_MESSAGE} characters", id)
+        if len(pieces) == fragment.total:
+            self._drop(id)
+            return "".join(pieces[num] for num in sorted(pieces))
         if len(self._unfinished) > _MOST_UNFINISHED:
             oldest = next(iter(self._unfinished))
-            self._give_up(oldest)
+            self._drop(oldest)
             raise ProtocolError(f"{_MOST_UNFINISHED} messages in fragments are the most", oldest)
         return None
 
     def clear(self) -> None:
-        """Give up everything that is not complete."""
+        """Drop all that is not complete."""
         for id in list(self._unfinished):
-            self._give_up(id)
+            self._drop(id)
 
-    def _give_up(self, id: str | int) -> None:
-        self._account.add(-_UNFINISHED - self._unfinished.pop(id).size)
-
-
-class _Pieces:
-    """What is there of one message: its fragments by number, their characters and bytes."""
-
-    def __init__(self) -> None:
-        self.data: dict[int, str] = {}
-        self.length = 0
-        self.size = 0
-
-    def add(self, fragment: Fragment) -> int:
-        """Take a fragment in, instead of the one of that number; the bytes that it adds."""
-        before = self.data.get(fragment.num)
-        added = size_of(fragment.data) - (0 if before is None else size_of(before))
-        self.length += len(fragment.data) - len(before or "")
-        self.size += added
-        self.data[fragment.num] = fragment.data
-        return added
+    def _drop(self, id: str | int) -> None:
+        pieces = self._unfinished.pop(id)
+        del self._lengths[id]
+        self._account.add(-_UNFINISHED - sum(map(size_of, pieces.values())))
 
 
 def _id_of(data: dict[str, Any]) -> str | int | None:

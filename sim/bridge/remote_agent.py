@@ -9,16 +9,15 @@ from typing import Any
 
 import bdi
 
-from ..core.scenario import PersonEntry
+from ..core.scenario import PersonEntry, Scenario
 from ..people.minds import make_agent
 from ..people.programs import EXTERNAL
-from ..trials.trial import Trial
 from .connection import ConnectError, Connection, LostError, ServiceError
 from .remote_person import RemotePerson
 from .workcell import ENDED, BridgeError
 
 FOREVER = 1e12
-"""Seconds. When an agent without a plan for later wants to be asked again."""
+"""Seconds. The next wakeup of an agent that waits for nothing."""
 
 FIRST_RETRY, LAST_RETRY = 0.5, 5.0
 """Seconds of the wall clock before a lost connection is tried anew: at first, and at the most."""
@@ -29,14 +28,14 @@ class RemoteAgent:
 
     Where the server lets it, agent and simulation go step by step, and nothing depends on how
     fast either is. Else time is that of /clock, or without one the wall's. `did(t, action)` is
-    called with everything that the agent does, `said(t, text)` with what it prints, `notice(text)`
+    called with every action of the agent, `said(t, text)` with what it prints, `notice(text)`
     with what the user should know.
     """
 
     def __init__(
         self,
         url: str,
-        trial: Trial,
+        trial: Scenario,
         entry: PersonEntry,
         *,
         waypoints: bool = False,
@@ -55,45 +54,45 @@ class RemoteAgent:
         self._is_thinking = False
         self._clock_ahead = 0.0
         self._has_clock = False
-        self._person = RemotePerson(
-            trial,
-            entry,
-            waypoints=waypoints,
-            now=lambda: self._now,
-            perceived=self._think,
-            notice=notice,
-        )
         self._agent = make_agent(
             entry,
             trial,
             act=self._act,
             print=lambda text: said(self._now, text),
-            on_event=self._heed,
+            on_event=self._pass_on_warning,
         )
-        self._person.think_with(self._agent)
+        self._person = RemotePerson(
+            trial,
+            entry,
+            self._agent,
+            waypoints=waypoints,
+            now=lambda: self._now,
+            perceived=self._think,
+            notice=notice,
+        )
 
     async def run(self) -> None:
-        """Drive the person; `ConnectError` where nobody is there to begin with."""
-        delay, tries = FIRST_RETRY, 0
+        """Drive the person; `ConnectError` where nobody answers to begin with."""
+        delay, connected = FIRST_RETRY, False
         while not self._ended:
             try:
-                async with Connection(self._url, told=self._complain) as connection:
-                    tries, delay = 1, FIRST_RETRY
+                async with Connection(self._url, complained=self._complain) as connection:
+                    connected, delay = True, FIRST_RETRY
                     self._notice(f"connected to {self._url}")
                     await self._drive(connection)
             except LostError as why:
                 if not self._ended:
                     self._notice(f"{why}; trying again")
             except ConnectError:
-                if not tries:
+                if not connected:
                     raise
             if not self._ended:
                 await asyncio.sleep(delay)
                 delay = min(2 * delay, LAST_RETRY)
 
     async def _drive(self, connection: Connection) -> None:
-        topics = await _asked(connection, "/rosapi/topics", "topics")
-        services = await _asked(connection, "/rosapi/services", "services")
+        topics = await _listed(connection, "topics")
+        services = await _listed(connection, "services")
         self._in_steps = "/floorwalker/advance" in services and await self._may_step(connection)
         self._has_clock = "/clock" in topics
         connection.subscribe("/ariac/competition_state", "ariac_msgs/CompetitionState", self._enter)
@@ -113,15 +112,14 @@ class RemoteAgent:
         return False
 
     async def _go_in_steps(self, connection: Connection) -> None:
-        while True:
+        while not self._ended:
             wakeup = self._agent.next_wakeup
             until = FOREVER if wakeup is None else wakeup
             answer = await connection.call("/floorwalker/advance", {"until": until}, None)
             self._now = float(answer["time"])
-            if answer["ended"]:
-                self._ended = True
-                return
-            self._agent.advance(self._now)
+            self._ended = bool(answer["ended"])
+            if not self._ended:
+                self._agent.advance(self._now)
 
     async def _go_along(self, connection: Connection) -> None:
         loop = asyncio.get_running_loop()
@@ -132,23 +130,20 @@ class RemoteAgent:
                 await connection.wait(1.0)
                 continue
             wakeup = self._agent.next_wakeup
-            due = 0.1 if wakeup is None else min(max(wakeup - self._now, 0.0), 0.1)
-            await connection.wait(due)
+            await connection.wait(0.1 if wakeup is None else min(max(wakeup - self._now, 0.0), 0.1))
             self._now = max(self._now, loop.time() - begin)
             self._think()
 
     def _tick(self, message: dict[str, Any]) -> None:
         stamp = message["clock"]
         time = stamp["sec"] + stamp["nanosec"] / 1e9 + self._clock_ahead
-        if time < self._now:
-            # The simulation has begun anew; an agent's time only goes on.
-            self._clock_ahead += self._now - time
-            time = self._now
-        self._now = time
+        # Where the simulation has begun anew, the agent's time goes on from where it was.
+        self._clock_ahead += max(self._now - time, 0.0)
+        self._now = max(self._now, time)
         self._think()
 
     def _think(self) -> None:
-        """Think about what is new; in steps that is done when time stands."""
+        """Let the agent think about new percepts; in steps that is done while time stands."""
         if self._in_steps or self._is_thinking:
             return
         self._is_thinking = True
@@ -162,10 +157,9 @@ class RemoteAgent:
         return self._person.act(action)
 
     def _enter(self, message: dict[str, Any]) -> None:
-        if message["competition_state"] == ENDED:
-            self._ended = True
+        self._ended = self._ended or message["competition_state"] == ENDED
 
-    def _heed(self, entry: bdi.Entry) -> None:
+    def _pass_on_warning(self, entry: bdi.Entry) -> None:
         if entry.kind == "warning":
             self._notice(f"{self._person.name}: {entry.text}")
 
@@ -173,11 +167,10 @@ class RemoteAgent:
         self._notice(f"{self._url} says: {text}")
 
 
-async def _asked(connection: Connection, service: str, field: str) -> list[str]:
+async def _listed(connection: Connection, what: str) -> list[str]:
     """The names that a service of rosapi lists; none where there is no rosapi."""
     try:
-        answer = await connection.call(service, {})
+        names = (await connection.call(f"/rosapi/{what}", {})).get(what)
     except ServiceError:
         return []
-    names = answer.get(field)
     return [str(name) for name in names] if isinstance(names, list) else []

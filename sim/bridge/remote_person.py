@@ -1,4 +1,4 @@
-"""A person at the other end of a rosbridge: what they perceive there, and what they do."""
+"""A person at the other end of a rosbridge: percepts from its topics, actions onto them."""
 
 from __future__ import annotations
 
@@ -10,42 +10,47 @@ from typing import Any
 import bdi
 from navigation import CollisionWorld, PathPlanner, PlanningError
 
-from ..core.scenario import PersonEntry
+from ..core.rules import Notice
+from ..core.scenario import PersonEntry, Scenario
 from ..people.minds import Mind, Percepts
 from ..people.person import MindError
-from ..trials.trial import Trial
 from .connection import Connection
 from .human_topics import (
     ACTION,
     BLOCKED,
+    BOOL,
     DETECTED,
     GO_HOME,
     GOAL,
+    PERCEPTS,
+    POINT,
     REACHED,
     START,
     STOP,
+    STRING,
     UNSAFE,
 )
 from .readings import NOWHERE
-from .sampled_notice import SampledNotice
-
-_BOOL, _STRING = "std_msgs/Bool", "std_msgs/String"
 
 Place = tuple[float, float]
 
+_PERCEPT_OF = {heard: percept for percept, heard in PERCEPTS.items()}
+
 
 class RemotePerson:
-    """The body of an agent elsewhere.
+    """The body of an agent at the other end of a rosbridge.
 
-    Its percepts go to `mind`, whose actions are to be `act`. The floor is that of `trial`. With
-    `waypoints` it plans its ways itself and sends them corner by corner, instead of leaving that
-    to a navigation stack at the other end. `now()` is the time there, seconds.
+    Its percepts go to `mind`, whose actions are to be `act`; `perceived()` is called when there
+    are new ones. The floor is that of `trial`. With `waypoints` it plans paths itself and sends
+    their waypoints one by one, instead of leaving that to a navigation stack at the other end.
+    `now()` is the time there, seconds.
     """
 
     def __init__(
         self,
-        trial: Trial,
+        trial: Scenario,
         entry: PersonEntry,
+        mind: Mind,
         *,
         waypoints: bool,
         now: Callable[[], float],
@@ -62,20 +67,16 @@ class RemotePerson:
         self._world = CollisionWorld(trial.floorplan)
         self._lanes = {lane.name: lane for lane in trial.floorplan.lanes}
         self._planner = PathPlanner(self._world, self._radius)
-        self._connection: Connection | None = None
-        self._percepts: Percepts | None = None
-        self._offered: Collection[str] = ()
+        self._percepts = Percepts(mind)
         self._noticing = SampledNotice(trial.rules.notice)
+        self._offered: Collection[str] = ()
         self._at: Place = (0.0, 0.0)
         self._gantry: Place | None = None
-        self._way: list[Place] = []
+        self._ahead: list[Place] = []
+        """Waypoints that are still to be sent."""
         self._started = False
         self._quiet_until = -math.inf
-        self._cannot: set[str] = set()
-
-    def think_with(self, mind: Mind) -> None:
-        """Let `mind` decide from now on."""
-        self._percepts = Percepts(mind)
+        self._unavailable: set[str] = set()
 
     def connect(self, connection: Connection, offered: Collection[str]) -> None:
         """Hear and act through `connection`, whose server has the topics `offered`."""
@@ -83,24 +84,59 @@ class RemotePerson:
         self._offered = offered
         for name in self._lanes:
             connection.subscribe(
-                f"/ariac/{name}_status", "ariac_msgs/AGVStatus", partial(self._agv_is, name)
+                f"/ariac/{name}_status", "ariac_msgs/AGVStatus", partial(self._place_agv, name)
             )
         connection.subscribe("/ariac_human/state", "ariac_msgs/HumanState", self._see)
-        connection.subscribe(REACHED, _BOOL, self._reached)
-        connection.subscribe(UNSAFE, _BOOL, self._unsafe)
-        if DETECTED in offered:
-            connection.subscribe(DETECTED, _BOOL, lambda _: self._detect())
-        if BLOCKED in offered:
-            connection.subscribe(BLOCKED, _STRING, self._blocked)
-        connection.subscribe(START, _BOOL, self._start)
+        for topic in (REACHED, UNSAFE, *({DETECTED, BLOCKED} & set(offered)), START):
+            connection.subscribe(topic, STRING if topic == BLOCKED else BOOL, self._hear(topic))
 
-    # What is perceived.
+    def _hear(self, topic: str) -> Callable[[dict[str, Any]], None]:
+        def hear(message: dict[str, Any]) -> None:
+            percept = _PERCEPT_OF.get((topic, message["data"]))
+            if percept == "human_start":
+                self._start()
+            elif percept is not None and self._started:
+                self._take(percept)
 
-    def _start(self, message: dict[str, Any]) -> None:
-        if message["data"] and not self._started:
+        return hear
+
+    def _start(self) -> None:
+        if not self._started:
             self._started = True
             self._noticing.start_over(self._now())
-            self._see_that("human_start")
+            self._percepts.see("human_start")
+            self._perceived()
+
+    def _take(self, percept: str) -> None:
+        """Turn a percept as the topics have it into the mind's."""
+        if percept == "work_completed":
+            if self._ahead:
+                self._send_goal(self._ahead.pop(0))
+                return
+            self._percepts.see("at", *self._at)
+        elif percept in ("path_blocked", "goal_blocked"):
+            self._ahead.clear()
+        elif percept in ("gantry_disabled", "agv_danger") and self._is_repeated(percept):
+            return
+        if percept.startswith("gantry") and self._gantry is not None:
+            self._percepts.see("gantry_at", *self._gantry)
+        self._count(percept)
+
+    def _count(self, percept: str) -> None:
+        self._percepts.count(percept)
+        self._perceived()
+
+    def _is_repeated(self, percept: str) -> bool:
+        """Whether a violation has been perceived: the original reports it ten times a second."""
+        if self._now() < self._quiet_until:
+            return True
+        if DETECTED not in self._offered:
+            rules = self._rules
+            pause = rules.pause_after_agv
+            if percept == "gantry_disabled":
+                pause = rules.gantry_disabled + rules.grace
+            self._quiet_until = self._now() + (rules.report_every or pause)
+        return False
 
     def _see(self, state: dict[str, Any]) -> None:
         self._at = _place(state["human_position"])
@@ -109,82 +145,35 @@ class RemotePerson:
         if self._gantry is None or DETECTED in self._offered or not self._started:
             return
         distance = math.dist(self._at, self._gantry)
-        speeds = (_speed(state["human_velocity"]), _speed(state["robot_velocity"]))
+        speeds = (math.hypot(*_place(state[f"{one}_velocity"])) for one in ("human", "robot"))
         if self._noticing.see(self._now(), distance, *speeds):
-            self._detect()
+            self._take("gantry_detected")
 
-    def _detect(self) -> None:
-        self._see_gantry()
-        self._count("gantry_detected")
-
-    def _unsafe(self, message: dict[str, Any]) -> None:
-        """Too close: to the gantry (true) or to an AGV. The original says so ten times a second."""
-        if not self._started or self._now() < self._quiet_until:
-            return
-        gantry: bool = message["data"]
-        if DETECTED not in self._offered:
-            rules = self._rules
-            pause = rules.gantry_disabled + rules.grace if gantry else rules.pause_after_agv
-            self._quiet_until = self._now() + (rules.report_every or pause)
-        if gantry:
-            self._see_gantry()
-        self._count("gantry_disabled" if gantry else "agv_danger")
-
-    def _reached(self, message: dict[str, Any]) -> None:
-        if not message["data"] or not self._started:
-            return
-        if self._way:
-            self._send_goal(self._way.pop(0))
-            return
-        if self._percepts is not None:
-            self._percepts.see("at", *self._at)
-        self._count("work_completed")
-
-    def _blocked(self, message: dict[str, Any]) -> None:
-        self._way.clear()
-        self._count("goal_blocked" if message["data"] == "goal_blocked" else "path_blocked")
-
-    def _agv_is(self, name: str, status: dict[str, Any]) -> None:
+    def _place_agv(self, name: str, status: dict[str, Any]) -> None:
         low, high = self._lanes[name].limits
         self._world.move_agv(name, min(max(status["position"], low), high))
 
-    def _see_gantry(self) -> None:
-        if self._gantry is not None and self._percepts is not None:
-            self._percepts.see("gantry_at", *self._gantry)
-
-    def _see_that(self, percept: str) -> None:
-        if self._percepts is not None:
-            self._percepts.see(percept)
-            self._perceived()
-
-    def _count(self, percept: str) -> None:
-        if self._percepts is not None:
-            self._percepts.count(percept)
-            self._perceived()
-
-    # What is done.
-
     def act(self, action: bdi.Literal) -> bool:
-        """Carry out an external action of the agent; whether it could be.
+        """Carry out an external action of the agent; return whether it could be.
 
-        `MindError` where it is given something that is no place.
+        `MindError` where its arguments are no position.
         """
-        if action.functor == "move":
+        name = action.functor
+        if name == "move":
             return self._move(action)
-        if action.functor == "stop_movement":
+        if name == "stop_movement":
             return self._stop()
-        if action.functor == "move_to_gantry":
+        if name == "move_to_gantry":
             return self._move_to_gantry()
-        if action.functor in ("teleport_safe", "teleport_agv"):
-            self._way.clear()
+        if name in ("teleport_safe", "teleport_agv"):
+            self._ahead.clear()
             self._noticing.start_over(self._now())
-            return self._publish(GO_HOME, action.functor == "teleport_safe")
-        if ACTION in self._offered and self._connection is not None:
-            self._connection.publish(ACTION, _STRING, {"data": str(action)})
-            return True
-        if action.functor not in self._cannot:
-            self._cannot.add(action.functor)
-            self._notice(f"{self.name}: nobody can do {action.functor} at the other end")
+            return self._send(GO_HOME, BOOL, data=name == "teleport_safe")
+        if ACTION in self._offered:
+            return self._send(ACTION, STRING, data=str(action))
+        if name not in self._unavailable:
+            self._unavailable.add(name)
+            self._notice(f"{self.name}: the other end offers no topic for {name}")
         return False
 
     def _move(self, action: bdi.Literal) -> bool:
@@ -201,8 +190,8 @@ class RemotePerson:
         return free is not None and self._go(free)
 
     def _stop(self) -> bool:
-        self._way.clear()
-        return self._publish(STOP, True)
+        self._ahead.clear()
+        return self._send(STOP, BOOL, data=True)
 
     def _go(self, goal: Place) -> bool:
         if not self._waypoints:
@@ -212,26 +201,53 @@ class RemotePerson:
         except PlanningError as why:
             self._count("goal_blocked" if why.reason == "goal_blocked" else "path_blocked")
             return False
-        self._way = [(float(x), float(y)) for x, y in path.points[1:]] or [goal]
-        return self._send_goal(self._way.pop(0))
+        self._ahead = [(float(x), float(y)) for x, y in path.points[1:]] or [goal]
+        return self._send_goal(self._ahead.pop(0))
 
     def _send_goal(self, goal: Place) -> bool:
-        if self._connection is None:
-            return False
-        point = {"x": goal[0], "y": goal[1], "z": 0.0}
-        self._connection.publish(GOAL, "geometry_msgs/Point", point)
+        return self._send(GOAL, POINT, x=goal[0], y=goal[1], z=0.0)
+
+    def _send(self, topic: str, type_: str, **message: Any) -> bool:
+        self._connection.publish(topic, type_, message)
         return True
 
-    def _publish(self, topic: str, value: bool) -> bool:
-        if self._connection is None:
-            return False
-        self._connection.publish(topic, _BOOL, {"data": value})
-        return True
+
+class SampledNotice:
+    """Notices the gantry once per approach, as the referee's `NoticeWatch` does, from samples.
+
+    An approach is over when the two have parted by `rule.parting` metres from where they were
+    nearest, or `rule.every` seconds after the noticing.
+    """
+
+    def __init__(self, rule: Notice) -> None:
+        self._rule = rule
+        self._nearest: float | None = None
+        """The least distance since the gantry was noticed, until the approach is over."""
+        self._silent_until = -math.inf
+        self._before = math.inf
+
+    def see(self, t: float, distance: float, human_speed: float, robot_speed: float) -> bool:
+        """Return whether the gantry is noticed at `t` (s), at a distance (m) and speeds (m/s)."""
+        approaching, self._before = distance < self._before, distance
+        if self._nearest is None:
+            inside = distance < self._rule.law.distance(human_speed, robot_speed)
+            if not (inside and approaching and t >= self._silent_until):
+                return False
+            if self._rule.every is None:
+                self._nearest = distance
+            else:
+                self._silent_until = t + self._rule.every
+            return True
+        has_parted = distance > self._nearest + self._rule.parting
+        self._nearest = None if has_parted else min(distance, self._nearest)
+        return False
+
+    def start_over(self, t: float) -> None:
+        """Begin anew at `t` (s), after `rule.silent` seconds: the person starts or was moved."""
+        self._nearest = None
+        self._silent_until = max(self._silent_until, t + self._rule.silent)
+        self._before = math.inf
 
 
 def _place(point: dict[str, Any]) -> Place:
     return (point["x"], point["y"])
-
-
-def _speed(vector: dict[str, Any]) -> float:
-    return math.hypot(vector["x"], vector["y"])

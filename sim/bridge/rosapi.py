@@ -1,99 +1,102 @@
-"""The services of rosapi, with which clients find out what there is."""
+"""The services of rosapi, which list topics, services and types."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 from .client import Client
-from .exchange import Answer, Exchange, Topic
-from .message_types import MESSAGES, MessageType, UnknownTypeError, canonical, message_type
+from .exchange import Exchange, Values
+from .message_types import MESSAGES, MessageType, canonical
 from .readings import seconds
 
 _ARRAY, _SINGLE = 0, -1
 """Lengths in rosapi_msgs/TypeDef: an array of any length, no array."""
+
+_US = "/floorwalker"
+"""The name of this node."""
 
 
 def provide_rosapi(exchange: Exchange, now: Callable[[], float]) -> None:
     """Let clients ask `exchange` for its topics, services and types; `now()` is the time (s)."""
     topics, services = exchange.topics, exchange.services
 
-    def provide(name: str, type_: str, answer: Callable[[dict[str, Any]], Answer]) -> None:
-        def serve(_: Client, request: dict[str, Any]) -> Answer:
-            return answer(request)
+    def provide(
+        name: str, type_: str, answer: Callable[..., Values], argument: str | None = None
+    ) -> None:
+        """Add a service that has one string, or nothing, for its argument."""
+        exchange.provide(
+            f"/rosapi/{name}",
+            f"rosapi_msgs/{type_}",
+            lambda _, request: answer(**request),
+            {argument: "string"} if argument else {},
+        )
 
-        exchange.provide(f"/rosapi/{name}", f"rosapi_msgs/{type_}", serve)
+    def type_in(found: dict[str, Any], name: str) -> Values:
+        return {"type": found[name].type.name if name in found else ""}
 
-    def topics_and_types(_: dict[str, Any]) -> Answer:
+    def of_type(found: dict[str, Any], type_: str) -> list[str]:
+        return sorted(name for name, one in found.items() if one.type.name == type_)
+
+    def all_topics() -> Values:
         names = sorted(topics)
         return {"topics": names, "types": [topics[name].type.name for name in names]}
 
-    def topic_type(request: dict[str, Any]) -> Answer:
-        topic = topics.get(request["topic"])
-        return {"type": topic.type.name if topic else ""}
+    def publishers(topic: str) -> Values:
+        found = topics.get(topic)
+        return {"publishers": _nodes(found.ours, found.publishers) if found else []}
 
-    def topics_for_type(request: dict[str, Any]) -> Answer:
-        wanted = canonical(request["type"], "msg")
-        return {"topics": sorted(n for n, topic in topics.items() if topic.type.name == wanted)}
+    def subscribers(topic: str) -> Values:
+        found = topics.get(topic)
+        return {"subscribers": _nodes(found.heard, found.subscriptions) if found else []}
 
-    def service_type(request: dict[str, Any]) -> Answer:
-        service = services.get(request["service"])
-        return {"type": service.type.name if service else ""}
-
-    def services_for_type(request: dict[str, Any]) -> Answer:
-        wanted = canonical(request["type"], "srv")
-        return {"services": sorted(n for n, one in services.items() if one.type.name == wanted)}
-
-    def publishers(request: dict[str, Any]) -> Answer:
-        topic = topics.get(request["topic"])
-        ours = ["/floorwalker"] if topic and topic.ours else []
-        return {"publishers": ours + _names(topic, "publishers")}
-
-    def subscribers(request: dict[str, Any]) -> Answer:
-        topic = topics.get(request["topic"])
-        ours = ["/floorwalker"] if topic and topic.heard is not None else []
-        return {"subscribers": ours + _names(topic, "subscriptions")}
-
-    provide("topics", "Topics", topics_and_types)
-    provide("topic_type", "TopicType", topic_type)
-    provide("topics_for_type", "TopicsForType", topics_for_type)
-    provide("publishers", "Publishers", publishers)
-    provide("subscribers", "Subscribers", subscribers)
-    provide("services", "Services", lambda _: {"services": sorted(services)})
-    provide("service_type", "ServiceType", service_type)
-    provide("services_for_type", "ServicesForType", services_for_type)
-    provide("message_details", "MessageDetails", lambda request: _details(request["type"]))
-    provide("nodes", "Nodes", lambda _: {"nodes": ["/floorwalker"]})
-    provide("action_servers", "GetActionServers", lambda _: {"action_servers": []})
-    provide("get_param_names", "GetParamNames", lambda _: {"names": []})
-    provide("get_time", "GetTime", lambda _: {"time": seconds(now())})
+    provide("topics", "Topics", all_topics)
+    provide("topic_type", "TopicType", lambda topic: type_in(topics, topic), "topic")
+    provide(
+        "topics_for_type",
+        "TopicsForType",
+        lambda type: {"topics": of_type(topics, canonical(type, "msg"))},
+        "type",
+    )
+    provide("publishers", "Publishers", publishers, "topic")
+    provide("subscribers", "Subscribers", subscribers, "topic")
+    provide("services", "Services", lambda: {"services": sorted(services)})
+    provide("service_type", "ServiceType", lambda service: type_in(services, service), "service")
+    provide(
+        "services_for_type",
+        "ServicesForType",
+        lambda type: {"services": of_type(services, canonical(type, "srv"))},
+        "type",
+    )
+    provide("message_details", "MessageDetails", _details, "type")
+    provide("nodes", "Nodes", lambda: {"nodes": [_US]})
+    provide("action_servers", "GetActionServers", lambda: {"action_servers": []})
+    provide("get_param_names", "GetParamNames", lambda: {"names": []})
+    provide("get_time", "GetTime", lambda: {"time": seconds(now())})
 
 
-def _names(topic: Topic | None, role: str) -> list[str]:
-    return sorted(client.name for client in getattr(topic, role)) if topic else []
+def _nodes(ours: object, clients: Iterable[Client]) -> list[str]:
+    return [_US] * bool(ours) + sorted(client.name for client in clients)
 
 
-def _details(name: str) -> Answer:
+def _details(type: str) -> Values:
     """The type and all types within it, each once."""
-    try:
-        wanted = [message_type(name)]
-    except UnknownTypeError:
-        return {"typedefs": []}
-    found: dict[str, MessageType] = {}
-    while wanted:
-        type_ = wanted.pop(0)
-        found.setdefault(type_.name, type_)
-        inner = (MESSAGES[field.type] for field in type_.fields if "/" in field.type)
-        wanted += [one for one in inner if one.name not in found]
-    return {"typedefs": [_definition(type_) for type_ in found.values()]}
+    wanted, found = [canonical(type, "msg")], list[str]()
+    for name in wanted:
+        if name in MESSAGES and name not in found:
+            found.append(name)
+            fields = MESSAGES[name].fields.values()
+            wanted += [kind.removesuffix("[]") for kind in fields if "/" in kind]
+    return {"typedefs": [_definition(MESSAGES[name]) for name in found]}
 
 
-def _definition(type_: MessageType) -> dict[str, Any]:
+def _definition(type_: MessageType) -> Values:
+    types = type_.fields.values()
     return {
         "type": type_.name,
-        "fieldnames": [field.name for field in type_.fields],
-        "fieldtypes": [field.type for field in type_.fields],
-        "fieldarraylen": [_ARRAY if field.is_array else _SINGLE for field in type_.fields],
+        "fieldnames": list(type_.fields),
+        "fieldtypes": [kind.removesuffix("[]") for kind in types],
+        "fieldarraylen": [_ARRAY if kind.endswith("[]") else _SINGLE for kind in types],
         "examples": [],
         "constnames": [],
         "constvalues": [],

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import errno
+import itertools
 import logging
 import socket
 from collections.abc import Callable
@@ -25,35 +26,38 @@ MOST_CLIENTS = 1000
 """How many clients may be connected at once."""
 
 _MOST_CONNECTIONS = 2 * MOST_CLIENTS
-"""How many connections there may be, those included that have yet to say what they want."""
+"""How many connections there may be, those included that have not sent a request yet."""
 
 _LONGEST_FRAME = 4 * LONGEST_MESSAGE
-"""Bytes: the longest message in UTF-8. One that is longer ends the connection."""
+"""Bytes: the longest message in UTF-8. A longer one ends the connection."""
 
 _BACKLOG = 128
 """Connections that the system keeps until they are taken."""
 
 _EXHAUSTED = (errno.EMFILE, errno.ENFILE, errno.ENOBUFS, errno.ENOMEM)
 
-_LONGEST_TOLD = 100
-"""Characters of an origin that are told."""
+_LONGEST_SHOWN = 100
+"""Characters of an origin in a notice."""
 
 _MOST_NOTICES = 20
-"""How much is told of clients that are not let in or let go; they could go on for ever."""
+"""How many clients are reported that are refused or disconnected; there may be no end of them."""
 
 _PING_EVERY = 20.0
 """Seconds between pings, and until a client that doesn't answer one counts as gone."""
 
 _TURNS = 5
-"""Turns of the event loop in which a message that has come in is taken for sure."""
+"""Turns of the event loop after which a message that has come in is certainly taken."""
 
 
 class AddressError(OSError):
-    """An address that can't be served at."""
+    """An address that the bridge can't serve at."""
 
 
 def listen_at(host: str, port: int) -> socket.socket:
-    """A listening socket at an address (port 0: any that is free); `AddressError` says why not."""
+    """Return a listening socket at an address (port 0: any that is free).
+
+    `AddressError` says why that fails.
+    """
     try:
         (family, _, _, _, address), *_ = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)
         return socket.create_server(address[:2], family=family)
@@ -67,9 +71,9 @@ def listen_at(host: str, port: int) -> socket.socket:
 class RosbridgeServer:
     """Serves an exchange to any number of clients.
 
-    `left(client)` is called when one has gone, `failed(why)` when what a client asked for goes
-    wrong through no fault of the client's. `origins` says which web pages may take part, `ledger`
-    how much is held for clients. `notice(text)` tells the user who is not let in, or let go.
+    `left(client)` is called when one has gone, `failed(why)` when a request fails through no fault
+    of the client's. Web pages of `origins` may take part, `ledger` limits what is held for
+    clients, and `notice(text)` notifies the user of clients that are refused or disconnected.
     """
 
     def __init__(
@@ -89,10 +93,10 @@ class RosbridgeServer:
         self._origins = origins or Origins()
         self._ledger = ledger or Ledger()
         self._notice = notice
-        self._told: set[str] = set()
+        self._said: set[str] = set()
         self._is_closed = False
         self._slow: set[Client] = set()
-        self._names = 0
+        self._numbers = itertools.count(1)
         self._server: Server | None = None
 
     async def open(self, at: socket.socket) -> None:
@@ -126,7 +130,7 @@ class RosbridgeServer:
         at.listen(_BACKLOG)
 
     async def close(self) -> None:
-        """Send what is still to be sent, and let everybody go."""
+        """Send what is still to be sent, and disconnect all clients."""
         await self.flush(1.0)
         self._is_closed = True
         if self._server is not None:
@@ -134,23 +138,21 @@ class RosbridgeServer:
             await self._server.wait_closed()
 
     async def flush(self, patience: float) -> None:
-        """Wait until what is published is on its way, for nobody longer than `patience` (s).
+        """Wait until all that is published is on its way, `patience` seconds at most.
 
-        Who wasn't ready in that time is not waited for again before they are.
+        A client that is not ready in that time is not waited for again before it is.
         """
-        busy = [client for client in self.clients if not client.is_idle]
-        self._slow.intersection_update(busy)
-        waiting = [client for client in busy if client not in self._slow]
+        busy = {client for client in self.clients if not client.outbox.idle.is_set()}
+        self._slow &= busy
+        waiting = busy - self._slow
         if waiting:
-            ready = await asyncio.gather(*(client.idle(patience) for client in waiting))
-            self._slow |= {
-                one for one, is_ready in zip(waiting, ready, strict=True) if not is_ready
-            }
+            await asyncio.gather(*(client.idle(patience) for client in waiting))
+            self._slow |= {client for client in waiting if not client.outbox.idle.is_set()}
 
     async def reached(self, client: Client, patience: float) -> None:
-        """Wait until a client has read everything that was sent to it, and has said its say.
+        """Wait until a client has read all that was sent to it, and its messages are taken.
 
-        That is when it answers a ping. Not longer than `patience` (seconds), nor when it goes.
+        That is when it answers a ping: `patience` seconds at most, and not once it has gone.
         """
         connection = self.clients.get(client)
         if connection is None or client in self._slow:
@@ -161,27 +163,27 @@ class RosbridgeServer:
             self._slow.add(client)
         except ConnectionClosed:
             return
-        heard = None
+        heard = -1
         while heard != client.heard:
             heard = client.heard
             for _ in range(_TURNS):
                 await asyncio.sleep(0)
 
     def _admit(self, connection: ServerConnection, request: Request) -> Response | None:
-        """Refuse a web page that has no business here; let in what is no web page."""
+        """Refuse a web page that is not trusted; a client that sends no origin is let in."""
         host = ",".join(request.headers.get_all("Host"))
         for origin in request.headers.get_all("Origin"):
             if not self._origins.trust(origin, host):
-                page = f"web page of {origin[:_LONGEST_TOLD]!a}"
-                self._tell(f"a {page} was not let in; --origin would let it in")
+                page = f"web page of {origin[:_LONGEST_SHOWN]!a}"
+                self._notice_once(f"a {page} was not let in; --origin would let it in")
                 return connection.respond(403, f"a {page} is not let in here\n")
         return None
 
     def _complain(self, loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
-        """Tell in a sentence that there is no room for another client, which comes up often."""
+        """Report in a sentence that there is no room for another client; asyncio repeats it."""
         why = context.get("exception")
         if "socket" in context and isinstance(why, OSError) and why.errno in _EXHAUSTED:
-            self._tell(f"no more clients can be taken for now: {why.strerror}")
+            self._notice_once(f"no more clients can be taken for now: {why.strerror}")
         elif self._is_closed and "_start_serving" in context.get("message", ""):
             pass  # asyncio tries again to take clients, at a socket that is closed
         elif self._pass_on is not None:
@@ -189,10 +191,9 @@ class RosbridgeServer:
         else:
             loop.default_exception_handler(context)
 
-    def _tell(self, text: str) -> None:
-        """Tell the user, once."""
-        if text not in self._told and len(self._told) < _MOST_NOTICES:
-            self._told.add(text)
+    def _notice_once(self, text: str) -> None:
+        if text not in self._said and len(self._said) < _MOST_NOTICES:
+            self._said.add(text)
             self._notice(text)
 
     async def _attend(self, connection: ServerConnection) -> None:
@@ -204,13 +205,12 @@ class RosbridgeServer:
         connection.transport.get_extra_info("socket").setsockopt(
             socket.IPPROTO_TCP, socket.TCP_NODELAY, 1
         )
-        self._names += 1
-        client = Client(f"client{self._names}", connection.send, connection.account)
+        client = Client(f"client{next(self._numbers)}", connection.send, connection.account)
 
         def let_go(why: str) -> None:
             client.clear()
             self._exchange.forget(client)
-            self._tell(f"a client was let go: {why}")
+            self._notice_once(f"a client was let go: {why}")
             connection.dismiss(why)
 
         connection.account.let_go = let_go
@@ -223,7 +223,7 @@ class RosbridgeServer:
                     break
                 client.heard += 1
                 self._exchange.take(client, text)
-                # Others have their turn, however much this one has to say.
+                # Other clients have their turn, however much this one sends.
                 await asyncio.sleep(0)
         except ConnectionClosed:
             pass

@@ -1,4 +1,4 @@
-"""A session of the bridge: who has to be there, how time goes on, and when it stands still."""
+"""A session of the bridge: the clients it needs, and its time, which stands still without them."""
 
 from __future__ import annotations
 
@@ -11,25 +11,24 @@ from typing import Any
 from ..people.programs import EXTERNAL
 from .client import Client
 from .exchange import Exchange, RefusedError
-from .gantry_topics import TRAJECTORY
 from .human_topics import COMMANDS, START
+from .machine_topics import TRAJECTORY
 from .origins import Origins
-from .pace import Pace
 from .rosapi import provide_rosapi
 from .server import RosbridgeServer, listen_at
 from .workcell import ENDED, STARTED, BridgeError, Workcell
 
 RATE = 10
-"""Hz, in simulated time. How often the state is published."""
+"""Hz, in simulated time: the rate at which the state is published."""
 
 MOST_TICKS = 10
-"""How many times the state is published before others have a turn."""
+"""How many times the state is published before the event loop serves clients again."""
 
 BEHIND = 1.0
 """Seconds of the wall clock. Further behind than this, the session gives up catching up."""
 
 LONGEST_NAP = 0.1
-"""Seconds of the wall clock. How soon it is seen that somebody has gone."""
+"""Seconds of the wall clock. How soon the session sees that a client has gone."""
 
 PATIENCE = 1.0
 """Seconds. How long time waits for a client that doesn't read, when it isn't paced."""
@@ -38,10 +37,10 @@ PATIENCE = 1.0
 class Session:
     """Serves one workcell until its trial is over, and keeps its time.
 
-    `speed` is simulated seconds a second; with 0 time goes on as soon as everybody has read and
+    `speed` is simulated seconds a second; with 0 time goes on as soon as all clients have read and
     acted on what was last published. With `hold` nothing happens before a client has called
-    /ariac/start_competition. `notice(text)` tells the user of the command what goes on.
-    `origins` says which web pages may take part; left out, those of this machine.
+    /ariac/start_competition. `notice(text)` notifies the user of the command. Web pages of
+    `origins` may take part; left out, those of this machine.
     """
 
     def __init__(
@@ -58,14 +57,12 @@ class Session:
             raise BridgeError(f"speed must be 0 or more, not {speed:g}")
         trial = workcell.simulation.trial
         self.server = RosbridgeServer(
-            exchange,
-            left=self._left,
-            failed=self._fail,
-            origins=origins,
-            notice=notice,
+            exchange, left=self._left, failed=self._fail, origins=origins, notice=notice
         )
         self._workcell = workcell
-        self._pace = Pace(speed)
+        self._speed = speed
+        self._resumed = (0.0, 0.0)
+        """A simulated time, and the wall's at that instant."""
         self._notice = notice
         self._hold = hold
         self._ended_early = False
@@ -76,34 +73,34 @@ class Session:
         self._ticks = 0
         self._published_at = -1.0
         self._standing = True
-        self._told = ""
+        self._said = ""
         self._is_slow = False
         self._changed = asyncio.Event()
-        exchange.changed = lambda _: self._changed.set()
-        workcell.gate.catch_up = self._catch_up
-        workcell.gate.is_open = lambda: not self._is_over
+        exchange.changed = self._changed.set
+        workcell.catch_up = self._catch_up
+        workcell.is_open = lambda: not self._is_over
         exchange.provide("/ariac/start_competition", "std_srvs/Trigger", self._start)
         exchange.provide("/ariac/end_competition", "std_srvs/Trigger", self._end)
-        exchange.provide("/floorwalker/advance", "floorwalker_msgs/Advance", self._advance)
+        exchange.provide(
+            "/floorwalker/advance", "floorwalker_msgs/Advance", self._advance, {"until": "float64"}
+        )
         provide_rosapi(exchange, lambda: workcell.now)
 
     async def open(
         self, host: str = "127.0.0.1", port: int = 9090, *, at: socket.socket | None = None
     ) -> int:
-        """Take clients from now on; the port (that given, or with 0 a free one).
+        """Take clients from now on; return the port (that given, or with 0 a free one).
 
-        `at` is a socket that listens already. `AddressError` where the address can't be had.
+        `at` is a socket that listens already. `AddressError` where the address is not available.
         """
         at = at or listen_at(host, port)
         await self.server.open(at)
         name, port = at.getsockname()[:2]
-        self._notice(
-            f"serving ws://[{name}]:{port}" if ":" in name else f"serving ws://{name}:{port}"
-        )
+        self._notice(f"serving ws://{f'[{name}]' if ':' in name else name}:{port}")
         return int(port)
 
     async def run(self) -> None:
-        """Keep time until the trial is over; raises whatever the user's own programs raise."""
+        """Keep time until the trial is over; raise whatever the user's own programs raise."""
         try:
             while not self._is_over:
                 await self._go_on()
@@ -118,14 +115,10 @@ class Session:
     def _is_over(self) -> bool:
         return self._workcell.is_over or self._ended_early or self._failure is not None
 
-    # How time goes on.
-
     async def _go_on(self) -> None:
-        missing = self._missing()
-        if missing:
-            self._stand_still(missing)
-            await self._change()
-        elif self._pace.speed:
+        if await self._stood_still():
+            return
+        if self._speed:
             await self._keep_pace()
         elif self._stepping is not None:
             await self._change()
@@ -139,16 +132,17 @@ class Session:
         if self._is_over:
             return
         happens = min(self._next_tick, self._workcell.next_event)
-        delay = self._pace.wall_at(happens) - loop.time()
+        simulated, wall = self._resumed
+        delay = wall + (happens - simulated) / self._speed - loop.time()
         if delay < -BEHIND:
-            self._pace.resume(self._workcell.now, loop.time())
+            self._resume()
             if not self._is_slow:
                 self._is_slow = True
-                self._notice(f"this machine is too slow for --speed {self._pace.speed:g}")
+                self._notice(f"this machine is too slow for --speed {self._speed:g}")
         await asyncio.sleep(min(max(delay, 0.0), LONGEST_NAP))
 
     async def _step(self) -> None:
-        """Let things happen until the next tick or decision, and let everybody act on it."""
+        """Go on to the next tick or decision, and let all clients act on it."""
         self._walk_on()
         self._advance_to(self._next_tick)
         await self.server.flush(PATIENCE)
@@ -160,18 +154,19 @@ class Session:
         await asyncio.sleep(0)
 
     def _catch_up(self) -> None:
-        """Bring simulated time to where the wall clock is, if time goes on at all."""
-        if not self._pace.speed or self._standing or self._missing():
+        """Bring simulated time up to the wall clock, if time goes on at all."""
+        if not self._speed or self._standing or self._missing():
             return
-        target = self._pace.simulated_at(asyncio.get_running_loop().time())
+        simulated, wall = self._resumed
+        target = simulated + (asyncio.get_running_loop().time() - wall) * self._speed
         target = min(target, self._workcell.now + MOST_TICKS / RATE)
         while self._workcell.now < target and not self._is_over:
             self._advance_to(min(target, self._next_tick))
 
     def _advance_to(self, until: float) -> bool:
-        """Go on to `until`, the next tick at the most; whether a decision came before.
+        """Go on to `until`, the next tick at the most, and publish what there is to publish.
 
-        What is to be published then is.
+        Return whether a decision came before.
         """
         workcell = self._workcell
         try:
@@ -179,12 +174,11 @@ class Session:
         except Exception as failure:
             self._fail(failure)
             return False
-        if workcell.now >= self._next_tick:
-            self._ticks += 1
+        is_tick = workcell.now >= self._next_tick
+        self._ticks += is_tick
+        if is_tick or asked:
             self._publish()
-        elif asked:
-            self._publish()
-        workcell.tell()
+        workcell.publish_percepts()
         return asked
 
     def _fail(self, failure: Exception) -> None:
@@ -201,10 +195,8 @@ class Session:
     def _next_tick(self) -> float:
         return (self._ticks + 1) / RATE
 
-    # Who has to be there.
-
     def _missing(self) -> str:
-        """What the run waits for, in words; "" if nothing."""
+        """The reason for which time stands still, "" if it goes on."""
         clients = self.server.clients
         if self._hold:
             return "nobody has called /ariac/start_competition"
@@ -229,33 +221,39 @@ class Session:
             self._stepping = None
         self._changed.set()
 
-    def _stand_still(self, missing: str) -> None:
-        self._standing = True
-        self._say(f"stands still at t = {self._workcell.now:.1f} s: {missing}")
+    async def _stood_still(self) -> bool:
+        """Wait for a change if a client is missing; return whether one was."""
+        missing = self._missing()
+        if missing:
+            self._standing = True
+            self._say(f"stands still at t = {self._workcell.now:.1f} s: {missing}")
+            await self._change()
+        return bool(missing)
+
+    def _resume(self) -> None:
+        self._resumed = (self._workcell.now, asyncio.get_running_loop().time())
 
     def _walk_on(self) -> None:
         if not self._standing:
             return
         self._standing = False
         now = self._workcell.now
-        self._pace.resume(now, asyncio.get_running_loop().time())
+        self._resume()
         if not now:
             self._workcell.enter(STARTED)
         self._say(f"goes on at t = {now:.1f} s" if now else "the trial begins")
 
     def _say(self, text: str) -> None:
-        """Tell the user and all clients, once."""
-        if text != self._told:
-            self._told = text
+        """Notify the user and all clients, once."""
+        if text != self._said:
+            self._said = text
             self._notice(text)
             for client in tuple(self.server.clients):
-                client.tell("warning", text)
+                client.report("warning", text)
 
     async def _change(self) -> None:
         self._changed.clear()
         await self._changed.wait()
-
-    # What clients may ask of time.
 
     def _start(self, _: Client, __: dict[str, Any]) -> dict[str, Any]:
         began, self._hold = self._hold, False
@@ -263,25 +261,25 @@ class Session:
         return {"success": True, "message": "started" if began else "it has been started already"}
 
     def _end(self, _: Client, __: dict[str, Any]) -> dict[str, Any]:
-        self._workcell.gate.enter("end_competition")
+        self._workcell.admit("end_competition")
         self._ended_early = True
         self._changed.set()
         return {"success": True, "message": f"ended at t = {self._workcell.now:g} s"}
 
     async def _advance(self, client: Client, request: dict[str, Any]) -> dict[str, Any]:
-        """Let time go on until the person outside has something to decide on, or it is `until`.
+        """Let time go on until the person outside has something to decide on, or to `until`.
 
-        From now on time goes on in these calls alone; `until` in the past only says so.
+        From now on time goes on in these calls alone; `until` in the past does no more than that.
         """
         workcell, outside = self._workcell, self._workcell.outside
-        if self._pace.speed:
-            raise RefusedError(f"time is paced at speed {self._pace.speed:g} here")
+        if self._speed:
+            raise RefusedError(f"time is paced at speed {self._speed:g} here")
         if outside is None or workcell.person is None:
-            raise RefusedError("nobody is told from outside what to do")
+            raise RefusedError("no person is driven from outside")
         if self._stepping not in (None, client):
-            raise RefusedError("another client steps through the time")
+            raise RefusedError("another client steps through time")
         if not self._is_over:
-            workcell.gate.enter("advance")
+            workcell.admit("advance")
         self._stepping = client
         self._changed.set()
         if request["until"] < workcell.now:
@@ -289,10 +287,7 @@ class Session:
         outside.wake_at = request["until"]
         workcell.person.wake()
         while not self._is_over:
-            missing = self._missing()
-            if missing:
-                self._stand_still(missing)
-                await self._change()
+            if await self._stood_still():
                 continue
             self._walk_on()
             if self._advance_to(self._next_tick):

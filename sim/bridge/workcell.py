@@ -1,6 +1,8 @@
-"""The workcell as ROS sees it: a trial's simulation as topics and services."""
+"""A trial's simulation as topics and services of ROS."""
 
 from __future__ import annotations
+
+from collections.abc import Callable
 
 from simpy.core import StopSimulation
 
@@ -12,32 +14,36 @@ from ..people.minds import Outside
 from ..people.programs import EXTERNAL
 from ..simulation import Simulation
 from ..trials.trial import Trial
-from .agv_topics import AgvTopics
-from .exchange import Exchange
-from .gantry_topics import GantryTopics
-from .gate import Gate
+from .exchange import Exchange, RefusedError
 from .human_topics import HumanTopics
-from .order_messages import order_message
-from .readings import human_state, seconds, transforms
+from .machine_topics import AgvTopics, GantryTopics
+from .readings import human_state, order_message, seconds, transforms
 
 READY, STARTED, ANNOUNCED, ENDED = 1, 2, 3, 4
-"""Of ariac_msgs/CompetitionState: it can be started, it is, all orders are known, it is over."""
+"""Phases of ariac_msgs/CompetitionState; ANNOUNCED: started, and all orders are announced."""
+
+MOST_COMMANDS = 300
+"""How many commands are taken at one instant of simulated time."""
 
 _MOST_ORDERS = 1000
 
 
 class BridgeError(ValueError):
-    """A trial that can't be bridged, or a bridge that can't be opened."""
+    """A trial that can't be bridged, or a wrong setting of a bridge."""
 
 
 class Workcell(Listener):
-    """A trial's simulation, published to an exchange and told from there what to do.
+    """A trial's simulation, published to an exchange and commanded from there.
 
     `outside` is the mind of the person who is driven from outside, if the trial has one.
+    `catch_up()` brings simulated time up to the present before a command is carried out, and
+    `is_open()` tells whether commands are still taken.
     """
 
     def __init__(self, trial: Trial, exchange: Exchange, *listeners: Listener) -> None:
         driven = driven_person(trial)
+        self.catch_up: Callable[[], None] = lambda: None
+        self.is_open: Callable[[], bool] = lambda: True
         self.human: HumanTopics | None = None
         self._exchange = exchange
         self._orders = exchange.advertise("/ariac/orders", "ariac_msgs/Order", latched=_MOST_ORDERS)
@@ -47,20 +53,18 @@ class Workcell(Listener):
         self._unannounced = {order.id: order for order in _orders_of(trial)}
         self.simulation = simulation = Simulation(trial, self, *listeners)
         for person in simulation.people:
-            # Nobody waits for the network of ways once time goes on.
+            # So that no client has to wait for the planner once time goes on.
             person.walker.prepare()
         self.person = None if driven is None else simulation.people[driven]
-        self.gate = Gate(simulation.clock)
+        self._commands = (simulation.clock.now, 0)
         self._clock = exchange.advertise("/clock", "rosgraph_msgs/Clock")
         self._tf = exchange.advertise("/tf", "tf2_msgs/TFMessage")
         self._state = exchange.advertise("/ariac_human/state", "ariac_msgs/HumanState")
-        self._agvs = AgvTopics(simulation.agvs, exchange, self.gate)
+        self._agvs = AgvTopics(simulation.agvs, exchange, self.admit)
         self._gantry: GantryTopics | None = None
         if simulation.gantry is not None:
-            driven_gantry = trial.gantry.controller == EXTERNAL
-            self._gantry = GantryTopics(
-                simulation.gantry, exchange, self.gate, driven=driven_gantry
-            )
+            is_driven = trial.gantry.controller == EXTERNAL
+            self._gantry = GantryTopics(simulation.gantry, exchange, self.admit, driven=is_driven)
         self.outside: Outside | None = None
         self._asked = False
         if self.person is not None:
@@ -72,7 +76,7 @@ class Workcell(Listener):
                 trial.floorplan,
                 simulation.referee,
                 exchange,
-                self.gate,
+                self.admit,
                 outside=self.outside,
             )
         self._frames = list(self._named_frames())
@@ -86,7 +90,7 @@ class Workcell(Listener):
 
     @property
     def next_event(self) -> float:
-        """When something happens next, seconds."""
+        """The time of the next event, seconds."""
         return float(self.simulation.clock.peek())
 
     @property
@@ -95,10 +99,10 @@ class Workcell(Listener):
         return self.simulation.over
 
     def advance(self, until: float) -> bool:
-        """Let happen what happens before `until` (seconds), or until the trial is over.
+        """Go on to `until` (seconds), or until the trial is over.
 
-        It stops as soon as the person outside has something to decide on, and then says True; what
-        is perceived waits for `tell`.
+        Stop as soon as the person outside has something to decide on, and then return True; the
+        percepts wait for `publish_percepts`.
         """
         clock = self.simulation.clock
         until = min(until, self.simulation.trial.duration)
@@ -114,18 +118,33 @@ class Workcell(Listener):
             pass  # the trial has come to its end
         return self._asked
 
-    def tell(self) -> None:
+    def admit(self, command: str) -> None:
+        """Admit a command at the present time.
+
+        `RefusedError` where the run is over, or where there are too many at once.
+        """
+        if self.is_open():
+            self.catch_up()
+        if not self.is_open():
+            raise RefusedError(f"{command}: the run is over")
+        since, count = self._commands
+        self._commands = (self.now, count + 1 if self.now == since else 1)
+        if self._commands[1] > MOST_COMMANDS:
+            raise RefusedError(
+                f"{command}: more than {MOST_COMMANDS} commands at t = {self.now:g} s; not done"
+            )
+
+    def publish_percepts(self) -> None:
         """Publish what the person outside has perceived since the last time."""
         self._asked = False
         if self.outside is not None and self.human is not None:
             for percept in self.outside.take():
-                self.human.tell(percept.functor)
+                self.human.publish(percept.functor)
 
     def publish(self) -> None:
-        """Publish the state as it is now."""
+        """Publish the present state."""
         exchange, simulation, now = self._exchange, self.simulation, self.now
-        if self._clock.is_needed:
-            exchange.publish(self._clock, {"clock": seconds(now)})
+        exchange.publish(self._clock, {"clock": seconds(now)})
         if self._state.is_needed and self.person is not None:
             gantry = simulation.gantry
             robot = gantry.state if gantry else None
@@ -138,11 +157,11 @@ class Workcell(Listener):
             exchange.publish(self._tf, transforms(now, self._frames))
 
     def enter(self, phase: int) -> None:
-        """The competition is in this phase now."""
+        """Publish that the competition enters a phase."""
         self._exchange.publish(self._phase, {"competition_state": phase})
 
     def event(self, event: Event) -> None:
-        """Publish orders as they are announced, and what happens to a person."""
+        """Publish orders as they are announced, and the percepts of a person."""
         if event["kind"] == "order_announced":
             order = self._unannounced.pop(event["order"])
             self._exchange.publish(self._orders, order_message(order))
@@ -171,7 +190,7 @@ def _orders_of(trial: Trial) -> tuple[Order, ...]:
 
 
 def driven_person(trial: Trial) -> int | None:
-    """Which person the topics are about: the one driven from outside, else the first one."""
+    """Return the index of the person of the topics: the one driven from outside, or the first."""
     external = [k for k, person in enumerate(trial.people) if person.personality == EXTERNAL]
     if len(external) > 1:
         names = ", ".join(trial.people[k].name for k in external)

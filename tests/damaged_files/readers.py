@@ -159,17 +159,17 @@ def to_agent(path):
         RemotePerson(
             trial,
             trial.people[0],
+            bdi.Agent(bdi.parse("")),
             waypoints=False,
             now=lambda: 0.0,
             perceived=lambda: None,
             notice=lambda text: None,
         ).connect(connection, ())
-        call = asyncio.ensure_future(connection.call("/service", {}, 0.001))
-        await asyncio.sleep(0)
+        call = connection._calls["call-1"] = asyncio.get_running_loop().create_future()
         for line in path.read_bytes().split(b"\n"):
             connection._take(line)
-        await asyncio.wait([call])
-        call.exception()
+        if call.done():
+            call.exception()
 
     asyncio.run(take())
 

@@ -4,9 +4,8 @@ import pytest
 from bridge_parts import Client, served
 
 import sim
-from sim.bridge.conformance import conform
-from sim.bridge.message_types import message_type
-from sim.bridge.order_messages import order_message
+from sim.bridge.message_types import conform, message_type
+from sim.bridge.readings import order_message
 from sim.orders import AssemblyTask, CombinedTask, KittingTask, Order, Part
 
 PUMP, BATTERY = Part("purple", "pump"), Part("red", "battery")

@@ -10,7 +10,7 @@ from bridge_parts import Client, require_whole, served, trial
 from websockets.exceptions import ConnectionClosed
 
 import sim
-from sim.bridge.ledger import MOST_FOR_ONE
+from sim.bridge.ledger import Ledger
 from sim.bridge.outbox import LONGEST_QUEUE
 
 SOUND = ("/clock", "/ariac_human/state", "/tf", "/joint_states")
@@ -80,7 +80,7 @@ def test_a_client_that_never_reads_costs_others_nothing(busy):
         for _ in range(3):
             require_undisturbed(busy)
         clients = busy.do(lambda: list(busy.session.server.clients))
-        assert all(client.account.held <= MOST_FOR_ONE for client in clients)
+        assert all(client.account.held <= Ledger().most_for_one for client in clients)
         assert max(len(client.outbox) for client in clients) <= len(SOUND) * LONGEST_QUEUE
 
 

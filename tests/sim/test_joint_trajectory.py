@@ -8,8 +8,7 @@ from hypothesis import strategies as st
 
 import floorplan
 from navigation import State, standing
-from sim.bridge.conformance import conform
-from sim.bridge.message_types import message_type
+from sim.bridge.message_types import conform, message_type
 from sim.bridge.readings import JOINTS, joint_state, joint_values, pose_of
 from sim.bridge.trajectory import TrajectoryError, target_of, trajectory_motion
 
