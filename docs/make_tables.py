@@ -8,6 +8,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from sim.core.events import EVENT_KINDS, EventKind
+from sim.record.figures import FIGURES
 
 DOCS = Path(__file__).parent
 
@@ -24,6 +25,13 @@ def _fields(kind: type[EventKind]) -> str:
     return ", ".join(f"[`{name}`]" if name in kind.optional else f"`{name}`" for name in kind.forms)
 
 
+def figures() -> str:
+    """Return the table of the figures of a summary."""
+    explained = (figure for figure in FIGURES.values() if figure.meaning)
+    rows = ((f"`{f.path}`", f.label, f.unit, f.meaning) for f in explained)
+    return table(("figure", "in words", "unit", "meaning"), rows)
+
+
 def table(head: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
     """Return a table in Markdown."""
     head = tuple(head)
@@ -31,7 +39,7 @@ def table(head: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
     return "\n".join("| " + " | ".join(" ".join(c.split()) for c in line) + " |" for line in lines)
 
 
-TABLES = {"events": events}
+TABLES = {"events": events, "figures": figures}
 """What makes each table, by the name that stands above it in a page."""
 
 MARKED = re.compile(r"(<!-- table: (?P<name>\w+) -->\n).*?(\n<!-- end of table -->)", re.S)

@@ -34,6 +34,7 @@ from .people.minds import Mind, Outside, kept_beliefs, live_beliefs, make_agent
 from .people.person import Person
 from .people.programs import EXTERNAL, load_program
 from .people.walker import Place, Walker
+from .record.finished import Finished
 from .record.summary import summarise
 from .runs.run import Run
 from .safety.own_law import own_laws
@@ -154,14 +155,16 @@ class Simulation:
         self._record(events.TrialEnded(interrupted=interrupted))
         motions = {body.name: body.track() for body in self.bodies}
         summary = summarise(
-            self.trial,
-            self.clock.now,
-            interrupted=interrupted,
-            people=self.people,
-            gantry=self.gantry,
-            referee=self.referee,
-            motions=motions,
-            work=self.dispatcher.figures if self.dispatcher else {},
+            Finished(
+                trial=self.trial,
+                duration=self.clock.now,
+                interrupted=interrupted,
+                people=self.people,
+                gantry=self.gantry,
+                referee=self.referee,
+                motions=motions,
+                work=self.dispatcher.figures if self.dispatcher else {},
+            )
         )
         cpu = time.process_time() - self._cpu_begin
         summary["cpu_seconds"] = round(cpu, 6)

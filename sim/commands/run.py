@@ -217,7 +217,7 @@ def _advance(simulation: Simulation) -> bool:
 def _report(run: Run, folder: Path) -> None:
     from rich.table import Table
 
-    from sim.record.figures import figures_in_words
+    from sim.record.summary import figures_in_words
 
     summary = run.summary
     console = plain_console()

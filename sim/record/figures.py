@@ -1,100 +1,329 @@
-"""The figures of a run for people to read, on a terminal or in a notebook."""
+"""The figures of a run, each declared once: summary, expectations, studies and tables follow."""
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import suppress
-from functools import partial
-from pathlib import Path
-from typing import Any
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import asdict, dataclass
+from operator import attrgetter
+from typing import Any, Literal
 
-_LACKING = (ArithmeticError, AttributeError, LookupError, TypeError, ValueError)
-"""So a figure ends whose fields the summary lacks, or has in another form."""
+from ..core import events
+from ..safety.law_audit import short_laws
+from . import words
+from .finished import CAUSES
+from .social_metrics import DISTANCES, MOVEMENT, PROGRESS
 
 
-def figures_in_words(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Return the figures of a summary that people look at first: names, and how much each is.
+@dataclass(frozen=True, kw_only=True)
+class SummaryFigure:
+    """One figure of a run.
 
-    Those are left out that a summary lacks because it was recorded by another version, or changed.
+    `path` is where it stands in the summary, or in the metrics; NAME in it is a name of the trial,
+    OTHER that of another body. `of` works it out from a `Finished` run, and from the person for
+    one below `people.NAME`; a part of another figure needs none. Trials can expect something of
+    all that is a number, a flag or visits.
+
+    `events` are those that made it what it is: their kind, and fields that they have. With
+    `instant` it has the time of the figure of that name beside it; with `short` it is also found
+    by the name of the figure that it is a part of. `of_orders` is one of trials with orders only.
+    `label` is what people read; `words`, if given, how much it is on a terminal. A study has it as
+    a column unless not `column`; its report compares it as a `measure`, "rare" ones only where
+    there is something, and its first rows are worth a look if it is among the `worst`: the least
+    (1), or the most (-1).
     """
-    found: list[tuple[str, str]] = []
-    for name, words in _figures(summary):
-        with suppress(*_LACKING):
-            found.append((name, words()))
-    return found
+
+    path: str
+    meaning: str = ""
+    unit: str = ""
+    form: Literal["number", "flag", "visits", "text", "parts"] = "number"
+    of: Callable[..., Any] | None = None
+    events: tuple[type[events.EventKind], Mapping[str, Any]] | None = None
+    instant: str = ""
+    short: bool = False
+    of_orders: bool = False
+    label: str = ""
+    words: words.Words | None = None
+    column: bool = True
+    measure: Literal["", "plain", "chief", "rare"] = ""
+    worst: int = 0
 
 
-def _figures(summary: Mapping[str, Any]) -> Iterator[tuple[str, Callable[[], str]]]:
-    """Yield the name of each figure, and a function that puts it into words."""
-    nearest, stopped = (summary.get(key) for key in ("minimum_separation", "protective_stops"))
-    yield "violations with the gantry", lambda: _violations(summary)
-    yield "penalties", lambda: str(summary["penalties"])
-    yield "violations with AGVs", lambda: str(summary["agv_violations"])
-    yield "teleports by AGVs", lambda: str(summary["agv_teleports"])
-    yield "gantry disabled", lambda: f"{summary['gantry_disabled_time']:.1f} s"
-    yield "gantry jobs done", lambda: str(summary["jobs_done"])
-    if stopped:
-        yield "protective stops", lambda: f"{stopped}, {summary['protective_stop_time']:.1f} s"
-    if "orders" in summary:
-        yield "score", lambda: f"{summary['score']} of {summary['best_score']}"
-        for name, order in _named(summary, "orders"):
-            yield f"order {name}", partial(_order, order)
-    if nearest is not None:
-        yield (
-            "nearest to the gantry",
-            lambda: (
-                f"{nearest['distance']:.2f} m at {nearest['time']:.1f} s"
-                f" ({nearest['required']:.2f} m required)"
-            ),
+PEOPLE = "people.NAME."
+
+
+def _violations(prefix: str, fields: Mapping[str, Any]) -> Iterator[SummaryFigure]:
+    """Yield the violations with the gantry by cause: of all people, or of one."""
+    for cause, moved in zip(CAUSES, ("which moved", "which stood"), strict=True):
+        yield SummaryFigure(
+            path=f"{prefix}violations.{cause}",
+            label=f"violations, {cause}",
+            meaning=f"with the gantry, {moved}",
+            events=(events.Violation, {**fields, "cause": cause}),
+            measure="" if prefix else "plain",
         )
-    if summary.get("law_audit"):
-        yield "law assumes shorter stops of", lambda: _short(summary["law_audit"])
-    for name, person in _named(summary, "people"):
-        for figure, words in _PERSON_FIGURES.items():
-            yield f"{name}: {figure}", partial(words, person)
 
 
-def _named(summary: Mapping[str, Any], key: str) -> Iterable[tuple[str, Any]]:
-    """Return the orders or the people of a summary by their names."""
-    found = summary.get(key)
-    return found.items() if isinstance(found, Mapping) else ()
+def _separation(prefix: str) -> Iterator[SummaryFigure]:
+    """Yield the parts of the least separation: of all people, or of one."""
+    path = f"{prefix}minimum_separation"
+    yield SummaryFigure(
+        path=f"{path}.distance",
+        label="least separation",
+        meaning="the nearest that anybody came to the gantry's centre",
+        unit="m",
+        short=True,
+        instant="time",
+        measure="" if prefix else "chief",
+        worst=1,
+    )
+    yield SummaryFigure(path=f"{path}.time", meaning="when that was", unit="s", instant="time")
+    meaning = "the distance that the law required then"
+    yield SummaryFigure(path=f"{path}.required", meaning=meaning, unit="m", instant="time")
 
 
-def _violations(summary: Mapping[str, Any]) -> str:
-    """Return how many there were with the gantry, and by which cause."""
-    counts = {cause: count for cause, count in summary["violations"].items() if count}
-    causes = [f"{cause} {count}×" for cause, count in counts.items()]
-    return f"{sum(counts.values())}" + (f" ({', '.join(causes)})" if causes else "")
+def _metrics() -> Iterator[SummaryFigure]:
+    """Yield the metrics of social navigation; `docs/metrics.md` says what they mean."""
+    person, machine = "metrics.people.NAME.", "metrics.machines.NAME."
+    for prefix, keys in (
+        (person, (*MOVEMENT, *PROGRESS)),
+        (f"{person}distance_to.OTHER.", DISTANCES),
+        (machine, MOVEMENT),
+        (f"{machine}distance_to_people.", DISTANCES),
+    ):
+        yield from (SummaryFigure(path=prefix + key) for key in keys)
 
 
-def _short(found: Sequence[Mapping[str, Any]]) -> str:
-    """The machines that may take longer to stop than their law counts on."""
-    agvs = sum(short["law"] == "agv_law" for short in found)
-    names = [short["machine"] for short in found if short["law"] != "agv_law"]
-    return ", ".join([*names, *([f"{agvs} AGV{'s' * (agvs > 1)}"] if agvs else [])])
-
-
-def _order(order: Mapping[str, Any]) -> str:
-    """What became of an order."""
-    if order["submitted"] is None:
-        outcome = "not announced" if order["announced"] is None else "not submitted"
-    else:
-        outcome = f"{order['score']} of {order['best']}, after {order['time']:.1f} s"
-    missing = f" (without {', '.join(order['missing'])})" if order["missing"] else ""
-    return f"{order['type']}: {outcome}{missing}"
-
-
-def _counted(visits: list[str]) -> str:
-    """How often each station was visited, in the order of the first visits."""
-    counts = Counter(visits)
-    return ", ".join(f"{name} {count}×" for name, count in counts.items()) or "none"
-
-
-_PERSON_FIGURES: dict[str, Callable[[Any], str]] = {
-    "personality": lambda person: Path(person["personality"]).stem,
-    "visits": lambda person: _counted(person["visits"]),
-    "walked": lambda person: f"{person['distance_walked']:.1f} m",
-    "stood": lambda person: f"{person['time_standing']:.1f} s",
-    "replans": lambda person: str(person["replans"]),
+_OF_THE_TRIAL = {
+    "trial": "trial.name",
+    "floorplan": "trial.floorplan.name",
+    "rules": "trial.rules.name",
+    "seed": "trial.seed",
 }
+_ORDER = (events.OrderSubmitted, {"order": "NAME"})
+
+FIGURES: dict[str, SummaryFigure] = {
+    figure.path: figure
+    for figure in (
+        *(
+            SummaryFigure(path=path, form="text", of=attrgetter(of), column=False)
+            for path, of in _OF_THE_TRIAL.items()
+        ),
+        SummaryFigure(
+            path="duration",
+            of=lambda run: run.duration,
+            label="duration",
+            meaning="until the time was over, or all orders were handed in",
+            unit="s",
+            measure="plain",
+        ),
+        SummaryFigure(
+            path="interrupted",
+            form="flag",
+            of=lambda run: run.interrupted,
+            meaning="whether the run ended before that",
+            column=False,
+        ),
+        SummaryFigure(
+            path="penalties",
+            of=lambda run: run.referee.penalties,
+            label="penalties",
+            meaning="violations that disabled the gantry",
+            words=words.plain,
+            events=(events.Violation, {"penalty": True}),
+            measure="chief",
+            worst=-1,
+        ),
+        SummaryFigure(
+            path="violations",
+            form="parts",
+            of=lambda run: run.violations(),
+            label="violations with the gantry",
+            words=words.by_cause,
+        ),
+        *_violations("", {}),
+        SummaryFigure(
+            path="agv_violations",
+            of=lambda run: run.agv_violations,
+            label="violations with AGVs",
+            meaning="with an AGV that moved",
+            words=words.plain,
+            events=(events.Violation, {"cause": "agv"}),
+            measure="rare",
+        ),
+        SummaryFigure(
+            path="agv_teleports",
+            of=lambda run: run.referee.agv_teleports,
+            label="teleports by AGVs",
+            meaning="of people who were too close to an AGV",
+            words=words.plain,
+            events=(events.Teleport, {"reason": "agv"}),
+            measure="plain",
+        ),
+        SummaryFigure(
+            path="protective_stops",
+            of=lambda run: run.referee.protective_stops,
+            label="protective stops",
+            meaning="of all machines together",
+            words=words.stops,
+            events=(events.ProtectiveStop, {}),
+            measure="rare",
+        ),
+        SummaryFigure(
+            path="protective_stop_time",
+            of=lambda run: run.referee.protective_stop_time,
+            label="stopped",
+            meaning="in protective stops, all machines together",
+            unit="s",
+            events=(events.ProtectiveStop, {}),
+            measure="rare",
+        ),
+        SummaryFigure(
+            path="gantry_disabled_time",
+            of=lambda run: run.gantry.drive.disabled_time if run.gantry else 0.0,
+            label="gantry disabled",
+            meaning="by penalties",
+            unit="s",
+            words=words.seconds,
+            events=(events.GantryDisabled, {}),
+            measure="chief",
+        ),
+        SummaryFigure(
+            path="gantry_idle_time",
+            of=lambda run: run.gantry_idle_time,
+            label="gantry idle",
+            meaning="neither moving, handling anything, disabled nor in a protective stop",
+            unit="s",
+            measure="plain",
+        ),
+        SummaryFigure(
+            path="jobs_done",
+            of=lambda run: run.gantry.jobs_done if run.gantry else 0,
+            label="gantry jobs done",
+            meaning="by the gantry",
+            words=words.plain,
+            events=(events.JobDone, {}),
+            measure="chief",
+            worst=1,
+        ),
+        SummaryFigure(
+            path="orders",
+            form="parts",
+            of=lambda run: run.work["orders"],
+            meaning="see [ARIAC trials](ariac.md#scores)",
+            of_orders=True,
+        ),
+        SummaryFigure(
+            path="score",
+            of=lambda run: run.work["score"],
+            label="score",
+            meaning="points for all orders",
+            words=words.score,
+            of_orders=True,
+            measure="chief",
+        ),
+        SummaryFigure(
+            path="best_score",
+            of=lambda run: run.work["best_score"],
+            meaning="points that there could have been",
+            of_orders=True,
+        ),
+        SummaryFigure(
+            path="orders.NAME", form="parts", label="order NAME", words=words.order, of_orders=True
+        ),
+        *(
+            SummaryFigure(path=f"orders.NAME.{part}", events=_ORDER, of_orders=True)
+            for part in ("announced", "submitted", "time", "score")
+        ),
+        SummaryFigure(
+            path="law_audit",
+            form="parts",
+            of=lambda run: [asdict(short) for short in short_laws(run.trial)],
+            label="law assumes shorter stops of",
+            meaning="machines whose law counts on a shorter stop than they may take",
+            words=words.short_laws,
+            column=False,
+        ),
+        SummaryFigure(
+            path="minimum_separation",
+            form="parts",
+            of=lambda run: run.nearest_of_all,
+            label="nearest to the gantry",
+            words=words.nearest,
+        ),
+        *_separation(""),
+        SummaryFigure(
+            path=f"{PEOPLE}personality",
+            form="text",
+            of=lambda run, person: person.personality,
+            label="personality",
+            meaning="what the trial says at the start",
+            words=words.program,
+        ),
+        SummaryFigure(
+            path=f"{PEOPLE}started",
+            of=lambda run, person: person.started_at,
+            meaning="when the person started, null if they did not",
+            unit="s",
+        ),
+        SummaryFigure(
+            path=f"{PEOPLE}visits",
+            form="visits",
+            of=lambda run, person: person.visits,
+            label="visits",
+            meaning="stations reached, in order",
+            words=words.counted,
+            events=(events.Arrived, {"person": "NAME"}),
+            measure="plain",
+        ),
+        SummaryFigure(
+            path=f"{PEOPLE}distance_walked",
+            of=lambda run, person: run.distance_walked(person),
+            label="walked",
+            meaning="since the start; teleports don't count",
+            unit="m",
+            words=words.metres,
+            measure="plain",
+        ),
+        SummaryFigure(
+            path=f"{PEOPLE}time_standing",
+            of=lambda run, person: run.time_standing(person),
+            label="stood",
+            meaning="since the start",
+            unit="s",
+            words=words.seconds,
+            measure="plain",
+        ),
+        SummaryFigure(
+            path=f"{PEOPLE}replans",
+            of=lambda run, person: person.walker.replans,
+            label="replans",
+            meaning="paths that were blocked, and another was found",
+            words=words.plain,
+            events=(events.Replanned, {"person": "NAME"}),
+            measure="plain",
+        ),
+        SummaryFigure(
+            path=f"{PEOPLE}violations",
+            form="parts",
+            of=lambda run, person: run.violations(person),
+        ),
+        *_violations(PEOPLE, {"person": "NAME"}),
+        SummaryFigure(
+            path=f"{PEOPLE}minimum_separation",
+            form="parts",
+            of=lambda run, person: run.nearest.get(person.name),
+        ),
+        *_separation(PEOPLE),
+        SummaryFigure(
+            path="cpu_seconds", form="text", meaning="what the run cost", unit="s", column=False
+        ),
+        SummaryFigure(
+            path="realtime_factor", form="text", meaning="duration per CPU time", column=False
+        ),
+        *_metrics(),
+    )
+}
+"""Every figure by its path, in the order of the summary."""
+
+COSTS = ("cpu_seconds", "realtime_factor")
+"""What is not the same each time that a trial is run."""

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..record.figures import FIGURES
 from .study import Study
 from .table import Cell, TableError
 
@@ -28,7 +29,8 @@ class Measure:
     """One figure by which rows are compared, and the columns that it is summed up from.
 
     `NAME` in a column stands for everybody: a figure of all people is the sum of theirs. A `rare`
-    one is left out where it is 0 in every row.
+    one is left out where it is 0 in every row. The rows with the least (1) or the most (-1) of it
+    are the `worst`, if any are.
     """
 
     title: str
@@ -37,6 +39,7 @@ class Measure:
     meaning: str = ""
     chief: bool = False
     rare: bool = False
+    worst: int = 0
 
     @property
     def label(self) -> str:
@@ -58,32 +61,21 @@ class Measure:
         return np.where(there.any(axis=0), np.nansum(figures, axis=0), math.nan)
 
 
-MEASURES = (
-    Measure("Score", "score", meaning="of all orders", chief=True),
-    Measure("Penalties", "penalties", meaning="violations that cost one", chief=True),
-    Measure("Violations, gantry", "violations.gantry", meaning="with the gantry, which moved"),
-    Measure("Violations, person", "violations.person", meaning="with the gantry, which stood"),
-    Measure("AGV violations", "agv_violations", meaning="with an AGV that moved", rare=True),
-    Measure("Protective stops", "protective_stops", meaning="of gantry and AGVs", rare=True),
-    Measure("Stopped", "protective_stop_time", "s", "in protective stops", rare=True),
-    Measure(
-        "Least separation",
-        "minimum_separation.distance",
-        "m",
-        "the nearest that anybody came to the gantry",
-        chief=True,
-    ),
-    Measure("Jobs done", "jobs_done", meaning="by the gantry", chief=True),
-    Measure("Gantry disabled", "gantry_disabled_time", "s", "by penalties", chief=True),
-    Measure("Gantry idle", "gantry_idle_time", "s", "neither moving nor handling anything"),
-    Measure("Duration", "duration", "s", "until the time was over or all orders were handed in"),
-    Measure("Teleports by AGVs", "agv_teleports", meaning="people who were too close to an AGV"),
-    Measure("Stations visited", "people.NAME.visits", meaning="by all people"),
-    Measure("Walked", "people.NAME.distance_walked", "m", "by all people"),
-    Measure("Stood", "people.NAME.time_standing", "s", "all people together"),
-    Measure("Replans", "people.NAME.replans", meaning="ways that were blocked"),
-)
-"""What a report compares, where the rows have it."""
+def measures() -> tuple[Measure, ...]:
+    """Return what a report compares, where the rows have it: figures as they are declared."""
+    return tuple(
+        Measure(
+            figure.label[:1].upper() + figure.label[1:],
+            figure.path,
+            figure.unit,
+            figure.meaning,
+            chief=figure.measure == "chief",
+            rare=figure.measure == "rare",
+            worst=figure.worst,
+        )
+        for figure in FIGURES.values()
+        if figure.measure
+    )
 
 
 @dataclass(frozen=True)
@@ -161,7 +153,7 @@ def compare(columns: Columns, factors: Sequence[str]) -> Comparison:
         Group(key, np.array([k for k, other in enumerate(keys) if other == key]))
         for key in dict.fromkeys(keys)
     )
-    found = {measure: measure.values(columns) for measure in MEASURES}
+    found = {measure: measure.values(columns) for measure in measures()}
     values = {measure: figures for measure, figures in found.items() if figures is not None}
     spreads = {
         measure: tuple(spread(figures[group.rows]) for group in groups)

@@ -5,15 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from ..record.figures import FIGURES
 from ..record.social_metrics import metrics
 from ..simulation import run
 from .definition import Row
 
 Record = dict[str, Any]
 """One line of a study's results: column by column, numbers, texts, or None."""
-
-_TOLD_ELSEWHERE = ("trial", "floorplan", "rules", "law_audit", "seed", "interrupted")
-_COSTS = ("cpu_seconds", "realtime_factor")
 
 
 def measure(row: Row, *, with_metrics: bool = False) -> Record:
@@ -30,7 +28,7 @@ def measure(row: Row, *, with_metrics: bool = False) -> Record:
         finished = run(row.trial)
     except Exception as why:  # the user's own controllers and laws may raise anything
         return record | {"error": _told(why)}
-    left_out = (*_TOLD_ELSEWHERE, *_COSTS)
+    left_out = {path for path, figure in FIGURES.items() if not figure.column}
     summary = {key: value for key, value in finished.summary.items() if key not in left_out}
     if with_metrics:
         summary["metrics"] = metrics(finished)

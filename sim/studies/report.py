@@ -26,9 +26,6 @@ MOST_CONTRASTS = 200
 MOST_ERRORS = 50
 """So many failed rows are listed."""
 
-WORST = {"penalties": -1, "minimum_separation.distance": 1, "jobs_done": 1}
-"""The columns whose extremes are worth a look, and whether the least (1) or the most (-1) are."""
-
 
 @dataclass(frozen=True)
 class Remarkable:
@@ -86,9 +83,9 @@ def _remarkable(
     named: set[int] = set()
     for measure in compared.spreads:
         values = measure.values(columns)
-        if measure.column not in WORST or values is None or compared.constant(measure) is not None:
+        if not measure.worst or values is None or compared.constant(measure) is not None:
             continue
-        order = np.argsort(WORST[measure.column] * values, kind="stable")
+        order = np.argsort(measure.worst * values, kind="stable")
         fresh = [k for k in order.tolist() if k not in named and values[k] == values[k]]
         for k in fresh[:STANDING_OUT]:
             named.add(k)

@@ -83,9 +83,9 @@ def _field_check(
     field = fields.get(key)
     if field is None:
         raise ValueError(f"a run has no such figure; {_hint(key, fields)}")
-    if field.form == "visits":
+    if field.figure.form == "visits":
         return _visits(key, wanted, field, trial)
-    if field.form == "flag":
+    if field.figure.form == "flag":
         if not isinstance(wanted, bool):
             raise ValueError(f"expected true or false, found {wanted!r}")
         return _FigureCheck(key, field, in_words(wanted), lambda found: found is wanted)

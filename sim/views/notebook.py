@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import html
 
-from ..record.figures import figures_in_words
 from ..record.outcome import Outcome
+from ..record.summary import figures_in_words
 from .replay import render
 from .replay_data import replay_data
 

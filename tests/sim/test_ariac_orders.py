@@ -15,7 +15,7 @@ import sim
 from sim import orders as ariac
 from sim.bridge import Exchange, Workcell
 from sim.orders import layout
-from sim.record.figures import figures_in_words
+from sim.record.summary import figures_in_words
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 COLORS = ("blue", "green", "orange")

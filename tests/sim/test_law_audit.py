@@ -7,7 +7,7 @@ import pytest
 import floorplan
 import navigation
 import sim
-from sim.record.figures import figures_in_words
+from sim.record.summary import figures_in_words
 
 TRIAL = """\
 floorplan: ariac2023

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 import sim
-from sim.record.figures import figures_in_words
+from sim.record.summary import figures_in_words
 
 formatters = pytest.importorskip("IPython.core.formatters")
 

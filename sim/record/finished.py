@@ -1,0 +1,112 @@
+"""A run at its end, measured."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from navigation import Motion, minimum_separation
+
+from ..core.scenario import Scenario
+from ..machines.gantry.robot import GantryRobot
+from ..people.person import Person
+from ..safety.referee import Referee
+
+CAUSES = ("gantry", "person")
+"""Causes of a violation with the gantry: which of the two moved."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Finished:
+    """What there is at the end of a run: its `duration` (s), bodies, referee, orders' figures."""
+
+    trial: Scenario
+    duration: float
+    interrupted: bool
+    people: Sequence[Person]
+    gantry: GantryRobot | None
+    referee: Referee
+    motions: Mapping[str, Motion]
+    work: Mapping[str, Any]
+
+    def violations(self, person: Person | None = None) -> dict[str, int]:
+        """Return how many violations with the gantry had which cause: of one person, or of all."""
+        counted = self.referee.violations.items()
+        return {
+            cause: sum(
+                count
+                for (name, why), count in counted
+                if why == cause and (person is None or name == person.name)
+            )
+            for cause in CAUSES
+        }
+
+    @property
+    def agv_violations(self) -> int:
+        """The number of violations with AGVs."""
+        return sum(n for (_, cause), n in self.referee.violations.items() if cause == "agv")
+
+    @cached_property
+    def nearest(self) -> dict[str, dict[str, float]]:
+        """The least distance (m) of each person who started to the gantry's centre.
+
+        With its `time` (s), and the distance `required` then (m).
+        """
+        started = {person.name: person.started_at for person in self.people}
+        found = {}
+        for watch in self.referee.watches:
+            person, machine = watch.pair.person.name, watch.pair.machine
+            if machine.kind != "gantry" or (begin := started[person]) is None:
+                continue
+            tracks = (self.motions[person], self.motions[machine.name])
+            time, distance = minimum_separation(*tracks, begin, self.duration)
+            # A violation ends in a jump: what counts is what they were about to do until then.
+            required = watch.required_before(time, *tracks)
+            found[person] = {"distance": distance, "time": time, "required": required}
+        return found
+
+    @property
+    def nearest_of_all(self) -> dict[str, float] | None:
+        """The least of the distances in `nearest`, None where there is none."""
+        return min(self.nearest.values(), key=lambda found: found["distance"], default=None)
+
+    @property
+    def gantry_idle_time(self) -> float:
+        """How long the gantry neither moved, handled nor was made to stand, seconds."""
+        if self.gantry is None:
+            return 0.0
+        drive = self.gantry.drive
+        moving = sum(
+            piece.end - piece.begin
+            for piece in self.motions["gantry"].pieces
+            if any(any(axis[1:]) for axis in (piece.x, piece.y, piece.rotation))
+        )
+        # While it brakes because it is made to stand, both count.
+        busy = moving - drive.braking_time + drive.working_time + drive.standing_time
+        return max(0.0, self.duration - busy)
+
+    def distance_walked(self, person: Person) -> float:
+        """Return how far (m) a person has walked since they started; teleports don't count."""
+        return self._walked_and_stood(person)[0]
+
+    def time_standing(self, person: Person) -> float:
+        """Return how long (s) a person has stood since they started."""
+        return self._walked_and_stood(person)[1]
+
+    def _walked_and_stood(self, person: Person) -> tuple[float, float]:
+        begin = person.started_at
+        walked = standing = 0.0
+        for piece in self.motions[person.name].pieces if begin is not None else ():
+            u = piece.end - piece.begin
+            x, y = piece.x[1:], piece.y[1:]
+            if any(x) or any(y):
+                # A person's piece is straight and never turns back: it is as long as its chord.
+                walked += math.hypot(
+                    u * (x[0] + u * (x[1] + u * x[2])), u * (y[0] + u * (y[1] + u * y[2]))
+                )
+            else:
+                standing += max(0.0, piece.end - max(piece.begin, begin or 0.0))
+        return walked, standing

@@ -1,0 +1,78 @@
+"""The figures of a run in words, as a terminal or a notebook shows them."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+Words = Callable[[Any, Mapping[str, Any]], str]
+"""Puts a figure into words, from its value and what stands beside it; "" where it is not shown."""
+
+
+def plain(value: Any, beside: Mapping[str, Any]) -> str:
+    """Return a number or a text as it is."""
+    return str(value)
+
+
+def seconds(value: Any, beside: Mapping[str, Any]) -> str:
+    """Return a time."""
+    return f"{value:.1f} s"
+
+
+def metres(value: Any, beside: Mapping[str, Any]) -> str:
+    """Return a length."""
+    return f"{value:.1f} m"
+
+
+def by_cause(value: Any, beside: Mapping[str, Any]) -> str:
+    """Return how many violations there were, and by which cause."""
+    counts = {cause: count for cause, count in value.items() if count}
+    causes = [f"{cause} {count}×" for cause, count in counts.items()]
+    return f"{sum(counts.values())}" + (f" ({', '.join(causes)})" if causes else "")
+
+
+def stops(value: Any, beside: Mapping[str, Any]) -> str:
+    """Return how many protective stops there were, and how long they took."""
+    return f"{value}, {beside['protective_stop_time']:.1f} s" if value else ""
+
+
+def score(value: Any, beside: Mapping[str, Any]) -> str:
+    """Return the points there were, of all there could have been."""
+    return f"{value} of {beside['best_score']}"
+
+
+def order(value: Any, beside: Mapping[str, Any]) -> str:
+    """Return what became of an order."""
+    if value["submitted"] is None:
+        outcome = "not announced" if value["announced"] is None else "not submitted"
+    else:
+        outcome = f"{value['score']} of {value['best']}, after {value['time']:.1f} s"
+    missing = f" (without {', '.join(value['missing'])})" if value["missing"] else ""
+    return f"{value['type']}: {outcome}{missing}"
+
+
+def nearest(value: Any, beside: Mapping[str, Any]) -> str:
+    """Return a distance, when it was, and what was required then."""
+    if value is None:
+        return ""
+    distance, time, required = value["distance"], value["time"], value["required"]
+    return f"{distance:.2f} m at {time:.1f} s ({required:.2f} m required)"
+
+
+def short_laws(value: Any, beside: Mapping[str, Any]) -> str:
+    """Return the machines that may take longer to stop than their law counts on."""
+    agvs = sum(short["law"] == "agv_law" for short in value)
+    names = [short["machine"] for short in value if short["law"] != "agv_law"]
+    return ", ".join([*names, *([f"{agvs} AGV{'s' * (agvs > 1)}"] if agvs else [])])
+
+
+def program(value: Any, beside: Mapping[str, Any]) -> str:
+    """Return the name of a personality."""
+    return Path(value).stem
+
+
+def counted(value: Any, beside: Mapping[str, Any]) -> str:
+    """Return how often each of some names is there, in the order of the first ones."""
+    return ", ".join(f"{name} {n}×" for name, n in Counter(value).items()) or "none"
