@@ -151,7 +151,10 @@ TRIALS = st.fixed_dictionaries(
 )
 
 
-@settings(suppress_health_check=[HealthCheck.filter_too_much, HealthCheck.too_slow])
+@settings(
+    max_examples=settings.default.max_examples // 3,
+    suppress_health_check=[HealthCheck.filter_too_much, HealthCheck.too_slow],
+)
 @given(FLOORS, TRIALS)
 def test_what_is_checked_starts_to_run(tmp_path_factory, floor, trial):
     folder = tmp_path_factory.mktemp("t")

@@ -107,14 +107,11 @@ def test_every_command_is_called_below():
     assert sorted(every_command(typer.main.get_command(app))) == sorted(CALLS)
 
 
-# Pictures are drawn by one library: one of them is enough for every day.
-ALIKE = frozenset(name for name in CALLS if name.startswith("plot ")) - {"plot trails"}
+ALONE = ("bridge", "run", "study")
+"""Commands that start servers or processes: what those leave shows when the command's own ends."""
 
 
-@pytest.mark.parametrize(
-    "name",
-    [pytest.param(name, marks=pytest.mark.slow) if name in ALIKE else name for name in CALLS],
-)
+@pytest.mark.parametrize("name", ALONE)
 def test_commands_say_nothing_but_what_they_mean_to(name, samples):
     done = called(samples, CALLS[name], STRICT)
     assert re.fullmatch(NOTICES.get(name, ""), done.stderr), done.stderr
@@ -122,16 +119,45 @@ def test_commands_say_nothing_but_what_they_mean_to(name, samples):
     assert "Warning" not in done.stdout
 
 
+ONE_AFTER_ANOTHER = """
+import sys
+from sim.cli import main
+for call in sys.argv[1:]:
+    sys.argv = ["floorwalker", *call.split()]
+    try:
+        main()
+    except SystemExit as ended:
+        print(f"== {ended.code or 0} {call}", file=sys.stderr, flush=True)
+"""
+
+
+def test_so_do_the_others_one_after_another(samples):
+    """In one process, since most of what a command takes is its start."""
+    calls = {name: call for name, call in CALLS.items() if name not in ALONE}
+    done = subprocess.run(
+        [sys.executable, *STRICT, "-c", ONE_AFTER_ANOTHER, *calls.values()],
+        cwd=samples,
+        env=environment(),
+        capture_output=True,
+        text=True,
+        timeout=300,
+    )
+    said = "".join(f"{NOTICES.get(name, '')}== 0 {re.escape(calls[name])}\n" for name in calls)
+    assert re.fullmatch(said, done.stderr), done.stderr
+    assert done.returncode == 0
+    assert "Warning" not in done.stdout
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("words", FURTHER)
-def test_so_do_their_variants(words, samples):
+def test_variants_say_nothing(words, samples):
     done = called(samples, words, STRICT)
     assert (done.returncode, done.stderr) == (0, "")
 
 
-@pytest.mark.parametrize("name", ["agent", "check", "list", "run"])
+@pytest.mark.parametrize("name", ["agent", "list", "run"])
 def test_a_reader_who_has_seen_enough_is_left_in_peace(name, samples):
-    words = {**CALLS, "check": "check short.asl hall.yaml", "run": "run short.trial.yaml"}[name]
+    words = {**CALLS, "run": "run short.trial.yaml"}[name]
     reader, writer = os.pipe()
     os.close(reader)
     done = subprocess.run(

@@ -125,29 +125,22 @@ def test_a_second_run_gets_a_folder_of_its_own(recorded, floorwalker):
 
 @pytest.mark.parametrize("trial", ["ariac2023", "scene_helpful"])
 def test_the_same_trial_gives_the_same_bytes_in_any_process(trial, tmp_path):
-    for name, hash_seed in (("a", "1"), ("b", "2")):
-        env = {"PYTHONHASHSEED": hash_seed}
-        done = in_a_process("run", trial, "--out", tmp_path / name, cwd=tmp_path, env=env)
-        assert done.returncode == 0, done.stderr
-    run = sim.run(sim.Trial.load("scene_antagonistic"))  # something else before
-    assert run.events
-    recording = sim.Recording(tmp_path / "c")
-    chosen = sim.Trial.load(trial)
-    recording.finish(sim.run(chosen, recording))
-    for file in (
-        "events.jsonl",
-        "motions.jsonl",
-        "thoughts.jsonl",
-        "trajectory.csv",
-        "replay.html",
-    ):
-        contents = {(tmp_path / name / file).read_bytes() for name in "abc"}
-        assert len(contents) == 1, file
-    summaries = [json.loads((tmp_path / name / "summary.json").read_text()) for name in "abc"]
-    for summary in summaries:
-        for field in TIMING:
-            del summary[field]
-    assert summaries[0] == summaries[1] == summaries[2]
+    """Whatever its strings hash to, and whatever ran in the process before."""
+    env = {"PYTHONHASHSEED": "1"}
+    done = in_a_process("run", trial, "--out", tmp_path / "there", cwd=tmp_path, env=env)
+    assert done.returncode == 0, done.stderr
+    assert sim.run(sim.Trial.load("scene_antagonistic")).events
+    recording = sim.Recording(tmp_path / "here")
+    recording.finish(sim.run(sim.Trial.load(trial), recording))
+    files = {path.name for path in (tmp_path / "there").iterdir()}
+    assert files == {path.name for path in (tmp_path / "here").iterdir()}
+    for file in files - {"summary.json"}:
+        there, here = ((tmp_path / name / file).read_bytes() for name in ("there", "here"))
+        assert there == here, file
+    there, here = (
+        json.loads((tmp_path / name / "summary.json").read_text()) for name in ("there", "here")
+    )
+    assert there | dict.fromkeys(TIMING) == here | dict.fromkeys(TIMING)
 
 
 def test_who_waits_for_somebody_outside_is_said(tmp_path, floorwalker):
@@ -268,7 +261,7 @@ def test_check_says_what_it_read(tmp_path, floorwalker):
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full, as Linux has it")
-@pytest.mark.parametrize("words", [["list"], ["check", "helpful"], ["run", "--duration", "1"]])
+@pytest.mark.parametrize("words", [["list"], ["run", "--duration", "1"]])
 def test_output_that_finds_no_room_is_told(tmp_path, words):
     with Path("/dev/full").open("w") as full:
         command = [sys.executable, "-m", "sim.cli", *words]

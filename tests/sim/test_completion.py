@@ -16,27 +16,31 @@ import sim
 from sim.commands import completion
 
 ROOT = Path(__file__).resolve().parents[2]
-COMMAND = [sys.executable, "-m", "sim.cli"]
 HEAVY = ("numpy", "shapely", "ompl", "fcl", "lark", "rich", "bdi", "floorplan")
 
 
-def asked(folder, **variables):
-    paths = [str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])]
-    env = {**os.environ, "PYTHONPATH": os.pathsep.join(paths), **variables}
-    done = subprocess.run(COMMAND, cwd=folder, env=env, capture_output=True, text=True)
-    assert (done.returncode, done.stderr) == (0, "")
-    return done.stdout
+@pytest.fixture
+def asked(floorwalker, monkeypatch):
+    """Ask the command in this process, by the variables that a shell sets."""
+
+    def asked(folder, **variables):
+        with monkeypatch.context() as now:
+            for name, value in variables.items():
+                now.setenv(name, value)
+            done = floorwalker(cwd=folder)
+        assert (done.returncode, done.stderr) == (0, "")
+        return done.stdout
+
+    return asked
 
 
-def in_bash(line, folder):
-    words = line.split(" ")
-    offered = asked(
-        folder,
-        _FLOORWALKER_COMPLETE="complete_bash",
-        COMP_WORDS=line,
-        COMP_CWORD=str(len(words) - 1),
-    )
-    return offered.split()
+@pytest.fixture
+def in_bash(asked, folder):
+    def offered(line):
+        variables = {"COMP_WORDS": line, "COMP_CWORD": str(line.count(" "))}
+        return asked(folder, _FLOORWALKER_COMPLETE="complete_bash", **variables).split()
+
+    return offered
 
 
 @pytest.fixture
@@ -51,10 +55,10 @@ def folder(tmp_path):
     return tmp_path
 
 
-def test_commands_and_options(folder):
-    assert in_bash("floorwalker re", folder) == ["replay", "render"]
-    assert in_bash("floorwalker plot sp", folder) == ["spacetime"]
-    assert in_bash("floorwalker run --per", folder) == ["--personality"]
+def test_commands_and_options(in_bash):
+    assert in_bash("floorwalker re") == ["replay", "render"]
+    assert in_bash("floorwalker plot sp") == ["spacetime"]
+    assert in_bash("floorwalker run --per") == ["--personality"]
 
 
 @pytest.mark.parametrize(
@@ -78,16 +82,16 @@ def test_commands_and_options(folder):
         ("check nowhere/", []),
     ],
 )
-def test_values(line, offered, folder):
-    assert in_bash(f"floorwalker {line}", folder) == offered
+def test_values(line, offered, in_bash):
+    assert in_bash(f"floorwalker {line}") == offered
 
 
-def test_files_are_left_to_the_shell_where_any_will_do(folder):
-    assert in_bash("floorwalker export runs/lunch --out m", folder) == []
+def test_files_are_left_to_the_shell_where_any_will_do(in_bash):
+    assert in_bash("floorwalker export runs/lunch --out m") == []
 
 
 @pytest.mark.skipif(shutil.which("bash") is None, reason="no bash on this machine")
-def test_the_script_for_bash_works_in_bash(folder):
+def test_the_script_for_bash_works_in_bash(asked, folder):
     script = asked(folder, _FLOORWALKER_COMPLETE="source_bash")
     function = re.search(r"^(\w+)\(\)", script, re.M)[1]
     wrapper = folder / "floorwalker"
@@ -102,7 +106,7 @@ def test_the_script_for_bash_works_in_bash(folder):
     assert (done.stdout, done.stderr) == ("paper\n", "")
 
 
-def test_zsh_and_fish_are_answered(folder):
+def test_zsh_and_fish_are_answered(asked, folder):
     words = "floorwalker run --controller pau"
     zsh = asked(folder, _FLOORWALKER_COMPLETE="complete_zsh", _TYPER_COMPLETE_ARGS=words)
     assert re.fullmatch(r"""_arguments '\*: :\(\("?pausing"?\)\)'\n""", zsh)

@@ -91,7 +91,7 @@ INTEGRAL = (
     rules=st.sampled_from(["paper", "ariac2023", INTEGRAL]),
     people=st.integers(1, 2),
 )
-@settings(max_examples=6)
+@settings(max_examples=settings.default.max_examples // 16)
 def test_careful_controllers_never_move_where_somebody_is_too_near(
     seed, personality, controller, rules, people
 ):

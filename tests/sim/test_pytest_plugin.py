@@ -296,7 +296,7 @@ def test_ids(trial):
 def test_a_run_that_fails_before_the_test_is_told_as_well(pytester, run_pytest):
     write(
         pytester,
-        endless__asl="!go.\n+!go <- !go.\n",
+        endless__asl="!go(a).\n+!go(X) <- !go(f(X)).\n",
         test_early__py="""
 import pytest
 
@@ -317,7 +317,7 @@ def test_endless(run_trial):
     result = run_pytest()
     result.assert_outcomes(errors=1, failed=1)
     result.stdout.fnmatch_lines(["ariac_cell on ariac2023, 120 s:*", "replay: *test_early*"])
-    result.stdout.fnmatch_lines(["*endless.asl:2:*this plan does not end*"])
+    result.stdout.fnmatch_lines(["*endless.asl:2:*"])
     assert "simpy" not in result.stdout.str()
     assert "agent.py" not in result.stdout.str()
 
