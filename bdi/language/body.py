@@ -78,14 +78,11 @@ class Act:
 class Constraint:
     """Expression in a body, as `X = Y + 1`: fails if it does not hold."""
 
-    relation: Term
+    relation: Relation
     place: Place = field(default=NOWHERE, compare=False)
 
     def __str__(self) -> str:
-        if isinstance(self.relation, Relation):
-            relation = self.relation
-            return f"{text(relation.left)} {relation.symbol} {text(relation.right)}"
-        return text(self.relation)
+        return str(self.relation)[1:-1]
 
 
 @dataclass(frozen=True)

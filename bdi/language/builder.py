@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, TypeAlias
 
 from lark import Token, Transformer_NonRecursive, v_args
 from lark.tree import Meta
@@ -62,10 +62,8 @@ class Directive(Clause):
 class RefusedError(Exception):
     """Clause that the grammar allows but the language does not."""
 
-    def __init__(self, line: int, column: int, message: str) -> None:
-        self.line = line
-        self.column = column
-        self.message = message
+    def __init__(self, meta: Meta, message: str) -> None:
+        self.line, self.column = _at(meta)
         super().__init__(message)
 
 
@@ -78,6 +76,9 @@ def stray_message(character: str) -> str:
 
 def _at(meta: Meta) -> tuple[int, int]:
     return getattr(meta, "line", 0), getattr(meta, "column", 0)
+
+
+_Steps: TypeAlias = "BodyFormula | Body"
 
 
 @v_args(inline=True, meta=True)
@@ -93,27 +94,23 @@ class Builder(Transformer_NonRecursive[Token, Any]):
 
     # ---- clauses
 
-    def clause(self, meta: Meta, clause: Clause) -> Clause:
-        return clause
-
     def stray(self, meta: Meta, character: Token) -> None:
-        raise RefusedError(*_at(meta), stray_message(character))
+        raise RefusedError(meta, stray_message(character))
 
     def directive(self, meta: Meta, name: Token, args: tuple[Term, ...] | None) -> Directive:
         return Directive(str(name), args or (), self._place(meta))
 
     def belief(self, meta: Meta, head: Term, body: Term | None) -> Belief | Rule:
         if not isinstance(head, Literal):
-            raise RefusedError(*_at(meta), "a variable cannot be a belief")
+            raise RefusedError(meta, "a variable cannot be a belief")
         if head.is_internal_action:
-            raise RefusedError(*_at(meta), f"the internal action {head.functor} cannot be a belief")
-        if body is None:
-            return Belief(head, self._place(meta))
-        return Rule(head, body, self._place(meta))
+            raise RefusedError(meta, f"the internal action {head.functor} cannot be a belief")
+        place = self._place(meta)
+        return Belief(head, place) if body is None else Rule(head, body, place)
 
     def initial_goal(self, meta: Meta, goal: Term) -> Goal:
         if not isinstance(goal, Literal):
-            raise RefusedError(*_at(meta), "a variable cannot be a goal")
+            raise RefusedError(meta, "a variable cannot be a goal")
         return Goal(goal, self._place(meta))
 
     def plan(
@@ -124,13 +121,8 @@ class Builder(Transformer_NonRecursive[Token, Any]):
         context: Term | None,
         body: Body | None,
     ) -> Plan:
-        return Plan(
-            label,
-            trigger,
-            TRUE if context is None else context,
-            _without_true(body or ()),
-            self._place(meta),
-        )
+        condition = TRUE if context is None else context
+        return Plan(label, trigger, condition, _without_true(body or ()), self._place(meta))
 
     def named_label(self, meta: Meta, name: Token, annots: List | None) -> Literal:
         return Literal(str(name), (), _annots(annots))
@@ -142,17 +134,17 @@ class Builder(Transformer_NonRecursive[Token, Any]):
         self, meta: Meta, update: Token, kind: Token | None, literal: Literal | Var
     ) -> Trigger:
         if update not in ("+", "-"):
-            raise RefusedError(*_at(meta), f"a plan begins with '+' or '-', not with '{update}'")
+            raise RefusedError(meta, f"a plan begins with '+' or '-', not with '{update}'")
         if isinstance(literal, Literal) and literal.is_internal_action:
-            raise RefusedError(*_at(meta), f"there is no event of {literal.functor}")
+            raise RefusedError(meta, f"there is no event of {literal.functor}")
         return Trigger(str(update), str(kind or ""), literal)
 
     # ---- bodies
 
-    def body_end(self, meta: Meta, step: BodyFormula | Body) -> Body:
+    def body_end(self, meta: Meta, step: _Steps) -> Body:
         return _as_body(step)
 
-    def body_more(self, meta: Meta, step: BodyFormula | Body, rest: Body) -> Body:
+    def body_more(self, meta: Meta, step: _Steps, rest: Body) -> Body:
         return (*_as_body(step), *rest)
 
     def achieve(self, meta: Meta, goal: Literal | Var) -> Achieve:
@@ -166,7 +158,7 @@ class Builder(Transformer_NonRecursive[Token, Any]):
     def _not_internal(self, meta: Meta, operator: str, literal: Term) -> None:
         if isinstance(literal, Literal) and literal.is_internal_action:
             raise RefusedError(
-                *_at(meta), f"'{operator}' and the internal action {literal.functor} do not combine"
+                meta, f"'{operator}' and the internal action {literal.functor} do not combine"
             )
 
     def test(self, meta: Meta, formula: Term) -> Test:
@@ -177,9 +169,7 @@ class Builder(Transformer_NonRecursive[Token, Any]):
         if isinstance(belief, PlanTerm):
             return self._plan_update(meta, operator, belief)
         if not isinstance(belief, Literal | Var):
-            raise RefusedError(
-                *_at(meta), f"'{operator}' is followed by a belief, not by {text(belief)}"
-            )
+            raise RefusedError(meta, f"'{operator}' is followed by a belief, not by {text(belief)}")
         self._not_internal(meta, operator, belief)
         return Update(str(operator), belief, self._place(meta))
 
@@ -191,7 +181,7 @@ class Builder(Transformer_NonRecursive[Token, Any]):
             at = Literal("end" if operator == "+>" else "begin")
             action = Literal(".add_plan", (plan, Literal("self"), at))
         else:
-            raise RefusedError(*_at(meta), f"'{operator}' and a plan do not combine")
+            raise RefusedError(meta, f"'{operator}' and a plan do not combine")
         return Act(action, self._place(meta))
 
     def act(self, meta: Meta, formula: Term) -> BodyFormula:
@@ -199,21 +189,13 @@ class Builder(Transformer_NonRecursive[Token, Any]):
             return Act(formula, self._place(meta))
         if isinstance(formula, Relation):
             return Constraint(formula, self._place(meta))
-        raise RefusedError(*_at(meta), f"{text(formula)} is nothing a plan can do")
+        raise RefusedError(meta, f"{text(formula)} is nothing a plan can do")
 
-    def group(self, meta: Meta, body: Body) -> Body:
-        return body
-
-    def fork(
-        self, meta: Meta, one: BodyFormula | Body, sign: Token, other: BodyFormula | Body
-    ) -> Fork:
+    def fork(self, meta: Meta, one: _Steps, sign: Token, other: _Steps) -> Fork:
         all_of = sign == "|&|"
-        branches: tuple[Body, ...] = (_as_body(one),)
-        if isinstance(other, Fork) and other.all_of == all_of:
-            branches += other.branches
-        else:
-            branches += (_as_body(other),)
-        return Fork(all_of, branches, self._place(meta))
+        is_more = isinstance(other, Fork) and other.all_of == all_of
+        others = other.branches if is_more else (_as_body(other),)  # type: ignore[union-attr]
+        return Fork(all_of, (_as_body(one), *others), self._place(meta))
 
     def if_(self, meta: Meta, conditional: If) -> If:
         return replace(conditional, place=self._place(meta))
@@ -264,14 +246,14 @@ class Builder(Transformer_NonRecursive[Token, Any]):
     def _numeric(self, meta: Meta, operator: str, operand: Term) -> None:
         if not isinstance(operand, float | Var | Arithmetic | Function):
             raise RefusedError(
-                *_at(meta),
+                meta,
                 f"'{operator}' takes numbers and variables, and {text(operand)} is neither",
             )
 
     def number(self, meta: Meta, token: Token) -> float:
         value = float(token)
         if math.isinf(value):
-            raise RefusedError(*_at(meta), f"the number {token} is too large")
+            raise RefusedError(meta, f"the number {token} is too large")
         return value
 
     def string(self, meta: Meta, token: Token) -> str:
@@ -300,7 +282,7 @@ class Builder(Transformer_NonRecursive[Token, Any]):
         literal = Literal(str(name), args or (), _annots(annots), negated)
         if literal.is_internal_action and (negated or literal.annots):
             what = "be negated" if negated else "have annotations"
-            raise RefusedError(*_at(meta), f"the internal action {name} cannot {what}")
+            raise RefusedError(meta, f"the internal action {name} cannot {what}")
         return literal
 
     def variable(self, meta: Meta, name: Token, annots: List | None) -> Var:
@@ -321,17 +303,13 @@ class Builder(Transformer_NonRecursive[Token, Any]):
     def list(self, meta: Meta, elements: tuple[Term, ...] | None, tail: Term | None) -> Term:
         return make_list(elements or (), EMPTY if tail is None else tail)
 
-    def elements(self, meta: Meta, *elements: Term) -> tuple[Term, ...]:
-        return elements
+    elements = terms
 
     def tail_variable(self, meta: Meta, name: Token) -> Var:
         return Var(str(name))
 
     def tail_anonymous(self, meta: Meta, token: Token) -> Var:
         return Var(_anonymous(token))
-
-    def tail_list(self, meta: Meta, tail: Term) -> Term:
-        return tail
 
     def empty_body_term(self, meta: Meta) -> BodyTerm:
         return BodyTerm(())
@@ -370,7 +348,7 @@ def _anonymous(token: Token) -> str:
     return f"__{token.line}_{token.column}"
 
 
-def _as_body(step: BodyFormula | Body) -> Body:
+def _as_body(step: _Steps) -> Body:
     """Return a step as a body; steps in brackets are one already."""
     return step if isinstance(step, tuple) else (step,)
 

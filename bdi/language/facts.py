@@ -26,33 +26,24 @@ def plain_fact(tokens: Sequence[Token], file: str) -> Belief | None:
     if tokens[-2].type != "RPAR" or tokens[-1].type != "DOT":
         return None
     args: list[Term] = []
-    last = len(tokens) - 2
-    position = 2
-    while position < last:
-        token = tokens[position]
-        kind = token.type
-        is_negative = kind == "MINUS"
-        if is_negative:
-            position += 1
-            token = tokens[position]
-            kind = token.type
-        if kind == "NUMBER":
-            value = float(token)
-            if math.isinf(value):
-                return None
-            args.append(-value if is_negative else value)
-        elif is_negative:
-            return None
-        elif kind == "ATOM" and "." not in token:
+    rest = iter(tokens[2:-2])
+    for token in rest:
+        if token.type == "ATOM" and "." not in token:
             args.append(Literal(str(token)))
-        elif kind == "STRING":
+        elif token.type == "STRING":
             args.append(string_value(token))
         else:
+            number = next(rest, token) if token.type == "MINUS" else token
+            if number.type != "NUMBER" or math.isinf(value := float(number)):
+                return None
+            args.append(value if number is token else -value)
+        following = next(rest, None)
+        if following is None:
+            break
+        if following.type != "COMMA":
             return None
-        position += 1
-        if tokens[position].type != "COMMA" and position != last:
-            return None
-        position += 1
-    if position != last + 1 or is_function(head, len(args)):
+    else:
+        return None  # no argument, or a comma after the last
+    if is_function(head, len(args)):
         return None
     return Belief(Literal(str(head), tuple(args)), Place(file, head.line or 0, head.column or 0))

@@ -8,9 +8,9 @@ from importlib.resources import files
 from pathlib import Path
 
 from ..errors import Problem, ProgramError
-from .body import Place
-from .parser import make_program, parse_clauses
-from .program import Program
+from .builder import Directive
+from .parser import read_clauses
+from .program import Belief, Clause, Goal, Plan, Program, Rule
 
 MAX_TEXT = 4_000_000
 """Length of the longest program that is read (characters); it takes about a minute."""
@@ -72,20 +72,56 @@ def parse(source: str, name: str = "<text>", *, folder: str | Path | None = None
 def _parse(source: str, name: str, folder: Path | None) -> Program:
     if len(source) > MAX_TEXT:
         raise ProgramError([Problem(name, 0, 0, _TOO_LONG)])
-
-    def include(file: str, place: Place) -> tuple[str, str] | Problem:
-        found = find_included(file, folder)
-        if isinstance(found, str):
-            return place.problem(found)
-        text = _read(found)
-        if isinstance(text, Problem):
-            return place.problem(f"{found} {text.message}")
-        return text, str(found)
-
-    clauses, problems = parse_clauses(source, name, include)
+    found, problems = _read_all(source, name, folder, ())
     if problems:
         raise ProgramError(problems)
-    return make_program(clauses, name, folder)
+    return Program(
+        name,
+        tuple(c for c in found if isinstance(c, Belief | Rule)),
+        tuple(c for c in found if isinstance(c, Goal)),
+        tuple(c for c in found if isinstance(c, Plan)),
+        folder,
+    )
+
+
+def _read_all(
+    source: str, file: str, folder: Path | None, including: tuple[str, ...]
+) -> tuple[list[Clause], list[Problem]]:
+    """Return the clauses of a text, those of included files in their places, and all problems."""
+    clauses, wrong = read_clauses(source, file)
+    problems = list(wrong)
+    result: list[Clause] = []
+    for clause in clauses:
+        if not isinstance(clause, Directive):
+            result.append(clause)
+            continue
+        opened = _open_included(clause, folder, (*including, file))
+        if isinstance(opened, str):
+            problems.append(clause.place.problem(opened))
+            continue
+        more, more_wrong = _read_all(*opened, folder, (*including, file))
+        result.extend(more)
+        problems.extend(more_wrong)
+    return result, sorted(problems, key=lambda p: (p.file != file, p.file, p.line, p.column))
+
+
+def _open_included(
+    directive: Directive, folder: Path | None, including: tuple[str, ...]
+) -> tuple[str, str] | str:
+    """Return the text and the path of an included file, or the reason why there is none."""
+    if directive.name != "include":
+        return f"there is no directive '{directive.name}'; the one there is is include"
+    if len(directive.args) != 1 or not isinstance(directive.args[0], str):
+        return 'include takes the name of a file: { include("patrol.asl") }'
+    found = find_included(directive.args[0], folder)
+    if isinstance(found, str):
+        return found
+    text = _read(found)
+    if isinstance(text, Problem):
+        return f"{found} {text.message}"
+    if str(found) in including:
+        return f"{directive.args[0]} includes itself"
+    return text, str(found)
 
 
 def find_included(name: str, folder: Path | None) -> Path | str:

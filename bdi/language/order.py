@@ -67,11 +67,9 @@ def _parts(term: Term) -> tuple[str, tuple[Term, ...]] | None:
     if isinstance(term, Literal):
         return term.functor, term.args
     if isinstance(term, Relation):
-        return f" {term.symbol} ", (term.left, term.right)
-    if isinstance(term, Function):
-        return term.name, term.args
-    if isinstance(term, Arithmetic):
-        return term.symbol, (term.left, term.right)
+        return f" {term.symbol} ", term.operands
+    if isinstance(term, Function | Arithmetic):
+        return term.symbol, term.operands
     return None
 
 

@@ -1,4 +1,4 @@
-"""From a text to a program.
+"""From a text to its clauses.
 
 The grammar is that of one clause, so that a mistake ends with the clause it is in: all wrong
 clauses of a program are reported at once, each with its place.
@@ -6,20 +6,18 @@ clauses of a program are reported at once, each with its place.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Collection, Sequence
 from functools import lru_cache
-from pathlib import Path
 from types import MappingProxyType
-from typing import Any, TypeAlias
+from typing import Any
 
 from lark import Lark, Token, Tree
 from lark.exceptions import UnexpectedInput, UnexpectedToken, VisitError
 
 from ..errors import Problem, ProgramError, TooDeepError
-from .body import Place
-from .builder import Builder, Directive, RefusedError, stray_message
+from .builder import Builder, RefusedError, stray_message
 from .facts import plain_fact
-from .program import Belief, Clause, Goal, Plan, Program, Rule
+from .program import Belief, Clause, Plan, Rule
 from .terms import Literal, Term, TriggerTerm
 from .tokens import clauses, grammar, nesting, tokenize
 
@@ -68,7 +66,7 @@ def _problem(error: Exception, tokens: Sequence[Token], file: str) -> Problem:
     """Return the problem for which a clause could not be read."""
     if isinstance(error, VisitError) and isinstance(error.orig_exc, RefusedError):
         refused = error.orig_exc
-        return Problem(file, refused.line, refused.column, refused.message)
+        return Problem(file, refused.line, refused.column, str(refused))
     if isinstance(error, VisitError):
         # A term over the limits of size and depth.
         error = TooDeepError(str(error.orig_exc))
@@ -199,56 +197,3 @@ def parse_plan(source: str) -> Plan:
     if isinstance(clause, Plan):
         return clause
     raise _wrong_part(source, "a plan")
-
-
-# ---- reading programs
-
-Include: TypeAlias = Callable[[str, Place], "tuple[str, str] | Problem"]
-
-
-def parse_clauses(
-    source: str, file: str, include: Include, including: tuple[str, ...] = ()
-) -> tuple[list[Clause], list[Problem]]:
-    """Return the clauses of a text, included files in place of the directives, and all problems."""
-    clauses_here, wrong_here = read_clauses(source, file)
-    problems = list(wrong_here)
-    result: list[Clause] = []
-    for clause in clauses_here:
-        if not isinstance(clause, Directive):
-            result.append(clause)
-            continue
-        opened = _open_included(clause, include, (*including, file))
-        if isinstance(opened, Problem):
-            problems.append(opened)
-            continue
-        more, wrong = parse_clauses(*opened, include, (*including, file))
-        result.extend(more)
-        problems.extend(wrong)
-    return result, sorted(problems, key=lambda p: (p.file != file, p.file, p.line, p.column))
-
-
-def _open_included(
-    directive: Directive, include: Include, including: tuple[str, ...]
-) -> tuple[str, str] | Problem:
-    place = directive.place
-    if directive.name != "include":
-        return place.problem(
-            f"there is no directive '{directive.name}'; the one there is is include"
-        )
-    if len(directive.args) != 1 or not isinstance(directive.args[0], str):
-        return place.problem('include takes the name of a file: { include("patrol.asl") }')
-    opened = include(directive.args[0], place)
-    if not isinstance(opened, Problem) and opened[1] in including:
-        return place.problem(f"{directive.args[0]} includes itself")
-    return opened
-
-
-def make_program(found: Sequence[Clause], source: str, folder: Path | None) -> Program:
-    """Return the program of the clauses, sorted by their kind."""
-    return Program(
-        source,
-        tuple(c for c in found if isinstance(c, Belief | Rule)),
-        tuple(c for c in found if isinstance(c, Goal)),
-        tuple(c for c in found if isinstance(c, Plan)),
-        folder,
-    )

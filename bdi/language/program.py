@@ -48,7 +48,7 @@ class Clause:
 
         Collected once: a clause is shared by all agents that run it.
         """
-        return frozenset(part.name for part in _all_parts(self) if isinstance(part, Function))
+        return frozenset(part.symbol for part in _all_parts(self) if isinstance(part, Function))
 
 
 @dataclass(frozen=True, repr=False)
@@ -230,8 +230,9 @@ def with_run_functions(program: Program, functions: Mapping[str, Callable[..., f
     """
 
     def bind(part: Any) -> Any:
-        if isinstance(part, Function) and part.name in functions:
-            return Function(part.name, transformed(part.args, bind), functions[part.name])
+        if isinstance(part, Function) and part.symbol in functions:
+            args = transformed(part.operands, bind)
+            return Function(part.symbol, args, functions[part.symbol])
         return None
 
     def bound(clause: _Clause) -> _Clause:

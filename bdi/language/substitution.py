@@ -13,16 +13,13 @@ from typing import TypeAlias
 from .arithmetic import NAN, OPERATORS, apply_function
 from .order import sorted_annots
 from .terms import (
-    And,
     AnnotatedVar,
     Arithmetic,
     Cons,
     Function,
     Literal,
     Nil,
-    Not,
-    Or,
-    Relation,
+    Operation,
     RestVar,
     Term,
     TriggerTerm,
@@ -100,7 +97,8 @@ def substitute_literal(literal: Literal, u: Unifier) -> Literal:
 
 
 def _calculate(term: Arithmetic, u: Unifier) -> Term:
-    left, right = substitute(term.left, u), substitute(term.right, u)
+    left, right = term.operands
+    left, right = substitute(left, u), substitute(right, u)
     if left.__class__ is float and right.__class__ is float:
         return OPERATORS[term.symbol](left, right)
     if is_ground(left) and is_ground(right):
@@ -112,11 +110,11 @@ def _substitute_other(term: Term, u: Unifier) -> Term:
     if isinstance(term, Cons):
         return term if term.ground else _substitute_list(term, u)
     if isinstance(term, Function):
-        args = tuple(substitute(arg, u) for arg in term.args)
+        args = tuple(substitute(arg, u) for arg in term.operands)
         if not all(map(is_ground, args)):
-            return Function(term.name, args, term.calculate)
-        return apply_function(term.name, args, term.calculate)
-    if isinstance(term, Relation | And | Or | Not):
+            return term.with_operands(args)
+        return apply_function(term.symbol, args, term.calculate)
+    if isinstance(term, Operation):
         return rebuilt(term, lambda part: substitute(part, u))
     if isinstance(term, AnnotatedVar):
         return _substitute_annotated(term, u)

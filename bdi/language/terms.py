@@ -286,57 +286,48 @@ class Cons:
 # ---- expressions and formulas
 
 
-class Infix:
-    """Base of the terms that are written as a symbol between two operands."""
+class Operation:
+    """Base of expressions and formulas: a symbol that is applied to operands."""
 
-    __slots__ = ("depth", "ground", "left", "right", "size", "symbol")
+    __slots__ = ("depth", "ground", "operands", "size", "symbol")
 
-    def __init__(self, symbol: str, left: Term, right: Term) -> None:
+    def __init__(self, symbol: str, *operands: Term) -> None:
         self.symbol = symbol
-        self.left = left
-        self.right = right
-        self.ground = is_ground(left) and is_ground(right)
-        self.size, self.depth = _measure((left, right))
+        self.operands = operands
+        self.ground = all(map(is_ground, operands))
+        self.size, self.depth = _measure(operands)
+
+    def with_operands(self, operands: tuple[Term, ...]) -> Operation:
+        """Return the operation on other operands."""
+        other = object.__new__(type(self))
+        Operation.__init__(other, self.symbol, *operands)
+        return other
 
     def __str__(self) -> str:
-        return f"({text(self.left)} {self.symbol} {text(self.right)})"
+        left, right = self.operands
+        return f"({text(left)} {self.symbol} {text(right)})"
 
     def __repr__(self) -> str:
         return f"<{self}>"
 
     def __eq__(self, other: object) -> bool:
         return (
-            isinstance(other, Infix)
+            isinstance(other, Operation)
             and self.symbol == other.symbol
-            and self.left == other.left
-            and self.right == other.right
+            and self.operands == other.operands
         )
 
     def __hash__(self) -> int:
-        return hash((self.symbol, self.left, self.right))
+        return hash((self.symbol, self.operands))
 
 
-class Arithmetic(Infix):
-    """Arithmetic operation, `N-1`. Never ground: substitution replaces it by its value."""
-
-    __slots__ = ()
-
-    def __init__(self, symbol: str, left: Term, right: Term) -> None:
-        super().__init__(symbol, left, right)
-        self.ground = False
-
-    def __str__(self) -> str:
-        spaced = f" {self.symbol} " if self.symbol.isalpha() else self.symbol
-        return f"({text(self.left)}{spaced}{text(self.right)})"
-
-
-class Relation(Infix):
+class Relation(Operation):
     """Comparison (`<`, `==`, …), unification (`=`) or decomposition (`=..`)."""
 
     __slots__ = ()
 
 
-class And(Infix):
+class And(Operation):
     """Conjunction."""
 
     __slots__ = ()
@@ -345,7 +336,7 @@ class And(Infix):
         super().__init__("&", left, right)
 
 
-class Or(Infix):
+class Or(Operation):
     """Disjunction."""
 
     __slots__ = ()
@@ -354,59 +345,61 @@ class Or(Infix):
         super().__init__("|", left, right)
 
 
-class Not:
+class Not(Operation):
     """Negation as failure."""
 
-    __slots__ = ("depth", "formula", "ground", "size")
+    __slots__ = ()
 
     def __init__(self, formula: Term) -> None:
-        self.formula = formula
-        self.ground = is_ground(formula)
-        self.size, self.depth = _measure((formula,))
+        super().__init__("not", formula)
 
     def __str__(self) -> str:
-        return f"not ({text(self.formula)})"
-
-    def __repr__(self) -> str:
-        return f"<{self}>"
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, Not) and self.formula == other.formula
-
-    def __hash__(self) -> int:
-        return hash(("not", self.formula))
+        return f"not ({text(self.operands[0])})"
 
 
-class Function:
-    """Call of an arithmetic function, `math.abs(X)`, or a sign, `-X`. Never ground.
+class Arithmetic(Operation):
+    """Arithmetic operation, `N-1`. Not ground: substitution replaces it by its value."""
+
+    __slots__ = ()
+
+    def __init__(self, symbol: str, left: Term, right: Term) -> None:
+        super().__init__(symbol, left, right)
+        self.ground = False
+
+    def with_operands(self, operands: tuple[Term, ...]) -> Arithmetic:
+        """Return the operation on other operands."""
+        return Arithmetic(self.symbol, *operands)
+
+    def __str__(self) -> str:
+        left, right = map(text, self.operands)
+        spaced = f" {self.symbol} " if self.symbol.isalpha() else self.symbol
+        return f"({left}{spaced}{right})"
+
+
+class Function(Operation):
+    """Call of an arithmetic function, `math.abs(X)`, or a sign, `-X`. Not ground.
 
     `calculate` is set for a function that belongs to the run, as `math.random`.
     """
 
-    __slots__ = ("args", "calculate", "depth", "name", "size")
-    ground = False
+    __slots__ = ("calculate",)
 
     def __init__(
         self, name: str, args: tuple[Term, ...], calculate: Callable[..., float] | None = None
     ) -> None:
-        self.name = name
-        self.args = args
+        super().__init__(name, *args)
+        self.ground = False
         self.calculate = calculate
-        self.size, self.depth = _measure(args)
+
+    def with_operands(self, operands: tuple[Term, ...]) -> Function:
+        """Return the function called with other arguments."""
+        return Function(self.symbol, operands, self.calculate)
 
     def __str__(self) -> str:
-        if self.name in ("+", "-"):
-            return f"({self.name}{text(self.args[0])})"
-        return f"{self.name}({','.join(map(text, self.args))})" if self.args else self.name
-
-    def __repr__(self) -> str:
-        return f"<{self}>"
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, Function) and (self.name, self.args) == (other.name, other.args)
-
-    def __hash__(self) -> int:
-        return hash((self.name, self.args))
+        args = ",".join(map(text, self.operands))
+        if self.symbol in ("+", "-"):
+            return f"({self.symbol}{args})"
+        return f"{self.symbol}({args})" if args else self.symbol
 
 
 # ---- parts of a program as terms
@@ -443,10 +436,7 @@ class Quoted:
     depth = 1
 
 
-Term: TypeAlias = (
-    "float | str | Literal | Var | Nil | Cons | Arithmetic | Function"
-    " | Relation | And | Or | Not | TriggerTerm | Quoted"
-)
+Term: TypeAlias = "float | str | Literal | Var | Nil | Cons | Operation | TriggerTerm | Quoted"
 """Everything that can stand in a literal or a context; numbers and strings are Python's own."""
 List: TypeAlias = "Nil | Cons"
 
@@ -488,12 +478,8 @@ def parts(term: Term) -> tuple[Term, ...]:
     if isinstance(term, Cons):
         rest = term.open_tail
         return tuple(term) if rest is None else (*term, rest)
-    if isinstance(term, Infix):
-        return (term.left, term.right)
-    if isinstance(term, Not):
-        return (term.formula,)
-    if isinstance(term, Function):
-        return term.args
+    if isinstance(term, Operation):
+        return term.operands
     return term.annots if isinstance(term, AnnotatedVar) else ()
 
 
@@ -505,14 +491,8 @@ def rebuilt(term: Term, change: Callable[[Term], Term]) -> Term:
     if isinstance(term, Cons):
         elements, rest = list(map(change, term)), term.open_tail
         return make_list(elements, EMPTY if rest is None else change(rest))
-    if isinstance(term, And | Or):
-        return type(term)(change(term.left), change(term.right))
-    if isinstance(term, Arithmetic | Relation):
-        return type(term)(term.symbol, change(term.left), change(term.right))
-    if isinstance(term, Not):
-        return Not(change(term.formula))
-    if isinstance(term, Function):
-        return Function(term.name, tuple(map(change, term.args)), term.calculate)
+    if isinstance(term, Operation):
+        return term.with_operands(tuple(map(change, term.operands)))
     if isinstance(term, AnnotatedVar):
         return AnnotatedVar(term.name, tuple(map(change, term.annots)))
     return term

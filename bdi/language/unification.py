@@ -9,15 +9,12 @@ from __future__ import annotations
 
 from .substitution import Unifier, substitute, walk
 from .terms import (
-    And,
     AnnotatedVar,
     Arithmetic,
     Cons,
     Function,
     Literal,
-    Not,
-    Or,
-    Relation,
+    Operation,
     RestVar,
     Term,
     TriggerTerm,
@@ -121,14 +118,9 @@ def _unify_others(one: Term, other: Term, u: Unifier) -> bool:
         return _unify_annotated(other, one, u)
     if isinstance(one, Var) or isinstance(other, Var):
         return unify(_plain(one), _plain(other), u)
-    if isinstance(one, Relation | And | Or) and isinstance(other, Relation | And | Or):
-        return (
-            one.symbol == other.symbol
-            and unify(one.left, other.left, u)
-            and unify(one.right, other.right, u)
-        )
-    if isinstance(one, Not) and isinstance(other, Not):
-        return unify(one.formula, other.formula, u)
+    if isinstance(one, Operation) and isinstance(other, Operation):
+        pairs = zip(one.operands, other.operands)  # noqa: B905 - equal with equal symbols
+        return one.symbol == other.symbol and all(unify(*pair, u) for pair in pairs)
     if isinstance(one, TriggerTerm) and isinstance(other, TriggerTerm):
         return one.sort == other.sort and unify(one.literal, other.literal, u)
     return one == other

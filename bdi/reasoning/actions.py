@@ -185,10 +185,8 @@ def _in_formula(formula: Term) -> Iterator[Literal]:
         if isinstance(part, Literal) and part.is_internal_action:
             yield part
             pending.extend(part.args)
-        elif isinstance(part, And | Or):
-            pending.extend((part.right, part.left))
-        elif isinstance(part, Not):
-            pending.append(part.formula)
+        elif isinstance(part, And | Or | Not):
+            pending.extend(reversed(part.operands))
         elif isinstance(part, Cons):
             pending.extend(e for e in part if isinstance(e, PlanTerm))
         elif isinstance(part, PlanTerm | BodyTerm):

@@ -66,9 +66,9 @@ def _build_variable(variable: Var) -> Build:
 
 
 def _build_arithmetic(term: Arithmetic) -> Build:
-    right = term.right
+    left, right = term.operands
     calculate = OPERATORS[term.symbol]
-    left_of = builder(term.left)
+    left_of = builder(left)
     if right.__class__ is float:
 
         def build_with_constant(u: Unifier) -> Term:
@@ -107,14 +107,16 @@ def condition(formula: Term) -> Condition:
     if isinstance(formula, Relation):
         if formula.symbol in _COMPARISONS:
             return _compare(formula)
-        if formula.symbol == "=" and formula.left.__class__ is Var:
+        if formula.symbol == "=" and formula.operands[0].__class__ is Var:
             return _assign(formula)
-    if isinstance(formula, And) and isinstance(formula.left, Relation | Not):
-        return _both(condition(formula.left), condition(formula.right))
-    if isinstance(formula, And) and _is_plain_query(formula.left):
-        return _query_and(formula)
+    if isinstance(formula, And):
+        left, right = formula.operands
+        if isinstance(left, Relation | Not):
+            return _both(condition(left), condition(right))
+        if _is_plain_query(left):
+            return _query_and(formula)
     if isinstance(formula, Not):
-        inner = condition(formula.formula)
+        inner = condition(formula.operands[0])
         return lambda logic, u: u if inner(logic, u) is None else None
     if _is_plain_query(formula):
         return _query(formula)  # type: ignore[arg-type]
@@ -127,7 +129,7 @@ def _is_plain_query(formula: Term) -> bool:
 
 def _compare(relation: Relation) -> Condition:
     holds = _COMPARISONS[relation.symbol]
-    left_of, right_of = builder(relation.left), builder(relation.right)
+    left_of, right_of = map(builder, relation.operands)
 
     def check(logic: Logic, u: Unifier) -> Unifier | None:
         left, right = left_of(u), right_of(u)
@@ -140,8 +142,9 @@ def _compare(relation: Relation) -> Condition:
 
 def _assign(relation: Relation) -> Condition:
     """Compile `X = …`, which mostly gives a value to a variable that has none."""
-    name = relation.left.name  # type: ignore[union-attr]
-    value_of = builder(relation.right)
+    variable, value = relation.operands
+    name = variable.name  # type: ignore[union-attr]
+    value_of = builder(value)
 
     def check(logic: Logic, u: Unifier) -> Unifier | None:
         value = value_of(u)
@@ -180,9 +183,9 @@ def _query(query: Literal) -> Condition:
 
 def _query_and(formula: And) -> Condition:
     """Compile a query followed by a formula: the first of its beliefs for which that holds."""
-    query = formula.left
+    query, following = formula.operands
     key = query.key  # type: ignore[union-attr]
-    rest = condition(formula.right)
+    rest = condition(following)
 
     def check(logic: Logic, u: Unifier) -> Unifier | None:
         shelf = logic.beliefs.shelf(key)

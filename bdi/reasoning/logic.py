@@ -133,13 +133,15 @@ class Logic:
         if isinstance(formula, Relation):
             return self._relate(formula, u)
         if isinstance(formula, Not):
-            return u if self.first(formula.formula, u) is None else None
-        if isinstance(formula, And) and isinstance(formula.left, Relation | Not):
-            solution = self.first(formula.left, u)
-            return None if solution is None else self.first(formula.right, solution)
+            return u if self.first(formula.operands[0], u) is None else None
+        if isinstance(formula, And) and isinstance(formula.operands[0], Relation | Not):
+            left, right = formula.operands
+            solution = self.first(left, u)
+            return None if solution is None else self.first(right, solution)
         if isinstance(formula, Or):
-            solution = self.first(formula.left, u)
-            return self.first(formula.right, u) if solution is None else solution
+            left, right = formula.operands
+            solution = self.first(left, u)
+            return self.first(right, u) if solution is None else solution
         return next(self.solutions(formula, u), None)
 
     def solutions(self, formula: Term, u: Unifier) -> Iterator[Unifier]:
@@ -187,15 +189,17 @@ class Logic:
                     return None
                 u = solution
             elif isinstance(goal, And):
-                goals = (goal.left, (goal.right, goals))
+                left, right = goal.operands
+                goals = (left, (right, goals))
             elif isinstance(goal, _Return):
                 u = self._return(goal, u)
             elif isinstance(goal, Or):
-                choices.append((u, (goal.right, goals)))
-                goals = (goal.left, goals)
+                left, right = goal.operands
+                choices.append((u, (right, goals)))
+                goals = (left, goals)
             elif isinstance(goal, Not):
                 choices.append((u, goals))
-                goals = (goal.formula, (_Commit(len(choices) - 1), None))
+                goals = (goal.operands[0], (_Commit(len(choices) - 1), None))
             elif isinstance(goal, _Commit):
                 del choices[goal.height :]
                 return None
@@ -297,7 +301,8 @@ class Logic:
         return result
 
     def _relate(self, relation: Relation, u: Unifier) -> Unifier | None:
-        left, right = substitute(relation.left, u), substitute(relation.right, u)
+        left, right = relation.operands
+        left, right = substitute(left, u), substitute(right, u)
         symbol = relation.symbol
         if symbol == "=":
             return unified(left, right, u)
