@@ -1,4 +1,4 @@
-"""From a start to a goal: the question as people ask it, and what stands behind the answer."""
+"""Paths from a start to a goal, by the roadmap or by one of OMPL's planners."""
 
 from __future__ import annotations
 
@@ -23,27 +23,27 @@ ROADMAP = "Roadmap"
 """The name of the default planner."""
 
 COARSE = math.radians(15.0)
-"""Radians. The bends of ways where nothing else is said."""
+"""Radians. Default size of the bends in a path."""
 
 TOO_CLOSE = 1e-3
-"""Metres. How much too close to something a person may stand who sets out all the same."""
+"""Metres. A start may be this much too close to something."""
 
 _MANY = 3
-"""If so many bodies are in the way, it is worth finding out first whether there is one."""
+"""Once a path meets this many bodies, it pays to find out first whether there is one at all."""
 
 _STEP = HAIR / 100
-"""Metres. Shorter steps are left out of a way: their direction is mostly rounding."""
+"""Metres. Shorter steps are left out of a path: their direction is mostly rounding."""
 
 _SLACK = HAIR / 2
-"""Metres. What is asked of a way beyond the radius, so that rounding can't take it away."""
+"""Metres. Clearance asked of a path beyond the radius, so that rounding can't take it away."""
 
 
 class PathPlanner:
-    """Finds ways through a `CollisionWorld` for a disc of `radius` metres.
+    """Finds paths through a `CollisionWorld` for a disc of `radius` metres.
 
-    The world is read as it is when a way is asked for. `ignore` names bodies in it that don't
-    count: the person for whom the planner plans, above all. Ways go round corners in bends of
-    `step` radians at most: smaller ones hug them closer, and are more.
+    The world is read as it is when a path is asked for. `ignore` names bodies that are no
+    obstacle, above all the person for whom the planner plans. Paths go round corners in bends of
+    `step` radians at most: smaller ones hug the corners closer, and are more.
     """
 
     def __init__(
@@ -76,13 +76,16 @@ class PathPlanner:
         parameters: Mapping[str, object] | None = None,
         seed: int = 0,
     ) -> Path:
-        """A way from `start` to `goal` (x, y in metres) that keeps the radius from everything.
+        """Return a path from `start` to `goal` (x, y in metres) that keeps the radius clear.
 
-        The default planner's ways are the shortest there are, to within 0.6 % of the arcs around
+        The default planner's paths are the shortest there are, to within 0.6 % of the arcs around
         corners. Others are OMPL's, by name (see `planners`), with OMPL's `parameters` by name;
-        the same `seed` gives the same way. `PlanningError` says why there is none; `ValueError`
+        the same `seed` gives the same path. `PlanningError` says why there is none; `ValueError`
         if a place, the planner or a parameter makes no sense.
         """
+        if away := self.ignore & {body.name for body in self.world.bodies}:
+            without = PathPlanner(self.world.as_if(away=away), self.radius, step=self.step)
+            return without.plan(start, goal, planner=planner, parameters=parameters, seed=seed)
         a, b = _place(start, "start"), _place(goal, "goal")
         before = self.world.checks
         leave = self._footing(a, "start", TOO_CLOSE)
@@ -90,19 +93,19 @@ class PathPlanner:
         if planner == ROADMAP:
             if parameters:
                 raise ValueError(f"{ROADMAP} has no parameters, found {', '.join(parameters)}")
-            way = self._shortest(leave, arrive)
+            found = self._shortest(leave, arrive)
         else:
-            way = self._sampled(leave, arrive, planner, parameters or {}, seed)
-        points = np.array(_distinct([a, leave, *way, arrive, b]), dtype=float)
-        clearance = self.world.clearance(points, self.ignore)
+            found = self._sampled(leave, arrive, planner, parameters or {}, seed)
+        points = np.array(_distinct([a, leave, *found, arrive, b]), dtype=float)
+        clearance = self.world.clearance(points)
         return Path(points, clearance, planner, self.world.checks - before)
 
     def roadmap(self, step: float | None = None) -> Roadmap:
-        """The network of ways between the fixed things, worked out when it is first needed."""
+        """Return the network of paths between the fixed things, made when first needed."""
         return self.world.roadmap(self.radius, self.step if step is None else step)
 
     def prepare(self) -> None:
-        """Work out now what the first question would have to wait for."""
+        """Compute now what the first plan would have to wait for."""
         self.world.fixed_space(self.radius + HAIR)
         self.roadmap()
 
@@ -116,102 +119,102 @@ class PathPlanner:
         low_x, low_y, high_x, high_y = self.world.plan.boundary.bounds
 
         def free(a: Point, b: Point) -> bool:
-            return self.world.segment_free(a, b, keep, self.ignore)
+            return self.world.segment_free(a, b, keep)
 
         question = Question(start, goal, (low_x, low_y), (high_x, high_y), free)
-        way = sample_way(question, info, parameters, seed)
-        if way is not None:
-            return way
+        points = sample_way(question, info, parameters, seed)
+        if points is not None:
+            return points
         if not self._connected(start, goal):
             raise self._unreachable(start, goal)
-        message = f"{name} found no way within its budget; give it more iterations"
+        message = f"{name} found no path within its budget; give it more iterations"
         raise PlanningError("not_found", message)
 
     def _shortest(self, start: Point, goal: Point) -> list[Point]:
-        if self.world.segment_free(start, goal, self.radius + _SLACK, self.ignore):
+        if self.world.segment_free(start, goal, self.radius + _SLACK):
             return [start, goal]
         if not self.world.fixed_space(self.radius + HAIR).together(start, goal):
             raise self._unreachable(start, goal)
         for step in (self.step, STEP):
-            way = self._around_bodies(self.roadmap(step), start, goal)
-            if way is not None:
-                return way
+            points = self._around_bodies(self.roadmap(step), start, goal)
+            if points is not None:
+                return points
             if not self._connected(start, goal):
                 raise self._unreachable(start, goal)
-        raise PlanningError("not_found", "no way was found, though there should be one")
+        raise PlanningError("not_found", "no path was found, though there should be one")
 
     def _connected(self, start: Point, goal: Point) -> bool:
-        return self.world.free_space(self.radius + HAIR, self.ignore).together(start, goal)
+        return self.world.free_space(self.radius + HAIR).together(start, goal)
 
     def _unreachable(self, start: Point, goal: Point) -> PlanningError:
-        explain = explain_cut_off(self.world, start, goal, self.radius, self.ignore)
+        explain = explain_cut_off(self.world, start, goal, self.radius)
         return PlanningError("unreachable", explain)
 
     def _around_bodies(self, roadmap: Roadmap, start: Point, goal: Point) -> list[Point] | None:
-        """The shortest way on `roadmap`; only bodies that stand in the way are looked at.
+        """Return the shortest path on `roadmap` round the bodies that it meets.
 
-        A shortest way round some of the bodies that is clear of all others is the shortest way
-        round all.
+        Bodies are taken in only when a path runs into them. That is enough: a shortest path round
+        some of the bodies that is clear of all others is the shortest path round all.
         """
         keep = self.radius + _SLACK
         met: list[Body] = []
 
         def hit(a: Point, b: Point) -> bool:
-            return any(body in met for body in self.world.hits(a, b, keep, self.ignore))
+            return any(body in met for body in self.world.hits(a, b, keep))
 
         def hopeless() -> bool:
             return not self._connected(start, goal)
 
         ends = roadmap.ends(start, goal)
         while True:
-            way = shortest_path(roadmap, ends, met, hit, hopeless)
-            if way is None:
+            points = shortest_path(roadmap, ends, met, hit, hopeless)
+            if points is None:
                 return None
             fresh = [
                 body
-                for a, b in itertools.pairwise(way)
-                for body in self.world.hits(a, b, keep, self.ignore)
+                for a, b in itertools.pairwise(points)
+                for body in self.world.hits(a, b, keep)
                 if body not in met
             ]
             if not fresh:
-                return way
+                return points
             met += dict.fromkeys(fresh)
             if len(met) >= _MANY and hopeless():
                 return None
 
     def _footing(self, place: Point, end: str, tolerance: float) -> Point:
-        """`place` itself, or where to go first from there if it is a hair too close to something.
+        """Return `place`, or where to go first from there if it is a hair too close to something.
 
         `PlanningError` if it is more than `tolerance` metres too close.
         """
-        world, ignore = self.world, self.ignore
-        if world.free(place, self.radius + _SLACK, ignore):
+        world = self.world
+        if world.free(place, self.radius + _SLACK):
             return place
         reason: Reason = "start_blocked" if end == "start" else "goal_blocked"
-        gap = world.distance(place, ignore)
+        gap = world.distance(place)
         if gap < self.radius - max(tolerance, 1e-9):
-            raise PlanningError(reason, blocked_place(world, place, end, self.radius, ignore))
-        footing = world.nearest_free(place, self.radius + HAIR, ignore)
+            raise PlanningError(reason, blocked_place(world, place, end, self.radius))
+        footing = world.nearest_free(place, self.radius + HAIR)
         # From the edge of what is allowed, room is at most a few of these measures away.
         if footing is None or math.dist(place, footing) > 10 * TOO_CLOSE:
-            raise PlanningError(reason, blocked_place(world, place, end, self.radius, ignore))
+            raise PlanningError(reason, blocked_place(world, place, end, self.radius))
         return footing
 
 
-def _distinct(way: list[Point]) -> list[Point]:
-    """`way` without places that are a step of no account from the one before or from the end."""
-    kept = [way[0]]
-    for place in way[1:-1]:
-        if math.dist(place, kept[-1]) > _STEP and math.dist(place, way[-1]) > _STEP:
+def _distinct(points: list[Point]) -> list[Point]:
+    """Return `points` without waypoints that are next to the one before or to the end."""
+    kept = [points[0]]
+    for place in points[1:-1]:
+        if math.dist(place, kept[-1]) > _STEP and math.dist(place, points[-1]) > _STEP:
             kept.append(place)
-    return [*kept, way[-1]]
+    return [*kept, points[-1]]
 
 
 def planners() -> tuple[PlannerInfo, ...]:
-    """Every planner that `PathPlanner.plan` knows by name, the default one first."""
+    """Return every planner that `PathPlanner.plan` knows by name, the default one first."""
     from .sampling import sampling_planners
 
-    default = PlannerInfo(ROADMAP, "the shortest way along the corners of what stands there", True)
+    default = PlannerInfo(ROADMAP, "the shortest path along the corners of what stands there", True)
     return (default, *sampling_planners())
 
 

@@ -1,17 +1,17 @@
-"""What a person on a floor would bump into, right now."""
+"""Collision queries against a floorplan and the bodies on it, as they are now."""
 
 from __future__ import annotations
 
 import copy
 import math
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Mapping
 
 import numpy as np
 import shapely
 from numpy.typing import ArrayLike
 from shapely.geometry import Polygon
 
-from floorplan import Floorplan, Named, Point, check
+from floorplan import Floorplan, Named, Point, check, suggestion
 
 from . import ground
 from .bodies import TOLERANCE, Body, Disc, Sweep, touch
@@ -23,12 +23,12 @@ _ROUNDING = 10 * TOLERANCE
 
 
 class CollisionWorld:
-    """A floorplan as a world of solid things, with AGVs and other bodies where they are now.
+    """Collision geometry of a floorplan, with AGVs and other bodies where they are now.
 
     `bottom` and `top` (metres) are the heights of interest, a person's by default: what stands
-    lower or hangs higher is no obstacle. AGVs stand at the start of their lanes until
-    they are moved. All queries are about discs on the floor, in metres, and are answered by FCL;
-    a disc is swept as one shape. `FloorplanError` if there is something in the plan that can't be.
+    lower or hangs higher is no obstacle. AGVs stand at the start of their lanes until they are
+    moved. All queries are about discs on the floor, in metres, and are answered by FCL; a disc is
+    swept as one shape. `FloorplanError` for a floorplan that is not sound (see `floorplan.check`).
     """
 
     def __init__(self, plan: Floorplan, *, bottom: float = 0.0, top: float | None = None) -> None:
@@ -39,7 +39,7 @@ class CollisionWorld:
         if not self.bottom < self.top:
             raise ValueError(f"heights must rise, found {self.bottom:g} … {self.top:g}")
         self.floor = plan.free(self.bottom, self.top)
-        """The room between the things that never move: a polygon or several."""
+        """The free floor between the things that never move: one polygon or several."""
         self.edges = self.floor.boundary
         self._bounds: tuple[float, float, float, float] = plan.boundary.bounds
         shapely.prepare(self.floor)
@@ -49,9 +49,9 @@ class CollisionWorld:
         self._bodies: dict[str, Body] = {}
         self._agvs: dict[str, float] = {}
         self.checks = 0
-        """Collision queries answered so far."""
+        """Number of collision queries answered."""
         self.changes = 0
-        """How often a body came, moved or went."""
+        """Number of times that a body came, moved or went."""
         self._fixed_space: dict[float, FreeSpace] = {}
         self._roadmaps: dict[tuple[float, float], Roadmap] = {}
         self._free_space: dict[float, tuple[tuple[Body, ...], FreeSpace]] = {}
@@ -76,7 +76,7 @@ class CollisionWorld:
         self._put(name, lane.footprint(q), 0.0, lane.height)
 
     def agv_position(self, name: str) -> float:
-        """The lane position of AGV `name` (metres)."""
+        """Return the lane position of AGV `name` (metres)."""
         self.plan.lane(name)
         return self._agvs[name]
 
@@ -107,13 +107,14 @@ class CollisionWorld:
     ) -> CollisionWorld:
         """Return this world as it would be with other bodies; this one stays as it is.
 
-        Bodies stand `there`, by name, over the whole range of heights, and those named in `away`
-        are not there. What the floor alone decides is shared between the two. `ValueError` as
-        for `place`, `KeyError` for a name in `away` that no body has.
+        Bodies stand `there`, by name, over the whole range of heights; those named in `away` are
+        gone. Both share all that the floor alone decides. `ValueError` as for `place`, `KeyError`
+        for a name in `away` that no body has.
         """
+        known = {*self._bodies, *(lane.name for lane in self.plan.lanes)}
         for name in away:
-            if name not in self._bodies:
-                raise KeyError(f"no body is called {name!r} (there are: {', '.join(self._bodies)})")
+            if name not in known:
+                raise KeyError(f"no body is called {name!r}; {suggestion(name, sorted(known))}")
         other = copy.copy(self)
         other._bodies = {name: b for name, b in self._bodies.items() if name not in away}
         other._agvs = {name: q for name, q in self._agvs.items() if name not in away}
@@ -124,7 +125,7 @@ class CollisionWorld:
 
     @property
     def bodies(self) -> Named[Body]:
-        """The bodies that are there now, within the heights of interest."""
+        """The bodies on the floor now, within the heights of interest."""
         return Named(self._bodies.values())
 
     def _put(self, name: str, shape: Polygon | Disc, bottom: float, top: float) -> None:
@@ -140,17 +141,11 @@ class CollisionWorld:
     @property
     def walkable(self) -> shapely.Geometry:
         """The floor minus everything that stands on it now (shapely, metres), not shrunk."""
-        return self.walkable_but(())
+        return self.floor.difference(shapely.union_all([body.footprint for body in self.bodies]))
 
-    def walkable_but(self, ignore: Collection[str]) -> shapely.Geometry:
-        """What would be walkable without the bodies named in `ignore`."""
-        return self.floor.difference(
-            shapely.union_all([body.footprint for body in self._around(ignore)])
-        )
-
-    def free_space(self, radius: float, ignore: Collection[str] = ()) -> FreeSpace:
-        """Where the centre of a disc of `radius` metres can be now, and how that hangs together."""
-        there = tuple(self._around(ignore))
+    def free_space(self, radius: float) -> FreeSpace:
+        """Return the free space of the centre of a disc of `radius` metres, as it is now."""
+        there = self.bodies
         known = self._free_space.get(radius)
         if known is not None and known[0] == there:
             return known[1]
@@ -159,16 +154,16 @@ class CollisionWorld:
         return fresh
 
     def fixed_space(self, radius: float) -> FreeSpace:
-        """Where it could be if there were no bodies. Worked out once for each radius."""
+        """Return its free space on a floor without bodies, computed once for each radius."""
         known = self._fixed_space.get(radius)
         if known is None:
             known = self._fixed_space[radius] = ground.fixed_space(self.floor, radius)
         return known
 
     def roadmap(self, radius: float, step: float) -> Roadmap:
-        """The network of paths between the fixed things for discs of `radius` metres.
+        """Return the network of paths between the fixed things for discs of `radius` metres.
 
-        It bends by `step` radians at most. Worked out once for each radius and step.
+        It bends by `step` radians at most. Computed once for each radius and step.
         """
         known = self._roadmaps.get((radius, step))
         if known is None:
@@ -177,24 +172,39 @@ class CollisionWorld:
 
     # Queries
 
-    def free(self, point: Point, radius: float, ignore: Collection[str] = ()) -> bool:
-        """Whether a disc of `radius` metres around `point` touches nothing."""
-        return self._free(point, point, radius, ignore)
+    def free(self, point: Point, radius: float) -> bool:
+        """Return whether a disc of `radius` metres around `point` touches nothing."""
+        return self.segment_free(point, point, radius)
 
-    def segment_free(self, a: Point, b: Point, radius: float, ignore: Collection[str] = ()) -> bool:
-        """Whether a disc of `radius` metres touches nothing on its straight way from a to b."""
-        return self._free(a, b, radius, ignore)
+    def segment_free(self, a: Point, b: Point, radius: float) -> bool:
+        """Return whether a disc of `radius` metres touches nothing on the segment from a to b."""
+        self.checks += 1
+        if not (self._within(a, radius) and self._within(b, radius)):
+            return False
+        sweep = self._sweep.between(a, b, radius)
+        return not touch(sweep, self._solid) and not any(
+            touch(sweep, body.solid) for body in self._bodies.values() if body.near(a, b, radius)
+        )
 
-    def distance(self, point: Point, ignore: Collection[str] = ()) -> float:
-        """Metres from `point` to the nearest thing or the boundary; 0 inside or outside."""
+    def hits(self, a: Point, b: Point, radius: float) -> list[Body]:
+        """Return the bodies that a disc of `radius` metres touches on the segment from a to b."""
+        near = [body for body in self._bodies.values() if body.near(a, b, radius)]
+        if not near:
+            return []
+        self.checks += 1
+        sweep = self._sweep.between(a, b, radius)
+        return [body for body in near if touch(sweep, body.solid)]
+
+    def distance(self, point: Point) -> float:
+        """Return the metres from `point` to the nearest thing or the boundary; 0 inside one."""
         self.checks += 1
         if not self._within(point, 0.0):
             return 0.0
-        solids = [self._solid, *(body.solid for body in self._around(ignore))]
+        solids = [self._solid, *(body.solid for body in self._bodies.values())]
         return min(self._sweep.distance(point, solid) for solid in solids)
 
-    def clearance(self, points: ArrayLike, ignore: Collection[str] = ()) -> float:
-        """The least distance (metres) anywhere along the polyline `points` ((N, 2), metres)."""
+    def clearance(self, points: ArrayLike) -> float:
+        """Return the least distance (metres) along the polyline `points` ((N, 2), metres)."""
         self.checks += 1
         along = np.asarray(points, dtype=float)
         still = bool((along == along[0]).all())
@@ -202,95 +212,72 @@ class CollisionWorld:
         if not self.floor.covers(line):
             return 0.0
         least = float(shapely.distance(self.edges, line))
-        return min([least, *(body.clear_of(line) for body in self._around(ignore))])
+        return min([least, *(body.clear_of(line) for body in self._bodies.values())])
 
-    def nearest(self, point: Point, ignore: Collection[str] = ()) -> tuple[str, float]:
-        """The name of the thing nearest to `point`, and its distance in metres (0 inside it).
+    def nearest(self, point: Point) -> tuple[str, float]:
+        """Return the name of the thing nearest to `point`, and its distance (metres, 0 inside it).
 
         The edge of the floor is called "boundary"; outside it, the answer is ("boundary", 0.0).
         """
-        return self.neighbours(point, ignore)[0]
+        return self.neighbours(point)[0]
 
-    def neighbours(self, point: Point, ignore: Collection[str] = ()) -> list[tuple[str, float]]:
-        """The name and distance (metres) of everything there is, nearest first."""
+    def neighbours(self, point: Point) -> list[tuple[str, float]]:
+        """Return the name and distance (metres) of every thing, nearest first."""
         self.checks += 1
         at = shapely.Point(point)
         inside = self.plan.boundary.contains(at)
         edge = float(shapely.distance(self.plan.boundary.exterior, at)) if inside else 0.0
-        things = self.things(ignore)
+        things = self.things()
         with np.errstate(over="ignore"):  # as far away as it may be
             gaps = shapely.distance([shape for _, shape in things], at)
         found = [("boundary", edge)]
         found += [(name, float(gap)) for (name, _), gap in zip(things, gaps, strict=True)]
         return sorted(found, key=lambda named: named[1])
 
-    def things(self, ignore: Collection[str] = ()) -> list[tuple[str, Polygon]]:
-        """The name and footprint of everything that stands on the floor now."""
+    def things(self) -> list[tuple[str, Polygon]]:
+        """Return the name and footprint of everything that stands on the floor now."""
         fixed = [
             (o.name, o.footprint) for o in self.plan.obstacles if o.overlaps(self.bottom, self.top)
         ]
-        return fixed + [(body.name, body.footprint) for body in self._around(ignore)]
+        return fixed + [(body.name, body.footprint) for body in self._bodies.values()]
 
-    def nearest_free(
-        self, point: Point, radius: float, ignore: Collection[str] = ()
-    ) -> Point | None:
-        """The place nearest to `point` where a disc of `radius` metres stands free.
+    def nearest_free(self, point: Point, radius: float) -> Point | None:
+        """Return the place nearest to `point` where a disc of `radius` metres stands free.
 
         None if it fits nowhere.
         """
-        return self.free_space(radius, ignore).nearest(point)
+        return self.free_space(radius).nearest(point)
 
-    def exits(self, point: Point, radius: float, ignore: Collection[str] = ()) -> list[Point]:
-        """Places to step out to, straight, from a point where bodies leave a disc no room.
+    def exits(self, point: Point, radius: float) -> list[Point]:
+        """Return places to step out to, straight, from a point where bodies leave a disc no room.
 
         One for each piece of the free space that can be reached like that, nearest first. On the
         segment to it the disc (`radius` in metres) touches nothing but the bodies that it touches
         at `point`, and comes no closer to these. None where something fixed is too close.
         """
         keep = radius - _ROUNDING
-        touched = self.hits(point, point, radius + HAIR, ignore)
-        apart = {*ignore, *(body.name for body in touched)}
-        if not self.free(point, keep, apart):
+        touched = self.hits(point, point, radius + HAIR)
+        others = self.as_if(away=[body.name for body in touched])
+        if not others.free(point, keep):
             return []
 
         def clear(place: Point) -> bool:
             line, at = shapely.linestrings([point, place]), shapely.Point(point)
-            return self.segment_free(point, place, keep, apart) and all(
+            return others.segment_free(point, place, keep) and all(
                 body.clear_of(line) >= body.clear_of(at) - _ROUNDING for body in touched
             )
 
         # So far out, none of them touches the disc any more, wherever it is among them now.
         reach = HAIR + sum(math.dist(b.bounds[:2], b.bounds[2:]) + 2 * radius for b in touched)
-        ways_out = self.free_space(radius + HAIR, ignore).outward(point, reach)
-        found = [next(filter(clear, places), None) for places in ways_out]
+        exits = self.free_space(radius + HAIR).outward(point, reach)
+        found = [next(filter(clear, places), None) for places in exits]
         return sorted(
             (place for place in found if place is not None),
             key=lambda place: math.dist(point, place),
         )
 
-    def _around(self, ignore: Collection[str]) -> Iterator[Body]:
-        return (body for body in self._bodies.values() if body.name not in ignore)
-
     def _within(self, point: Point, margin: float) -> bool:
-        """Whether `point` is inside the bounds of the floor, and that a finite place at all."""
+        """Return whether `point` is finite and inside the bounds of the floor by `margin`."""
         low_x, low_y, high_x, high_y = self._bounds
         x, y = point
         return low_x + margin <= x <= high_x - margin and low_y + margin <= y <= high_y - margin
-
-    def hits(self, a: Point, b: Point, radius: float, ignore: Collection[str] = ()) -> list[Body]:
-        """The bodies that a disc of `radius` metres touches on its straight way from a to b."""
-        near = [body for body in self._around(ignore) if body.near(a, b, radius)]
-        if not near:
-            return []
-        self.checks += 1
-        sweep = self._sweep.between(a, b, radius)
-        return [body for body in near if touch(sweep, body.solid)]
-
-    def _free(self, a: Point, b: Point, radius: float, ignore: Collection[str]) -> bool:
-        self.checks += 1
-        if not (self._within(a, radius) and self._within(b, radius)):
-            return False
-        sweep = self._sweep.between(a, b, radius)
-        return not touch(sweep, self._solid) and not any(
-            touch(sweep, body.solid) for body in self._around(ignore) if body.near(a, b, radius)
-        )

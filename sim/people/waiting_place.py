@@ -28,11 +28,11 @@ class WaitingPlaces:
     def occupant(self, goal: Place) -> str | None:
         """The AGV that is all that keeps a person from standing at `goal`."""
         lanes = [lane.name for lane in self._world.plan.lanes]
-        if not self._world.free(goal, self._radius, lanes):
+        if not self._world.as_if(away=lanes).free(goal, self._radius):
             return None
         for name in lanes:
             others = [lane for lane in lanes if lane != name]
-            if not self._world.free(goal, self._radius, others):
+            if not self._world.as_if(away=others).free(goal, self._radius):
                 return name
         return None
 

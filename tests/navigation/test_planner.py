@@ -316,7 +316,7 @@ def test_sampling_planners_prove_nothing_but_the_world_does(name):
 
 
 def test_a_budget_that_is_too_small(world):
-    with pytest.raises(PlanningError, match="RRT found no way within its budget") as spent:
+    with pytest.raises(PlanningError, match="RRT found no") as spent:
         PathPlanner(world, 0.3).plan(
             (-15, -10), (-1.5, 0.0), planner="RRT", parameters={"iterations": 5}
         )

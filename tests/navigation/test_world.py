@@ -92,7 +92,7 @@ def test_bodies_are_obstacles_too(plan, a, b, radius, size):
     assert world.clearance([a, b]) == pytest.approx(along, abs=1e-9)
     if abs(along - radius) > 2e-6:
         assert world.segment_free(a, b, radius) == (along > radius)
-    alone = world.segment_free(a, b, radius, ignore=("pallet", "person"))
+    alone = world.as_if(away=("pallet", "person")).segment_free(a, b, radius)
     assert alone == CollisionWorld(plan).segment_free(a, b, radius)
 
 
