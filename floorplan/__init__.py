@@ -1,4 +1,4 @@
-"""Where things are: the floor, and what stands on it."""
+"""Floorplans: the floor, and what stands on it."""
 
 from .checks import LARGEST, check, size_fault, standing_fault, starting_fault
 from .document import (

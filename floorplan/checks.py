@@ -1,4 +1,4 @@
-"""What a floorplan's keys and types can't tell: whether its geometry makes sense."""
+"""Checks that a floorplan is sound: its geometry, its names and the size of its figures."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ from .model import Floorplan, Gantry, Lane
 from .problems import FloorplanError
 
 LARGEST = 1e9
-"""No figure of a floor, a trial or a rule set is larger, in its unit: beyond, steps of a millimetre
-or a millisecond are soon lost to rounding, and in the end distances can't be recorded."""
+"""Largest figure of a floor, a trial or a rule set, in its unit: beyond, steps of a millimetre or a
+millisecond are soon lost to rounding, and in the end distances can't be recorded."""
 
 SMALLEST = 1e-6
-"""No figure that has to be more than 0 is smaller, in its unit: at less, nothing ever arrives."""
+"""Smallest figure of those that must be above 0, in its unit: at less, nothing ever arrives."""
 
 WIDEST = 1e6
 """Metres (or radians). No floor is longer, and no lane or axis goes further from its 0: on longer
-ways Ruckig finds no motion."""
+paths Ruckig finds no motion."""
 
 _LANE_SIZES = ("length", "width", "height", "max_speed", "max_acceleration")
 _AXIS_SIZES = ("max_speed", "max_acceleration", "max_jerk")
@@ -34,15 +34,14 @@ _TOUCHES = 1e-6
 """m². An AGV and an obstacle that share no more than this only touch."""
 
 _SOUND = "_sound"
-"""Set in a plan that was checked: it never changes, so that once is enough."""
+"""Mark of a plan that was checked: it never changes, so once is enough."""
 
 
 def check(plan: Floorplan, *, file: str = "") -> None:
-    """See that `plan` can be: `FloorplanError` has everything about it that can't.
+    """Check that `plan` is sound: `FloorplanError` lists everything about it that is not.
 
-    `TypeError` if it is no floorplan, or a field of it is not of its type.
-
-    The error says that it is about `file`, or else about the plan by its name.
+    The error names `file`, or else the plan. `TypeError` if it is no floorplan, or a field of it
+    is not of its type.
     """
     require(plan, Floorplan, "floorplan.load")
     if _SOUND in vars(plan):
@@ -53,7 +52,7 @@ def check(plan: Floorplan, *, file: str = "") -> None:
 
 
 def faults(plan: Floorplan) -> Iterator[Fault]:
-    """Everything about `plan` that can't be."""
+    """Yield everything about `plan` that is not sound."""
     fault = polygon_fault(plan.boundary)
     if fault:
         yield fault, ("boundary",)
@@ -88,7 +87,7 @@ def faults(plan: Floorplan) -> Iterator[Fault]:
 
 
 def polygon_fault(polygon: Polygon) -> str:
-    """Why `polygon` encloses no area, or an empty text if it does."""
+    """Return the reason why `polygon` encloses no area, or an empty text if it does."""
     if not polygon.is_valid:
         reason = explain_validity(polygon).replace("Self-intersection", "edges cross at ")
         return f"is not a simple polygon: {reason}"
@@ -98,9 +97,9 @@ def polygon_fault(polygon: Polygon) -> str:
 
 
 def starting_fault(plan: Floorplan, at: tuple[float, float], radius: float | None = None) -> str:
-    """Reason why nobody of `radius` metres can stand at `at` on `plan` at the start, or nothing.
+    """Return the reason why a person can't start at `at` on `plan`, or an empty text.
 
-    As `standing_fault`; besides, nobody starts inside an AGV.
+    As `standing_fault` with this `radius`; besides, there must be no AGV.
     """
     if fault := standing_fault(plan, at, radius):
         return fault
@@ -112,7 +111,10 @@ def starting_fault(plan: Floorplan, at: tuple[float, float], radius: float | Non
 
 
 def standing_fault(plan: Floorplan, at: tuple[float, float], radius: float | None = None) -> str:
-    """Why nobody of `radius` metres (the plan's people if None) can stand at `at`, or nothing."""
+    """Return the reason why a person can't stand at `at` (x, y in metres), or an empty text.
+
+    The person has `radius` metres, that of the plan's people if None.
+    """
     radius = plan.human.radius if radius is None else radius
     point, place = Point(at), f"({at[0]:g}, {at[1]:g})"
     if not plan.boundary.contains(point):
@@ -130,7 +132,7 @@ def standing_fault(plan: Floorplan, at: tuple[float, float], radius: float | Non
 
 
 def size_fault(value: float) -> str:
-    """Why `value` can be no length, speed or duration in its unit; an empty text if it can."""
+    """Return the reason why `value` can be no length, speed or duration, or an empty text."""
     if SMALLEST <= value <= LARGEST:
         return ""
     if 0 < value < SMALLEST:
@@ -167,7 +169,7 @@ def _lane_faults(lane: Lane) -> Iterator[Fault]:
 
 
 def _sweep_faults(lane: Lane, plan: Floorplan) -> Iterator[Fault]:
-    """Obstacles that the AGV of `lane` would drive through."""
+    """Yield the obstacles that the AGV of `lane` would drive through."""
     there = [o for o in plan.obstacles if o.overlaps(0.0, lane.height)]
     swept = shapely.MultiPolygon([lane.footprint(q) for q in lane.limits]).convex_hull
     shared = shapely.intersection([o.footprint for o in there], swept)
@@ -186,7 +188,7 @@ def _gantry_faults(gantry: Gantry) -> Iterator[Fault]:
 
 
 def _figure_faults(plan: Floorplan) -> Iterator[Fault]:
-    """Every figure of `plan` that is too small or too large to work with."""
+    """Yield every figure of `plan` that is too small or too large to work with."""
     west, south, east, north = plan.boundary.bounds
     if max(east - west, north - south) > WIDEST:
         yield f"is more than {WIDEST:,.0f} m long", ("boundary",)

@@ -1,4 +1,4 @@
-"""A YAML document that remembers on which line each value stands."""
+"""YAML documents with the line of every value."""
 
 from __future__ import annotations
 
@@ -21,20 +21,20 @@ Place = tuple[str | int, ...]
 """The keys and indices that lead to a value."""
 
 Fault: TypeAlias = tuple[str, Place]
-"""What is wrong with a value, and its place."""
+"""A problem with a value, and the value's place."""
 
 MOST_TEXT = 4_000_000
 """A longer document (in characters) is refused: it would take minutes to look at."""
 
 MOST_PROBLEMS = 1_000
-"""Nobody reads more of what is wrong with one file."""
+"""Most problems of one file that are kept."""
 
 EXPONENT = re.compile(r"[-+]?[0-9.]+[eE][-+]?[0-9]+")
 """Numbers that YAML 1.1 takes for text, unless they have a point and a sign."""
 
 UNWRITABLE = re.compile("[\0-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff]")
-"""What no text of a file can have, and an escape in YAML can: names of files and JSON lack halves
-of characters, and a terminal obeys control characters."""
+"""Characters that are refused, though an escape in YAML can give them: names of files and JSON have
+no lone surrogates, and a terminal obeys control characters."""
 
 EXPECTED = {
     "bool_type": "true or false",
@@ -55,7 +55,7 @@ EXPECTED = {
     "too_short": "a list of at least {min_length}",
     "tuple_type": "a list",
 }
-"""What should have stood there, by pydantic's name for the misfit."""
+"""Expected values, by pydantic's name for the misfit."""
 
 _Schema = TypeVar("_Schema", bound=BaseModel)
 
@@ -69,14 +69,14 @@ class Document:
     lines: dict[Place, int] = field(repr=False)
 
     def problem(self, message: str, *place: str | int) -> Problem:
-        """A problem at the value that `place` leads to, or the nearest value around it."""
+        """Return a problem at the value that `place` leads to, or the nearest value around it."""
         known = place
         while known and known not in self.lines:
             known = known[:-1]
         return Problem(message, field_name(place), self.lines.get(known))
 
     def checked(self, schema: type[_Schema], error: type[InputError]) -> _Schema:
-        """The values as `schema`; every misfit at once in one `error`."""
+        """Return the values as `schema`; every misfit at once in one `error`."""
         if not isinstance(self.data, dict):
             found = "nothing" if self.data is None else "a " + _kind(self.data)
             message = f"expected keys with values, found {found}"
@@ -114,7 +114,7 @@ class Document:
         return self.problem(f"{message}, found {_shown(found)}", *place)
 
     def _known(self, place: Place, missing: bool) -> Place:
-        """`place` without the parts that only name one of several forms a value may have.
+        """Return `place` without the parts that only name one of several forms of a value.
 
         A `missing` key at its end stays, though it isn't there.
         """
@@ -126,7 +126,7 @@ class Document:
 
 
 def field_name(place: Place) -> str:
-    """`place` as people write it: `people[0].start` for `("people", 0, "start")`."""
+    """Return `place` as people write it: `people[0].start` for `("people", 0, "start")`."""
     text = ""
     for part in place:
         text += f"[{part}]" if isinstance(part, int) else f".{part}" if text else part
@@ -134,19 +134,19 @@ def field_name(place: Place) -> str:
 
 
 def refuse(about: str, faults: Iterable[Fault], error: type[InputError]) -> None:
-    """`error` about something that no file holds, with all of its `faults`, if it has any."""
+    """Raise `error` with all `faults` of `about`, which no file holds, if there are any."""
     problems = [Problem(message, field_name(place)) for message, place in faults]
     if problems:
         raise error(about, problems)
 
 
 def read_yaml(path: Path, error: type[InputError]) -> Document:
-    """The document in the YAML file at `path`; `error` if it isn't one."""
+    """Return the document in the YAML file at `path`; `error` if it isn't one."""
     return parse_yaml(read_text(path, error), str(path), error)
 
 
 def parse_yaml(text: str, file: str, error: type[InputError]) -> Document:
-    """The document in `text`, which stands in `file`; `error` if it isn't one."""
+    """Return the document in `text`, the contents of `file`; `error` if it isn't one."""
     if len(text) > MOST_TEXT:
         message = f"is longer than {MOST_TEXT:,} characters, which is more than anybody writes"
         raise error(file, [Problem(message)])
@@ -185,8 +185,8 @@ def parse_yaml(text: str, file: str, error: type[InputError]) -> Document:
 
 @contextmanager
 def _no_garbage() -> Iterator[None]:
-    """Let Python look for no garbage: among the many nodes of a long document there is none yet,
-    and to look again and again takes as long as all the rest."""
+    """Pause the garbage collector: a long document's many nodes are all alive, and looking them
+    over again and again takes as long as all the rest."""
     looking = gc.isenabled()
     gc.disable()
     try:
@@ -199,7 +199,7 @@ def _no_garbage() -> Iterator[None]:
 def _survey(
     node: yaml.Node, place: Place, lines: dict[Place, int], above: frozenset[int]
 ) -> list[Problem]:
-    """Note the line of every value under `node`; say which keys stand twice."""
+    """Note the line of every value under `node`, and return the problems with its keys."""
     if id(node) in above:
         return [Problem("an alias (*) to something that contains it", field_name(place))]
     if len(lines) > MOST_VALUES:

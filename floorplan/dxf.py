@@ -1,4 +1,4 @@
-"""Floors from DXF drawings: closed polylines and circles, told apart by their layers.
+"""Floors from DXF drawings: closed polylines and circles, sorted by their layers.
 
 The one on the layer "boundary" bounds the floor; those on other layers are obstacles, called after
 their layer. Their elevation and thickness are their heights. Layers that are off or frozen, and
@@ -38,7 +38,7 @@ DAMAGED = (
     *(ArithmeticError, AttributeError, LookupError, RuntimeError, StopIteration),
     *(TypeError, ValueError),
 )
-"""So ezdxf ends, too, where a drawing holds something else than it promises."""
+"""Exceptions that ezdxf raises, besides its own, at a drawing that is damaged."""
 
 _OUTLINES = ("LWPOLYLINE", "POLYLINE", "CIRCLE")
 _SILENT = ("TEXT", "MTEXT", "DIMENSION", "LEADER", "MULTILEADER", "POINT", "HATCH", "VIEWPORT")
@@ -115,7 +115,7 @@ def _drawing(path: Path) -> Drawing:
 
 
 def _metre(drawing: Drawing, file: str) -> float:
-    """How many metres one unit of the drawing is; metres where it does not say."""
+    """Return the length of a unit of the drawing in metres; 1 where it does not say."""
     from ezdxf.enums import InsertUnits
     from ezdxf.units import conversion_factor
 
@@ -129,7 +129,7 @@ def _metre(drawing: Drawing, file: str) -> float:
 
 
 def _layer_name(entity: Any) -> str:
-    """The layer it is on; that of things ezdxf does not know is not known either."""
+    """Return the layer of `entity`; "0" for kinds that ezdxf does not know."""
     known = entity.dxf.is_supported("layer")
     return str(entity.dxf.get("layer", "0")) if known else "0"
 
@@ -139,7 +139,7 @@ def _place(entity: Any) -> str:
 
 
 def _outline(entity: Any, metre: float) -> _Outline | str:
-    """What `entity` bounds, or why it bounds nothing."""
+    """Return the outline of `entity`, or the reason why it has none."""
     from ezdxf import path
 
     kind = entity.dxftype()
@@ -178,9 +178,9 @@ def _boundary_problem(count: int, outlines: list[_Outline]) -> Problem:
 
 
 def _obstacles(outlines: list[_Outline]) -> tuple[Obstacle, ...]:
-    """Each called after its layer, and numbered where there are several on it.
+    """Return the outlines as obstacles, named by layer and numbered where it has several.
 
-    A number is left out where another layer is called so.
+    A number is left out where another layer has that name.
     """
     several = Counter(o.layer for o in outlines)
     numbers = {layer: itertools.count(1) for layer in several}

@@ -37,7 +37,7 @@ _PGM_HEADER = re.compile(rb"(P[25])" + rb"(?:\s|#[^\n]*\n)+(\d{1,20})" * 3 + rb"
 class GreyImage:
     """Brightness from 0 (black) to `top` (white), (rows, columns), the top row first.
 
-    `opaque` says which pixels are not see-through; None if all are not.
+    `opaque` marks the pixels that are not transparent; None if all are.
     """
 
     levels: Levels
@@ -46,7 +46,7 @@ class GreyImage:
 
 
 def read_image(path: Path) -> GreyImage:
-    """The grey image at `path`; `FloorplanError` says why it can't be used."""
+    """Return the grey image at `path`; `FloorplanError` says why it can't be used."""
     data = read_bytes(path, FloorplanError, LARGEST_FILE)
     return _read_pgm(data, path) if data[:2] in (b"P2", b"P5") else _read_other(data, path)
 
@@ -79,7 +79,7 @@ def _read_pgm(data: bytes, path: Path) -> GreyImage:
 
 
 def _plain_numbers(body: bytes, count: int, top: int, path: Path) -> NDArray[np.uint16]:
-    """The first `count` numbers in the text of a plain PGM, or all if they are fewer."""
+    """Return the first `count` numbers in the text of a plain PGM, or all if they are fewer."""
     if b"#" in body:
         body = re.sub(rb"#[^\n]*", b"", body)
     try:

@@ -1,4 +1,4 @@
-"""Values put together in Python: each of the type that is wanted, or a `TypeError` that says so."""
+"""Type checks of values that are put together in Python."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ _PLAIN: dict[Any, tuple[Any, str]] = {
     str: (str, "text"),
     bool: (bool | np.bool_, "True or False"),
 }
-"""Which values stand for a plain type, and what it is called. Whole numbers are numbers."""
+"""Values that count as a plain type, and the name of that type. Whole numbers are numbers."""
 
 _HINTS = "__annotations__"
 
 
 def require(value: object, kind: type, reader: str = "") -> None:
-    """See that `value` is a `kind`; `TypeError` says what it is instead.
+    """Check that `value` is a `kind`; `TypeError` says what it is instead.
 
-    And that `reader` reads one, if the value may be the name of a file or of something built in.
+    It also names the `reader` of such values where `value` may be the name of a file.
     """
     if not isinstance(value, kind):
         message = f"expected {_article(kind)}, found {_shown(value)}"
@@ -40,7 +40,7 @@ def require(value: object, kind: type, reader: str = "") -> None:
 
 
 def require_fields(value: object) -> None:
-    """See that all fields of `value`, a dataclass, and of those within it are of their types.
+    """Check that the fields of `value`, a dataclass, and of those within it are of their types.
 
     `TypeError` says which is not. Lists and arrays stand for tuples, whole numbers for floats.
     """
@@ -58,9 +58,9 @@ def _field_faults(value: Any) -> Iterator[Fault]:
 
 @cache
 def _fields(kind: type) -> tuple[tuple[str, Any], ...]:
-    """The fields of a dataclass that make it up, with their types.
+    """Return the fields that a dataclass is compared by, with their types.
 
-    What it is not compared by is left out; a type that is imported for type checkers only is Any.
+    A type that is imported for type checkers only is Any.
     """
     found = []
     for field in dataclasses.fields(kind) if dataclasses.is_dataclass(kind) else ():

@@ -1,4 +1,4 @@
-"""From a floorplan's file, or the name of a built-in one, to a `Floorplan`."""
+"""Loading of floorplans by the name of a file or of a built-in one."""
 
 from __future__ import annotations
 
@@ -23,15 +23,15 @@ OTHER_SUFFIXES = {".wkt": load_wkt, ".dxf": load_dxf}
 
 
 def builtin() -> tuple[str, ...]:
-    """The names of the floorplans that come with Floorwalker, sorted."""
+    """Return the names of the floorplans that come with Floorwalker, sorted."""
     files = resources.files(__package__).joinpath("data").iterdir()
     return tuple(sorted(Path(f.name).stem for f in files if f.name.endswith(".yaml")))
 
 
 def load(source: str | Path) -> Floorplan:
-    """The floorplan called `source` (a built-in name) or in the file at `source`.
+    """Return the floorplan called `source` (a built-in name) or in the file at `source`.
 
-    Raises `FloorplanError` with everything that is wrong with the file, each with its place.
+    `FloorplanError` lists everything that is wrong with the file, each with its place.
     """
     text = str(source)
     if text in builtin():
@@ -55,12 +55,12 @@ def load(source: str | Path) -> Floorplan:
 
 
 def parse(text: str, *, file: str = "<text>") -> Floorplan:
-    """The floorplan in `text`, in the YAML format; errors call it `file`."""
+    """Return the floorplan in `text`, in the YAML format; errors call it `file`."""
     return build(parse_yaml(text, file, FloorplanError))
 
 
 def build(document: Document) -> Floorplan:
-    """The floorplan in `document`; `FloorplanError` with all that is wrong with it."""
+    """Return the floorplan in `document`; `FloorplanError` with all that is wrong with it."""
     schema = document.checked(FloorplanSchema, FloorplanError)
     zone = schema.safe_zone
     plan = Floorplan(
@@ -99,7 +99,7 @@ def _footprint(entry: ObstacleSchema) -> Polygon:
 
 
 def _round(x: float, y: float, radius: float, corners: int = 32) -> Polygon:
-    """The regular polygon around a disc: it covers all of the disc."""
+    """Return the regular polygon around a disc: it covers all of the disc."""
     outer = radius / math.cos(math.pi / corners)
     angles = [2 * math.pi * (k + 0.5) / corners for k in range(corners)]
     return Polygon([(x + outer * math.cos(a), y + outer * math.sin(a)) for a in angles])

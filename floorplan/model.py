@@ -1,4 +1,4 @@
-"""What a floor is: an immutable value of named things and where they stand.
+"""Floorplans as immutable values.
 
 All lengths are metres, angles radians, speeds m/s, heights above the floor; z points up.
 """
@@ -31,7 +31,7 @@ class Obstacle:
     top: float
 
     def overlaps(self, bottom: float, top: float) -> bool:
-        """Whether its heights and the open range from `bottom` to `top` (metres) share any."""
+        """Return whether its heights overlap the open range from `bottom` to `top` (metres)."""
         return self.bottom < top and bottom < self.top
 
 
@@ -45,7 +45,7 @@ class Station:
 
 @dataclass(frozen=True)
 class SafeZone:
-    """Where people start, and are put after a violation."""
+    """Start of people, and their place after a violation: metres, and heading in radians."""
 
     position: Point
     heading: float = 0.0
@@ -53,7 +53,7 @@ class SafeZone:
 
 @dataclass(frozen=True)
 class Human:
-    """The measures of the people on this floor, unless a trial says otherwise."""
+    """Measures of the people on this floor (metres, seconds), unless a trial says otherwise."""
 
     radius: float = 0.3
     height: float = 1.75
@@ -89,12 +89,12 @@ class Lane:
         return (round(math.cos(self.heading), 15), round(math.sin(self.heading), 15))
 
     def position(self, q: float) -> Point:
-        """The centre of the AGV (x, y) at lane position `q`, all in metres."""
+        """Return the centre of the AGV (x, y) at lane position `q`, all in metres."""
         (x, y), (c, s) = self.origin, self.direction
         return (x + q * c, y + q * s)
 
     def lane_position(self, to: str | float) -> float:
-        """The lane position (metres) of a location, of a name it serves, or `to` itself.
+        """Return the lane position (metres) of a location, of a name it serves, or `to` itself.
 
         `ValueError` if there is no such location, or if it is outside the lane's limits.
         """
@@ -112,7 +112,7 @@ class Lane:
         return to
 
     def footprint(self, q: float) -> Polygon:
-        """The rectangle that the AGV covers at lane position `q` (metres)."""
+        """Return the rectangle that the AGV covers at lane position `q` (metres)."""
         (x, y), (c, s) = self.position(q), self.direction
         corners = [
             (x + u * c - v * s, y + u * s + v * c)
@@ -138,7 +138,7 @@ class Axis:
 
 
 ROUNDING = 1e-9
-"""Metres or radians. What stands this little beyond a limit stands at it."""
+"""Metres or radians. A pose this little beyond a limit counts as at it."""
 
 
 @dataclass(frozen=True)
@@ -161,7 +161,7 @@ class Gantry:
     tray_height: float
 
     def faults(self, target: tuple[float, float, float]) -> list[str]:
-        """Which of x, y and rotation of `target` are out of range, in words."""
+        """Return a message for each of x, y and rotation of `target` that is out of range."""
         return [
             f"{name} = {value:g} is outside the gantry's range {axis.low:g} … {axis.high:g}"
             for name, axis, value in zip(("x", "y", "rotation"), self.axes, target, strict=True)
@@ -223,15 +223,15 @@ class Floorplan:
         return tuple(self.station(name) for name in self.patrol)
 
     def station(self, name: str) -> Station:
-        """The station called `name`, as `stations[name]`."""
+        """Return the station called `name`, as `stations[name]`."""
         return self.stations[name]
 
     def lane(self, name: str) -> Lane:
-        """The lane of the AGV called `name`, as `lanes[name]`."""
+        """Return the lane of the AGV called `name`, as `lanes[name]`."""
         return self.lanes[name]
 
     def obstacle(self, name: str) -> Obstacle:
-        """The obstacle called `name`, as `obstacles[name]`."""
+        """Return the obstacle called `name`, as `obstacles[name]`."""
         return self.obstacles[name]
 
     def free(self, bottom: float, top: float) -> Polygon:

@@ -1,4 +1,4 @@
-"""Things that have a name, in their order and by their name."""
+"""Tuples of named things that also answer to names."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ Thing = TypeVar("Thing", bound=_HasName)
 class Named(tuple[Thing, ...]):
     """A tuple of things that also answers to their names: `stations["dock"]`.
 
-    `"dock" in stations` tells whether there is one. `KeyError` that suggests a name where there
-    is none; of several with one name, the first is meant.
+    A name may also stand before `in`. `KeyError` that suggests a name where there is none; of
+    several with one name, the first is meant.
     """
 
     __slots__ = ()

@@ -1,4 +1,4 @@
-"""What is wrong with a file that somebody wrote, and where: all of it in one error."""
+"""Problems of files, with their places: all of one file in one error."""
 
 from __future__ import annotations
 
@@ -7,15 +7,15 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 MOST_SHOWN = 20
-"""An error's text has this many problems, and how many more there are."""
+"""Most problems in the text of an error; it says how many more there are."""
 
 LONGEST = 600
-"""Characters of one problem that an error's text has."""
+"""Most characters of one problem in the text of an error."""
 
 
 @dataclass(frozen=True)
 class Problem:
-    """One thing that is wrong: what, and its place in the file where there is one."""
+    """One problem, with its place in the file where it has one."""
 
     message: str
     field: str = ""
@@ -29,7 +29,7 @@ class Problem:
 
 
 def _clipped(text: str) -> str:
-    """A text of a length that people read: what files hold may be endless."""
+    """Return `text` at a length that people read: values of files may be endless."""
     return text if len(text) <= LONGEST else f"{text[: LONGEST - 1]}…"
 
 
@@ -59,7 +59,7 @@ class FloorplanError(InputError):
 
 
 def suggestion(name: str, known: Iterable[object]) -> str:
-    """What to say to somebody who wrote `name` and not one of `known`."""
+    """Return a hint for a `name` that is none of `known`: the nearest of these, or all."""
     names = [str(one) for one in known]
     near = difflib.get_close_matches(name, names, 1)
     return f"did you mean {near[0]!r}?" if near else f"there are: {', '.join(names)}"

@@ -1,7 +1,7 @@
-"""Files that users give: regular ones, no larger than their kind ever is, read in one place.
+"""Reading of users' files: regular ones, no larger than their kind ever is.
 
-A named pipe would be waited for without end, and a device never ends. What a shell hands over
-(`/dev/stdin`, or `/dev/fd/63` for `<(command)`) is read like a file.
+A named pipe would block for ever, and a device never ends. What a shell hands over (`/dev/stdin`,
+or `/dev/fd/63` for `<(command)`) is read like a file.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ _KINDS = {
 
 
 def is_there(path: Path) -> bool:
-    """Whether there is something at `path`; at one that no file can have, there isn't."""
+    """Return whether there is something at `path`; False for a name that no file can have."""
     try:
         return path.exists()
     except (OSError, ValueError):
@@ -47,9 +47,9 @@ def is_there(path: Path) -> bool:
 
 
 def read_bytes(path: Path, error: type[InputError], most: int = LARGEST_DOCUMENT) -> bytes:
-    """The contents of the file at `path`, at most `most` bytes; `error` says why it can't be read.
+    """Return the contents of the file at `path`.
 
-    It can't if it is no regular file, or too large.
+    `error` if it can't be read, is no regular file, or has more than `most` bytes.
     """
     with _opened(path, error) as file:
         chunks: list[bytes] = []
@@ -69,7 +69,7 @@ def read_text(path: Path, error: type[InputError], most: int = LARGEST_DOCUMENT)
 
 
 def read_lines(path: Path, error: type[InputError], *, torn: bool = False) -> Iterator[str]:
-    """The lines of the recorded UTF-8 file at `path`, without their ends, as they are read.
+    """Yield the lines of the recorded UTF-8 file at `path`, without their ends.
 
     With `torn`, a last line that has no end is left out. `error` says why the file can't be read.
     """
@@ -90,7 +90,7 @@ def read_lines(path: Path, error: type[InputError], *, torn: bool = False) -> It
 
 
 def require_readable(path: Path, error: type[InputError], most: int) -> None:
-    """See that what others open at `path` is a file of at most `most` bytes; else `error`."""
+    """Check that `path`, which others open, is a file of at most `most` bytes; else `error`."""
     with _opened(path, error) as file:
         if os.fstat(file.fileno()).st_size > most:
             raise error(str(path), [Problem(f"is larger than the {_megabytes(most)} it may have")])

@@ -1,7 +1,7 @@
 """Floors from the maps of ROS's map_server: a YAML file and a grey image of cells.
 
-What the map says is free is floor, all else (occupied, unknown, see-through) is not. The floor is
-the largest free area that hangs together; cells that touch only at a corner do not. As in
+Free cells are floor, all others (occupied, unknown, transparent) are not. The floor is the largest
+connected free area; cells that touch only at a corner are not connected. As in
 map_server, the thresholds decide alone: the grey (205) of unknown cells is below a free_thresh of
 0.25 and so counts as free; 0.196 leaves it out.
 """
@@ -35,7 +35,7 @@ Resolution = Annotated[float, Strict(), Field(ge=1e-4, le=1000, allow_inf_nan=Fa
 
 
 class RosMapSchema(BaseModel):
-    """The keys of a map_server file; it may have others, which say nothing about the floor."""
+    """Keys of a map_server file; it may have others, which say nothing about the floor."""
 
     model_config = ConfigDict(extra="ignore", frozen=True)
 
@@ -58,12 +58,12 @@ class RosMapSchema(BaseModel):
 
 
 def is_ros_map(document: Document) -> bool:
-    """Whether a YAML document is one of map_server's, told by its keys."""
+    """Return whether a YAML document is one of map_server's, by its keys."""
     return isinstance(document.data, dict) and not {"image", "resolution"}.isdisjoint(document.data)
 
 
 def build_ros_map(document: Document) -> Floorplan:
-    """The floorplan of a map; `FloorplanError` with what is wrong with it or its image."""
+    """Return the floorplan of a map; `FloorplanError` with what is wrong with it or its image."""
     schema = document.checked(RosMapSchema, FloorplanError)
     file = Path(document.file)
     free = _free_cells(read_image(file.parent / schema.image), schema)
@@ -85,7 +85,7 @@ def build_ros_map(document: Document) -> Floorplan:
 
 
 def _free_cells(image: GreyImage, schema: RosMapSchema) -> NDArray[np.bool_]:
-    """Which cells one may walk on, (rows, columns), the top row first."""
+    """Return a mask of the free cells, (rows, columns), the top row first."""
     levels = np.arange(image.top + 1)
     if schema.mode == "raw":
         # Values up to 100 are percentages of being occupied, others mean unknown.
@@ -98,7 +98,7 @@ def _free_cells(image: GreyImage, schema: RosMapSchema) -> NDArray[np.bool_]:
 
 
 def _in_metres(area: Polygon, rows: int, schema: RosMapSchema) -> Polygon:
-    """Cells to metres: the origin is the lower left corner of the image, turned by its yaw."""
+    """Convert cells to metres; the origin is the lower left corner of the image, with its yaw."""
     x, y, yaw = schema.origin
     c, s = math.cos(yaw), math.sin(yaw)
 

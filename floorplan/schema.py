@@ -49,7 +49,7 @@ class Strictly(BaseModel):
 
 
 class ObstacleSchema(Strictly):
-    """One footprint, given in one of four ways, and its heights."""
+    """A footprint, in one of four forms, and its heights."""
 
     z: Range
     x: Range | None = None
@@ -84,14 +84,14 @@ class HumanSchema(Strictly):
 
 
 class SafeZoneSchema(Strictly):
-    """Where people start."""
+    """Start of people."""
 
     at: Pair
     heading: Number = 0.0
 
 
 class LaneSchema(Strictly):
-    """What is one AGV's own."""
+    """Keys of a single AGV."""
 
     origin: Pair
     heading: Number = 0.0
@@ -100,7 +100,7 @@ class LaneSchema(Strictly):
 
 
 class AgvsSchema(Strictly):
-    """What all AGVs share, and the lane of each."""
+    """Keys that all AGVs share, and the lane of each."""
 
     size: Size
     height: Positive

@@ -1,4 +1,4 @@
-"""From a grid of cells to the polygons they make up."""
+"""Polygons around the cells of a grid."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ import shapely
 from numpy.typing import NDArray
 
 MOST_CORNERS = 1_000_000
-"""Outlines with more corners are refused: the walls of a large hall have some 10,000."""
+"""Most corners of all outlines together: the walls of a large hall have some 10,000."""
 
 MOST_OUTLINES = 100_000
-"""More outlines are refused: nothing could be planned among so many obstacles."""
+"""Most outlines: nothing could be planned among more obstacles."""
 
 _INSET = 0.125
 """Cells. How far a ring keeps from a corner at which two of its cells touch diagonally."""
@@ -24,7 +24,7 @@ Ring: TypeAlias = shapely.Geometry
 
 
 class IntricateError(ValueError):
-    """Cells that make up more outlines than can be worked with."""
+    """Cells with more outlines than can be handled."""
 
 
 def trace(cells: NDArray[np.bool_], tolerance: float) -> shapely.Geometry:
@@ -42,7 +42,7 @@ def trace(cells: NDArray[np.bool_], tolerance: float) -> shapely.Geometry:
 
 
 def _polygons(shells: list[Ring], holes: list[Ring]) -> list[shapely.Geometry]:
-    """Each shell with the holes in it: a hole is in the smallest of the shells around it."""
+    """Return each shell with the holes in it: a hole is in the smallest of the shells around it."""
     if not holes:
         return [shapely.polygons(shell) for shell in shells]
     filled = shapely.polygons(shells)
@@ -58,7 +58,7 @@ def _polygons(shells: list[Ring], holes: list[Ring]) -> list[shapely.Geometry]:
 
 
 def _rings(cells: NDArray[np.bool_]) -> tuple[list[Ring], list[Ring]]:
-    """The closed outlines through the corners where they turn: those around cells, and of holes.
+    """Return the closed outlines through their corners: those around cells, and those of holes.
 
     Along every row of corners an outline comes and goes in turn, so sorted corners pair up into
     its horizontal sides; along every column into its vertical ones. The sides then chain up.
@@ -99,7 +99,7 @@ def _rings(cells: NDArray[np.bool_]) -> tuple[list[Ring], list[Ring]]:
 def _corners(
     cells: NDArray[np.bool_],
 ) -> tuple[Ints, Ints, NDArray[np.bool_], NDArray[np.float64]]:
-    """Where outlines turn: the row and column, whether it is the second copy, and the place.
+    """Return the corners of outlines: row and column, whether it is the second copy, and place.
 
     Corners where two cells touch diagonally come twice.
     """
@@ -126,7 +126,7 @@ def _corners(
 
 
 def _pairs(count: int, order: NDArray[np.intp]) -> Ints:
-    """The partner of each, where they pair up in this order."""
+    """Return the partner of each, where they pair up in this order."""
     partner = np.empty(count, np.int64)
     partner[order[0::2]], partner[order[1::2]] = order[1::2], order[0::2]
     return partner

@@ -25,9 +25,9 @@ def load_wkt(path: Path) -> Floorplan:
 
 
 def parse_wkt(text: str, *, file: str = "<text>") -> Floorplan:
-    """The floorplan in `text`; errors call it `file`."""
+    """Return the floorplan in `text`; errors call it `file`."""
     try:
-        with np.errstate(invalid="ignore", over="ignore"):  # what is too large is told below
+        with np.errstate(invalid="ignore", over="ignore"):  # too large figures are refused below
             geometry = shapely.from_wkt(text.strip())
     except shapely.GEOSException as why:
         reason = re.sub(r"^ParseException: ", "", str(why)).strip()

@@ -1,4 +1,4 @@
-"""The fastest safe loader of YAML that is installed."""
+"""The fastest safe loader of YAML that is installed, with limits."""
 
 from __future__ import annotations
 
@@ -15,20 +15,19 @@ from yaml.scanner import Scanner
 
 
 def safe_loader(text: str) -> Any:
-    """A safe loader of `text`: PyYAML's, with LibYAML's parser where PyYAML has it.
+    """Return a safe loader of `text`: PyYAML's, with LibYAML's parser where PyYAML has it.
 
-    That is five times as fast. Nodes are composed in Python in any case, where nesting too deep
-    is an error and not the end of the process.
+    LibYAML is five times as fast. Nodes are composed in Python in any case, where nesting too
+    deep is an error and not the end of the process.
     """
     return _WithLibYaml(text) if yaml.__with_libyaml__ else _Plain(text)
 
 
 MOST_VALUES = 300_000
-"""A document with more values than this is refused: a floor of 10,000 obstacles has
-100,000."""
+"""Most values of a document: a floor of 10,000 obstacles has 100,000."""
 
 HUGE = 10**1000
-"""No whole number is larger: Python would refuse to write one of 4,300 digits out again."""
+"""Largest whole number: Python would refuse to write one of 4,300 digits out again."""
 
 
 class _Counting(Composer):
@@ -39,8 +38,8 @@ class _Counting(Composer):
         self._values = 0
 
     def descend_resolver(self, parent: yaml.Node | None, index: object) -> None:
-        """Count a value; this is called for each node, to follow paths that resolve tags: we have
-        none. Keys have no index."""
+        """Count a value: PyYAML calls this for each node, to resolve tags by path. Keys have no
+        index."""
         self._values += index is not None
         if self._values > MOST_VALUES:
             raise ValueError(too_many())
@@ -50,12 +49,12 @@ class _Counting(Composer):
 
 
 def too_many() -> str:
-    """Say that a document has more than `MOST_VALUES` values."""
+    """Return the message about a document with more than `MOST_VALUES` values."""
     return f"it has more than {MOST_VALUES:,} values"
 
 
 class _Constructor(SafeConstructor):
-    """Constructs values, and says on which line one is that can't be constructed."""
+    """Constructs values; errors have the line of the value."""
 
 
 def _placed(construct: Callable[[Any, yaml.Node], Any]) -> Callable[[Any, yaml.Node], Any]:

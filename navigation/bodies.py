@@ -28,7 +28,7 @@ _POINT = 1e-6
 
 _STEP = math.radians(1.0)
 """Radians. How finely a round body's footprint is drawn as a polygon, from outside: 4e-5 of its
-radius too large at most, less than what ways keep beyond theirs."""
+radius too large at most, less than paths keep beyond theirs."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class Disc:
 
 @dataclass(frozen=True, eq=False)
 class Body:
-    """One such thing where it is now. A body that moves is replaced by another value."""
+    """A body where it is now. One that moves is replaced by another value."""
 
     name: str
     shape: Polygon | Disc
@@ -54,7 +54,7 @@ class Body:
 
     @staticmethod
     def of(name: str, shape: Polygon | Disc) -> Body:
-        """The body `name` with this footprint; `ValueError` if it is no simple polygon."""
+        """Return the body `name` with this footprint; `ValueError` if it is no simple polygon."""
         if isinstance(shape, Disc):
             (x, y), r = shape.centre, shape.radius
             return Body(name, shape, disc(shape.centre, r), (x - r, y - r, x + r, y + r))
@@ -64,27 +64,27 @@ class Body:
 
     @property
     def footprint(self) -> Polygon:
-        """What it covers; a disc as the polygon around it."""
+        """The area that it covers; a disc as the polygon around it."""
         if isinstance(self.shape, Disc):
             return around_disc(self.shape.centre, self.shape.radius, _STEP)
         return self.shape
 
     @property
     def corners(self) -> Corners:
-        """What one goes round to pass it."""
+        """The corners that a path bends around to pass it."""
         if isinstance(self.shape, Disc):
             return round_corner(self.shape.centre, self.shape.radius)
         return corners(edges_of_solid(self.shape))
 
     def clear_of(self, line: shapely.Geometry) -> float:
-        """Metres between it and a line (shapely)."""
+        """Return the metres between it and a line (shapely)."""
         if isinstance(self.shape, Disc):
             centre = shapely.Point(self.shape.centre)
             return max(float(shapely.distance(line, centre)) - self.shape.radius, 0.0)
         return float(shapely.distance(line, self.shape))
 
     def near(self, a: Point, b: Point, radius: float) -> bool:
-        """Whether the bounds of it and of a disc that moves from a to b overlap."""
+        """Return whether its bounds overlap those of a disc that moves from a to b."""
         low_x, low_y, high_x, high_y = self.bounds
         return (
             (a[0] > low_x - radius or b[0] > low_x - radius)
@@ -95,7 +95,7 @@ class Body:
 
 
 def region(geometry: shapely.Geometry) -> Any:
-    """The FCL object of a polygon or several, holes left out."""
+    """Return the FCL object of a polygon or several, holes left out."""
     triangles = shapely.get_parts(shapely.constrained_delaunay_triangles(geometry))
     corners = shapely.get_coordinates(shapely.get_exterior_ring(triangles)).reshape(-1, 4, 2)
     flat = corners[:, :3].reshape(-1, 2)
@@ -109,16 +109,16 @@ def region(geometry: shapely.Geometry) -> Any:
 
 
 def disc(centre: Point, radius: float) -> Any:
-    """The FCL object of a disc."""
+    """Return the FCL object of a disc."""
     at = np.array([centre[0], centre[1], 0.0])
     return fcl.CollisionObject(fcl.Sphere(radius), fcl.Transform(at))
 
 
 class Sweep:
-    """All that a disc covers on its straight way, as an FCL object.
+    """The area that a disc sweeps along a segment, as an FCL object.
 
-    There is one object for all ways: python-fcl never gives back the memory of an object that it
-    has made, 32 bytes each.
+    There is one object for all segments: python-fcl never frees all of the memory of an object,
+    32 bytes each.
     """
 
     def __init__(self) -> None:
@@ -128,7 +128,7 @@ class Sweep:
         self._moving = fcl.CollisionObject(self._capsule, fcl.Transform())
 
     def between(self, a: Point, b: Point, radius: float) -> Any:
-        """The object for the way from `a` to `b`, until the next call."""
+        """Return the object for the segment from `a` to `b`, valid until the next call."""
         dx, dy = b[0] - a[0], b[1] - a[1]
         length = math.hypot(dx, dy)
         middle = np.array([(a[0] + b[0]) / 2, (a[1] + b[1]) / 2, 0.0])
@@ -137,14 +137,14 @@ class Sweep:
             self._still.setTranslation(middle)
             return self._still
         c, s = dx / length, dy / length
-        # FCL's capsules lie along z: this turns z into the direction of the way.
+        # FCL's capsules lie along z: this turns z into the direction of the segment.
         turn = np.array([[0.0, -s, c], [0.0, c, s], [-1.0, 0.0, 0.0]])
         self._capsule.radius, self._capsule.lz = radius, length
         self._moving.setTransform(fcl.Transform(turn, middle))
         return self._moving
 
     def distance(self, point: Point, other: Any) -> float:
-        """Metres from `point` to an FCL object; 0 inside it."""
+        """Return the metres from `point` to an FCL object; 0 inside it."""
         probe = self.between(point, point, _POINT)
         # FCL leaves the distance of overlapping shapes undefined.
         if touch(probe, other):
@@ -154,5 +154,5 @@ class Sweep:
 
 
 def touch(one: Any, other: Any) -> bool:
-    """Whether two FCL objects share a point."""
+    """Return whether two FCL objects share a point."""
     return bool(fcl.collide(one, other, fcl.CollisionRequest(), fcl.CollisionResult()))

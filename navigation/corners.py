@@ -1,4 +1,4 @@
-"""The corners that a disc has to go round, and the room that is left for its centre.
+"""Corners that a disc has to go round, and the room that is left for its centre.
 
 Around a convex corner of an obstacle the centre of a disc follows an arc. Arcs are drawn as
 polylines that touch them from outside, in equal steps of a given angle: what is left over is
@@ -40,7 +40,7 @@ class Corners:
     turn: Floats
 
     def take(self, keep: NDArray[np.bool_]) -> Corners:
-        """Those of the corners that are marked in `keep` (K,)."""
+        """Return those of the corners that are marked in `keep` (K,)."""
         return Corners(self.centre[keep], self.radius[keep], self.begin[keep], self.turn[keep])
 
 
@@ -48,9 +48,9 @@ class Corners:
 class Bends:
     """The N places where a polyline around grown corners bends.
 
-    `point` (N, 2) metres; `before` and `after` (N, 2) are the unit directions of the way that
-    goes round the corner clockwise, on either side of the bend; `reach` (N,) is how far from the
-    bend (metres) that way touches the arc; `corner` (N,) is the index of the corner.
+    `point` (N, 2) metres; `before` and `after` (N, 2) are the unit directions of the path that
+    goes round the corner clockwise, on either side of the bend; `reach` (N,) is the distance from
+    the bend (metres) at which that path touches the arc; `corner` (N,) is the index of the corner.
     """
 
     point: Floats
@@ -74,7 +74,7 @@ class Bends:
 
     @staticmethod
     def join(parts: Sequence[Bends]) -> Bends:
-        """All the bends of several parts; corners keep the numbers they have in their part."""
+        """Return the bends of all parts; corners keep the numbers they have in their part."""
         return Bends(
             np.concatenate([part.point for part in parts]),
             np.concatenate([part.before for part in parts]),
@@ -84,9 +84,9 @@ class Bends:
         )
 
     def graze(self, along: Floats) -> NDArray[np.bool_]:
-        """Whether straight ways along `along` (…, N, 2; metres) only graze the corner at the bend.
+        """Return whether segments along `along` (…, N, 2) only graze the corner at the bend.
 
-        A shortest way bends only where it grazes; all others would enter the grown corner.
+        A shortest path bends only where it grazes; all others would enter the grown corner.
         """
         slack = 1e-9 * (1 + np.abs(along[..., 0]) + np.abs(along[..., 1]))
         entering = _cross(self.before, along)
@@ -101,7 +101,7 @@ def _cross(a: Floats, b: Floats) -> Floats:
 
 
 def edges_of_room(room: shapely.Geometry) -> list[Floats]:
-    """The closed rings ((n + 1, 2), metres) around free `room`: it lies on their left."""
+    """Return the closed rings ((n + 1, 2), metres) around free `room`: it lies on their left."""
     return _rings(shapely.orient_polygons(room))
 
 
@@ -111,7 +111,7 @@ def edges_of_solid(solid: shapely.Geometry) -> list[Floats]:
 
 
 def corners(edges: list[Floats]) -> Corners:
-    """The corners at which solid things stick out into the room on the left of `edges`."""
+    """Return the corners at which solid things stick out into the room on the left of `edges`."""
     begin, end = _sides(edges)
     along = end - begin
     heading = np.arctan2(along[:, 1], along[:, 0])
@@ -128,14 +128,14 @@ def corners(edges: list[Floats]) -> Corners:
 
 
 def round_corner(centre: tuple[float, float], radius: float) -> Corners:
-    """A disc as one corner, to be gone round in a full circle."""
+    """Return a disc as one corner, to be gone round in a full circle."""
     return Corners(
         np.array([centre]), np.array([radius]), np.array([math.pi]), np.array([2 * math.pi])
     )
 
 
 def bends(around: Corners, radius: float, step: float) -> Bends:
-    """Where a disc of `radius` metres bends its way around corners, by `step` radians at most."""
+    """Return the bends of a disc of `radius` metres around corners, of `step` radians at most."""
     count = np.maximum(np.ceil(around.turn / step - 1e-9), 1).astype(int)
     of = np.repeat(np.arange(len(count)), count)
     place = np.arange(len(of)) - np.repeat(np.cumsum(count) - count, count)
@@ -149,7 +149,7 @@ def bends(around: Corners, radius: float, step: float) -> Bends:
 
 
 def grown(edges: list[Floats], radius: float, step: float) -> shapely.Geometry:
-    """The room on the left of `edges` that is closer to them than `radius` metres."""
+    """Return the room on the left of `edges` that is closer to them than `radius` metres."""
     strips = _strips(edges, radius)
     sectors = _sectors(corners(edges), radius, step)
     # Most floors are many small things far apart: those that don't touch need no overlay.
@@ -172,7 +172,7 @@ def _rings(polygons: shapely.Geometry) -> list[Floats]:
 
 
 def _sides(edges: list[Floats]) -> tuple[Floats, Floats]:
-    """Where all sides of the rings begin and end, (N, 2) metres each."""
+    """Return the begin and the end of all sides of the rings, (N, 2) metres each."""
     none = np.empty((0, 2))
     begin = np.concatenate([none, *(ring[:-1] for ring in edges)])
     end = np.concatenate([none, *(ring[1:] for ring in edges)])
@@ -209,5 +209,5 @@ def _unit(angle: Floats) -> Floats:
 
 
 def _clockwise(normal: Floats) -> Floats:
-    """The direction in which one goes round clockwise where the normal has the angle `normal`."""
+    """Return the clockwise direction where the normal has the angle `normal`."""
     return np.stack([np.sin(normal), -np.cos(normal)], axis=-1)

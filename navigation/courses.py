@@ -1,7 +1,7 @@
-"""How bodies moved, in figures: way, turning, standing, and how far from each other.
+"""Figures of motions: length, turning, standing, and distances between bodies.
 
-The figures are worked out from the polynomials that motions are made of, for all bodies together;
-nothing is sampled.
+They are computed from the polynomials that motions are made of, for all bodies together; nothing
+is sampled.
 """
 
 from __future__ import annotations
@@ -27,12 +27,12 @@ from .polynomials import (
 )
 
 FAR = 1e6
-"""Metres. Where a body that is not there yet stands, so that it is near to nobody."""
+"""Metres. Place of a body that is not there yet, so that it is near to none."""
 
 
 @dataclass(frozen=True)
 class Company:
-    """How far a body was from others, while any of them was there.
+    """Distances of a body from others, while any of them was there.
 
     `mean` is the mean over time of the distance to the nearest of them, `minimum` and `maximum`
     are over all of them (metres). `within` has for each distance asked for the seconds in which
@@ -50,7 +50,7 @@ class Courses:
     """Motions side by side, each looked at between two instants of its own.
 
     `spans` has (begin, end) in seconds for each motion. Results that are arrays have one figure
-    for each motion. A jump to another place is neither way nor turning.
+    for each motion. A jump to another place adds neither length nor turning.
     """
 
     def __init__(self, motions: Sequence[Motion], spans: Sequence[tuple[float, float]]) -> None:
@@ -70,8 +70,8 @@ class Courses:
         return np.asarray(self._spans[:, 1] - self._spans[:, 0])
 
     @cached_property
-    def way(self) -> Array:
-        """The way gone, metres: ∫ |v| dt."""
+    def length(self) -> Array:
+        """The length of the path gone, metres: ∫ |v| dt."""
         return self._integrated(self._velocity)
 
     @cached_property
@@ -100,7 +100,7 @@ class Courses:
         return self._summed(_variation(rotation, self._durations)) + self._sudden_turns()
 
     def time_not_moving(self, speed: float, turning: float) -> Array:
-        """Seconds with less than `speed` (m/s) and less than `turning` (rad/s)."""
+        """Return the seconds with less than `speed` (m/s) and less than `turning` (rad/s)."""
         body, stretch = self._rows
         durations = self._durations[stretch]
         spin = bernstein(square(derivative(self._pieces[body, stretch, 2])), durations)
@@ -116,10 +116,10 @@ class Courses:
         within: Sequence[float] = (),
         radii: Sequence[float] | None = None,
     ) -> list[Company]:
-        """How far each body was from the nearest of some others, by their indices.
+        """Return the distances of each body from the nearest of some others, by their indices.
 
         Distances are between centres, less the `radii` (metres) of both bodies if they are given.
-        For each distance (metres) of `within`, it is also told how long somebody was so near.
+        For each distance (metres) of `within` there is also the time that another was so near.
         """
         return [] if not bodies else _Meetings(self, bodies, within, radii).company()
 

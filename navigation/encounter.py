@@ -1,4 +1,4 @@
-"""Two motions beside each other: bounds on their distance and speeds over an interval."""
+"""Bounds on the distance and the speeds of two motions over an interval."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _NEAR = 1e-9
 
 
 class Bounds(NamedTuple):
-    """What holds throughout an interval: metres and m/s. At an instant, low equals high."""
+    """Bounds throughout an interval: metres and m/s. At an instant, low equals high."""
 
     distance_low: float
     distance_high: float
@@ -69,7 +69,7 @@ class Encounter:
         self._y = _difference(robot_y, human_y)
 
     def distance(self, t: float) -> float:
-        """The distance between the two at `t` (metres)."""
+        """Return the distance between the two at `t` (metres)."""
         u = t - self.begin
         a, b = self._x, self._y
         return math.hypot(
@@ -78,7 +78,7 @@ class Encounter:
         )
 
     def closing(self, begin: float, end: float) -> tuple[float, float]:
-        """Bounds on the rate of half the squared distance from `begin` to `end` (m²/s).
+        """Return bounds on the rate of half the squared distance from `begin` to `end` (m²/s).
 
         Negative while the two come closer, positive while they part.
         """
@@ -102,7 +102,7 @@ class Encounter:
         return rate - slack, rate + slack
 
     def bounds(self, begin: float, end: float) -> Bounds:
-        """What holds throughout the interval from `begin` to `end` within this stretch."""
+        """Return the bounds from `begin` to `end`, an interval within this stretch."""
         half = (end - begin) / 2
         middle = begin - self.begin + half
         human_low, human_high = self._human_steady or _speed(self._human, middle, half)
@@ -124,11 +124,11 @@ class Encounter:
         return near, far, min(max(self.begin + middle + offset, begin), end)
 
     def human_speed(self, begin: float, end: float) -> Enclosure:
-        """The human's speed over an interval within this stretch, m/s."""
+        """Return the human's speed over an interval within this stretch, m/s."""
         return speed_along(self._human_piece, begin, end)
 
     def robot_speed(self, begin: float, end: float) -> Enclosure:
-        """The robot's speed over an interval within this stretch, m/s."""
+        """Return the robot's speed over an interval within this stretch, m/s."""
         return speed_along(self._robot_piece, begin, end)
 
     def _distance(
@@ -171,7 +171,7 @@ class Encounter:
         return max(near - bend, 0.0), max(before, after) + bend, offset
 
     def _bend(self, middle: float, half: float, curve: float, bend: float) -> float:
-        """What distance − curve u² / 2 may be off that along a straight line: of third order.
+        """Bound the deviation of distance − curve u² / 2 from that along a line: of third order.
 
         With n the direction of r, that is (n·a − curve) u² / 2 + (n·j/6) u³, and in addition what
         is due to n turning, and to the part of the bend across n. `bend` is the length of it all.
@@ -211,7 +211,7 @@ def encounters(
 
 
 def _ahead(motion: Motion, begin: float, end: float) -> Iterator[Piece]:
-    """The pieces of a motion that are not over at `begin`, then one of standing until `end`.
+    """Yield the pieces of a motion that are not over at `begin`, then standing until `end`.
 
     Pieces of no length are left out: a body has no velocity for no time.
     """
@@ -242,7 +242,7 @@ def _difference(a: Cubic, b: Cubic) -> Cubic:
 
 
 def _speed(axes: tuple[Cubic, Cubic], middle: float, half: float) -> tuple[float, float]:
-    """Bounds on a speed within `half` of `middle`."""
+    """Return bounds on a speed within `half` of `middle`."""
     x, y = axes
     speed = math.hypot(
         x[1] + middle * (2 * x[2] + middle * 3 * x[3]),
@@ -254,7 +254,7 @@ def _speed(axes: tuple[Cubic, Cubic], middle: float, half: float) -> tuple[float
 
 
 def _steady_speed(x: Cubic, y: Cubic) -> tuple[float, float] | None:
-    """Twice the speed, as its least and its most, where it never changes."""
+    """Return the speed as its own bounds, where it never changes."""
     if x[2] == y[2] == x[3] == y[3] == 0.0:
         speed = math.hypot(x[1], y[1])
         return speed, speed

@@ -1,4 +1,4 @@
-"""Where the centre of a disc can be, and which places it can reach from which."""
+"""Free space of the centre of a disc, in connected pieces."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _EDGE = 1e-3
 
 
 class FreeSpace:
-    """The places that are at least a radius from everything, in pieces that hang together.
+    """The places that are at least a radius from everything, in connected pieces.
 
     Two places can be reached from each other if, and only if, they are in one piece.
     """
@@ -38,7 +38,7 @@ class FreeSpace:
         return f"<FreeSpace in {len(self.pieces)} pieces>"
 
     def piece_of(self, point: Point) -> int | None:
-        """The index of the piece that `point` is in, or within a millimetre of."""
+        """Return the index of the piece that `point` is in, or within a millimetre of."""
         inside = np.flatnonzero(shapely.intersects_xy(self.pieces, *point))
         if len(inside):
             return int(inside[0])
@@ -46,12 +46,12 @@ class FreeSpace:
         return int(np.argmin(gaps)) if len(gaps) and gaps.min() < _EDGE else None
 
     def together(self, one: Point, other: Point) -> bool:
-        """Whether both places are in the same piece."""
+        """Return whether both places are in the same piece."""
         piece = self.piece_of(one)
         return piece is not None and piece == self.piece_of(other)
 
     def nearest(self, point: Point) -> Point | None:
-        """The place nearest to `point`, or None where there is none at all."""
+        """Return the place nearest to `point`, or None where there is none at all."""
         at = shapely.Point(point)
         if not len(self.pieces):
             return None
@@ -63,7 +63,7 @@ class FreeSpace:
         return (float(found[0]), float(found[1]))
 
     def outward(self, point: Point, reach: float) -> list[list[Point]]:
-        """Places within `reach` metres of `point`, for each piece that is so near.
+        """Return places within `reach` metres of `point`, for each piece that is so near.
 
         They are the nearest one and the first one in every direction (`STEP` apart), the nearest
         first.
@@ -83,18 +83,18 @@ class FreeSpace:
 
 
 def _circle(centre: Point, radius: float) -> NDArray[np.float64]:
-    """Points on a circle, `STEP` apart: (N, 2) metres."""
+    """Return points on a circle, `STEP` apart: (N, 2) metres."""
     angle = np.arange(0.0, 2 * math.pi, STEP)
     return np.column_stack([np.cos(angle), np.sin(angle)]) * radius + centre
 
 
 def shrunk(room: shapely.Geometry, radius: float) -> shapely.Geometry:
-    """The part of `room` that is at least `radius` metres from its edges."""
+    """Return the part of `room` that is at least `radius` metres from its edges."""
     return room.difference(grown(edges_of_room(room), radius, STEP))
 
 
 def without(space: FreeSpace, bodies: Sequence[Body], radius: float) -> FreeSpace:
-    """The part of `space` that is at least `radius` metres from all `bodies`."""
+    """Return the part of `space` that is at least `radius` metres from all `bodies`."""
     if not bodies:
         return space
     taken = shapely.union_all([_grown_body(body, radius) for body in bodies])
@@ -105,7 +105,7 @@ def without(space: FreeSpace, bodies: Sequence[Body], radius: float) -> FreeSpac
 
 
 def _grown_body(body: Body, radius: float) -> shapely.Geometry:
-    """What `body` keeps the centre of a disc of `radius` metres out of."""
+    """Return the area that `body` takes from the centre of a disc of `radius` metres."""
     if isinstance(body.shape, Disc):
         return around_disc(body.shape.centre, body.shape.radius + radius, STEP)
     edges = edges_of_solid(body.shape)

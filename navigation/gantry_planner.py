@@ -1,4 +1,4 @@
-"""Ways for an overhead gantry: straight where it can, round walls and people where it must."""
+"""Paths for an overhead gantry: straight where free, round walls and people otherwise."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ Pose = tuple[float, float, float]
 """x, y in metres, rotation in radians."""
 
 BEND = math.radians(30.0)
-"""Radians. A gantry's ways bend by this much at most at a time: it stops at every bend."""
+"""Radians. Largest bend of a gantry's path: it stops at every bend."""
 
 _LEAST = 1e-3
-"""Metres. The radius of the smallest thing that is kept out of."""
+"""Metres. Radius of the smallest disc to keep out of."""
 
 
 @dataclass(frozen=True, eq=False)
 class GantryPath:
-    """A polyline for the gantry's axis. The rotation goes along in step with the way."""
+    """A polyline for the gantry's axis. The rotation goes along in step with it."""
 
     points: NDArray[np.float64]
     """(N, 3): x, y in metres and the rotation in radians; the start first, the goal last."""
@@ -48,7 +48,7 @@ class GantryPath:
 
 
 class GantryPlanner:
-    """Finds ways for the gantry of a floorplan, with its arm folded.
+    """Finds paths for the gantry of a floorplan, with its arm folded.
 
     Torso and folded arm together are taken as a disc about the axis, so the rotation is free
     everywhere: its radius is the arm's reach or, if that is more, half the torso's diagonal, and it
@@ -88,12 +88,12 @@ class GantryPlanner:
         parameters: Mapping[str, object] | None = None,
         seed: int = 0,
     ) -> GantryPath:
-        """A way of the axis from `start` to `goal` (x, y in metres, rotation in radians).
+        """Return a path of the axis from `start` to `goal` (x, y in metres, rotation in radians).
 
         It keeps the arm's reach from what is tall, and the axis out of the discs `keep_out`
         (x, y, radius in metres), or out of the arm's reach of their centres where that is more.
         Of a disc that it stands in at the start it comes no nearer to the centre.
-        `PlanningError` says why there is no way; `ValueError` if a pose is beyond an axis's range.
+        `PlanningError` says why there is no path; `ValueError` if a pose is beyond an axis's range.
         """
         for pose, end in ((start, "start"), (goal, "goal")):
             self._check_range(pose, end)

@@ -1,4 +1,4 @@
-"""What a floor alone decides, worked out once and kept for the next world on the same floor.
+"""Results that depend on a floor alone, kept for the next world on the same floor.
 
 All of it is a pure function of the floor's geometry, so that nothing depends on whether it was
 kept. The few floors used last are kept, for each thread its own: GEOS's prepared geometries are
@@ -19,7 +19,7 @@ from .freespace import FreeSpace, shrunk
 from .roadmap import Roadmap
 
 MOST_KEPT = 8
-"""So many floors, and so many radii on them, are kept."""
+"""Number of floors, and of radii on them, that are kept."""
 
 _AROUND = 10.0
 """Metres. How thick the solid rim around a floor is drawn."""
@@ -55,7 +55,7 @@ def solid(floor: shapely.Geometry, bounds: Bounds) -> Any:
 
 @_kept
 def fixed_space(floor: shapely.Geometry, radius: float) -> FreeSpace:
-    """Return where the centre of a disc of `radius` metres can be on `floor`."""
+    """Return the free space of the centre of a disc of `radius` metres on `floor`."""
     return FreeSpace(shrunk(floor, radius))
 
 

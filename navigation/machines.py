@@ -1,4 +1,4 @@
-"""Machines moving: the gantry on its rails, and AGVs on their lanes."""
+"""Motions of machines: the gantry on its rails, and AGVs on their lanes."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .motion import Cubic, Motion, Piece, State, shift
 from .profiles import AxisLimits, AxisState, Phases, along_line, straight, to_position, to_rest
 
 GantryLimits = tuple[AxisLimits, AxisLimits, AxisLimits]
-"""What the gantry's x, y and rotation can do."""
+"""Limits of the gantry's x, y and rotation."""
 
 ARIAC_GANTRY: GantryLimits = (
     AxisLimits(1.0, 0.5, 2.0),
@@ -24,7 +24,7 @@ ARIAC_GANTRY: GantryLimits = (
 """The ceiling robot of ARIAC 2023; its jerk limits are our choice, none are published."""
 
 Machine: TypeAlias = Gantry | Lane | GantryLimits
-"""What moves beside people: a gantry, an AGV on its lane, or the limits of a gantry's axes."""
+"""A machine beside people: a gantry, the lane of an AGV, or the limits of a gantry's axes."""
 
 
 class Stop(NamedTuple):
@@ -37,7 +37,7 @@ class Stop(NamedTuple):
 
 
 def gantry_limits(gantry: Gantry) -> GantryLimits:
-    """The limits of the gantry on a floorplan."""
+    """Return the limits of the gantry on a floorplan."""
     x, y, rotation = (
         AxisLimits(axis.max_speed, axis.max_acceleration, axis.max_jerk) for axis in gantry.axes
     )
@@ -51,7 +51,7 @@ def gantry_move(
     *,
     limits: GantryLimits = ARIAC_GANTRY,
 ) -> Motion:
-    """The fastest move to `target` (x, y in metres, rotation in radians), to end at rest.
+    """Return the fastest move to `target` (x, y in metres, rotation in radians), to end at rest.
 
     `current` is where the gantry stands, or its `State` if it moves: position, velocity and
     acceleration go on without a jump. The axes arrive together, and from rest go straight. The
@@ -67,12 +67,12 @@ def gantry_move(
 
 
 def gantry_stop(current: State, start: float, *, limits: GantryLimits = ARIAC_GANTRY) -> Motion:
-    """The fastest stop from `current` within `limits`; it begins at `start` (seconds)."""
+    """Return the fastest stop from `current` within `limits`; it begins at `start` (seconds)."""
     return _along_axes(to_rest(_axis_states(current), limits), start)
 
 
 def agv_run(lane: Lane, current: AxisState, target: str | float, start: float = 0.0) -> Motion:
-    """A run along `lane` from the lane position in `current` to `target`, to end at rest.
+    """Return a run along `lane` from the lane position in `current` to `target`, to end at rest.
 
     `target` is a lane position in metres or the name of a location; `ValueError` if the lane has
     no such place. The run begins at `start` (seconds).
@@ -90,9 +90,9 @@ def agv_stop(lane: Lane, current: AxisState, start: float = 0.0) -> Motion:
 
 
 def lane_state(lane: Lane, state: State) -> AxisState:
-    """Where on its lane an AGV in `state` is, and how it moves along it.
+    """Return the lane position of an AGV in `state`, and its motion along the lane.
 
-    At the ends of the lane, rounding does not take it off.
+    It is on the lane, whatever rounding says.
     """
     (low, high), (c, s) = lane.limits, lane.direction
     (x, y), (vx, vy, _), (ax, ay, _) = state.at, state.velocity, state.acceleration
@@ -136,7 +136,7 @@ def _axis_states(current: State) -> list[AxisState]:
 
 
 def _along_axes(axes: list[Phases], start: float) -> Motion:
-    """Three axes with phases of their own as one motion, cut wherever one of them changes."""
+    """Return three axes with phases of their own as one motion, cut where one of them changes."""
     start = float(start)
     begins: list[list[float]] = []
     for phases in axes:
@@ -164,7 +164,7 @@ def _along_axes(axes: list[Phases], start: float) -> Motion:
 
 
 def _phase_at(phases: Phases, begins: list[float], end: float, t: float) -> Cubic:
-    """The cubic of one axis from `t` on; at rest once its phases are over."""
+    """Return the cubic of one axis from `t` on; at rest once its phases are over."""
     if t >= end:
         duration, cubic = phases[-1]
         return (shift(cubic, duration)[0], 0.0, 0.0, 0.0)

@@ -1,7 +1,7 @@
-"""When two bodies get too close: solved in continuous time, so that nothing is stepped over.
+"""The separation monitor: approaches are solved for in continuous time, so none is stepped over.
 
 A condition on a person and a machine ("closer than the law requires") is judged on whole
-intervals: it holds throughout, it holds nowhere, or it can't be told yet. Undecided intervals
+intervals: it holds throughout, it holds nowhere, or it is undecided. Undecided intervals
 are halved, left half first, until they are shorter than `RESOLUTION`. This is conservative
 advancement (B. Mirtich, "Impulse-based Dynamic Simulation of Rigid Body Systems", 1996) on
 bounds of speed and acceleration; its work grows with the changes of motion and the close
@@ -30,7 +30,7 @@ STANDING_SPEED = 0.01
 """m/s. A machine that is no faster counts as standing where a rule asks for one that moves."""
 
 ROUNDING = 1e-11
-"""Metres. What looks at ways gone is not sure of less: being short by this is no violation."""
+"""Metres. Laws that look ahead are not sure of less: being short by this is no violation."""
 
 EXACT = 1e-9
 """Metres. Least distances and margins are this exact."""
@@ -40,12 +40,12 @@ PLAIN = 1e-6
 
 
 class Condition(Protocol):
-    """Something that may hold between a person and a machine."""
+    """A condition that may hold between a person and a machine."""
 
     def holds(self, encounter: Encounter, begin: float, end: float) -> bool | None:
-        """Whether it holds throughout the interval, nowhere in it, or (None) can't be told.
+        """Return whether it holds throughout the interval (True), nowhere in it (False), or None.
 
-        At an instant (`begin` equals `end`) it must be told.
+        At an instant (`begin` equals `end`) it must be decided.
         """
         ...
 
@@ -82,7 +82,7 @@ class TooClose:
 
 
 def _short_of(required: Enclosure, encounter: Encounter, begin: float, end: float) -> bool | None:
-    """Whether the distance is less than `required`."""
+    """Return whether the distance is less than `required`."""
     low, high = _margin(required, encounter, begin, end)[:2]
     if low >= -ROUNDING:
         return False
@@ -96,7 +96,7 @@ def _short_of(required: Enclosure, encounter: Encounter, begin: float, end: floa
 def _margin(
     required: Enclosure, encounter: Encounter, begin: float, end: float
 ) -> tuple[float, float, float]:
-    """Bounds on distance − required over an interval, and an instant near the least."""
+    """Return bounds on distance − required over an interval, and an instant near the least."""
     if begin == end:
         margin = encounter.distance(begin) - required.value
         return margin, margin, begin
@@ -182,7 +182,7 @@ def when(
     *,
     shapes: Shapes | None = None,
 ) -> Iterator[tuple[float, float]]:
-    """The maximal intervals between `begin` and `end` (seconds) in which `condition` holds.
+    """Yield the maximal intervals between `begin` and `end` (seconds) in which `condition` holds.
 
     It is a condition on the motions of `person` and `machine`. Distances are taken between the
     centres on the floor, or between the surfaces of `shapes`.
@@ -223,7 +223,7 @@ def _meetings(
 
 
 def _changes(condition: Condition, meetings: Iterator[Encounter]) -> Iterator[tuple[float, bool]]:
-    """The instants at which `condition` begins (True) and ceases (False) to hold, in turn."""
+    """Yield the instants at which `condition` begins (True) and ceases (False) to hold, in turn."""
     held = False
     for encounter in meetings:
         undecided = [(encounter.begin, encounter.end)]
@@ -275,7 +275,7 @@ def violations(
     *,
     shapes: Shapes | None = None,
 ) -> list[tuple[float, float]]:
-    """All intervals (begin, end) in seconds in which the two are closer than `law` asks.
+    """Return all intervals (begin, end) in seconds in which the two are closer than `law` asks.
 
     `person`, `machine`, `law` and `shapes` are as in `first_violation`; the intervals are cut at
     `begin` and `end`.
@@ -293,7 +293,7 @@ def minimum_separation(
     *,
     shapes: Shapes | None = None,
 ) -> tuple[float, float]:
-    """When `person` and `machine` are nearest from `begin` to `end`: (seconds, metres).
+    """Return when `person` and `machine` are nearest from `begin` to `end`: (seconds, metres).
 
     Between the centres on the floor, or between the surfaces of `shapes`. The first of several
     such instants. The distance is exact to 1e-9 m.
@@ -312,7 +312,7 @@ def minimum_margin(
     *,
     shapes: Shapes | None = None,
 ) -> tuple[float, float]:
-    """When distance − required distance is least, and how much that is: (seconds, metres).
+    """Return when distance − required distance is least, and that margin: (seconds, metres).
 
     Looked for from `begin` to `end`; `person`, `machine`, `law` and `shapes` are as in
     `first_violation`. Negative where the two are closer than `law` asks. Where the requirement
@@ -336,7 +336,7 @@ _Bounds = Callable[[Encounter, float, float], tuple[float, float, float]]
 
 
 def _least(bounds: _Bounds, meetings: Iterator[Encounter], tolerance: float) -> tuple[float, float]:
-    """The first instant at which a figure is least (seconds), and how much it is then."""
+    """Return the first instant at which a figure is least (seconds), and how much it is then."""
     best = (0.0, math.inf)
     for encounter in meetings:
         undecided = [(encounter.begin, encounter.end)]

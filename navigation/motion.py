@@ -1,8 +1,7 @@
 """Motions: where a body is at every instant, as polynomials in time.
 
-Nothing in Floorwalker ticks. A body's motion is known in closed form until somebody changes
-their mind, so that questions about it ("when do these two get too close?") are solved rather
-than sampled.
+Nothing in Floorwalker ticks. A body's motion is known in closed form until it is replanned, so
+that questions about it ("when do these two get too close?") are solved rather than sampled.
 """
 
 from __future__ import annotations
@@ -38,7 +37,7 @@ class Piece(NamedTuple):
     rotation: Cubic
 
     def cut(self, begin: float, end: float) -> Piece:
-        """The same motion between two instants within the piece."""
+        """Return the same motion between two instants within the piece."""
         if begin == self.begin:
             return self._replace(end=end)
         u = begin - self.begin
@@ -138,7 +137,7 @@ class Motion:
         return self.pieces[-1].end
 
     def position(self, t: ArrayLike) -> Array:
-        """Where the body is at `t` (seconds): x, y in metres, (2,) or (N, 2)."""
+        """Return the position at `t` (seconds): x, y in metres, (2,) or (N, 2)."""
         return self._sample(t, derivative=0)[..., :2]
 
     def velocity(self, t: ArrayLike) -> Array:
@@ -150,17 +149,17 @@ class Motion:
         return self._sample(t, derivative=0)[..., 2]
 
     def state(self, t: float) -> State:
-        """Position, velocity and acceleration at the instant `t` (seconds)."""
+        """Return position, velocity and acceleration at the instant `t` (seconds)."""
         piece = self.pieces[max(0, bisect_right(self._begins, t) - 1)]
         return _state(piece, t, moving=self.start <= t < self.end)
 
     def state_before(self, t: float) -> State:
-        """The same just before `t`: what it was before a change or a jump at that instant."""
+        """Return the state just before `t`, before a change or a jump at that instant."""
         piece = self.pieces[max(0, bisect_left(self._begins, t) - 1)]
         return _state(piece, t, moving=self.start < t <= self.end)
 
     def cut(self, begin: float, end: float) -> Motion:
-        """What the body does from `begin` to `end` (seconds), standing included."""
+        """Return the motion from `begin` to `end` (seconds), standing included."""
         begin, end = float(begin), float(end)
         pieces = []
         if begin < self.start:
@@ -188,7 +187,7 @@ class Motion:
         return Motion(tuple(pieces), self.jumps)
 
     def pieces_from(self, t: float) -> Sequence[Piece]:
-        """The pieces that are not over at `t` (seconds)."""
+        """Return the pieces that are not over at `t` (seconds)."""
         return self.pieces[max(0, bisect_right(self._begins, t) - 1) :]
 
     @cached_property
@@ -222,14 +221,14 @@ def standing(at: tuple[float, float], *, heading: float = 0.0, start: float = 0.
 
 
 def still(at: tuple[float, float, float], begin: float, end: float) -> Piece:
-    """Standing at `at` (x, y, rotation) from `begin` to `end` (seconds)."""
+    """Return standing at `at` (x, y, rotation) from `begin` to `end` (seconds)."""
     x, y, rotation = (float(c) for c in at)
     along_x, along_y, turning = ((c, 0.0, 0.0, 0.0) for c in (x, y, rotation))
     return Piece(float(begin), float(end), along_x, along_y, turning)
 
 
 def join(motions: Iterable[Motion], *, end: float | None = None) -> Motion:
-    """`motions` one after another as one: each until the next starts, the last until `end` (s).
+    """Return `motions` as one: each until the next starts, the last until `end` (seconds).
 
     In between the body stands; where a motion starts elsewhere than the one before ended, the
     whole has a jump.
@@ -249,7 +248,7 @@ def join(motions: Iterable[Motion], *, end: float | None = None) -> Motion:
 
 
 def _stand_until(pieces: list[Piece], t: float) -> None:
-    """End `pieces` at `t`: leave out what comes later, stand where something is missing."""
+    """End `pieces` at `t`: leave out later ones, stand where one is missing."""
     while len(pieces) > 1 and pieces[-1].begin >= t:
         pieces.pop()
     last = pieces[-1]
@@ -282,18 +281,18 @@ def _state(piece: Piece, t: float, *, moving: bool) -> State:
 
 
 def gap(before: Piece, after: Piece) -> float:
-    """The distance between the end of one piece and the beginning of the next (metres)."""
+    """Return the distance between the end of one piece and the beginning of the next (metres)."""
     u = before.end - before.begin
     return math.hypot(value(before.x, u) - after.x[0], value(before.y, u) - after.y[0])
 
 
 def value(c: Cubic, u: float) -> float:
-    """The cubic `c` at `u` seconds after its piece began."""
+    """Return the cubic `c` at `u` seconds after its piece began."""
     return c[0] + u * (c[1] + u * (c[2] + u * c[3]))
 
 
 def shift(c: Cubic, u: float) -> Cubic:
-    """The same cubic, counted from `u` seconds later."""
+    """Return the same cubic, counted from `u` seconds later."""
     return (
         value(c, u),
         c[1] + u * (2 * c[2] + u * 3 * c[3]),

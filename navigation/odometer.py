@@ -1,4 +1,4 @@
-"""The way a motion goes and how fast, over an interval: figures that enclose it."""
+"""Path length and speed of a motion over an interval, as figures that enclose them."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ _GAUSS = tuple(
 """Nodes (on 0 … 2) and weights of Gauss-Legendre quadrature."""
 
 _ELLIPSE = 7.0
-"""How far, as the sum of the half axes of a Bernstein ellipse, speed must be analytic around a
-stretch that is integrated with `_GAUSS`: the error is then below 2e-13 of the stretch's length
+"""Sum of the half axes of the Bernstein ellipse in which speed must be analytic around a stretch
+that is integrated with `_GAUSS`: the error is then below 2e-13 of the stretch's length
 (L. N. Trefethen, "Approximation Theory and Approximation Practice", theorem 19.3)."""
 
 
@@ -40,11 +40,11 @@ class Enclosure:
 
     @staticmethod
     def between(low: float, high: float) -> Enclosure:
-        """A figure of which nothing else is known."""
+        """Return a figure of which only bounds are known."""
         return Enclosure((low + high) / 2, 0.0, (high - low) / 2)
 
     def range(self, half: float) -> tuple[float, float]:
-        """The least and the most it may be on an interval of twice `half` (seconds)."""
+        """Return the least and the most it may be on an interval of twice `half` (seconds)."""
         around = (abs(self.slope) + abs(self.curve) * half / 2) * half + self.slack
         return self.value - around, self.value + around
 
@@ -68,7 +68,7 @@ class Enclosure:
 
 
 class Odometer:
-    """How far a motion has gone along its way, and how fast it goes. Jumps are no way gone."""
+    """Path length and speed of a motion at any time. Jumps add no length."""
 
     def __init__(self, motion: Motion) -> None:
         self.motion = motion
@@ -84,17 +84,17 @@ class Odometer:
         return stretch.gone + stretch.length(t - stretch.begin)
 
     def ahead(self, begin: float, end: float, seconds: float) -> Enclosure:
-        """The way gone (metres) within `seconds` of each instant from `begin` to `end`."""
+        """The path length (metres) within `seconds` of each instant from `begin` to `end`."""
         middle, half = begin + (end - begin) / 2, (end - begin) / 2
-        way = self.reading(middle + seconds) - self.reading(middle)
+        length = self.reading(middle + seconds) - self.reading(middle)
         if half == 0.0:
-            return Enclosure(way)
+            return Enclosure(length)
         # Its derivative is the speed at the far end less that at the near one.
         growth = self.speed(begin + seconds, end + seconds) + self.speed(begin, end) * -1.0
-        return Enclosure(way, growth.value, growth.slack * half, growth.slope)
+        return Enclosure(length, growth.value, growth.slack * half, growth.slope)
 
     def speed(self, begin: float, end: float) -> Enclosure:
-        """The speed (m/s) from `begin` to `end`; at a change, the one after it."""
+        """Return the speed (m/s) from `begin` to `end`; at a change, the one after it."""
         motion = self.motion
         if end < motion.start or begin >= motion.end:
             return Enclosure(0.0)
@@ -119,7 +119,7 @@ class Odometer:
 
     @cached_property
     def _stretches(self) -> tuple[list[float], list[_Stretch], float]:
-        """Where each stretch begins (seconds), the stretches, and the whole way (metres)."""
+        """The begin of each stretch (seconds), the stretches, and the whole length (metres)."""
         stretches: list[_Stretch] = []
         gone = 0.0
         for piece in self.motion.pieces:
@@ -131,7 +131,7 @@ class Odometer:
 
 
 class _Stretch(NamedTuple):
-    """A part of a motion's way on which its speed is smooth, after `gone` metres."""
+    """A part of a motion in which its speed is smooth, after `gone` metres."""
 
     begin: float
     gone: float
@@ -139,7 +139,7 @@ class _Stretch(NamedTuple):
     y: Cubic
 
     def length(self, u: float) -> float:
-        """The length of its first `u` seconds, metres."""
+        """Return the length of its first `u` seconds, metres."""
         (_, x1, x2, x3), (_, y1, y2, y3) = self.x, self.y
         if x2 == y2 == x3 == y3 == 0.0:
             return math.hypot(x1, y1) * u
@@ -154,7 +154,7 @@ class _Stretch(NamedTuple):
 
 
 def _smooth_cuts(piece: Piece) -> list[float]:
-    """Where to cut a piece (seconds from its begin) so that its speed is smooth in between.
+    """Return cuts of a piece (seconds from its begin) between which its speed is smooth.
 
     The velocity as a complex number x' + i y' is a quadratic in time; speed is its modulus, and
     analytic but at its roots and their conjugates.
@@ -190,12 +190,12 @@ def _velocity_roots(piece: Piece, duration: float) -> list[complex]:
 
 
 def _ellipse(z: complex) -> float:
-    """The sum of the half axes of the ellipse with foci ±1 through `z`."""
+    """Return the sum of the half axes of the ellipse with foci ±1 through `z`."""
     return abs(z + cmath.sqrt(z - 1) * cmath.sqrt(z + 1))
 
 
 def speed_along(piece: Piece, begin: float, end: float) -> Enclosure:
-    """The speed of a piece over an interval within it, m/s.
+    """Return the speed of a piece over an interval within it, m/s.
 
     Its second derivative is at most a² / |v| + |j|, with a the acceleration across the velocity.
     """

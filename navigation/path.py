@@ -1,4 +1,4 @@
-"""A way that was found, or the reason why there is none."""
+"""Planned paths, and the reasons why there is none."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Path:
     planner: str
     """The name of the planner that found it."""
     checks: int
-    """How many collision queries it took."""
+    """Number of collision queries that it took."""
 
     def __repr__(self) -> str:
         return (
@@ -38,12 +38,12 @@ class Path:
 
 
 class PlanningError(Exception):
-    """Why there is no path.
+    """Reason why there is no path.
 
     `reason` is "start_blocked" or "goal_blocked" if there is no room to stand there,
-    "unreachable" if it is proved that no way leads from one to the other, and "not_found" if a
-    planner spent its budget of samples without finding one that may well exist. `message` says
-    it in words, and by what; it is worked out when it is first read, from the world as it was.
+    "unreachable" if it is proved that no path leads from one to the other, and "not_found" if a
+    planner spent its budget of samples without finding one that may well exist. `message` names
+    what is in the way; it is computed when first read, from the world as it was.
     """
 
     def __init__(self, reason: Reason, message: str | Callable[[], str]) -> None:
@@ -53,7 +53,7 @@ class PlanningError(Exception):
 
     @property
     def message(self) -> str:
-        """What is in the way, in a sentence."""
+        """The reason in a sentence, with the things that are in the way."""
         if not isinstance(self._message, str):
             self._message = self._message()
         return self._message
@@ -72,9 +72,9 @@ class PlannerInfo:
     name: str
     summary: str
     optimal: bool
-    """Whether its ways approach the shortest one as its budget grows."""
+    """True if its paths approach the shortest one as its budget grows."""
     refused: str = ""
-    """Why it can't be asked for, or empty."""
+    """Reason why it can't be used, or empty."""
     iterations: int = 0
     """Its budget where no other is given."""
     parameters: tuple[str, ...] = ()

@@ -112,7 +112,7 @@ class PathPlanner:
     def _sampled(
         self, start: Point, goal: Point, name: str, parameters: Mapping[str, object], seed: int
     ) -> list[Point]:
-        from .sampling import Question, sample_way
+        from .sampling import Question, sample_path
 
         info = _planner(name)
         keep = self.radius + _SLACK
@@ -122,7 +122,7 @@ class PathPlanner:
             return self.world.segment_free(a, b, keep)
 
         question = Question(start, goal, (low_x, low_y), (high_x, high_y), free)
-        points = sample_way(question, info, parameters, seed)
+        points = sample_path(question, info, parameters, seed)
         if points is not None:
             return points
         if not self._connected(start, goal):

@@ -1,6 +1,6 @@
 """Many polynomials at once, each on an interval of its own: signs, extremes and integrals.
 
-Signs and extremes are told from Bernstein coefficients, between whose least and most a polynomial
+Signs and extremes follow from Bernstein coefficients, between whose least and most a polynomial
 stays (R. T. Farouki, "The Bernstein polynomial basis: a centennial retrospective", Computer Aided
 Geometric Design 29, 2012). Intervals on which that decides nothing are cut in parts.
 """
@@ -20,10 +20,10 @@ SHORTEST = 1e-9
 """Seconds. Intervals are not cut further."""
 
 NEGATIVE = -1e-12
-"""What is above this counts as zero, so that rounding of zeros is not looked into for ever."""
+"""Values above this count as zero, so that rounding of zeros is not subdivided for ever."""
 
 _PARTS = 8
-"""Into how many parts an interval is cut at once, a power of two."""
+"""Number of parts that an interval is cut into at once, a power of two."""
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
 
@@ -40,7 +40,7 @@ def bernstein(coefficients: Array, durations: Array) -> Array:
 
 
 def square(x: Array) -> Array:
-    """The squares of polynomials with power coefficients (..., n): (..., 2 n - 1)."""
+    """Return the squares of polynomials with power coefficients (..., n): (..., 2 n - 1)."""
     n = x.shape[-1]
     product = np.zeros((*x.shape[:-1], 2 * n - 1))
     for k in range(n):
@@ -49,7 +49,7 @@ def square(x: Array) -> Array:
 
 
 def monotone_cubics(t: Array, values: Array) -> Array:
-    """Cubics through values (N, K) at times t (N,), as power coefficients (N - 1, K, 4).
+    """Return cubics through values (N, K) at times t (N,), as power coefficients (N - 1, K, 4).
 
     They are Hermite cubics, continuous in value and slope, that between two samples never leave
     the range of these two. The slope at a sample is the weighted harmonic mean of those of the
@@ -70,12 +70,12 @@ def monotone_cubics(t: Array, values: Array) -> Array:
 
 
 def derivative(x: Array) -> Array:
-    """The derivatives of polynomials with power coefficients (..., n): (..., n - 1)."""
+    """Return the derivatives of polynomials with power coefficients (..., n): (..., n - 1)."""
     return np.asarray(x[..., 1:] * np.arange(1, x.shape[-1]))
 
 
 def time_negative(polynomials: Array, durations: Array) -> Array:
-    """For how long (M,) any of A polynomials is negative: Bernstein (M, A, n), seconds (M,)."""
+    """The time (M,) in which any of A polynomials is negative: Bernstein (M, A, n), s (M,)."""
     total = np.zeros(len(durations))
     rows, width = np.arange(len(durations)), durations
     while len(rows):
@@ -141,7 +141,7 @@ def _horner(coefficients: Array, u: Array) -> Array:
 
 
 def _split(polynomials: Array) -> Array:
-    """Polynomials (M, ..., n) as their parts of equal length, one after another."""
+    """Return polynomials (M, ..., n) as their parts of equal length, one after another."""
     count, *middle, n = polynomials.shape
     parts = polynomials.reshape(count, 1, math.prod(middle), n) @ _parts(n)
     return np.asarray(parts.reshape(count * _PARTS, *middle, n))

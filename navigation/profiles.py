@@ -18,7 +18,7 @@ from .motion import Cubic, Piece, shift
 
 @dataclass(frozen=True)
 class AxisLimits:
-    """What one axis can do: m/s, m/s², m/s³ (or the same in radians). No jerk limit is inf."""
+    """Limits of one axis: m/s, m/s², m/s³ (or the same in radians). No jerk limit is inf."""
 
     max_speed: float
     max_acceleration: float
@@ -33,7 +33,7 @@ class AxisLimits:
 
 @dataclass(frozen=True)
 class AxisState:
-    """Where one axis is, and how it moves."""
+    """State of one axis: metres (or radians) and seconds."""
 
     position: float
     velocity: float = 0.0
@@ -41,7 +41,7 @@ class AxisState:
 
 
 NOWHERE = 1e-9
-"""Metres or radians. A way shorter than this is none."""
+"""Metres or radians. Shorter moves are none."""
 
 STANDSTILL = (1e-12, 1e-7)
 """m/s and m/s² (or in radians). An axis of less velocity and acceleration than these stands."""
@@ -53,9 +53,9 @@ Phases = list[tuple[float, Cubic]]
 def to_position(
     current: Sequence[AxisState], target: Sequence[AxisState], limits: Sequence[AxisLimits]
 ) -> list[Phases]:
-    """The fastest way from `current` to `target`, all axes arriving together.
+    """Return the fastest profiles from `current` to `target`, all axes arriving together.
 
-    `ValueError` if there is no such way.
+    `ValueError` if there are none.
     """
     task = _task(current, limits)
     task.target_position = [state.position for state in target]
@@ -67,9 +67,9 @@ def to_position(
 def straight(
     current: Sequence[float], target: Sequence[float], limits: Sequence[AxisLimits]
 ) -> list[Phases]:
-    """The fastest way from rest to rest on which all axes keep in step: a straight line.
+    """Return the fastest profiles from rest to rest with all axes in step: a straight line.
 
-    The way is one axis of its own, as long as the longest span, with the limits that all axes
+    The line is planned as one axis, as long as the longest span, with the limits that all axes
     leave it.
     """
     spans = [b - a for a, b in zip(current, target, strict=True)]
@@ -83,18 +83,18 @@ def straight(
         min(axis.max_acceleration / share for share, axis in moving),
         min(axis.max_jerk / share for share, axis in moving),
     )
-    (way,) = to_position([AxisState(0.0)], [AxisState(length)], [shared])
+    (along,) = to_position([AxisState(0.0)], [AxisState(length)], [shared])
     return [
         [
             (duration, (a + share * s[0], share * s[1], share * s[2], share * s[3]))
-            for duration, s in way
+            for duration, s in along
         ]
         for a, share in zip(current, shares, strict=True)
     ]
 
 
 def to_rest(current: Sequence[AxisState], limits: Sequence[AxisLimits]) -> list[Phases]:
-    """The fastest way to a standstill, each axis on its own."""
+    """Return the fastest profiles to a standstill, each axis on its own."""
     task = _task(current, limits)
     task.control_interface = ruckig.ControlInterface.Velocity
     task.target_velocity = [0.0] * len(current)
@@ -167,7 +167,7 @@ def _states(task: Any) -> list[AxisState]:
 
 
 def _phases(profile: Any, state: AxisState) -> Phases:
-    """One axis of Ruckig's answer: its braking phases, then its seven."""
+    """Return one axis of Ruckig's answer: its braking phases, then its seven."""
     phases: Phases = []
     brake = profile.brake
     cubic: Cubic = (state.position, state.velocity, state.acceleration / 2, 0.0)

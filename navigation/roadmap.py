@@ -1,8 +1,8 @@
-"""Shortest ways for a disc: a network of straight links between the bends around grown corners.
+"""Visibility graph for a disc: straight links between the bends around grown corners.
 
-A shortest way among obstacles is taut: straight from corner to corner, and it only grazes those it
+A shortest path among obstacles is taut: straight from corner to corner, and it only grazes those it
 turns at. Grown by the disc's radius, corners are arcs, drawn here as short bends, so the network
-of all free links that graze at both ends holds a shortest way between any two places, but for what
+of all free links that graze at both ends holds a shortest path between any two places, but for what
 the bends are longer than the arcs (0.6 % of the arcs at steps of 15°).
 
 See T. Lozano-Pérez and M. A. Wesley, "An algorithm for planning collision-free paths among
@@ -28,7 +28,7 @@ from .freespace import STEP
 from .sight import AllInSight, Ints, Sight
 
 HAIR = 1e-4
-"""Metres. How much more than its radius a disc keeps from everything where a way bends."""
+"""Metres. Clearance beyond its radius that a disc keeps where a path bends."""
 
 MOST_DISTANCES = 800
 """A network of up to this many bends is made at once, with the distances between all of them.
@@ -57,14 +57,14 @@ class Ends:
     from_start: list[Link]
     to_goal: dict[int, float]
     straight: bool
-    """Whether only bodies may stand between them."""
+    """True if only bodies may stand between them."""
 
 
 class Roadmap:
     """The network of a floor for discs of one radius (metres), bends at most `step` radians.
 
     The floor alone makes the network. Bodies are given with each question, and cost only where
-    they stand in the way.
+    a path meets them.
     """
 
     def __init__(self, floor: shapely.Geometry, radius: float, step: float) -> None:
@@ -92,22 +92,22 @@ class Roadmap:
         return f"<Roadmap for a radius of {self.radius:g} m: {len(self.bends)} bends>"
 
     def ends(self, start: Point, goal: Point) -> Ends:
-        """How `start` and `goal` are linked to the network, for one or more searches."""
+        """Link `start` and `goal` to the network, for one or more searches."""
         places = np.array([start, goal], dtype=float)
         from_start, to_goal = self._links_from(places)
         straight = bool(self.visible(places[:1], places[1:])[0])
         return Ends(start, goal, from_start, dict(to_goal), straight)
 
     def visible(self, a: Floats, b: Floats) -> NDArray[np.bool_]:
-        """Whether the disc can go straight from a to b (N, 2) as far as the floor is concerned."""
+        """Return whether the disc can go straight from a to b (N, 2), without regard to bodies."""
         lines = shapely.linestrings(np.stack([a, b], axis=1))
         near: NDArray[np.bool_] = shapely.dwithin(self._edges, lines, self.radius + HAIR / 2)
         return ~near
 
     def distances_to(self, goal: Point, last: list[Link]) -> Floats:
-        """No more than the way (metres) from each bend to `goal`.
+        """Return a lower bound of the path length (metres) from each bend to `goal`.
 
-        `last` has the bends from which a way leaves the network, and how far it is from there.
+        `last` has the bends from which a path leaves the network, and the distances from there.
         """
         if self._between is None:
             away = self.bends.point - np.array(goal)
@@ -120,7 +120,7 @@ class Roadmap:
         return nearest
 
     def links_of(self, bend: int, soon: Iterable[int] = ()) -> list[Link]:
-        """The bends that the one of number `bend` is linked to, and how far they are (metres).
+        """Return the links of bend number `bend`.
 
         Bends that will `soon` be asked for, too, are linked in one go with it.
         """
@@ -132,7 +132,7 @@ class Roadmap:
         return known
 
     def _links_from(self, places: Floats) -> list[list[Link]]:
-        """The bends that each of `places` (N, 2) sees and could pass on from, and how far (m)."""
+        """Return the links of each of `places` (N, 2) to bends that a path could go on from."""
         of, to = self._sight.around(places)
         along = self.bends.point[to] - places[of]
         length = np.hypot(along[:, 0], along[:, 1])
@@ -149,7 +149,7 @@ class Roadmap:
         return links
 
     def _standing_bends(self, around: Corners) -> Bends:
-        """The bends around corners that are clear of the floor's edges.
+        """Return the bends around corners that are clear of the floor's edges.
 
         Where some are not, a corner is close to another thing, and is drawn more finely: wide
         bends would close a narrow gap.
@@ -161,14 +161,14 @@ class Roadmap:
         return Bends.join([wide.take(~close[wide.corner]), fine.take(self._standing(fine))])
 
     def _standing(self, places: Bends) -> NDArray[np.bool_]:
-        """Which bends are clear of the floor's edges."""
+        """Return a mask of the bends that are clear of the floor's edges."""
         inside = shapely.contains_xy(self._floor, places.point)
         clear = ~shapely.dwithin(self._edges, shapely.points(places.point), self.radius + HAIR / 2)
         both: NDArray[np.bool_] = inside & clear
         return both
 
     def _network(self) -> list[list[Link]]:
-        """The links of all bends."""
+        """Return the links of all bends."""
         place = self.bends.point
         there = self.bends.graze(place[None] - place[:, None])
         one, other = np.nonzero(np.triu(there & there.T, 1))
@@ -181,7 +181,7 @@ class Roadmap:
         return links
 
     def _links_of_some(self, bends: Ints) -> list[list[Link]]:
-        """The links of those of these numbers alone."""
+        """Return the links of the bends of these numbers."""
         here, place = self.bends.take(bends), self.bends.point
         of, to = self._sight.beyond(here)
         one, other = bends[of], to
@@ -197,7 +197,7 @@ class Roadmap:
         return links
 
     def _graze_both(self, bends: Bends, of: Ints, to: Ints) -> NDArray[np.bool_]:
-        """Whether the lines from some of `bends` to some of the floor's graze both corners."""
+        """Return whether lines from some of `bends` to some of the floor's graze both corners."""
         along = self.bends.point[to] - bends.point[of]
         both: NDArray[np.bool_] = bends.take(of).graze(along) & self.bends.take(to).graze(along)
         return both
@@ -214,10 +214,10 @@ class Roadmap:
         along = self.bends.point[to] - around.point[of]
         seen = self.visible(around.point[of], self.bends.point[to])
         links: list[list[Link]] = [[] for _ in around.point]
-        for i, j, way in zip(
+        for i, j, away in zip(
             of[seen].tolist(), to[seen].tolist(), along[seen].tolist(), strict=True
         ):
-            links[i].append((j, math.hypot(*way)))
+            links[i].append((j, math.hypot(*away)))
         fresh = self._bodies[body] = BodyBends(around, links)
         return fresh
 

@@ -1,7 +1,7 @@
 """OMPL's sampling-based planners over a collision world, by name.
 
 Their budget is a number of iterations, never a time, so the same question and seed give the same
-way on every machine.
+path on every machine.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from floorplan import Point
 from .path import PlannerInfo
 
 Free = Callable[[Point, Point], bool]
-"""Whether the straight way between two places is free."""
+"""Function that returns whether the segment between two places is free."""
 
 MOST_CHECKS = 200
 """Collision checks per iteration, on average, after which a planner that won't stop is stopped."""
@@ -37,24 +37,25 @@ class _Known:
 
 
 _KNOWN = {
-    "AORRTC": _Known("RRTConnect again and again, each time for a shorter way", True, 2_000),
+    "AORRTC": _Known("RRTConnect again and again, each time for a shorter path", True, 2_000),
     "BFMT": _Known("fast marching trees from both ends over one batch of samples", True, 100_000),
     "BITstar": _Known("batches of samples, searched in order of promise", True, 4_000),
     "BKPIECE1": _Known("trees from both ends into the least covered cells", False, 20_000),
     "FMT": _Known("a fast marching tree over one batch of samples", True, 100_000),
-    "InformedRRTstar": _Known("RRT* that samples only where a shorter way may be", True, 2_000),
+    "InformedRRTstar": _Known("RRT* that samples only where a shorter path may be", True, 2_000),
     "KPIECE1": _Known("a tree into the least covered cells", False, 20_000),
     "LBKPIECE1": _Known("BKPIECE that checks links only when needed", False, 100_000),
     "PRM": _Known("a roadmap of samples, linked to their neighbours", False, 1_000),
     "PRMstar": _Known("a roadmap of samples with links enough to be optimal", True, 1_000),
     "RRT": _Known("a tree of random steps from the start", False, 20_000),
     "RRTConnect": _Known("trees from both ends that reach for each other", False, 20_000),
-    "RRTstar": _Known("RRT that rewires its tree for shorter ways", True, 2_000),
+    "RRTstar": _Known("RRT that rewires its tree for shorter paths", True, 2_000),
     "SORRTstar": _Known("Informed RRT* that takes its samples in order", True, 2_000),
 }
 
 _LOST_IF_STRAIGHT = ("AORRTC", "SORRTstar")
-"""OMPL 2.0.1's answers where the start sees the goal: a way of no length, and none, for ever."""
+"""Planners of OMPL 2.0.1 that fail where the start sees the goal: the first answers with a path of
+no length, the second never."""
 
 _OWN = ("iterations", "simplify")
 """The parameters that all of them have on top of OMPL's."""
@@ -63,11 +64,11 @@ _NOT_A_NUMBER = ("ProjectionEvaluator", "DefaultConnectionStrategy")
 
 
 class _TooManyChecksError(Exception):
-    """Ends a search from inside when it does not heed its budget."""
+    """Ends a search from inside when it exceeds its budget."""
 
 
 def sampling_planners() -> tuple[PlannerInfo, ...]:
-    """The geometric planners of the OMPL that is installed, by name."""
+    """Return the geometric planners of the OMPL that is installed, by name."""
     found = []
     for name in sorted(dir(og)):
         kind = getattr(og, name)
@@ -82,7 +83,7 @@ def sampling_planners() -> tuple[PlannerInfo, ...]:
 
 @dataclass(frozen=True)
 class Question:
-    """A way to be found from `start` to `goal` between `low` and `high` corners (metres)."""
+    """A path to be found from `start` to `goal` between `low` and `high` corners (metres)."""
 
     start: Point
     goal: Point
@@ -91,10 +92,10 @@ class Question:
     free: Free
 
 
-def sample_way(
+def sample_path(
     question: Question, info: PlannerInfo, parameters: Mapping[str, object], seed: int
 ) -> list[Point] | None:
-    """A way by the planner `info`, or None if its budget ran out.
+    """Return a path by the planner `info`, or None if its budget ran out.
 
     `ValueError` names a parameter that it does not have or a value that does not fit.
     """
@@ -125,7 +126,7 @@ def sample_way(
 
 
 class _Motions(ob.MotionValidator):  # type: ignore[misc]
-    """Tells OMPL which straight ways are free, each as one sweep."""
+    """Answers OMPL which segments are free, each as one sweep."""
 
     def __init__(self, information: Any, free: Free, most: int) -> None:
         super().__init__(information)
@@ -140,7 +141,7 @@ class _Motions(ob.MotionValidator):  # type: ignore[misc]
 
 
 class _Places(ob.StateValidityChecker):  # type: ignore[misc]
-    """Tells OMPL which places are free."""
+    """Answers OMPL which places are free."""
 
     def __init__(self, information: Any, free: Free, most: int) -> None:
         super().__init__(information)
@@ -178,7 +179,7 @@ class _OmplSearch:
         self._planner: Any = None
 
     def release(self) -> None:
-        """Let go of OMPL's objects in an order in which it can."""
+        """Release OMPL's objects in an order that it survives."""
         self._planner = None
         self._setup = None
         self._motions = None
@@ -193,8 +194,8 @@ class _OmplSearch:
         self._setup.setPlanner(self._planner)
         self._setup.setup()
         if name in ("PRM", "PRMstar"):
-            way = self._through_roadmap()
-            return way and self._simplified(way, simplify)
+            points = self._through_roadmap()
+            return points and self._simplified(points, simplify)
         self._setup.solve(self._budget())
         if not self._setup.haveExactSolutionPath():
             return None
@@ -205,7 +206,7 @@ class _OmplSearch:
         return ob.PlannerTerminationCondition(lambda: next(count) > self._iterations)
 
     def _through_roadmap(self) -> list[Point] | None:
-        """A way over the samples of a PRM.
+        """Return a path over the samples of a PRM.
 
         Its own search runs in a thread that never gets to ask a Python budget, so only the
         samples and links are OMPL's, and the search is done here.
@@ -217,18 +218,18 @@ class _OmplSearch:
         links: list[list[int]] = [sorted(data.getEdges(k)) for k in range(data.numVertices())]
         return _over_samples(places, links, self._question)
 
-    def _simplified(self, way: Sequence[Point], simplify: bool) -> list[Point]:
+    def _simplified(self, points: Sequence[Point], simplify: bool) -> list[Point]:
         path = og.PathGeometric(self._information)
-        for place in way:
+        for place in points:
             path.append(self._state(place))
         return self._finished(path, simplify)
 
     def _finished(self, path: Any, simplify: bool) -> list[Point]:
         if simplify:
             og.PathSimplifier(self._information).simplifyMax(path)
-        way = [_place(state) for state in path.getStates()]
-        way[0], way[-1] = self._question.start, self._question.goal
-        return [way[0], *(b for a, b in itertools.pairwise(way) if a != b)]
+        points = [_place(state) for state in path.getStates()]
+        points[0], points[-1] = self._question.start, self._question.goal
+        return [points[0], *(b for a, b in itertools.pairwise(points) if a != b)]
 
     def _state(self, place: Point) -> Any:
         # Unlike those of the space, the information's states are freed when Python lets go.
@@ -244,7 +245,7 @@ def _place(state: Any) -> Point:
 def _over_samples(
     places: list[Point], links: list[list[int]], question: Question, neighbours: int = 30
 ) -> list[Point] | None:
-    """The shortest way over samples and links; both ends are linked to their neighbours."""
+    """Return the shortest path over samples and links, both ends linked to their neighbours."""
     start, goal = len(places), len(places) + 1
     places = [*places, question.start, question.goal]
     near: dict[int, list[int]] = {}
@@ -258,10 +259,10 @@ def _over_samples(
     while queue:
         _, so_far, here = heapq.heappop(queue)
         if here == goal:
-            way = [goal]
-            while way[-1] != start:
-                way.append(before[way[-1]])
-            return [places[k] for k in reversed(way)]
+            chain = [goal]
+            while chain[-1] != start:
+                chain.append(before[chain[-1]])
+            return [places[k] for k in reversed(chain)]
         if so_far > best[here]:
             continue
         nexts = near[start] if here == start else links[here]
@@ -275,7 +276,7 @@ def _over_samples(
 
 
 def _setters(kind: type) -> tuple[str, ...]:
-    """The names of the parameters of an OMPL planner class, told from its setters."""
+    """Return the names of the parameters of an OMPL planner class, from its setters."""
     own = [m[3:] for m in dir(kind) if m.startswith("set") and not hasattr(ob.Planner, m)]
     return tuple(_snake(name) for name in own if name not in _NOT_A_NUMBER)
 
@@ -291,7 +292,7 @@ def _set(planner: Any, parameter: str, value: object) -> None:
 
 
 def _fit(parameter: str, value: object, like: Any) -> Any:
-    """`value` as the kind of number that `like` is; `ValueError` if it isn't one."""
+    """Return `value` as the kind of number that `like` is; `ValueError` if it isn't one."""
     if isinstance(like, bool):
         if isinstance(value, bool):
             return value

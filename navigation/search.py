@@ -1,4 +1,4 @@
-"""A* over a roadmap and the bends around bodies that stand in the way.
+"""A* over a roadmap and the bends around the bodies that a path meets.
 
 See P. E. Hart, N. J. Nilsson and B. Raphael, "A formal basis for the heuristic determination of
 minimum cost paths", IEEE Transactions on Systems Science and Cybernetics 4 (1968).
@@ -20,14 +20,14 @@ from .corners import Bends, Floats
 from .roadmap import BodyBends, Ends, Link, Roadmap
 
 _Entry = tuple[float, float, int, int]
-"""How long a way is at least, how far it is to its last place but one link, and that link."""
+"""Lower bound of a path's length, length up to its last link, and that link."""
 
 PATIENCE = 200
-"""After so many links a search asks whether there is a way at all."""
+"""Number of links after which a search asks whether there is a path at all."""
 
 
 _SOON = 32
-"""So many places from the top of the queue are told to the roadmap as needed soon."""
+"""Number of places at the top of the queue that the roadmap is to link at once."""
 
 
 def shortest_path(
@@ -39,7 +39,7 @@ def shortest_path(
 ) -> list[Point] | None:
     """Return the shortest path on `roadmap` round `bodies`, or None where there is none.
 
-    `hit(a, b)` tells whether a straight link that is free of the floor's obstacles runs into
+    `hit(a, b)` returns whether a straight link that is free of the floor's obstacles runs into
     a body. `hopeless()` is asked once if the search takes long, and ends it if it is true.
     """
     return _Search(roadmap, ends, [roadmap.around(body) for body in bodies], hit).run(hopeless)
@@ -104,9 +104,9 @@ class _Search:
                 k += 1
 
     def _bounds(self, roadmap: Roadmap, goal: Point) -> list[float]:
-        """No more than the way that is left from each place (metres).
+        """Lower bounds of the path length left from each place (metres): the heuristic of A*.
 
-        From a bend of the floor the way goes on over others to one that is linked to the goal, or
+        From a bend of the floor the path goes on over others to one that is linked to the goal, or
         to a body's bend, from where it is not shorter than the straight line.
         """
         away = np.array(self._extra) - np.array(goal)
@@ -118,7 +118,7 @@ class _Search:
         return fixed + loose
 
     def run(self, hopeless: Callable[[], bool]) -> list[Point] | None:
-        """The points of the shortest way, or None."""
+        """Return the points of the shortest path, or None."""
         best = {self._start: 0.0}
         before: dict[int, int] = {}
         left = self._left
@@ -176,8 +176,8 @@ class _Search:
 
     def _trace(self, before: dict[int, int]) -> list[Point]:
         index = self._goal
-        way = [self._point(index)]
+        points = [self._point(index)]
         while index != self._start:
             index = before[index]
-            way.append(self._point(index))
-        return way[::-1]
+            points.append(self._point(index))
+        return points[::-1]

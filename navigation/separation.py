@@ -1,4 +1,4 @@
-"""How far apart a person and a machine must stay."""
+"""Separation laws: the distance that a person and a machine must keep."""
 
 from __future__ import annotations
 
@@ -30,19 +30,19 @@ class Law(Protocol):
     """
 
     def distance(self, human_speed: float, robot_speed: float) -> float:
-        """The required distance in metres for these speeds in m/s."""
+        """Return the required distance in metres for these speeds in m/s."""
         ...
 
 
 @runtime_checkable
 class MotionLaw(Protocol):
-    """A rule that looks at how the two go on, not only at their speeds of an instant.
+    """A rule on the motions of the two, not only on their speeds at an instant.
 
-    A `Law` that can tell this as well is judged more finely (see `minimum_margin`).
+    A `Law` that is also one of these is judged more finely (see `minimum_margin`).
     """
 
     def required(self, encounter: Encounter, begin: float, end: float) -> Enclosure:
-        """The distance in metres that is required from `begin` to `end` (seconds).
+        """Return the distance in metres that is required from `begin` to `end` (seconds).
 
         The interval lies within `encounter`; at an instant the value is exact. Where a speed
         jumps at `end`, what is required from then on may be left out.
@@ -51,7 +51,7 @@ class MotionLaw(Protocol):
 
 
 AnyLaw: TypeAlias = "Law | MotionLaw"
-"""What two bodies are judged by."""
+"""A law of either kind."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -91,7 +91,7 @@ class SeparationLaw:
         return cls(t1=t1, t2=time, stopping=distance, intrusion=intrusion)
 
     def distance(self, human_speed: float, robot_speed: float) -> float:
-        """The required distance in metres for these speeds in m/s."""
+        """Return the required distance in metres for these speeds in m/s."""
         return (
             human_speed * (self.t1 + self.t2)
             + robot_speed * self.t1
@@ -112,9 +112,9 @@ class IntegralLaw:
 
     S(t0) = S_H + S_R + S_S + C + Z_D + Z_R, in the terms of ISO/TS 15066:2016, clause 5.5.4.2.3:
 
-    - S_H, the way of the human from t0 to t0 + `t1` + `t2`: ∫ v_H dt,
-    - S_R, the way of the robot from t0 to t0 + `t1`, while it is sensed and reacted to: ∫ v_R dt,
-    - S_S, the way of the robot from t0 + `t1` to t0 + `t1` + `t2`, while it stops: `stopping`
+    - S_H, the path of the human from t0 to t0 + `t1` + `t2`: ∫ v_H dt,
+    - S_R, the path of the robot from t0 to t0 + `t1`, while it is sensed and reacted to: ∫ v_R dt,
+    - S_S, the path of the robot from t0 + `t1` to t0 + `t1` + `t2`, while it stops: `stopping`
       metres, or if None, that of a speed which falls evenly from v_R(t0 + `t1`) to 0,
     - C, the `intrusion` distance; Z_D and Z_R, the uncertainties of where the human is
       (`human_uncertainty`) and the robot (`robot_uncertainty`), all in metres.
@@ -168,7 +168,7 @@ class ApproachLaw:
             _require_length(term.name, getattr(self, term.name))
 
     def distance(self, human_speed: float, robot_speed: float) -> float:
-        """The required distance in metres, whatever the speeds."""
+        """Return the required distance in metres, whatever the speeds."""
         return self.speed * self.time + self.intrusion
 
     def required(self, encounter: Encounter, begin: float, end: float) -> Enclosure:
@@ -186,7 +186,7 @@ class FixedDistance:
         _require_length("metres", self.metres)
 
     def distance(self, human_speed: float, robot_speed: float) -> float:
-        """The required distance in metres, whatever the speeds."""
+        """Return the required distance in metres, whatever the speeds."""
         return self.metres
 
     def required(self, encounter: Encounter, begin: float, end: float) -> Enclosure:
@@ -211,7 +211,7 @@ class Scaled:
             raise ValueError(f"cap must be at least 0, not {self.cap}")
 
     def distance(self, human_speed: float, robot_speed: float) -> float:
-        """The scaled distance in metres for these speeds in m/s.
+        """Return the scaled distance in metres for these speeds in m/s.
 
         `TypeError` if the other law asks for more than speeds (see `is_of_speeds`).
         """
@@ -229,14 +229,14 @@ class Scaled:
 
 
 def is_of_speeds(law: AnyLaw) -> TypeGuard[Law]:
-    """Whether two speeds are all that `law` asks for; if not, it is only a `MotionLaw`."""
+    """Return whether two speeds are all that `law` asks for; if not, it is only a `MotionLaw`."""
     if isinstance(law, Scaled):
         return is_of_speeds(law.law)
     return hasattr(law, "distance")
 
 
 def requirement(law: AnyLaw, encounter: Encounter, begin: float, end: float) -> Enclosure:
-    """The distance in metres that any law requires in `encounter` from `begin` to `end`.
+    """Return the distance in metres that any law requires in `encounter` from `begin` to `end`.
 
     See `MotionLaw`.
     """
@@ -248,7 +248,7 @@ def requirement(law: AnyLaw, encounter: Encounter, begin: float, end: float) -> 
 
 
 def required_at(law: AnyLaw, person: Motion, machine: Motion, t: float) -> float:
-    """The distance in metres that `law` requires of `person` and `machine` at `t` (seconds).
+    """Return the distance in metres that `law` requires of `person` and `machine` at `t` (seconds).
 
     Where a speed changes at once, it is what is required from then on.
     """
@@ -258,7 +258,7 @@ def required_at(law: AnyLaw, person: Motion, machine: Motion, t: float) -> float
 
 
 def required_at_speeds(law: AnyLaw, human_speed: float, robot_speed: float) -> float:
-    """The distance in metres that `law` requires of two who go on at these speeds.
+    """Return the distance in metres that `law` requires of two who go on at these speeds.
 
     `human_speed` and `robot_speed` are in m/s.
     """
@@ -268,7 +268,7 @@ def required_at_speeds(law: AnyLaw, human_speed: float, robot_speed: float) -> f
 
 
 def _steady(speed: float) -> Motion:
-    """Going straight on at `speed` (m/s) for long before t = 0 and after."""
+    """Return going straight on at `speed` (m/s) for long before t = 0 and after."""
     nowhere = (0.0, 0.0, 0.0, 0.0)
     return Motion((Piece(-_LONG, _LONG, (0.0, speed, 0.0, 0.0), nowhere, nowhere),))
 
@@ -279,9 +279,9 @@ def _require_length(name: str, length: float) -> None:
 
 
 def require_sense(law: AnyLaw) -> None:
-    """`ValueError` if an object is no law, or if trying it shows that it breaks its promise.
+    """Raise `ValueError` if an object is no law, or asks for less when a speed grows.
 
-    A few speeds are tried. A law that asks for less at others is not found out.
+    Only a few speeds are tried: a law that asks for less at others is not found out.
     """
     if not (hasattr(law, "distance") or isinstance(law, MotionLaw)):
         raise ValueError(f"a law has a method distance or required, {law!r} has neither")

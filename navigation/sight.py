@@ -1,8 +1,8 @@
-"""Which bends may be in sight from a place, found without a look at all of them.
+"""Bends that may be visible from a place, found without looking at all of them.
 
-On a big floor almost everything is hidden by what stands nearer. So one looks along a narrow wedge
-at what is near first, and farther only where that leaves a gap. What is left is a little more than
-what can be seen, never less; each line of it is then checked for itself.
+On a big floor almost everything is hidden by nearer obstacles. So each narrow wedge of directions
+is searched nearby first, and farther only where that leaves a gap. The result is a little more
+than what is visible, never less; each line of it is then checked on its own.
 """
 
 from __future__ import annotations
@@ -19,24 +19,24 @@ from .corners import Bends, Floats
 Ints = NDArray[np.intp]
 
 _BINS = 24
-"""Into so many parts a wedge is divided, to tell where it is hidden."""
+"""Number of bins of a wedge, each hidden from some distance on."""
 
 _EDGES = 4
-"""Of so many edges is a screen made: a thing with four corners is one."""
+"""Number of edges of a screen: an obstacle with four corners is one."""
 
 _NEAR = 4
-"""One looks first as far as so many screens stand apart on average."""
+"""Reach of the first search, in average distances between screens."""
 
 _ALL_AROUND = 24
-"""Into so many wedges one looks from a place that has no direction."""
+"""Number of wedges around a place that has no direction."""
 
 _ROUNDING = 1e-7
-"""Radians. So much wider a wedge is drawn, lest a bend on its edge be missed."""
+"""Radians. Wedges are this much wider, lest a bend on an edge be missed."""
 
 
 @dataclass(frozen=True)
 class Wedges:
-    """W directions to look into, each from a place of its own.
+    """W wedges of directions, each from a place of its own.
 
     `source` (W,) is the number of what one looks from; `place` (W, 2) metres; `middle` (W,) the
     direction in radians; `half` (W,) half the angle between the sides, in radians.
@@ -55,7 +55,7 @@ class Wedges:
         return Wedges(self.source[keep], self.place[keep], self.middle[keep], self.half[keep])
 
     def halves(self) -> Wedges:
-        """Each of the wedges as two of half the angle."""
+        """Return each of the wedges as two of half the angle."""
         return Wedges(
             np.tile(self.source, 2),
             np.tile(self.place, (2, 1)),
@@ -67,8 +67,8 @@ class Wedges:
         """Lines whose bounds hold the wedges as far as `reach`, and `margin` around (metres)."""
         corners = [self.place]
         for side in (self.middle - self.half, self.middle, self.middle + self.half):
-            way = np.column_stack([np.cos(side), np.sin(side)])
-            corners.append(self.place + reach / np.cos(self.half)[:, None] * way)
+            along = np.column_stack([np.cos(side), np.sin(side)])
+            corners.append(self.place + reach / np.cos(self.half)[:, None] * along)
         around = np.stack(corners)
         ends = np.stack([around.min(axis=0) - margin, around.max(axis=0) + margin], axis=1)
         lines: NDArray[np.object_] = shapely.linestrings(ends)
@@ -76,17 +76,17 @@ class Wedges:
 
 
 class AllInSight:
-    """What may be in sight on a floor of few bends (`count`): any of them."""
+    """Visibility on a floor of few bends (`count`): any may be visible."""
 
     def __init__(self, count: int) -> None:
         self._count = count
 
     def around(self, places: Floats) -> tuple[Ints, Ints]:
-        """As `Sight.around`."""
+        """See `Sight.around`."""
         return self._every_pair(len(places))
 
     def beyond(self, bends: Bends) -> tuple[Ints, Ints]:
-        """As `Sight.beyond`."""
+        """See `Sight.beyond`."""
         return self._every_pair(len(bends))
 
     def _every_pair(self, count: int) -> tuple[Ints, Ints]:
@@ -94,7 +94,7 @@ class AllInSight:
 
 
 class Sight:
-    """What of the bends (metres) on a floor may be in sight, for discs of `radius` metres.
+    """Visibility of the bends (metres) of a floor, for discs of `radius` metres.
 
     `edges` are the closed rings around the room there is, as (n + 1, 2) arrays in metres.
     """
@@ -122,22 +122,22 @@ class Sight:
         self._margin = float(self._wide.max())
 
     def around(self, places: Floats) -> tuple[Ints, Ints]:
-        """Pairs of one of `places` (N, 2) and a bend of the floor that may be in sight from there.
+        """Return pairs of one of `places` (N, 2) and a bend of the floor that may be visible.
 
-        Every one that is in sight is among them; some come twice.
+        Every visible one is among them; some come twice.
         """
         return self._candidates(_all_around(places))
 
     def beyond(self, bends: Bends) -> tuple[Ints, Ints]:
-        """Pairs of one of `bends` and a bend of the floor to which a way from it may lead on.
+        """Return pairs of one of `bends` and a bend of the floor that a path may go on to.
 
-        Every one that is in sight, and that such a way grazes the corner at the first to get to,
-        is among them; some come twice.
+        Every visible one that such a path grazes the first corner to get to is among them; some
+        come twice.
         """
         return self._candidates(_onward(bends))
 
     def _candidates(self, wedges: Wedges) -> tuple[Ints, Ints]:
-        """Pairs of the source of a wedge and a bend that may be in sight in it."""
+        """Return pairs of the source of a wedge and a bend that may be visible in it."""
         found = []
         reach = self._near
         while len(wedges):
@@ -163,7 +163,7 @@ class Sight:
         return of[there], screen[there]
 
     def _hidden(self, wedges: Wedges, of: Ints, screen: Ints) -> Floats:
-        """From how far on (metres) nothing is in sight behind the screens: (W, bins)."""
+        """Return the distances (metres) beyond which screens hide everything: (W, bins)."""
         low, high, far = self._cover(wedges.take(of), self._screens[screen])
         bins = np.arange(_BINS)
         pair, place = np.nonzero((low[:, None] <= bins) & (bins + 1 <= high[:, None]))
@@ -174,7 +174,7 @@ class Sight:
     def _in_front(
         self, wedges: Wedges, hidden: Floats, of: Ints, screen: Ints
     ) -> tuple[Ints, Ints]:
-        """Pairs of the source of a wedge and a bend in it before all is hidden."""
+        """Return pairs of the source of a wedge and a bend in it before all is hidden."""
         count = self._count[screen]
         pair = np.repeat(np.arange(len(of)), count)
         place = np.arange(len(pair)) - np.repeat(np.cumsum(count) - count, count)
@@ -190,10 +190,10 @@ class Sight:
         return wedges.source[of[near]], to[near]
 
     def _cover(self, wedges: Wedges, screens: Floats) -> tuple[Floats, Floats, Floats]:
-        """From where to where, in bins, screens grown by the radius hide what is behind them.
+        """The range of bins that screens grown by the radius hide, and from what distance on.
 
-        One of `screens` (W, n, 2) for each wedge. And from how many metres on that is surely so.
-        A screen hangs together: a straight line in any direction between its ends meets it.
+        One of `screens` (W, n, 2) for each wedge. A screen is connected: a straight line in any
+        direction between its ends meets it.
         """
         away = screens - wedges.place[:, None]
         here, there = away[:, :-1], away[:, 1:]
@@ -210,7 +210,7 @@ class Sight:
 
 
 def _screens(ring: Floats, longest: float) -> Floats:
-    """A closed `ring` ((n + 1, 2) metres) in lines of a few edges, one after the other: (m, k, 2).
+    """Return a closed `ring` ((n + 1, 2) metres) in lines of a few edges: (m, k, 2).
 
     No edge is longer than `longest` metres. The last line goes on over the first edges.
     """
@@ -222,14 +222,14 @@ def _screens(ring: Floats, longest: float) -> Floats:
 
 
 def _bins(half: Floats, angle: Floats) -> Floats:
-    """Where in a wedge an angle from its middle (radians) is, in bins."""
+    """Return the place in a wedge, in bins, of an angle from its middle (radians)."""
     wide = half + _ROUNDING
     place: Floats = (angle + wide) * _BINS / (2 * wide)
     return place
 
 
 def _turned(away: Floats, middle: Floats) -> Floats:
-    """The angles between `away` (N, 2) and the directions `middle` (N,), from -π to π."""
+    """Return the angles between `away` (N, 2) and the directions `middle` (N,), from -π to π."""
     angle: Floats = np.arctan2(away[:, 1], away[:, 0]) - middle
     return np.remainder(angle + math.pi, 2 * math.pi) - math.pi
 
@@ -246,9 +246,9 @@ def _all_around(places: Floats) -> Wedges:
 
 
 def _onward(bends: Bends) -> Wedges:
-    """Where straight ways lead on from each of `bends`: two wedges one after the other.
+    """Return the directions in which paths go on from each of `bends`: two wedges each.
 
-    The first is along the way that goes round the corner clockwise, the second along the other.
+    The first is for the path that goes round the corner clockwise, the second for the other.
     """
     first = np.arctan2(bends.before[:, 1], bends.before[:, 0])
     last = np.arctan2(bends.after[:, 1], bends.after[:, 0])

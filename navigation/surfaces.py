@@ -118,7 +118,7 @@ class Shapes:
         pieces: tuple[Piece, Piece],
         odometers: tuple[Odometer, Odometer],
     ) -> SurfaceEncounter:
-        """An `Encounter` that measures between these surfaces."""
+        """Return an `Encounter` that measures between these surfaces."""
         return SurfaceEncounter(begin, end, pieces, odometers, self._gauges)
 
     @cached_property
@@ -131,28 +131,28 @@ class Shapes:
 
 
 def _shapes(person: Cylinder, machine: tuple[Cylinder | Box, ...]) -> Shapes:
-    """What pickle calls: FCL's objects can't be pickled, and are made anew."""
+    """Make a pickled value anew: FCL's objects can't be pickled."""
     return Shapes(person=person, machine=machine)
 
 
 def torso_box(gantry: Gantry) -> Box:
-    """The torso of a gantry, which turns with its rotation."""
+    """Return the torso of a gantry, which turns with its rotation."""
     length, width, bottom, top = gantry.torso
     return Box(length=length, width=width, bottom=bottom, top=top)
 
 
 def folded_arm(gantry: Gantry) -> Cylinder:
-    """What a gantry's folded arm may sweep as it turns: as high as its torso."""
+    """The cylinder that a gantry's folded arm may sweep as it turns, up to its torso's top."""
     return Cylinder(radius=gantry.arm_reach, bottom=gantry.arm_bottom, top=gantry.torso[3])
 
 
 def agv_box(lane: Lane) -> Box:
-    """The AGV of a lane, with its load."""
+    """Return the box of the AGV of a lane, with its load."""
     return Box(length=lane.length, width=lane.width, top=lane.height)
 
 
 class _Course(NamedTuple):
-    """How a person moves in the frame that the machine has at an instant.
+    """Motion of a person in the frame that the machine has at an instant.
 
     Place, velocity and half the acceleration (m, m/s, m/s²), and how fast the machine turns
     (rad/s). For `half` seconds before and after, the person stays within `bend` (m) of place and
@@ -194,11 +194,11 @@ class _Gauge:
         self._request = fcl.DistanceRequest(enable_nearest_points=True)
 
     def distance(self, x: float, y: float) -> float:
-        """Metres between the surfaces for a person at (x, y), 0 if they overlap."""
+        """Return the metres between the surfaces for a person at (x, y), 0 if they overlap."""
         return self._over(self._away(x, y)[0])
 
     def range(self, course: _Course, slope: float, curve: float) -> tuple[float, float]:
-        """Bounds on distance − `slope` u − `curve` u² / 2 for the instants u of a course.
+        """Return bounds on distance − `slope` u − `curve` u² / 2 for the instants u of a course.
 
         The lower bound is that of a plane that separates the two at the middle: one that keeps its
         normal, or one that turns with the machine (better beside a wall that turns). Along the
@@ -246,7 +246,7 @@ class _Gauge:
         return math.hypot(max(away - self._radius, 0.0), self._height)
 
     def _away(self, x: float, y: float) -> tuple[float, tuple[float, float]]:
-        """Metres from the footprint to a point, and the footprint's point nearest to it.
+        """Return the metres from the footprint to a point, and the footprint's point nearest to it.
 
         0 within the footprint, and then the point is of no use.
         """
@@ -280,7 +280,7 @@ class SurfaceEncounter(Encounter):
         self._gauges = gauges
 
     def distance(self, t: float) -> float:
-        """The distance between the surfaces at `t` (metres), 0 where they overlap."""
+        """Return the distance between the surfaces at `t` (metres), 0 where they overlap."""
         return self._distance(t - self.begin, 0.0, 0.0, 0.0)[0]
 
     def _distance(

@@ -1,4 +1,4 @@
-"""What a body did, kept as plain numbers: a day of walking takes up some megabytes."""
+"""Tracks of bodies as plain numbers: a day of walking takes some megabytes."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 from .motion import JUMP_TOLERANCE, Array, Motion, Piece, gap
 
 _NUMBERS = 14
-"""Of each piece: begin, end, and the coefficients of x, y and rotation."""
+"""Numbers of a piece: begin, end, and the coefficients of x, y and rotation."""
 
 
 class Track:
@@ -45,7 +45,7 @@ class Track:
         self._last = motion.pieces[-1]
 
     def motion(self) -> Motion:
-        """All of it until now as one motion."""
+        """Return all of it until now as one motion."""
         table = np.frombuffer(self._numbers.tobytes()).reshape(-1, _NUMBERS)
         return Motion(PackedPieces(table), frozenset(self._jumps))
 

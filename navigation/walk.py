@@ -1,4 +1,4 @@
-"""People walking: along a path as fast as a person may, slower at corners."""
+"""Motions of people along paths, slowed at corners."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def walk(
     max_acceleration: float = MAX_ACCELERATION,
     initial_speed: float = 0.0,
 ) -> Motion:
-    """A walk along `points` ((N, 2), metres) that begins at `start` (seconds).
+    """Return a walk along `points` ((N, 2), metres) that begins at `start` (seconds).
 
     It sets out at `initial_speed` (m/s) along the path and ends at rest; its speed never exceeds
     `max_speed` nor changes faster than `max_acceleration`, and at every corner it is at most
@@ -55,7 +55,7 @@ def walk(
 
 
 def stop_walking(motion: Motion, t: float, *, max_acceleration: float = MAX_ACCELERATION) -> Motion:
-    """The walk `motion` broken off at `t` (seconds).
+    """Return the walk `motion` broken off at `t` (seconds).
 
     It brakes at `max_acceleration` (m/s²) along its own path.
     """
@@ -80,7 +80,7 @@ def stop_walking(motion: Motion, t: float, *, max_acceleration: float = MAX_ACCE
 
 
 def remaining_path(motion: Motion, t: float) -> list[Corner]:
-    """The corners of the walk `motion` still to come at `t` (s), after where it is then."""
+    """Return the corners of the walk `motion` still to come at `t` (s), after where it is then."""
     ahead = [piece for piece in motion.pieces if piece.end > t]
     corners = [motion.state(t).at]
     corners += [
@@ -97,7 +97,7 @@ def corner_speed(
     after: tuple[float, float],
     max_acceleration: float = MAX_ACCELERATION,
 ) -> float:
-    """The speed (m/s) at which a person turns at `corner` on the way from `before` to `after`.
+    """The speed (m/s) at which a person turns at `corner` on the path from `before` to `after`.
 
     The corner is taken as an arc that leaves it by at most `CORNER_DEVIATION` and is no longer
     than half of each leg; on an arc of radius r, the speed is √(a r), where a is
@@ -119,9 +119,9 @@ def corner_speed(
 
 
 def can_go_on(state: State, towards: tuple[float, float], max_acceleration: float) -> bool:
-    """Whether somebody in `state` may turn `towards` a point without slowing down first.
+    """Return whether a person in `state` may turn `towards` a point without slowing down first.
 
-    So it is where that takes no more than `max_acceleration` (m/s²).
+    That is so where the turn takes no more than `max_acceleration` (m/s²).
     """
     if state.speed == 0.0:
         return True
@@ -133,7 +133,7 @@ def can_go_on(state: State, towards: tuple[float, float], max_acceleration: floa
 def _corner_speeds(
     corners: list[Corner], lengths: list[float], limits: AxisLimits, initial_speed: float
 ) -> list[float]:
-    """The speed at every corner: as fast as its own limit and the acceleration allow."""
+    """Return the speed at every corner: as fast as its own limit and the acceleration allow."""
     acceleration = limits.max_acceleration
     speeds = [initial_speed]
     for k in range(1, len(corners) - 1):
@@ -154,7 +154,7 @@ def _corner_speeds(
 
 
 def _along(corners: list[Corner], speeds: list[float], limits: AxisLimits, start: float) -> Motion:
-    """The fastest motion through `corners` with the given speed at each of them."""
+    """Return the fastest motion through `corners` with the given speed at each of them."""
     pieces: list[Piece] = []
     for (a, b), (u, w) in zip(itertools.pairwise(corners), itertools.pairwise(speeds), strict=True):
         length = math.dist(a, b)
@@ -164,7 +164,7 @@ def _along(corners: list[Corner], speeds: list[float], limits: AxisLimits, start
 
 
 def _on_leg(a: Corner, b: Corner, phases: Phases, start: float) -> list[Piece]:
-    """The way from `a` to `b`, with the metres gone in phases of time."""
+    """Return the pieces from `a` to `b`, with the metres gone in phases of time."""
     length = math.dist(a, b)
     direction = ((b[0] - a[0]) / length, (b[1] - a[1]) / length)
     heading = math.atan2(b[1] - a[1], b[0] - a[0])
@@ -172,7 +172,7 @@ def _on_leg(a: Corner, b: Corner, phases: Phases, start: float) -> list[Piece]:
 
 
 def _corners(points: ArrayLike) -> list[Corner]:
-    """`points` without repetitions and without those on the straight line between others."""
+    """Return `points` without repetitions and without those on the straight line between others."""
     array = np.asarray(points, dtype=np.float64)
     if array.ndim != 2 or array.shape[1] != 2 or len(array) == 0:
         raise ValueError(f"a path needs points of shape (N, 2), not {array.shape}")
@@ -194,7 +194,7 @@ def _straight(a: Corner, b: Corner, c: Corner) -> bool:
 
 
 def _first(corners: Sequence[Corner], length: float) -> list[Corner]:
-    """The first `length` metres of a path, or all of it; right to `NOWHERE`."""
+    """Return the first `length` metres of a path, or all of it; right to `NOWHERE`."""
     kept = [corners[0]]
     for a, b in itertools.pairwise(corners):
         leg = math.dist(a, b)

@@ -1,15 +1,15 @@
-"""Planners side by side: seeded questions, measured answers, tables and logs."""
+"""Benchmark of planners: seeded questions, measured answers, tables and logs."""
 
 from .measuring import Attempt, Scene, benchmark, scenes
 from .reports import Row, summary, write_csv, write_ompl_log
-from .shortest import SHORTFALL, ShortestWays
+from .shortest import SHORTFALL, ShortestPaths
 
 __all__ = [
     "SHORTFALL",
     "Attempt",
     "Row",
     "Scene",
-    "ShortestWays",
+    "ShortestPaths",
     "benchmark",
     "scenes",
     "summary",

@@ -1,4 +1,4 @@
-"""Planners side by side: the same seeded questions to each, and how well they were answered."""
+"""The same seeded questions to every planner, and measures of the answers."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from ..path import Path, PlanningError
 from ..planner import PathPlanner
 from ..world import CollisionWorld
 from . import ompl_figures
-from .shortest import ShortestWays
+from .shortest import ShortestPaths
 
 PER_SCENE = 10
-"""So many questions are asked before the AGVs move on."""
+"""Number of questions before the AGVs move on."""
 
 _MARGIN = 1e-3
 """Metres. Starts and goals have this much more room than they need."""
@@ -58,36 +58,36 @@ class Attempt:
     turning: float
     """Radians that the path turns by in all."""
     ompl_clearance: float
-    """As OMPL has it: the mean over the waypoints, less the radius."""
+    """OMPL's definition: the mean over the waypoints, less the radius."""
     ompl_smoothness: float
-    """As OMPL has it, in 1/m²: see `ompl_figures.smoothness`."""
+    """OMPL's definition, in 1/m²: see `ompl_figures.smoothness`."""
 
     @property
     def ratio(self) -> float:
-        """How many times as long as the shortest way."""
+        """Length over that of the shortest path."""
         return self.length / self.shortest if self.shortest > 0 else 1.0
 
 
 def scenes(plan: Floorplan, *, queries: int, seed: int, radius: float) -> Iterator[Scene]:
-    """Seeded questions on `plan` that have an answer, with AGVs anywhere on their lanes.
+    """Yield seeded questions on `plan` that have an answer, with AGVs anywhere on their lanes.
 
     `ValueError` if there is no room on the floor for two places.
     """
     rng = np.random.default_rng(seed)
     world = CollisionWorld(plan)
-    ways: ShortestWays | None = None
+    paths: ShortestPaths | None = None
     for first in range(0, queries, PER_SCENE):
         for lane in plan.lanes:
             world.move_agv(lane.name, float(rng.uniform(*lane.limits)))
-        if ways is None or plan.lanes:
-            ways = ShortestWays(world.walkable, radius)
+        if paths is None or plan.lanes:
+            paths = ShortestPaths(world.walkable, radius)
         count = min(PER_SCENE, queries - first)
-        questions = tuple(_question(world, ways, rng, radius) for _ in range(count))
+        questions = tuple(_question(world, paths, rng, radius) for _ in range(count))
         yield Scene(
             plan,
             tuple((lane.name, world.agv_position(lane.name)) for lane in plan.lanes),
             questions,
-            tuple(ways.length(*question) for question in questions),
+            tuple(paths.length(*question) for question in questions),
         )
 
 
@@ -127,11 +127,11 @@ def benchmark(
 
 
 def _question(
-    world: CollisionWorld, ways: ShortestWays, rng: np.random.Generator, radius: float
+    world: CollisionWorld, paths: ShortestPaths, rng: np.random.Generator, radius: float
 ) -> tuple[Point, Point]:
-    """Two places with room to stand and a way between them."""
+    """Return two places with room to stand and a path between them."""
     low_x, low_y, high_x, high_y = world.plan.boundary.bounds
-    pieces = [piece for piece in shapely.get_parts(ways.room) if piece.area > 0]
+    pieces = [piece for piece in shapely.get_parts(paths.room) if piece.area > 0]
     found: list[tuple[Point, int]] = []
     for _ in range(_MOST_DRAWS):
         at = (float(rng.uniform(low_x, high_x)), float(rng.uniform(low_y, high_y)))
@@ -143,7 +143,7 @@ def _question(
                 return other, at
         found += [(at, int(piece)) for piece in within]
     name = world.plan.name
-    raise ValueError(f"{name} has no two places for a radius of {radius:g} m with a way between")
+    raise ValueError(f"{name} has no two places for a radius of {radius:g} m with a path between")
 
 
 def _attempt(

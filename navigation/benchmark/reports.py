@@ -17,7 +17,7 @@ from .measuring import Attempt
 
 @dataclass(frozen=True)
 class Row:
-    """How one planner did on one floor. Times in milliseconds of CPU, lengths in metres."""
+    """Results of one planner on one floor: milliseconds of CPU, metres."""
 
     floorplan: str
     planner: str
@@ -29,15 +29,15 @@ class Row:
     checks: float
     """The median."""
     ratio_median: float
-    """How many times as long as the shortest way."""
+    """Length over that of the shortest path."""
     ratio_most: float
     clearance_least: float
     turning: float
-    """The median of the radians that a way turns by."""
+    """The median of the radians that a path turns by."""
 
 
 def summary(attempts: Sequence[Attempt]) -> list[Row]:
-    """One row for each floor and planner, in the order they were asked."""
+    """Return one row for each floor and planner, in the order they were asked."""
     groups: dict[tuple[str, str], list[Attempt]] = {}
     for attempt in attempts:
         groups.setdefault((attempt.floorplan, attempt.planner), []).append(attempt)
@@ -64,7 +64,7 @@ def _row(group: Sequence[Attempt]) -> Row:
 
 
 def write_csv(attempts: Sequence[Attempt], path: Path) -> None:
-    """Every answer as a line of `path`; lengths in metres, times in seconds."""
+    """Write every answer as a line of `path`; lengths in metres, times in seconds."""
     with path.open("w", encoding="utf-8", newline="") as file:
         names = [field.name for field in fields(Attempt)]
         writer = csv.DictWriter(file, names, lineterminator="\n")
@@ -73,7 +73,7 @@ def write_csv(attempts: Sequence[Attempt], path: Path) -> None:
 
 
 def write_ompl_log(attempts: Sequence[Attempt], path: Path, *, seed: int) -> None:
-    """The answers on one floor as OMPL's benchmark log.
+    """Write the answers on one floor as OMPL's benchmark log.
 
     `ompl_benchmark_statistics.py` and Planner Arena read it. What bears the name of one of
     OMPL's properties is that property, but for the time, which is CPU time; the others are
@@ -112,7 +112,7 @@ def _log(attempts: Sequence[Attempt], seed: int) -> Iterator[str]:
     yield platform.processor() or platform.machine()
     yield "|>>>"
     yield f"{seed} is the random seed"
-    # Budgets are counts, and nobody measures memory: what is written here is no limit.
+    # Budgets are counts, and memory is not measured: these are no limits.
     yield f"{most:.6f} seconds per run"
     yield "0 MB per run"
     yield f"{len(attempts) // len(planners)} runs per planner"

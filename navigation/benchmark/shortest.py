@@ -1,9 +1,9 @@
-"""The lengths of shortest ways, worked out slowly and apart from any planner: for measuring only.
+"""Lengths of shortest paths, computed slowly and apart from any planner, as a reference.
 
 Every corner of what is left of the floor when all edges are grown by the radius is linked with
-every other that it sees, and shortest ways are looked for over these links. Grown corners are
-drawn from inside, so lengths are never too long, and too short by no more than `SHORTFALL` of
-their arcs.
+every other that it sees, and shortest paths are searched over these links (Dijkstra). Grown
+corners are drawn from inside, so lengths are never too long, and too short by no more than
+`SHORTFALL` of their arcs.
 """
 
 from __future__ import annotations
@@ -22,10 +22,10 @@ SIDES = 64
 """The sides of the polygons that stand for discs."""
 
 SHORTFALL = 1 - math.cos(math.pi / SIDES)
-"""How much too short arcs may be taken for, as a share of their length: 0.12 %."""
+"""Share by which arcs may come out too short: 0.12 %."""
 
 _MARGIN = 1e-3
-"""Metres. Gaps that are no more than this wider than the disc don't count as ways."""
+"""Metres. Gaps that are no more than this wider than the disc count as closed."""
 
 _EDGE = 1e-7
 """Metres. How far links may leave the room, so that rounding doesn't cut those along its edges."""
@@ -36,12 +36,12 @@ Floats = NDArray[np.float64]
 Links = list[list[tuple[int, float]]]
 
 
-class ShortestWays:
-    """Lengths of shortest ways for a disc of `radius` metres within `walkable`."""
+class ShortestPaths:
+    """Lengths of shortest paths for a disc of `radius` metres within `walkable`."""
 
     def __init__(self, walkable: shapely.Geometry, radius: float) -> None:
         self.room = _shrunk(walkable, radius)
-        """Where the centre of the disc can be."""
+        """Free space of the centre of the disc."""
         self._wide = self.room.buffer(_EDGE)
         shapely.prepare(self._wide)
         shapely.prepare(self.room)
@@ -49,7 +49,7 @@ class ShortestWays:
         self._links = self._between_corners()
 
     def length(self, start: Point, goal: Point) -> float:
-        """Metres from `start` to `goal`; infinity where there is no way."""
+        """Return the metres from `start` to `goal`; infinity where there is no path."""
         ends = np.array([start, goal])
         if self._see(ends[:1], ends[1:])[0]:
             return math.dist(start, goal)
@@ -101,7 +101,7 @@ class ShortestWays:
 
 
 def _shrunk(walkable: shapely.Geometry, radius: float) -> shapely.Geometry:
-    """`walkable` without discs at its corners, strips along its edges, and tight gaps."""
+    """Return `walkable` without discs at its corners, strips along its edges, and tight gaps."""
     angles = np.linspace(0, 2 * math.pi, SIDES, endpoint=False)
     disc = radius * np.column_stack([np.cos(angles), np.sin(angles)])
     grown = []
@@ -116,7 +116,7 @@ def _shrunk(walkable: shapely.Geometry, radius: float) -> shapely.Geometry:
 
 
 def _tight_gaps(walkable: shapely.Geometry, radius: float) -> list[shapely.Geometry]:
-    """The middles of the gaps through which a disc comes only by a hair, or not at all.
+    """Return the middles of the gaps through which a disc comes only by a hair, or not at all.
 
     What is lost when the room is shrunk by the margin and grown back is too narrow for it.
     """
@@ -126,7 +126,7 @@ def _tight_gaps(walkable: shapely.Geometry, radius: float) -> list[shapely.Geome
 
 
 def _corners(room: shapely.Geometry) -> tuple[Floats, Floats, Floats]:
-    """The corners that stick out into `room`, and the ways to the corners on either side."""
+    """The corners that stick out into `room`, and the vectors to the corners on either side."""
     found = []
     for polygon in shapely.get_parts(shapely.orient_polygons(room)):
         for ring in (polygon.exterior, *polygon.interiors):
@@ -139,7 +139,7 @@ def _corners(room: shapely.Geometry) -> tuple[Floats, Floats, Floats]:
 
 
 def _taut(along: Floats, before: Floats, after: Floats) -> NDArray[np.bool_]:
-    """Whether a line along `along` leaves both sides of a corner on one side of it."""
+    """Return whether a line along `along` leaves both sides of a corner on one side of it."""
     one = along[..., 0] * before[..., 1] - along[..., 1] * before[..., 0]
     other = along[..., 0] * after[..., 1] - along[..., 1] * after[..., 0]
     slack = 1e-9 * (1 + np.abs(along).sum(axis=-1))

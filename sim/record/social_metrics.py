@@ -110,8 +110,8 @@ def metrics(run: _Run, *, radii: Mapping[str, float] | None = None) -> dict[str,
 def _movements(courses: Courses) -> Iterable[dict[str, float]]:
     """How each body moved: `MOVEMENT`."""
     standing = courses.time_not_moving(STANDING_SPEED, STANDING_TURN)
-    columns = (courses.time, courses.way, courses.turning, standing, courses.top_speed)
-    totals = (courses.way, courses.acceleration, courses.jerk)
+    columns = (courses.time, courses.length, courses.turning, standing, courses.top_speed)
+    totals = (courses.length, courses.acceleration, courses.jerk)
     for k, time in enumerate(courses.time):
         means = (total[k] / time if time else 0.0 for total in totals)
         figures = (*(column[k] for column in columns), *means)

@@ -13,7 +13,7 @@ from floorplan import Floorplan, Obstacle
 from navigation import CollisionWorld
 from navigation.benchmark import (
     SHORTFALL,
-    ShortestWays,
+    ShortestPaths,
     benchmark,
     ompl_figures,
     scenes,
@@ -84,7 +84,7 @@ def test_no_room_is_said():
 def test_lengths_of_shortest_ways():
     """Round a pillar and round a wall's end, where they are known in closed form."""
     room = box(0, 0, 10, 10).difference(box(4, -1, 6, 6))
-    ways = ShortestWays(room, 0.5)
+    ways = ShortestPaths(room, 0.5)
     assert ways.length((1, 9), (9, 9)) == 8
     a, b = (1.0, 2.0), (9.0, 2.0)
     # Tangent, quarter of an arc at each corner, and straight over the wall.
@@ -95,14 +95,14 @@ def test_lengths_of_shortest_ways():
     exact = 2 * (tangent + arc) + 2
     assert exact - 2 * arc * SHORTFALL - 1e-6 <= ways.length(a, b) <= exact
     assert ways.length(a, (1, 1)) == 1
-    cut = ShortestWays(box(0, 0, 10, 10).difference(box(4, -1, 6, 11)), 0.5)
+    cut = ShortestPaths(box(0, 0, 10, 10).difference(box(4, -1, 6, 11)), 0.5)
     assert cut.length(a, b) == math.inf
 
 
 def test_gaps_just_as_wide_as_the_disc_are_no_ways():
     room = box(0, 0, 10, 10).difference(shapely.union_all([box(4, 0, 6, 5), box(4, 5.6, 6, 9)]))
-    assert ShortestWays(room, 0.3).length((2, 5.3), (8, 5.3)) > 8
-    assert ShortestWays(room, 0.298).length((2, 5.3), (8, 5.3)) == pytest.approx(6)
+    assert ShortestPaths(room, 0.3).length((2, 5.3), (8, 5.3)) > 8
+    assert ShortestPaths(room, 0.298).length((2, 5.3), (8, 5.3)) == pytest.approx(6)
 
 
 def test_summary_has_a_row_for_each_floor_and_planner(attempts):
@@ -227,7 +227,7 @@ def test_shortest_ways_do_not_cut_corners():
     """Every way is at least as long as one for which corners are points."""
     rng = np.random.default_rng(0)
     room = box(0, 0, 10, 10).difference(shapely.union_all([box(2, 2, 4, 8), box(6, 0, 7, 7)]))
-    narrow, wide = ShortestWays(room, 1e-3), ShortestWays(room, 0.4)
+    narrow, wide = ShortestPaths(room, 1e-3), ShortestPaths(room, 0.4)
     for _ in range(30):
         a, b = rng.uniform(0.5, 9.5, (2, 2))
         if wide.room.contains(Point(a)) and wide.room.contains(Point(b)):

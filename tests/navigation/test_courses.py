@@ -72,7 +72,7 @@ def turns_on_the_spot(motion):
 def test_figures_of_a_motion_are_those_of_dense_sampling(motion):
     courses = Courses([motion], [(0.0, END)])
     speed, acceleration, spin = sampled(motion)
-    assert courses.way[0] == pytest.approx(speed.mean() * END, abs=2e-2)
+    assert courses.length[0] == pytest.approx(speed.mean() * END, abs=2e-2)
     assert courses.acceleration[0] == pytest.approx(acceleration.mean() * END, abs=5e-2)
     assert courses.top_speed[0] == pytest.approx(speed.max(), abs=2e-2)
     assert courses.top_speed[0] >= speed.max() - 1e-9
@@ -85,7 +85,7 @@ def test_figures_of_a_motion_are_those_of_dense_sampling(motion):
 @given(motions(), st.floats(0, 6), st.floats(0, 6))
 def test_the_way_is_that_of_the_odometer(motion, begin, more):
     odometer, end = Odometer(motion), begin + more
-    (way,) = Courses([motion], [(begin, end)]).way
+    (way,) = Courses([motion], [(begin, end)]).length
     assert way == pytest.approx(odometer.reading(end) - odometer.reading(begin), abs=1e-8)
 
 
@@ -137,7 +137,7 @@ def test_a_teleport_is_no_way_and_no_turn():
     there = navigation.standing((0.0, 0.0), heading=0.0, start=0.0)
     away = navigation.standing((5.0, 5.0), heading=2.0, start=3.0)
     courses = Courses([navigation.join([there, away], end=6.0)], [(0.0, 6.0)])
-    assert (courses.way[0], courses.turning[0], courses.top_speed[0]) == (0.0, 0.0, 0.0)
+    assert (courses.length[0], courses.turning[0], courses.top_speed[0]) == (0.0, 0.0, 0.0)
     assert courses.time_not_moving(0.001, 0.01)[0] == 6.0
 
 
