@@ -155,7 +155,7 @@ def test_figures_that_can_be_worked_out_by_hand():
     courses = Courses([walk, other], [(0.0, walk.end)] * 2)
     (company,) = courses.company([(0, [1])], [1.0])
     assert walk.end == pytest.approx(4.5)
-    assert courses.way == pytest.approx([4.0, 0.0])
+    assert courses.length == pytest.approx([4.0, 0.0])
     assert courses.acceleration[0] == pytest.approx(2.0)  # up by 1 m/s, down by 1 m/s
     assert courses.top_speed[0] == pytest.approx(1.0)
     assert courses.time_not_moving(0.001, 0.01)[0] == pytest.approx(2 * 0.001 / 2.0)
@@ -187,7 +187,7 @@ def test_bodies_that_are_never_there_together():
     courses = Courses([here, there], [(0.0, 1.0), (1.0, 2.0)])
     (company,) = courses.company([(0, [1])], [2.0])
     assert company == navigation.Company(0.0, 0.0, 0.0, 0.0, (0.0,))
-    assert Courses([here], [(1.0, 1.0)]).way[0] == 0.0
+    assert Courses([here], [(1.0, 1.0)]).length[0] == 0.0
 
 
 def test_cut_or_whole_the_figures_add_up():
@@ -197,7 +197,7 @@ def test_cut_or_whole_the_figures_add_up():
     pair = [walk, gantry]
     parts = [Courses(pair, [span] * 2) for span in itertools.pairwise(cuts)]
     whole = Courses(pair, [(cuts[0], cuts[-1])] * 2)
-    for name in ("way", "acceleration", "jerk"):
+    for name in ("length", "acceleration", "jerk"):
         total = sum(getattr(part, name) for part in parts)
         assert getattr(whole, name) == pytest.approx(total, abs=1e-8)
     mean = sum(p.company([(0, [1])])[0].mean * p.time[0] for p in parts) / 14.0
