@@ -1,8 +1,9 @@
-"""The command in this process, and a browser for the tests of pages, where there is one."""
+"""The command in this process, full disks, and a browser for pages, where there is one."""
 
 import shutil
 import subprocess
 import sys
+from contextlib import contextmanager
 
 import pytest
 from replay_viewer import Viewer
@@ -35,6 +36,23 @@ def floorwalker(capfd, monkeypatch):
         return subprocess.CompletedProcess(words, ended.value.code or 0, *capfd.readouterr())
 
     return called
+
+
+@pytest.fixture
+def room_for():
+    """Lets no file grow beyond a number of bytes, while the context lasts: a full disk."""
+    resource = pytest.importorskip("resource")
+
+    @contextmanager
+    def room_for(size):
+        before = resource.getrlimit(resource.RLIMIT_FSIZE)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
+        try:
+            yield
+        finally:
+            resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+    return room_for
 
 
 @pytest.fixture(scope="module")

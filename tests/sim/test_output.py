@@ -1,9 +1,6 @@
 """Files that commands write: whole or not at all, and folders that nobody else takes."""
 
-import ast
 import os
-import subprocess
-import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from threading import Barrier
@@ -13,16 +10,7 @@ import pytest
 import sim
 from sim.core.output import replacing, write_whole
 
-ROOT = Path(__file__).resolve().parents[2]
 TRIAL = "floorplan: ariac2023\nduration: 3.0\npeople: [{name: ada}]\n"
-
-FULL_DISK = """
-import resource, signal, sys
-signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-resource.setrlimit(resource.RLIMIT_FSIZE, (4000, 4000))
-from sim.cli import main
-main()
-"""
 
 
 @pytest.fixture(scope="module")
@@ -41,19 +29,12 @@ def recorded(tmp_path_factory):
         ("export {run} --out {file}", "people.sqlite"),
     ],
 )
-def test_a_full_disk_leaves_what_was_there_before(recorded, tmp_path, command, file):
-    """A limit on the size of files stands for the disk."""
-    pytest.importorskip("resource")
+def test_a_full_disk_leaves_what_was_there_before(
+    recorded, tmp_path, floorwalker, room_for, command, file
+):
     (tmp_path / file).write_text("the one before")
-    arguments = command.format(run=recorded, file=file).split()
-    done = subprocess.run(
-        [sys.executable, "-c", FULL_DISK, *arguments],
-        cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": str(ROOT)},
-        capture_output=True,
-        text=True,
-        timeout=120,
-    )
+    with room_for(4000):
+        done = floorwalker(*command.format(run=recorded, file=file).split(), cwd=tmp_path)
     assert done.returncode == 1
     assert done.stderr.startswith(f"floorwalker: can't write {file}: ")
     assert [path.name for path in tmp_path.iterdir()] == [file]
@@ -71,37 +52,6 @@ def test_a_file_takes_the_place_of_another_at_once(tmp_path):
     assert (tmp_path / "link").is_symlink() and (tmp_path / "a").read_text() == "after"
     assert {path.name for path in tmp_path.iterdir()} == {"a", "link"}
     write_whole(Path(os.devnull), "nothing")
-
-
-WRITES = {
-    "navigation/benchmark/reports.py": "to a path that the command gives, which is replaced",
-    "sim/exports/csv_file.py": "to a path that is replaced",
-    "sim/exports/mcap_file.py": "to a path that is replaced",
-    "sim/record/lines.py": "line by line, each whole or not at all",
-    "sim/core/output.py": "the one place",
-    "sim/runs/recording.py": "to a path that is replaced",
-    "sim/studies/digests.py": "line by line",
-    "sim/studies/table.py": "line by line, or to a path that is replaced",
-}
-"""Which modules write files, and how they see to it that none is cut."""
-
-
-def test_every_module_that_writes_is_known():
-    found = set()
-    for package in ("bdi", "floorplan", "navigation", "sim"):
-        for path in (ROOT / package).rglob("*.py"):
-            if any(map(_writes, ast.walk(ast.parse(path.read_text(encoding="utf-8"))))):
-                found.add(path.relative_to(ROOT).as_posix())
-    assert found == WRITES.keys()
-
-
-def _writes(node):
-    if not (isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute)):
-        return False
-    if node.func.attr in ("write_text", "write_bytes"):
-        return True
-    modes = [one.value for one in node.args[:1] if isinstance(one, ast.Constant)]
-    return node.func.attr == "open" and any(set(str(mode)) & set("wax+") for mode in modes)
 
 
 def test_runs_that_begin_at_once_get_folders_of_their_own(tmp_path):

@@ -1,8 +1,6 @@
 """Metrics of social navigation: what they say of runs, and of runs read back from disk."""
 
 import json
-import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -19,9 +17,6 @@ gantry: {controller: oblivious, repeat: true, at: [-7, 0, 0],
          jobs: [{pick: bin2, place: agv1}, {pick: bin6, place: agv4}]}
 agvs: {agv2: [{time: 30.0, to: as1}]}
 """
-
-
-CAPTURED = {"capture_output": True, "text": True}
 
 
 @pytest.fixture(scope="module")
@@ -120,22 +115,21 @@ def test_radii_that_make_no_sense(run, radii, message):
         sim.metrics(run, radii=radii)
 
 
-def test_the_command_says_the_same_of_a_recording(run, figures, tmp_path):
+def test_the_command_says_the_same_of_a_recording(run, figures, tmp_path, floorwalker):
     trial = tmp_path / "two.trial.yaml"
     trial.write_text(TRIAL)
     recording = sim.Recording(tmp_path / "run")
     recording.finish(sim.run(sim.Trial.load(trial), recording))
-    command = [sys.executable, "-m", "sim.cli", "metrics", str(tmp_path / "run")]
-    done = subprocess.run([*command, "--json"], **CAPTURED, check=True)
-    assert done.stderr == ""
-    read = json.loads(done.stdout)
-    assert read == figures
-    done = subprocess.run(command, **CAPTURED, check=True)
-    assert "ada – gantry" in done.stdout
-    assert "gantry – nearest" in done.stdout
-    done = subprocess.run([*command, "--json", "--radius", "gantry=1.5"], **CAPTURED, check=True)
+    command = ("metrics", tmp_path / "run")
+    done = floorwalker(*command, "--json")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert json.loads(done.stdout) == figures
+    table = floorwalker(*command).stdout
+    assert "ada – gantry" in table
+    assert "gantry – nearest" in table
+    done = floorwalker(*command, "--json", "--radius", "gantry=1.5")
     assert json.loads(done.stdout) == sim.metrics(run, radii={"gantry": 1.5})
     for wrong in ("gantry", "gantry=wide", "gantry=nan", "=1"):
-        done = subprocess.run([*command, "--radius", wrong], **CAPTURED)
+        done = floorwalker(*command, "--radius", wrong)
         assert done.returncode == 2
         assert "expected BODY=METRES" in done.stderr

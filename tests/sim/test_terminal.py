@@ -3,8 +3,6 @@
 import ast
 import json
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -14,12 +12,6 @@ from sim.commands.consoles import plain_console, visible
 
 RED = "\x1b[31mred\x9b0m"
 CONTROL = re.compile("[\0-\x08\x0b-\x1f\x7f-\x9f]")
-
-
-def output(folder, *arguments):
-    command = [sys.executable, "-m", "sim.cli", *arguments]
-    done = subprocess.run(command, cwd=folder, capture_output=True, encoding="utf-8", check=False)
-    return done.stdout + done.stderr
 
 
 @pytest.fixture(scope="module")
@@ -51,8 +43,9 @@ def folder(tmp_path_factory):
         (("metrics", "run", "--json"), r"\u009b0m"),
     ],
 )
-def test_control_characters_are_shown_and_not_obeyed(folder, arguments, shown):
-    said = output(folder, *arguments)
+def test_control_characters_are_shown_and_not_obeyed(folder, floorwalker, arguments, shown):
+    done = floorwalker(*arguments, cwd=folder)
+    said = done.stdout + done.stderr
     assert shown in said
     assert not CONTROL.search(said)
 

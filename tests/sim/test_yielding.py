@@ -78,7 +78,7 @@ def trial(folder, people, moves, law, yields=True):
     return sim.Trial.parse(text, folder=folder)
 
 
-@settings(max_examples=40)
+@settings(max_examples=settings.default.max_examples // 3)
 @given(people=people, one=drives, two=drives, law=st.sampled_from(LAWS))
 def test_an_agv_that_yields_never_comes_too_close_while_it_moves(
     tmp_path_factory, people, one, two, law

@@ -12,15 +12,6 @@ import pytest
 import sim
 
 ROOT = Path(__file__).resolve().parents[2]
-FULL_DISK = """
-import resource, signal, sys
-signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv.pop(1)),) * 2)
-from sim.cli import main
-main()
-"""
-
-
 BRIDGE = ["bridge", "--port", "0", "--speed", "200"]
 
 
@@ -28,17 +19,9 @@ BRIDGE = ["bridge", "--port", "0", "--speed", "200"]
     ("room", "command"),
     [(2000, ["run"]), (12_000, ["run"]), (100_000, ["run"]), (12_000, BRIDGE)],
 )
-def test_a_recording_on_a_full_disk_stays_whole(tmp_path, room, command):
-    """A limit on the size of files stands for the disk."""
-    arguments = [str(room), *command, "--duration", "60", "--out", "out"]
-    done = subprocess.run(
-        [sys.executable, "-c", FULL_DISK, *arguments],
-        cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": str(ROOT)},
-        capture_output=True,
-        text=True,
-        timeout=120,
-    )
+def test_a_recording_on_a_full_disk_stays_whole(tmp_path, floorwalker, room_for, room, command):
+    with room_for(room):
+        done = floorwalker(*command, "--duration", "60", "--out", "out", cwd=tmp_path)
     assert done.returncode == 1
     *notices, said = done.stderr.splitlines()
     assert said.startswith("floorwalker: can't go on writing to out: ")
