@@ -1,4 +1,4 @@
-"""What can be wrong with a program, before it runs and while it runs."""
+"""Errors of programs, before they run and while they run."""
 
 from __future__ import annotations
 
@@ -6,15 +6,22 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 MOST_SHOWN = 20
-"""An error's text has this many problems, and how many more there are."""
+"""Number of problems in the text of an error; of the others it gives the number."""
 
 LONGEST = 600
-"""Characters of one problem that an error's text has."""
+"""Number of characters of a problem in the text of an error."""
 
 
 @dataclass(frozen=True)
 class Problem:
-    """One thing wrong, and where. Lines and columns count from 1; 0 when there is none."""
+    """One mistake and its place.
+
+    Attributes:
+        file: file, or name of the text.
+        line: line, from 1; 0 for none.
+        column: column, from 1; 0 for none.
+        message: what is wrong, and what would be right.
+    """
 
     file: str
     line: int
@@ -27,12 +34,12 @@ class Problem:
 
 
 def clipped(text: str) -> str:
-    """A text of a length that people read: names and terms may be endless."""
+    """Return a text, cut off where it is too long to be read: names and terms may be endless."""
     return text if len(text) <= LONGEST else f"{text[: LONGEST - 1]}…"
 
 
 class ProgramError(ValueError):
-    """A program that cannot be loaded or cannot go on; `problems` has every place."""
+    """Program that cannot be loaded or cannot go on; `problems` are all its mistakes."""
 
     def __init__(self, problems: Sequence[Problem]) -> None:
         self.problems = tuple(problems)
@@ -43,8 +50,8 @@ class ProgramError(ValueError):
 
 
 class EndlessProgramError(ProgramError):
-    """An agent was stopped: it ran out of its budget of cycles, of depth, or of intentions."""
+    """Agent that was stopped: it exceeded its budget of cycles, goals, depth or intentions."""
 
 
 class TooDeepError(Exception):
-    """More goals, terms or intentions than are allowed; told as EndlessProgramError."""
+    """More goals, terms or intentions than are allowed; reported as EndlessProgramError."""

@@ -69,7 +69,7 @@ class InternalAction:
         )
 
 
-class InternalActions(Mapping[str, InternalAction]):
+class InternalActions(dict[str, InternalAction]):
     """Internal actions of your own, given to agents as `actions=`.
 
     ```python
@@ -81,11 +81,8 @@ class InternalActions(Mapping[str, InternalAction]):
     ```
     """
 
-    def __init__(self) -> None:
-        self._actions: dict[str, InternalAction] = {}
-
     def __repr__(self) -> str:
-        return f"<InternalActions {', '.join(self._actions) or 'none'}>"
+        return f"<InternalActions {', '.join(self) or 'none'}>"
 
     def add(
         self, name: str, *, least: int = 0, most: int | None = None, in_context: bool = True
@@ -103,23 +100,14 @@ class InternalActions(Mapping[str, InternalAction]):
         """
         if "." not in name:
             raise ValueError(f"the name of an internal action has a dot in it, and '{name}' none")
-        if name in self._actions:
+        if name in self:
             raise ValueError(f"there is an internal action '{name}' already")
 
         def register(function: Function) -> Function:
-            self._actions[name] = InternalAction(function, least, most, in_context)
+            self[name] = InternalAction(function, least, most, in_context)
             return function
 
         return register
-
-    def __getitem__(self, name: str) -> InternalAction:
-        return self._actions[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._actions)
-
-    def __len__(self) -> int:
-        return len(self._actions)
 
 
 # ---- the calls in a program

@@ -110,30 +110,13 @@ class BeliefBase:
             self.percepts[literal.without_annots()] = literal
         return literal.with_annots(added)
 
-    def perceive(self, key: Literal, percept: Literal) -> Literal | None:
-        """Believe a percept, which is `key` without annotations. Return what is new, as `add`."""
-        if percept.annots:
-            annots = sorted_annots((*percept.annots, FROM_PERCEPT))
-            return self.add(percept.with_annots(annots))
-        shelf = self._shelves.get(key.key)
-        if shelf is None:
-            shelf = self._shelves[key.key] = Shelf()
-        literal = key.with_annots(ONLY_PERCEPT)
-        if shelf.find(key.args) is not None:
-            return self.add(literal)
-        shelf.add(literal)
-        self.percepts[key] = literal
-        return literal
+    def perceive(self, percept: Literal) -> Literal | None:
+        """Believe a percept. Return what is new, as `add`."""
+        return self.add(percept.with_annots(sorted_annots((*percept.annots, FROM_PERCEPT))))
 
-    def forget_percept(self, key: Literal) -> Literal | None:
+    def forget_percept(self, percept: Literal) -> Literal | None:
         """Stop believing a percept, unless it has other sources. Return as `remove`."""
-        shelf = self._shelves[key.key]
-        belief = shelf.find(key.args)
-        if belief is not None and belief.annots is ONLY_PERCEPT:
-            shelf.remove(key.args)
-            del self.percepts[key]
-            return belief
-        return self.remove(key.with_annots(ONLY_PERCEPT), {})
+        return self.remove(percept.with_annots(ONLY_PERCEPT), {})
 
     def remove(self, literal: Literal, u: Unifier) -> Literal | None:
         """Take annotations off a belief, and remove it when it has no source left.

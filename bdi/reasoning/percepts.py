@@ -67,7 +67,7 @@ class Percepts:
         for key in changed:
             percept = self._now.get(key)
             if percept is not None and key not in beliefs.percepts:
-                belief = beliefs.perceive(key, percept)
+                belief = beliefs.perceive(percept)
                 if belief is not None:
                     events.append(Event("+", belief))
         return events

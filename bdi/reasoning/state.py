@@ -206,10 +206,6 @@ class AgentState:
             raise TooDeepError(f"more than {self._max_intentions:,} intentions at once")
         return next(self._intention_numbers)
 
-    def at_next_cycle(self, task: Callable[[], None]) -> None:
-        """Have `task` run at the beginning of the next cycle."""
-        self.tasks.append(task)
-
     def after(self, milliseconds: int, task: Callable[[], None]) -> Alarm:
         """Have `task` run after a time."""
         return self.alarms.set(self.clock + milliseconds * MILLISECOND, task)

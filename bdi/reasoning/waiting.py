@@ -84,7 +84,7 @@ class ActiveWait:
     def _end(self, *, timed_out: bool) -> None:
         self.cancel()
         ended = self._agent.clock
-        self._agent.at_next_cycle(lambda: self._resume(timed_out, ended))
+        self._agent.tasks.append(lambda: self._resume(timed_out, ended))
 
     def _resume(self, timed_out: bool, ended: int) -> None:
         circumstance = self._agent.circumstance
