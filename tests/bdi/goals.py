@@ -1,19 +1,23 @@
-"""What goals do, as tests see it."""
+"""Runs of goals, as tests see them."""
 
 import bdi
 
 
-def said(body, rest="", limit=50):
-    """What a goal with this body prints, and how it fails, if it does."""
+def printed(program, until=1.0, **options):
+    """The lines that a program prints up to a time (s)."""
     lines = []
-    program = bdi.parse(f"""!go.
+    agent = bdi.Agent(bdi.parse(program), print=lines.append, **options)
+    for time in until if isinstance(until, tuple) else (until,):
+        agent.advance(time)
+    return lines
+
+
+def said(body, rest=""):
+    """What a goal with this body prints, and how it fails, if it does."""
+    return printed(
+        f"""!go.
         +!go <- {body}.
         -!go[error(E), error_msg(M)] <- .print(E, ": ", M).
-        {rest}""")
-    agent = bdi.Agent(program, act=lambda action: True, print=lines.append)
-    agent.advance(0.0)
-    for _ in range(limit):
-        if agent.next_wakeup is None:
-            break
-        agent.advance(agent.next_wakeup)
-    return lines
+        {rest}""",
+        until=1000.0,
+    )

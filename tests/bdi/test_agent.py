@@ -178,6 +178,18 @@ def test_what_it_is_up_to_can_be_read():
     assert [str(belief) for belief in agent.beliefs] == ["b(1)[source(self)]"]
 
 
+def test_reprs_are_short():
+    source = "p(1). q(X) :- p(X).\n!go.\n@l +!go : p(X) <- .wait(1000); walk(X)."
+    program = bdi.parse(source, "x.asl")
+    agent = bdi.Agent(program, society=bdi.Society(), act=lambda action: bdi.PENDING)
+    agent.advance(0.5)
+    assert repr(program) == "<Program x.asl: 2 beliefs, 1 goals, 1 plans>"
+    assert repr(program.plans[0]) == "<Plan @l +!go : p(X) <- .wait(1000); walk(X)>"
+    assert repr(agent) == "<Agent human at 0.5 s: 1 beliefs, 1 intentions>"
+    assert repr(agent.intentions) == "[<Intention 1: +!go[source(self)]>]"
+    assert repr(bdi.parse_term("p(X) & not q(-X)")) == "<(p(X) & not (q((-X))))>"
+
+
 def test_the_history_is_bounded_and_tells_what_happened():
     history = bdi.History(limit=5)
     agent, _ = make("!go(20). +!go(0) <- end. +!go(N) <- !go(N-1).", on_event=history.add)
@@ -233,6 +245,8 @@ def test_own_internal_actions():
         bdi.Agent(bdi.parse("!go. +!go <- floor.distanc(1,2,D)."), actions=actions)
     with pytest.raises(ValueError, match="dot"):
         actions.add("nodot")
+    with pytest.raises(ValueError, match="already"):
+        actions.add("floor.distance")
 
 
 def test_unknown_internal_actions_are_found_when_loaded():

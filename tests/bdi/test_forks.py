@@ -1,8 +1,7 @@
 """What runs side by side: how it joins, fails and is ended."""
 
 import pytest
-
-import bdi
+from goals import printed
 
 TWO = "+!c <- !a |&| !b; .print(joined).\n"
 ONE = "+!c <- !a ||| !b; .print(joined).\n"
@@ -10,10 +9,7 @@ ONE = "+!c <- !a ||| !b; .print(joined).\n"
 
 def said(plans):
     """What `!c` and what comes after it print, within a second."""
-    lines = []
-    program = bdi.parse(f"!go.\n+!go <- !c; .print(after).\n{plans}")
-    bdi.Agent(program, print=lines.append).advance(1.0)
-    return lines
+    return printed(f"!go.\n+!go <- !c; .print(after).\n{plans}")
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ PLACES = {"s1": "move(0,0,0)", "s2": "move(10,0,0)", "s3": "move(10,10,0)", "s4"
 
 
 class Scene:
-    """A person and what has happened to it; `did` has its actions since the last look."""
+    """A person alone; `at` returns its actions since the last time, with their times."""
 
     def __init__(self, personality, *beliefs):
         self._actions = []
@@ -26,9 +26,6 @@ class Scene:
         if percept is not None:
             self.agent.add_percept(percept)
         self.agent.advance(time)
-        return self.did()
-
-    def did(self):
         actions, self._actions = self._actions, []
         return actions
 
@@ -40,11 +37,6 @@ class Scene:
 
 
 EVERYBODY = sorted(bdi.programs())
-
-
-def test_the_names():
-    names = "antagonistic curious helpful indifferent scared surprised threatening"
-    assert " ".join(EVERYBODY) == names
 
 
 @pytest.mark.parametrize("name", EVERYBODY)
@@ -85,7 +77,6 @@ def test_any_number_of_stations(name):
 )
 def test_begins_anew_after_coming_too_close(name, percept, action, belief, pause):
     scene = Scene(name, *([] if belief is None else [belief])).walking()
-    scene.did()
     first = [what for _, what in scene.at(7.0, percept)]
     assert [what for what in first if what != "walk_speed(1)"] == [action]
     assert scene.at(7.0 + pause - 0.001) == []
@@ -96,7 +87,6 @@ def test_begins_anew_after_coming_too_close(name, percept, action, belief, pause
 @pytest.mark.parametrize("name", EVERYBODY)
 def test_tries_again_where_the_way_is_blocked_and_then_goes_elsewhere(name):
     scene = Scene(name).walking()
-    scene.did()
     for i in range(3):
         assert scene.at(10.0 + 5 * i, f"path_blocked({i})") == []
         assert scene.at(13.0 + 5 * i) == [(12.0 + 5 * i, PLACES["s2"])]
@@ -104,85 +94,64 @@ def test_tries_again_where_the_way_is_blocked_and_then_goes_elsewhere(name):
     assert scene.at(28.0) == [(27.0, PLACES["s3"])]
 
 
-def test_indifferent_takes_no_notice():
-    scene = Scene("indifferent").walking()
-    scene.did()
-    assert scene.at(6.0, "gantry_detected(0)") == []
+# A person and its beliefs; at a time (s) a percept, and the time and names of the actions since.
+REACTIONS = [
+    ("indifferent", "6 gantry_detected(0) >"),
+    (
+        "antagonistic",
+        "6 gantry_detected(0) > 6 stop_movement move_to_gantry",
+        *("9 work_completed(1) > 9 s3", "15 work_completed(2) > 15 s4"),
+    ),
+    (
+        "helpful",  # what comes while it thinks, or within five seconds of a turn, does not count
+        *("6 gantry_detected(0) > 6 stop_movement", "6.5 gantry_detected(1) >", "11.9 > 7 s1"),
+        *("11.9 gantry_detected(2) >", "11.95 work_completed(1) > 11.95 s4"),
+        *("12 gantry_detected(3) > 12 stop_movement", "14 > 13 s1"),
+    ),
+    (
+        "helpful",
+        *("6 gantry_detected(0) > 6 stop_movement", "8 > 7 s1"),
+        *("12 gantry_detected(1) > 12 stop_movement", "14 > 13 s2"),
+    ),
+    (
+        "helpful consideration(200) steadfast(500)",
+        *("6 gantry_detected(0) > 6 stop_movement", "6.6 > 6.2 s1"),
+        *("6.7 gantry_detected(1) > 6.7 stop_movement", "7 > 6.9 s2"),
+    ),
+    (
+        "surprised",
+        "6 gantry_detected(0) > 6 stop_movement face_gantry",
+        *("7 gantry_detected(1) >", "20 > 9 s2"),
+    ),
+    (
+        "scared retreat(4)",
+        "6 gantry_detected(0) > 6 stop_movement move_away(4)",
+        *("8 work_completed(1) >", "20 > 11 s3"),
+    ),
+    (
+        "curious",
+        "6 gantry_detected(0) > 6 stop_movement walk_speed(0.4) move_to_gantry",
+        *("9 work_completed(1) > 9 face_gantry", "15 > 14 stop_movement walk_speed(1) s2"),
+        "20 gantry_detected(1) >",
+        "34 gantry_detected(2) > 34 stop_movement walk_speed(0.4) move_to_gantry",
+    ),
+    (
+        "threatening",
+        "6 gantry_detected(0) > 6 stop_movement step_between",
+        *("8 work_completed(1) > 8 face_gantry", "20 > 12 s2"),
+    ),
+]
 
 
-def test_antagonistic_walks_up_to_the_gantry_and_then_on():
-    scene = Scene("antagonistic").walking()
-    scene.did()
-    assert scene.at(6.0, "gantry_detected(0)") == [(6.0, "stop_movement"), (6.0, "move_to_gantry")]
-    assert scene.at(9.0, "work_completed(1)") == [(9.0, PLACES["s3"])]
-    assert scene.at(15.0, "work_completed(2)") == [(15.0, PLACES["s4"])]
-
-
-def test_helpful_turns_round_but_not_on_the_spot():
-    scene = Scene("helpful").walking()
-    scene.did()
-    assert scene.at(6.0, "gantry_detected(0)") == [(6.0, "stop_movement")]
-    # One comes while it thinks, another within five seconds of the turn: neither counts.
-    assert scene.at(6.5, "gantry_detected(1)") == []
-    assert scene.at(11.9) == [(7.0, PLACES["s1"])]
-    assert scene.at(11.9, "gantry_detected(2)") == []
-    assert scene.at(11.95, "work_completed(1)") == [(11.95, PLACES["s4"])]
-    assert scene.at(12.0, "gantry_detected(3)") == [(12.0, "stop_movement")]
-    assert scene.at(14.0) == [(13.0, PLACES["s1"])]
-
-
-def test_helpful_turns_again_after_five_seconds():
-    scene = Scene("helpful").walking()
-    scene.at(6.0, "gantry_detected(0)")
-    scene.at(8.0)
-    scene.did()
-    assert scene.at(12.0, "gantry_detected(1)") == [(12.0, "stop_movement")]
-    assert scene.at(14.0) == [(13.0, PLACES["s2"])]
-
-
-def test_helpful_figures_can_be_told():
-    scene = Scene("helpful", "consideration(200)", "steadfast(500)").walking()
-    scene.did()
-    scene.at(6.0, "gantry_detected(0)")
-    assert scene.at(6.6)[-1] == (6.2, PLACES["s1"])
-    assert scene.at(6.7, "gantry_detected(1)") == [(6.7, "stop_movement")]
-    assert scene.at(7.0) == [(6.9, PLACES["s2"])]
-
-
-def test_surprised_watches_and_walks_on():
-    scene = Scene("surprised").walking()
-    scene.did()
-    assert scene.at(6.0, "gantry_detected(0)") == [(6.0, "stop_movement"), (6.0, "face_gantry")]
-    assert scene.at(7.0, "gantry_detected(1)") == []
-    assert scene.at(20.0) == [(9.0, PLACES["s2"])]
-
-
-def test_scared_keeps_away():
-    scene = Scene("scared", "retreat(4)").walking()
-    scene.did()
-    assert scene.at(6.0, "gantry_detected(0)") == [(6.0, "stop_movement"), (6.0, "move_away(4)")]
-    assert scene.at(8.0, "work_completed(1)") == []
-    assert scene.at(20.0) == [(11.0, PLACES["s3"])]
-
-
-def test_curious_comes_slowly_looks_and_loses_interest():
-    scene = Scene("curious").walking()
-    scene.did()
-    came = ["stop_movement", "walk_speed(0.4)", "move_to_gantry"]
-    assert [what for _, what in scene.at(6.0, "gantry_detected(0)")] == came
-    assert scene.at(9.0, "work_completed(1)") == [(9.0, "face_gantry")]
-    left = [(14.0, "stop_movement"), (14.0, "walk_speed(1)"), (14.0, PLACES["s2"])]
-    assert scene.at(15.0) == left
-    assert scene.at(20.0, "gantry_detected(1)") == []
-    assert [what for _, what in scene.at(34.0, "gantry_detected(2)")] == came
-
-
-def test_threatening_steps_into_the_way():
-    scene = Scene("threatening").walking()
-    scene.did()
-    assert scene.at(6.0, "gantry_detected(0)") == [(6.0, "stop_movement"), (6.0, "step_between")]
-    assert scene.at(8.0, "work_completed(1)") == [(8.0, "face_gantry")]
-    assert scene.at(20.0) == [(12.0, PLACES["s2"])]
+@pytest.mark.parametrize(("person", "script"), [(r[0], r[1:]) for r in REACTIONS])
+def test_reacts_to_the_gantry(person, script):
+    scene = Scene(*person.split()).walking()
+    for line in script:
+        given, _, expected = line.partition(">")
+        time, *percept = given.split()
+        at, *actions = expected.split() or ["0"]
+        wanted = [(float(at), PLACES.get(action, action)) for action in actions]
+        assert scene.at(float(time), *percept) == wanted, line
 
 
 @pytest.mark.parametrize("name", EVERYBODY)

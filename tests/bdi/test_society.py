@@ -1,6 +1,7 @@
 """Messages between agents."""
 
 import pytest
+from goals import printed
 
 import bdi
 
@@ -68,27 +69,6 @@ def test_a_question_may_find_no_answer_in_time():
     assert log == []
     agents["ann"].advance(0.05)
     assert log == [("ann", "timeout")]
-
-
-def test_sending_to_nobody():
-    _, agents, log = make(
-        {"ann": "!go. +!go <- .send(zoe,tell,x). -!go[error_msg(M)] <- .print(M)."}
-    )
-    agents["ann"].advance(0.0)
-    assert log == [("ann", "there is no agent 'zoe'")]
-    alone = bdi.Agent(
-        bdi.parse("!go. +!go <- .send(zoe,tell,x). -!go[error_msg(M)] <- .print(M)."),
-        print=lambda line: log.append(line),
-    )
-    alone.advance(0.0)
-    assert "alone" in log[-1]
-
-
-def test_names_are_taken_once():
-    society = bdi.Society()
-    bdi.Agent(bdi.parse("a."), name="x", society=society)
-    with pytest.raises(ValueError, match="'x'"):
-        bdi.Agent(bdi.parse("a."), name="x", society=society)
 
 
 def test_mail_wakes_up():
@@ -163,14 +143,9 @@ def test_an_answer_that_nobody_waits_for_any_more_is_nothing():
 
 
 def test_alone_there_is_nobody_to_send_to():
-    lines = []
-    agent = bdi.Agent(
-        bdi.parse("""!go. +!go <- .broadcast(tell, x); .all_names(L); .print(L);
-                .send(bob, tell, x).
-            -!go[error_msg(M)] <- .print(M)."""),
-        print=lines.append,
-    )
-    agent.advance(0.0)
+    lines = printed("""!go. +!go <- .broadcast(tell, x); .all_names(L); .print(L);
+            .send(bob, tell, x).
+        -!go[error_msg(M)] <- .print(M).""")
     assert lines == ["[human]", "human is alone: there is nobody to send to"]
 
 
