@@ -40,10 +40,10 @@ if TYPE_CHECKING:
     from .safety.own_law import LawError, OwnLaw
     from .simulation import Simulation, run
     from .studies import Row, Study, StudyError, StudyResults, run_study
+    from .trials.comparison import Verdict
     from .trials.rules_file import RulesError, find_rules, load_rules
     from .trials.trial import Trial
     from .trials.trial_file import builtin_trials
-    from .trials.verdict import Verdict
     from .views import plots as plots
 
 _HOMES = {
@@ -87,7 +87,7 @@ _HOMES = {
     ),
     "trials.trial": ("Trial",),
     "trials.trial_file": ("builtin_trials",),
-    "trials.verdict": ("Verdict",),
+    "trials.comparison": ("Verdict",),
 }
 
 __all__ = [

@@ -7,9 +7,9 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from ..record.outcome import Outcome
+from ..trials.comparison import Verdict
 from ..trials.expectations import verdicts
 from ..trials.trial import Trial
-from ..trials.verdict import Verdict
 from ..views.notebook import as_html
 
 if TYPE_CHECKING:

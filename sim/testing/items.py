@@ -17,9 +17,9 @@ from ..core.scenario import TrialError
 from ..machines.gantry.controllers import ControllerError
 from ..people.person import MindError
 from ..safety.own_law import LawError
+from ..trials.comparison import Verdict
 from ..trials.trial import Trial
 from ..trials.trial_file import build
-from ..trials.verdict import Verdict
 from .failures import Failures
 
 _TOLD = (

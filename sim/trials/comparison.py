@@ -1,4 +1,4 @@
-"""What a figure should be: a number, `">= 1.0"`, `"> 1, < 2"`, or `"8.0 ± 0.1"`."""
+"""Comparisons: a number, `">= 1.0"`, `"> 1, < 2"`, or `"8.0 ± 0.1"`; and verdicts on them."""
 
 from __future__ import annotations
 
@@ -58,6 +58,24 @@ class Comparison:
     def passes(self, figure: float) -> bool:
         """Whether `figure` is as it should be."""
         return all(_OPERATORS[sign](figure, bound) for sign, bound in self.bounds)
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What was `expected` and what was `found`, in words; whether that is as expected.
+
+    `time` is when it was decided (seconds), if at an instant. `place` are the keys under which the
+    expectation stands in the trial file.
+    """
+
+    expected: str
+    found: str
+    met: bool
+    time: float | None = None
+    place: tuple[str | int, ...] = ()
+
+    def __str__(self) -> str:
+        return f"expected {self.expected}, but {self.found}"
 
 
 def in_words(value: Any) -> str:

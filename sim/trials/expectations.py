@@ -15,10 +15,9 @@ from floorplan import Place, suggestion
 from ..core.scenario import Scenario
 from ..record.outcome import Outcome
 from . import names
-from .comparison import Comparison, in_words
+from .comparison import Comparison, Verdict, in_words
 from .summary_fields import SummaryField, summary_fields
 from .timeline import read_statement
-from .verdict import Verdict
 
 TIMELINE = "timeline"
 """The key under which expectations over time stand."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -179,16 +179,13 @@ def _plain(keys: RuleKeys) -> dict[str, Any]:
     return {key: value for key, value in given.items() if value is not None or key == may_be_none}
 
 
-_PLAIN = (
-    "agv_offset",
-    "machine",
-    "person",
-    "gantry_disabled",
-    "grace",
-    "report_every",
-    "pause_after_violation",
-    "pause_after_agv",
-)
+_PLAIN = [
+    name
+    for name in RuleKeys.model_fields
+    if name in {field.name for field in fields(RuleSet)}
+    and name not in ("name", "gantry_law", "agv_law", "notice")
+]
+"""Keys whose values are those of the fields of the same name."""
 
 
 def _notice(keys: NoticeKeys, base: Notice, law: AnyLaw) -> Notice:

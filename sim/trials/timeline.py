@@ -16,7 +16,7 @@ from floorplan import suggestion
 
 from ..core.scenario import Scenario
 from ..record.outcome import Outcome
-from .comparison import Comparison, is_number
+from .comparison import Comparison, Verdict, is_number
 from .occurrences import (
     EventPattern,
     Occurrence,
@@ -24,7 +24,6 @@ from .occurrences import (
     read_occurrence,
     read_state,
 )
-from .verdict import Verdict
 
 INSTANT = 1e-6
 """Seconds. A state that lasts no longer than this counts neither as being so nor as a gap."""

@@ -2,26 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from importlib import resources
 from pathlib import Path
-from typing import Annotated, Any, TypeVar
-
-from pydantic import Field, Strict, model_validator
+from typing import Any, TypeVar
 
 import floorplan
-from floorplan import Document, Floorplan, Number, Place, Positive, Problem, Strictly, suggestion
+from floorplan import Document, Floorplan, Place, Problem, suggestion
 
-from ..core.rules import PAPER
-from ..core.scenario import GantryEntry, Job, Scenario, TrialError
+from ..core.scenario import PersonEntry, Scenario, TrialError
 from ..machines.gantry.controllers import ControllerError, controller_source
 from ..orders import reading
-from .agvs_file import AgvKeys, agv_moves, yielding
-from .checks import LARGEST_SEED, faults
+from ..people.programs import load_program
+from .checks import faults
+from .keys import PersonKeys, TrialKeys
 from .own_names import out_of_reach
-from .people_file import PersonKeys, people_of
-from .rules_file import RuleKeys, build_rules
+from .rules_file import build_rules
 
 _Made = TypeVar("_Made", bound=Scenario)
 
@@ -50,58 +48,11 @@ def parse(form: type[_Made], text: str, file: str, folder: Path, own_code: bool)
     return build(form, floorplan.parse_yaml(text, file, TrialError), folder, own_code)
 
 
-class _Job(Strictly):
-    move: tuple[Number, Number, Number] | None = None
-    wait: Positive | None = None
-    pick: str | None = None
-    place: str | None = None
-    part: str = "part"
-    submit: str | None = None
-
-    @model_validator(mode="after")
-    def _one_kind(self) -> _Job:
-        given = self.model_fields_set - {"part"}
-        if given not in ({"move"}, {"wait"}, {"pick", "place"}, {"submit"}):
-            raise ValueError("a job is one of move, wait, pick with place, or submit")
-        return self
-
-    def job(self) -> Job:
-        if self.move is not None:
-            return Job("move", target=self.move)
-        if self.wait is not None:
-            return Job("wait", seconds=self.wait)
-        if self.submit is not None:
-            return Job("submit", order=self.submit)
-        return Job("pick_place", pick=self.pick or "", place=self.place or "", part=self.part)
-
-
-class _Gantry(Strictly):
-    controller: str = "parked"
-    at: tuple[Number, Number, Number] | None = None
-    jobs: list[_Job] = []
-    repeat: Annotated[bool, Strict()] = False
-
-
-class _Trial(Strictly):
-    name: str | None = None
-    floorplan: str
-    folder: str = "."
-    duration: Positive = 275.0
-    seed: Annotated[int, Strict(), Field(ge=0, le=LARGEST_SEED)] = 0
-    rules: RuleKeys = RuleKeys.model_validate(PAPER.name)
-    people: list[PersonKeys] = []
-    gantry: _Gantry = _Gantry()
-    agvs: dict[str, AgvKeys] = {}
-    ariac: str | None = None
-    until_submitted: Annotated[bool, Strict()] | None = None
-    expect: dict[str, Any] = {}
-
-
 def build(form: type[_Made], document: Document, folder: Path, own_code: bool) -> _Made:
     """The trial in `document`, which stands in `folder`. Errors as of `Trial.load`."""
     if reading.is_ariac(document):
         return replace(reading.build(form, document, folder), own_code=own_code)
-    schema = document.checked(_Trial, TrialError)
+    schema = document.checked(TrialKeys, TrialError)
     home, folder = folder, folder / schema.folder
     plan = _floorplan(schema.floorplan, folder, document)
     rules, rule_problems = build_rules(schema.rules, document, folder, "rules", own_code=own_code)
@@ -112,14 +63,9 @@ def build(form: type[_Made], document: Document, folder: Path, own_code: bool) -
         seed=schema.seed,
         rules=rules,
         people=people_of(schema.people, folder),
-        gantry=GantryEntry(
-            schema.gantry.controller,
-            schema.gantry.at,
-            tuple(job.job() for job in schema.gantry.jobs),
-            schema.gantry.repeat,
-        ),
-        agvs={name: agv_moves(keys) for name, keys in schema.agvs.items()},
-        yielding=yielding(schema.agvs),
+        gantry=schema.gantry.value(),
+        agvs={name: tuple(move.value() for move in agv.moves) for name, agv in schema.agvs.items()},
+        yielding=frozenset(name for name, agv in schema.agvs.items() if agv.yields),
         expect=schema.expect,
         folder=folder,
         floorplan_source=schema.floorplan,
@@ -128,7 +74,7 @@ def build(form: type[_Made], document: Document, folder: Path, own_code: bool) -
     )
     if schema.ariac is not None:
         trial = _with_orders(trial, schema, schema.ariac, document)
-    problems = [*rule_problems, *_problems(trial, schema, document)]
+    problems = [*rule_problems, *_problems(trial, document)]
     if fault := out_of_reach(trial, home):
         problems.append(document.problem(fault, "folder"))
     if problems:
@@ -136,7 +82,7 @@ def build(form: type[_Made], document: Document, folder: Path, own_code: bool) -
     return trial
 
 
-def _with_orders(trial: _Made, schema: _Trial, name: str, document: Document) -> _Made:
+def _with_orders(trial: _Made, schema: TrialKeys, name: str, document: Document) -> _Made:
     """The trial with the orders, parts and challenges of an ARIAC trial file."""
     path = trial.folder / name
     if not floorplan.is_there(path):
@@ -155,6 +101,20 @@ def _with_orders(trial: _Made, schema: _Trial, name: str, document: Document) ->
     )
 
 
+def people_of(entries: Sequence[PersonKeys], folder: Path) -> tuple[PersonEntry, ...]:
+    """Return the people, with the programs found from `folder`; one that isn't there is left open.
+
+    Each program is read once, however many people run it.
+    """
+    people = tuple(keys.value() for keys in entries)
+    changes = [change.personality for keys in entries for change in keys.changes]
+    for personality in dict.fromkeys([*(keys.personality for keys in entries), *changes]):
+        # One that isn't there is reported together with everything else that is wrong.
+        with suppress(TrialError):
+            load_program(personality, folder)
+    return people
+
+
 def _floorplan(name: str, folder: Path, document: Document) -> Floorplan:
     if name in floorplan.builtin():
         return floorplan.load(name)
@@ -168,10 +128,10 @@ def _floorplan(name: str, folder: Path, document: Document) -> Floorplan:
     return floorplan.load(path)
 
 
-def _problems(trial: Scenario, schema: _Trial, document: Document) -> Iterator[Problem]:
+def _problems(trial: Scenario, document: Document) -> Iterator[Problem]:
     """What keys and types can't tell: whether the things a trial names are there."""
     for message, place in faults(trial):
-        yield document.problem(message, *_in_file(place, schema))
+        yield document.problem(message, *_in_file(place, document.data))
     if trial.floorplan.gantry is not None:
         try:
             controller_source(trial.gantry.controller, trial.folder, own_code=trial.own_code)
@@ -179,9 +139,9 @@ def _problems(trial: Scenario, schema: _Trial, document: Document) -> Iterator[P
             yield document.problem(str(why), "gantry", "controller")
 
 
-def _in_file(place: Place, schema: _Trial) -> Place:
+def _in_file(place: Place, data: Any) -> Place:
     """Where something stands in the file: the moves of an AGV may have a key of their own."""
     match place:
-        case ("agvs", name, int(k), key) if not isinstance(schema.agvs[str(name)], list):
+        case ("agvs", name, int(k), key) if not isinstance(data["agvs"][name], list):
             return ("agvs", name, "moves", k, key)
     return place

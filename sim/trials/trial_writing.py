@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Mapping
+from dataclasses import fields, is_dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,12 +14,11 @@ import yaml
 
 import floorplan
 
-from ..core.scenario import GantryEntry, Job, PersonalityChange, PersonEntry, Scenario
+from ..core.scenario import AgvMove, Job, PersonalityChange, PersonEntry, Scenario
 from ..core.start import Start
 from ..machines.gantry.controllers import CONTROLLERS
 from ..orders import Workload
 from ..people.programs import written_personality
-from .agvs_file import written_agv
 from .own_names import out_of_reach
 from .rules_file import written_rules
 
@@ -46,10 +46,10 @@ def _trial(trial: Scenario) -> Data:
         "duration": trial.duration,
         "seed": trial.seed,
         "rules": written_rules(trial.rules),
-        "people": [_person(entry, trial) for entry in trial.people],
-        "gantry": _gantry(trial),
+        "people": _value(trial.people, trial),
+        "gantry": _value(replace(trial.gantry, controller=_controller(trial)), trial),
         "agvs": {
-            name: written_agv(trial.agvs.get(name, ()), name in trial.yielding)
+            name: _agv(trial.agvs.get(name, ()), name in trial.yielding)
             for name in (*trial.agvs, *sorted(trial.yielding - {*trial.agvs}))
         },
         "until_submitted": trial.until_submitted or None,
@@ -67,7 +67,7 @@ def _orders(trial: Scenario, workload: Workload) -> Data:
         )
     return {
         "duration": trial.duration,
-        "people": [_person(entry, trial) for entry in trial.people],
+        "people": _value(trial.people, trial),
         "ariac": workload.source,
         "until_submitted": trial.until_submitted,
     }
@@ -94,46 +94,41 @@ def _personality(one: PersonEntry | PersonalityChange, trial: Scenario) -> str:
         ) from None
 
 
-def _person(entry: PersonEntry, trial: Scenario) -> Data:
-    data = {
-        "name": entry.name,
-        "personality": _personality(entry, trial),
-        "start": None if entry.start == Start() else _start(entry.start),
-        "at": entry.at,
-        "home": entry.home,
-        "beliefs": entry.beliefs,
-        "radius": entry.radius,
-        "max_speed": entry.max_speed,
-        "max_acceleration": entry.max_acceleration,
-        "changes": [
-            {"when": _start(change.when), "personality": _personality(change, trial)}
-            for change in entry.changes
-        ],
-    }
-    return _without(data, None, [])
+def _value(value: Any, trial: Scenario) -> Any:
+    """Return a field's value as its key has it."""
+    match value:
+        case Job(kind="move"):
+            return {"move": value.target}
+        case Job(kind="wait"):
+            return {"wait": value.seconds}
+        case Job(kind="submit"):
+            return {"submit": value.order}
+        case Job():
+            return {"pick": value.pick, "place": value.place, "part": value.part}
+        case Start():
+            return _fields(value, trial) if value.time is None else {"time": value.time}
+        case PersonEntry() | PersonalityChange():
+            return _fields(replace(value, personality=_personality(value, trial)), trial)
+        case tuple():
+            return [_value(one, trial) for one in value]
+        case _ if is_dataclass(value):
+            return _fields(value, trial)
+    return value
 
 
-def _start(start: Start) -> Data:
-    if start.part_placed is not None:
-        return {"part_placed": start.part_placed}
-    if start.order_submitted is not None:
-        return {"order_submitted": start.order_submitted}
-    if start.event is not None:
-        data = {"event": start.event, "count": start.count, "person": start.person}
-        return _without(data, None, 1)
-    return {"time": start.time}
+def _fields(value: Any, trial: Scenario) -> Data:
+    """Return those fields of a value that say something else than if they were left out."""
+    told = {}
+    for field in fields(value):
+        written = _plain(_value(getattr(value, field.name), trial))
+        if written not in (None, _plain(_value(field.default, trial))):
+            told[field.name] = written
+    return told
 
 
-def _gantry(trial: Scenario) -> Data:
-    entry = trial.gantry
-    data = {
-        "controller": _controller(trial),
-        "at": entry.at,
-        "jobs": [_job(job) for job in entry.jobs],
-        "repeat": entry.repeat,
-    }
-    data = _without(data, None, [], False)
-    return {} if data == {"controller": GantryEntry().controller} else data
+def _agv(moves: tuple[AgvMove, ...], yields: bool) -> Any:
+    written = [{"time": move.time, "to": move.to} for move in moves]
+    return {"yield": True, "moves": written} if yields else written
 
 
 def _controller(trial: Scenario) -> str:
@@ -159,16 +154,6 @@ def _controller(trial: Scenario) -> str:
         f" in its folder, {folder}; put it into a file there, and give its name, as in"
         " 'mine:shy' for the function shy in mine.py"
     )
-
-
-def _job(job: Job) -> Data:
-    if job.kind == "move":
-        return {"move": job.target}
-    if job.kind == "wait":
-        return {"wait": job.seconds}
-    if job.kind == "submit":
-        return {"submit": job.order}
-    return {"pick": job.pick, "place": job.place, "part": job.part}
 
 
 def _without(data: Data, *usual: object) -> Data:

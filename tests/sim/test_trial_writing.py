@@ -3,15 +3,18 @@
 import shutil
 from dataclasses import replace
 from pathlib import Path
+from typing import get_args, get_origin
 
 import numpy as np
 import pytest
+import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
 import bdi
 import floorplan
 import sim
+from sim.trials.keys import AgvKeys, Keys, TrialKeys
 from sim.trials.own_names import own_names
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -92,6 +95,84 @@ trials = st.builds(
 @given(trials)
 def test_what_is_written_is_read_as_the_same_trial(trial):
     assert sim.Trial.parse(trial.to_yaml()) == trial
+
+
+EVERY_KEY = """
+name: every key
+floorplan: ariac2023
+duration: 31.5
+seed: 7
+rules: ariac2023
+people:
+- name: ada
+  personality: helpful
+  start: {time: 2.5}
+  at: [-15.0, -10.0]
+  home: [-14.25, -9.75]
+  beliefs: [tired(3)]
+  radius: 0.25
+  max_speed: 1.5
+  max_acceleration: 2.0
+  changes: [{when: {event: arrived, count: 2, person: ada}, personality: curious}]
+- name: bo
+  start: {part_placed: {part: pump, agv: agv1}}
+- name: cy
+  start: {order_submitted: first}
+gantry:
+  controller: oblivious
+  at: [-5.0, 2.5, 0.0]
+  jobs:
+  - {move: [-5.0, 2.0, 0.0]}
+  - {wait: 2.0}
+  - {pick: bin2, place: agv1, part: pump}
+  - {submit: first}
+  repeat: true
+agvs:
+  agv1: [{time: 1.0, to: kitting}]
+  agv2: {yield: true, moves: [{time: 3.0, to: 2.5}]}
+until_submitted: true
+expect: {penalties: 0}
+"""
+
+
+def keys_in(form, written):
+    """The keys of a form and of the forms within it that are written, as `form.key`."""
+    if isinstance(written, list):
+        return {key for one in written for key in keys_in(form, one)}
+    found = set()
+    for name, field in form.model_fields.items():
+        key = field.alias or name
+        if key in written:
+            found.add((form, key))
+            value = written[key]
+            named = get_origin(field.annotation) is dict and isinstance(value, dict)
+            for inner in forms_in(field.annotation):
+                found |= keys_in(inner, [*value.values()] if named else value)
+    return found
+
+
+def forms_in(annotation):
+    if isinstance(annotation, type) and issubclass(annotation, Keys | AgvKeys):
+        return {annotation}
+    return {form for part in get_args(annotation) for form in forms_in(part)}
+
+
+def forms_below(form):
+    """The form, and all those in its keys."""
+    inner = {one for field in form.model_fields.values() for one in forms_in(field.annotation)}
+    return {form}.union(*map(forms_below, inner))
+
+
+def test_every_key_is_read_and_written():
+    data = yaml.safe_load(EVERY_KEY)
+    known = {
+        (f, field.alias or key)
+        for f in forms_below(TrialKeys)
+        for key, field in f.model_fields.items()
+    }
+    elsewhere = {(TrialKeys, "folder"), (TrialKeys, "ariac")}
+    assert known - keys_in(TrialKeys, data) == elsewhere
+    assert yaml.safe_load(sim.Trial.parse(EVERY_KEY).to_yaml()) == data
 
 
 @pytest.mark.parametrize("path", sorted((ROOT / "examples").glob("*.trial.yaml")), ids=str)
