@@ -64,7 +64,7 @@ def free_places(plan, count, seed, margin=RADIUS + 0.01):
     return [tuple(place) for place in places[clear][:count].tolist()]
 
 
-@settings(max_examples=8)
+@settings(max_examples=settings.default.max_examples // 12)
 @given(st.integers(0, 2**32), st.sampled_from(["hall", "clutter"]))
 def test_no_link_is_missed(seed, kind):
     """All pairs of bends, looked at one by one, and what the roadmap links."""
@@ -90,7 +90,7 @@ def test_no_link_is_missed(seed, kind):
     assert any(expected.values())
 
 
-@settings(max_examples=4)
+@settings(max_examples=settings.default.max_examples // 12)
 @given(st.integers(0, 2**32), st.sampled_from(["hall", "clutter"]))
 def test_ways_are_as_short_as_can_be(seed, kind):
     """Fine bends are many on a small floor, too, where the oracle needs no minutes."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import navigation
@@ -343,6 +343,7 @@ linear_laws = st.builds(
 )
 
 
+@settings(max_examples=settings.default.max_examples // 3)
 @given(walks, gantry_motions(), linear_laws)
 def test_instants_are_right_to_a_microsecond(person, machine, law):
     """Every crossing that sampling at 0.1 ms finds, refined, is found, to 1 µs."""

@@ -80,7 +80,7 @@ def check_path(world, path, start, goal, radius):
     assert (steps > 1e-7).all() or len(path.points) == 2
 
 
-@settings(max_examples=10)
+@settings(max_examples=settings.default.max_examples // 10)
 @given(st.integers(0, 2**32), st.floats(0.1, 0.5))
 def test_ways_are_safe_and_as_short_as_can_be(seed, radius):
     world = CollisionWorld(random_floor(seed))

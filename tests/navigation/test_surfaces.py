@@ -8,7 +8,7 @@ import fcl
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import floorplan
@@ -130,6 +130,7 @@ def test_an_agv_hits_who_stands_beside_its_lane_or_does_not():
     assert navigation.minimum_separation(inside, run, 0.0, 60.0, shapes=shapes)[1] == 0.0
 
 
+@settings(max_examples=settings.default.max_examples // 3)
 @given(walks, gantry_motions, all_shapes, laws)
 def test_violations_are_those_of_dense_sampling(person, machine, shapes, law):
     ts = np.arange(0, END, 2e-3)
@@ -162,6 +163,7 @@ def test_instants_are_right_to_a_microsecond(person, machine, shapes):
             assert before * after <= 0.0 or min(abs(before), abs(after)) < 1e-9
 
 
+@settings(max_examples=settings.default.max_examples // 3)
 @given(walks, gantry_motions, all_shapes)
 def test_the_minimum_is_that_of_dense_sampling(person, machine, shapes):
     coarse = np.arange(0, END, 3e-3)
