@@ -54,7 +54,7 @@ values = st.recursive(
 
 
 def damaged(sample, kind):
-    """The bytes `sample` of a file with the suffix `kind`, with damages of its kind or of bytes."""
+    """The bytes `sample` of a file with the suffix `kind`, damaged as such, as bytes; any text."""
     of_bytes = edited(sample, st.sampled_from(BYTES) | st.binary(min_size=1, max_size=3))
     if kind == ".yaml":
         tree = trees(yaml.safe_load(sample))
@@ -72,7 +72,7 @@ def damaged(sample, kind):
         of_kind = edited(WORD.findall(sample.decode()), word.map(lambda one: [one])).map(
             lambda words: "".join(words).encode()
         )
-    return of_kind | of_kind | of_kind | of_bytes
+    return of_kind | of_kind | of_kind | of_bytes | st.text(max_size=100).map(str.encode)
 
 
 def lines(value):

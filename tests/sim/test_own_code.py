@@ -2,12 +2,10 @@
 
 import ast
 import sys
-from pathlib import Path
 
 import pytest
 
 import sim
-from sim.cli import main
 from sim.core.own_parameters import Parameters, parameters
 from sim.machines.gantry.controllers import controller_source
 
@@ -293,18 +291,9 @@ gantry: {controller: "loud:go"}
 """
 
 
-def floorwalker(monkeypatch, capsys, *words):
-    """The exit code and stderr of a command."""
-    monkeypatch.setattr(sys, "argv", ["floorwalker", *map(str, words)])
-    with pytest.raises(SystemExit) as ended:
-        main()
-    return ended.value.code, capsys.readouterr().err
-
-
 @pytest.fixture
-def loud(tmp_path, monkeypatch):
+def loud(tmp_path):
     """A folder with code that leaves a file when it is imported."""
-    monkeypatch.chdir(tmp_path)
     (tmp_path / "loud.py").write_text(LOUD.format(touched=str(tmp_path / "touched")))
     (tmp_path / "law.trial.yaml").write_text(OWN_LAW)
     (tmp_path / "controller.trial.yaml").write_text(OWN_CONTROLLER)
@@ -323,26 +312,25 @@ def loud(tmp_path, monkeypatch):
         ("gantry: {controller: 'subprocess:check_output'}", 3),
     ],
 )
-def test_a_trial_by_itself_runs_nothing(tmp_path, monkeypatch, capsys, command, named, line):
-    monkeypatch.chdir(tmp_path)
-    Path("t.yaml").write_text(f"floorplan: ariac2023\nduration: 2\n{named}\n")
-    code, err = floorwalker(monkeypatch, capsys, command, "t.yaml")
-    assert code == 1
-    assert f"t.yaml: line {line}, " in err
-    assert "there is no subprocess.py in" in err
+def test_a_trial_by_itself_runs_nothing(tmp_path, floorwalker, command, named, line):
+    (tmp_path / "t.yaml").write_text(f"floorplan: ariac2023\nduration: 2\n{named}\n")
+    done = floorwalker(command, "t.yaml", cwd=tmp_path)
+    assert done.returncode == 1
+    assert f"t.yaml: line {line}, " in done.stderr
+    assert "there is no subprocess.py in" in done.stderr
     assert {path.name for path in tmp_path.iterdir()} == {"t.yaml"}
 
 
 @pytest.mark.parametrize(
     "file", ["law.trial.yaml", "controller.trial.yaml", "rules.yaml", "loud.study.yaml"]
 )
-def test_check_imports_nothing(loud, monkeypatch, capsys, file):
-    assert floorwalker(monkeypatch, capsys, "check", file)[0] == 0
+def test_check_imports_nothing(loud, floorwalker, file):
+    assert floorwalker("check", file, cwd=loud).returncode == 0
     assert not (loud / "touched").exists()
-    code, err = floorwalker(monkeypatch, capsys, "check", "--no-own-code", file)
-    assert code == 1
-    assert "code of your own is refused here" in err
-    assert "line " in err
+    done = floorwalker("check", "--no-own-code", file, cwd=loud)
+    assert done.returncode == 1
+    assert "code of your own is refused here" in done.stderr
+    assert "line " in done.stderr
 
 
 @pytest.mark.parametrize(
@@ -360,15 +348,15 @@ def test_check_imports_nothing(loud, monkeypatch, capsys, file):
     ],
     ids=lambda words: " ".join(words[:2]),
 )
-def test_own_code_runs_when_a_trial_does_unless_it_is_refused(loud, monkeypatch, capsys, words):
-    code, err = floorwalker(monkeypatch, capsys, *words, "--no-own-code")
-    assert (code, "code of your own is refused here" in err) == (1, True)
+def test_own_code_runs_when_a_trial_does_unless_it_is_refused(loud, floorwalker, words):
+    done = floorwalker(*words, "--no-own-code", cwd=loud)
+    assert (done.returncode, "code of your own is refused here" in done.stderr) == (1, True)
     assert not [path for path in loud.iterdir() if path.name in ("touched", "out")]
-    assert floorwalker(monkeypatch, capsys, *words)[0] == 0
+    assert floorwalker(*words, cwd=loud).returncode == 0
     assert (loud / "touched").exists()
 
 
-def test_a_study_may_refuse_own_code(loud, monkeypatch, capsys):
+def test_a_study_may_refuse_own_code(loud):
     (loud / "quiet.trial.yaml").write_text("floorplan: ariac2023\nduration: 2\n")
     study = "trials: [{trial}.trial.yaml]\nown_code: false\n"
     for text, place in (
@@ -382,10 +370,10 @@ def test_a_study_may_refuse_own_code(loud, monkeypatch, capsys):
     assert not (loud / "touched").exists()
 
 
-def test_a_law_that_cannot_be_imported_leaves_no_recording(loud, monkeypatch, capsys):
+def test_a_law_that_cannot_be_imported_leaves_no_recording(loud, floorwalker):
     (loud / "loud.py").write_text((loud / "loud.py").read_text() + "\n1 / 0\n")
-    code, err = floorwalker(monkeypatch, capsys, "run", "law.trial.yaml", "--out", "out")
-    assert code == 1
-    assert "law.trial.yaml: line 5, rules.gantry_law: the law 'loud:Law' can't be imported" in err
-    assert "(loud.py, line 18): ZeroDivisionError" in err
+    done = floorwalker("run", "law.trial.yaml", "--out", "out", cwd=loud)
+    assert done.returncode == 1
+    assert "law.trial.yaml: line 5, rules.gantry_law: the law 'loud:Law'" in done.stderr
+    assert "(loud.py, line 18): ZeroDivisionError" in done.stderr
     assert not (loud / "out").exists()

@@ -131,9 +131,3 @@ LAW = navigation.FixedDistance(1.0)
 def test_a_wrong_type_is_told_with_what_is_wanted(call, message):
     with pytest.raises(TypeError, match=message):
         call()
-
-
-def test_an_unknown_personality_is_one_kind_of_error():
-    for call in (person(personality="hepful"), lambda: TRIAL.with_personality("hepful")):
-        with pytest.raises(sim.TrialError, match="'hepful'; did you mean 'helpful'"):
-            call()

@@ -219,11 +219,6 @@ def test_what_only_a_run_shows_of_a_law_is_said_when_it_begins(folder, rules, me
     assert message in str(caught.value)
 
 
-def test_everything_that_is_wrong_is_told_at_once(folder):
-    said = problems("gantry_law: {fixed: -1}\nagv_law: {fixed: -2}\nbased_on: papper", folder)
-    assert [place in said for place in ("gantry_law", "agv_law", "based_on")] == [True] * 3
-
-
 def test_a_law_of_ones_own_decides(folder):
     rules = "gantry_law:\n  braking:BrakingLaw: {deceleration: 2.0, least: 1.5}"
     run = sim.run(trial(rules, folder))

@@ -81,6 +81,14 @@ def finished(process):
     return process.returncode, out, err
 
 
+def wait_for_rows(folder, process):
+    """Wait until the study that `process` runs into `folder` has some rows."""
+    results = folder / "results.csv"
+    while not (results.exists() and results.read_bytes().count(b"\n") > 3):
+        assert process.poll() is None
+        time.sleep(0.01)
+
+
 def test_every_row_is_what_a_run_of_its_trial_gives(study, tmp_path):
     results = sim.run_study(study, tmp_path / "out", jobs=1)
     table = lines(tmp_path / "out" / "results.csv")
@@ -142,10 +150,7 @@ def test_there_is_no_such_backend(study, tmp_path):
 def test_a_killed_study_goes_on_and_ends_with_the_same_bytes(study, folder):
     process = command(folder, "--out", "killed", "--jobs", "2", start_new_session=True)
     results = folder / "killed" / "results.csv"
-    deadline = time.monotonic() + 60
-    while not (results.exists() and results.read_bytes().count(b"\n") > 3):
-        assert time.monotonic() < deadline and process.poll() is None
-        time.sleep(0.01)
+    wait_for_rows(folder / "killed", process)
     os.killpg(process.pid, signal.SIGKILL)
     process.communicate()
     assert len(lines(results)) < 16
@@ -175,15 +180,21 @@ def test_what_an_interrupt_leaves_of_semaphores_is_cleaned_up_in_silence():
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
 
 
-def test_a_study_that_is_terminated_leaves_no_workers_behind(folder):
+@pytest.mark.parametrize(
+    ("stop", "sent", "backend"),
+    [
+        (os.kill, signal.SIGTERM, "loky"),
+        (os.killpg, signal.SIGINT, "loky"),
+        pytest.param(os.killpg, signal.SIGINT, "dask", marks=pytest.mark.slow),
+    ],
+)
+def test_a_study_that_is_stopped_says_how_to_go_on(folder, stop, sent, backend):
+    """And leaves no workers behind."""
     (folder / "s.study.yaml").write_text(STUDY.replace("repeat: 4", "repeat: 4000"))
-    process = command(folder, "--out", "stopped", "--jobs", "2", start_new_session=True)
-    results = folder / "stopped" / "results.csv"
-    deadline = time.monotonic() + 60
-    while not (results.exists() and results.read_bytes().count(b"\n") > 3):
-        assert time.monotonic() < deadline and process.poll() is None
-        time.sleep(0.01)
-    process.send_signal(signal.SIGTERM)
+    options = ("--out", "stopped", "--jobs", "2", "--backend", backend)
+    process = command(folder, *options, start_new_session=True)
+    wait_for_rows(folder / "stopped", process)
+    stop(process.pid, sent)
     code, out, err = finished(process)
     assert (code, out) == (130, "")
     assert err == "Stopped; what is done is kept in stopped: run the same command to go on.\n"
@@ -192,24 +203,7 @@ def test_a_study_that_is_terminated_leaves_no_workers_behind(folder):
         while time.monotonic() < deadline:
             os.killpg(process.pid, 0)
             time.sleep(0.1)
-    assert read_table(results)["row"][:3] == [0, 1, 2]
-
-
-@pytest.mark.parametrize("backend", ["loky", pytest.param("dask", marks=pytest.mark.slow)])
-def test_ctrl_c_says_how_to_go_on(folder, backend):
-    (folder / "s.study.yaml").write_text(STUDY.replace("repeat: 4", "repeat: 4000"))
-    options = ("--out", "stopped", "--jobs", "2", "--backend", backend)
-    process = command(folder, *options, start_new_session=True)
-    results = folder / "stopped" / "results.csv"
-    deadline = time.monotonic() + 60
-    while not (results.exists() and results.read_bytes().count(b"\n") > 3):
-        assert time.monotonic() < deadline and process.poll() is None
-        time.sleep(0.01)
-    os.killpg(process.pid, signal.SIGINT)
-    code, out, err = finished(process)
-    assert (code, out) == (130, "")
-    assert err == "Stopped; what is done is kept in stopped: run the same command to go on.\n"
-    assert len(lines(results)) >= 3
+    assert read_table(folder / "stopped" / "results.csv")["row"][:3] == [0, 1, 2]
 
 
 def test_a_finished_study_runs_nothing_again(study, tmp_path):
@@ -294,17 +288,12 @@ def test_a_folder_that_cannot_be_used_is_refused(study, tmp_path):
         assert len(str(why.value)) < 1000
 
 
-def test_a_full_disk_is_told_and_what_was_written_is_gone_on_with(study, tmp_path):
-    resource = pytest.importorskip("resource")
+def test_a_full_disk_is_named_and_what_was_written_is_gone_on_with(study, tmp_path, room_for):
     sim.run_study(study, tmp_path / "whole", jobs=1)
-    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
     for room in (100, 400, 1500):
-        resource.setrlimit(resource.RLIMIT_FSIZE, (room, limits[1]))
-        try:
-            with pytest.raises(sim.OutputError, match=r"can't write to .*full: File too large"):
-                sim.run_study(study, tmp_path / "full", jobs=1)
-        finally:
-            resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+        full = pytest.raises(sim.OutputError, match=r"can't write to .*full: File too large")
+        with full, room_for(room):
+            sim.run_study(study, tmp_path / "full", jobs=1)
         left = {path.name for path in (tmp_path / "full").iterdir()}
         assert left <= {"study.json", "results.csv", "results.sha256"}
     sim.run_study(study, tmp_path / "full", jobs=1)
@@ -329,9 +318,9 @@ def test_a_worker_that_dies_is_told(folder):
     assert "Traceback" not in err
 
 
-def test_the_trial_of_a_row_gives_its_figures_again(study, folder):
-    code, out, err = finished(command(folder, "--row", "6", "--out", "out"))
-    assert (code, out, err) == (0, "out/trials/000006.yaml\n", "")
+def test_the_trial_of_a_row_gives_its_figures_again(study, folder, floorwalker):
+    done = floorwalker("study", "s.study.yaml", "--row", "6", "--out", "out", cwd=folder)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "out/trials/000006.yaml\n", "")
     assert not (folder / "out" / "results.csv").exists()
     trial = sim.Trial.load(folder / "out" / "trials" / "000006.yaml")
     sim.run_study(study, folder / "out", jobs=1)
@@ -365,17 +354,13 @@ def test_parquet_has_what_the_table_has(study, tmp_path):
     assert frame["error"].isna().sum() == 8
 
 
-def test_check_knows_studies(folder):
-    from typer.testing import CliRunner
-
-    from sim.cli import app
-
-    checked = CliRunner().invoke(app, ["check", str(folder / "s.study.yaml")])
-    assert checked.exit_code == 0
+def test_check_knows_studies(folder, floorwalker):
+    checked = floorwalker("check", "s.study.yaml", cwd=folder)
+    assert checked.returncode == 0
     assert checked.stdout.endswith("s.study.yaml: a study of 1 trial, 16 rows\n")
     (folder / "s.study.yaml").write_text(STUDY.replace("seed", "sed").replace("4", "0"))
-    checked = CliRunner().invoke(app, ["check", str(folder / "s.study.yaml")])
-    assert checked.exit_code == 1
+    checked = floorwalker("check", "s.study.yaml", cwd=folder)
+    assert checked.returncode == 1
     assert "2 problems" in checked.stderr
 
 
@@ -409,17 +394,3 @@ def test_a_table_cut_anywhere_is_gone_on_with(cut, tmp_path_factory):
     assert columns["x"] == [1.5, None, 2.0, -1e-9]
     assert columns["y"] == [None, None, 7, None]
     assert columns["name"][1] == 'c"'
-
-
-def test_study_json_names_what_decides(study, tmp_path):
-    with StudyFolder(tmp_path, study):
-        pass
-    assert list(json.loads((tmp_path / "study.json").read_text())) == [
-        "floorwalker",
-        "the study",
-        "the trial short",
-        "the floorplan ariac2023",
-        "the program indifferent",
-        "the controller moody:moody",
-        "the program antagonistic",
-    ]

@@ -7,7 +7,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-import floorplan
 import sim
 from sim.studies import Choice, Normal, Shuffled, Uniform, variable
 
@@ -315,41 +314,3 @@ def test_files_are_seen_from_the_study(folder):
     row.trial.save(folder / "again.yaml")
     again = sim.Trial.load(folder / "again.yaml")
     assert replace(again, folder=row.trial.folder) == row.trial
-
-
-@given(st.text(max_size=100))
-def test_any_text_is_a_study_or_an_error(text):
-    try:
-        sim.Study.parse(text)
-    except (sim.StudyError, floorplan.FloorplanError) as error:
-        assert error.problems
-
-
-WORDS = st.sampled_from(["uniform", "normal", "choice", "within", "word"])
-VALUES = st.recursive(
-    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),
-    lambda inner: (
-        st.lists(inner, max_size=3)
-        | st.dictionaries(
-            st.sampled_from(["uniform", "normal", "choice", "within"]), inner, max_size=3
-        )
-    ),
-    max_leaves=8,
-)
-NAMES = st.sampled_from(
-    ["max_speed", "gantry_at", "job_order", "personality", "agv_delay", "rules"]
-)
-
-
-@settings(max_examples=30)
-@given(st.dictionaries(NAMES, VALUES, max_size=3), st.dictionaries(NAMES, VALUES, max_size=3))
-def test_any_values_are_a_study_or_an_error(grid, random):
-    import yaml
-
-    text = yaml.safe_dump({"trials": ["ariac2023"], "grid": grid, "random": random})
-    try:
-        study = sim.Study.parse(text)
-    except sim.StudyError as error:
-        assert error.problems
-    else:
-        study.row(len(study) - 1)

@@ -1,8 +1,6 @@
 """Trial files: what they say, and what is said about those that make no sense."""
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 import bdi
 import floorplan
@@ -152,29 +150,3 @@ def test_a_program_with_a_fault_is_told_with_line_and_column(tmp_path):
     path.write_text("floorplan: ariac2023\npeople: [{name: a, personality: mine.asl}]\n")
     with pytest.raises((sim.TrialError, bdi.ProgramError), match=r"mine.asl.*2"):
         sim.Trial.load(path)
-
-
-@given(st.text(max_size=100))
-def test_any_text_is_a_trial_or_an_error(text):
-    try:
-        sim.Trial.parse(text)
-    except (sim.TrialError, floorplan.FloorplanError) as error:
-        assert error.problems
-
-
-KEYS = st.sampled_from(["people", "gantry", "agvs", "expect", "duration", "seed", "name", "at"])
-VALUES = st.recursive(
-    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),
-    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(KEYS, inner, max_size=3),
-    max_leaves=10,
-)
-
-
-@given(st.dictionaries(KEYS, VALUES, max_size=4))
-def test_any_values_are_a_trial_or_an_error(values):
-    import yaml
-
-    try:
-        sim.Trial.parse(yaml.safe_dump({"floorplan": "ariac2023", **values}))
-    except sim.TrialError as error:
-        assert error.problems
