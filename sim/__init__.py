@@ -4,164 +4,24 @@ Names are imported when they are first used, so that the command answers `--help
 loading planners and geometry.
 """
 
-from __future__ import annotations
-
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from .core.body import Body
-    from .core.clock import Clock, StandstillError
-    from .core.events import EventKind
-    from .core.output import OutputError
-    from .core.recorder import Event, Listener
-    from .core.rules import ARIAC2023, PAPER, RULE_SETS, Notice, RuleSet, rule_set
-    from .core.scenario import AgvMove, GantryEntry, Job, PersonalityChange, PersonEntry, TrialError
-    from .core.scene import Figure, Scene
-    from .core.start import Start
-    from .exports import export
-    from .live.live import LiveRun
-    from .machines.gantry.controllers import (
-        CONTROLLERS,
-        Caution,
-        Controller,
-        ControllerError,
-        find_controller,
-    )
-    from .machines.gantry.drive import Steps
-    from .machines.gantry.robot import GantryRobot, Sighting
-    from .machines.gantry.tasks import Handling, Step, Task, Tasks
-    from .people.minds import Mind, Outside, Percepts
-    from .people.person import MindError, Person
-    from .record.social_metrics import metrics
-    from .runs.recording import Recording
-    from .runs.run import Recorded, Run
-    from .runs.run_folder import RecordingError, load_run
-    from .safety.own_law import LawError, OwnLaw
-    from .simulation import Simulation, run
-    from .studies import Row, Study, StudyError, StudyResults, run_study
-    from .trials.comparison import Verdict
-    from .trials.rules_file import RulesError, find_rules, load_rules
-    from .trials.trial import Trial
-    from .trials.trial_file import builtin_trials
+    from . import public
+    from .public import *  # noqa: F403
     from .views import plots as plots
 
-_HOMES = {
-    "core.body": ("Body",),
-    "core.clock": ("Clock", "StandstillError"),
-    "core.events": ("EventKind",),
-    "exports": ("export",),
-    "machines.gantry.controllers": (
-        "CONTROLLERS",
-        "Caution",
-        "Controller",
-        "ControllerError",
-        "find_controller",
-    ),
-    "machines.gantry.drive": ("Steps",),
-    "machines.gantry.robot": ("GantryRobot", "Sighting"),
-    "live.live": ("LiveRun",),
-    "people.minds": ("Mind", "Outside", "Percepts"),
-    "runs.run": ("Recorded", "Run"),
-    "people.person": ("MindError", "Person"),
-    "core.recorder": ("Event", "Listener"),
-    "core.output": ("OutputError",),
-    "runs.recording": ("Recording",),
-    "safety.own_law": ("LawError", "OwnLaw"),
-    "trials.rules_file": ("RulesError", "find_rules", "load_rules"),
-    "core.rules": ("ARIAC2023", "PAPER", "RULE_SETS", "Notice", "RuleSet", "rule_set"),
-    "runs.run_folder": ("RecordingError", "load_run"),
-    "core.scene": ("Figure", "Scene"),
-    "simulation": ("Simulation", "run"),
-    "record.social_metrics": ("metrics",),
-    "machines.gantry.tasks": ("Handling", "Step", "Task", "Tasks"),
-    "studies": ("Row", "Study", "StudyError", "StudyResults", "run_study"),
-    "core.start": ("Start",),
-    "core.scenario": (
-        "AgvMove",
-        "GantryEntry",
-        "Job",
-        "PersonalityChange",
-        "PersonEntry",
-        "TrialError",
-    ),
-    "trials.trial": ("Trial",),
-    "trials.trial_file": ("builtin_trials",),
-    "trials.comparison": ("Verdict",),
-}
-
-__all__ = [
-    "ARIAC2023",
-    "CONTROLLERS",
-    "PAPER",
-    "RULE_SETS",
-    "AgvMove",
-    "Body",
-    "Caution",
-    "Clock",
-    "Controller",
-    "ControllerError",
-    "Event",
-    "EventKind",
-    "Figure",
-    "GantryEntry",
-    "GantryRobot",
-    "Handling",
-    "Job",
-    "LawError",
-    "Listener",
-    "LiveRun",
-    "Mind",
-    "MindError",
-    "Notice",
-    "OutputError",
-    "Outside",
-    "OwnLaw",
-    "Percepts",
-    "Person",
-    "PersonEntry",
-    "PersonalityChange",
-    "Recorded",
-    "Recording",
-    "RecordingError",
-    "Row",
-    "RuleSet",
-    "RulesError",
-    "Run",
-    "Scene",
-    "Sighting",
-    "Simulation",
-    "StandstillError",
-    "Start",
-    "Step",
-    "Steps",
-    "Study",
-    "StudyError",
-    "StudyResults",
-    "Task",
-    "Tasks",
-    "Trial",
-    "TrialError",
-    "Verdict",
-    "builtin_trials",
-    "export",
-    "find_controller",
-    "find_rules",
-    "load_rules",
-    "load_run",
-    "metrics",
-    "rule_set",
-    "run",
-    "run_study",
-]
+    __all__ = []
+    __all__ += public.__all__
 
 
 def __getattr__(name: str) -> Any:
     if name == "plots":
         return import_module(".views.plots", __name__)
-    for home, names in _HOMES.items():
-        if name in names:
-            value = getattr(import_module(f".{home}", __name__), name)
-            globals()[name] = value
-            return value
+    if name == "__all__" or not name.startswith("__"):
+        public = import_module(".public", __name__)
+        if name in (*public.__all__, "__all__"):
+            globals()[name] = getattr(public, name)
+            return globals()[name]
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -31,6 +31,7 @@ ROOMS = (
     ("runs",),
     ("simulation",),
     ("live", "studies", "bridge", "testing"),
+    ("public",),
     ("commands",),
     ("cli", "pytest_plugin"),
 )

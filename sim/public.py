@@ -1,0 +1,102 @@
+"""The public names of `sim`; a package has them once one of them is used."""
+
+from .core.body import Body
+from .core.clock import Clock, StandstillError
+from .core.events import EventKind
+from .core.output import OutputError
+from .core.recorder import Event, Listener
+from .core.rules import ARIAC2023, PAPER, RULE_SETS, Notice, RuleSet, rule_set
+from .core.scenario import AgvMove, GantryEntry, Job, PersonalityChange, PersonEntry, TrialError
+from .core.scene import Figure, Scene
+from .core.start import Start
+from .exports import export
+from .live.live import LiveRun
+from .machines.gantry.controllers import (
+    CONTROLLERS,
+    Caution,
+    Controller,
+    ControllerError,
+    find_controller,
+)
+from .machines.gantry.drive import Steps
+from .machines.gantry.robot import GantryRobot, Sighting
+from .machines.gantry.tasks import Handling, Step, Task, Tasks
+from .people.minds import Mind, Outside, Percepts
+from .people.person import MindError, Person
+from .record.social_metrics import metrics
+from .runs.recording import Recording
+from .runs.run import Recorded, Run
+from .runs.run_folder import RecordingError, load_run
+from .safety.own_law import LawError, OwnLaw
+from .simulation import Simulation, run
+from .studies import Row, Study, StudyError, StudyResults, run_study
+from .trials.comparison import Verdict
+from .trials.rules_file import RulesError, find_rules, load_rules
+from .trials.trial import Trial
+from .trials.trial_file import builtin_trials
+from .views import plots as plots
+
+__all__ = [
+    "ARIAC2023",
+    "CONTROLLERS",
+    "PAPER",
+    "RULE_SETS",
+    "AgvMove",
+    "Body",
+    "Caution",
+    "Clock",
+    "Controller",
+    "ControllerError",
+    "Event",
+    "EventKind",
+    "Figure",
+    "GantryEntry",
+    "GantryRobot",
+    "Handling",
+    "Job",
+    "LawError",
+    "Listener",
+    "LiveRun",
+    "Mind",
+    "MindError",
+    "Notice",
+    "OutputError",
+    "Outside",
+    "OwnLaw",
+    "Percepts",
+    "Person",
+    "PersonEntry",
+    "PersonalityChange",
+    "Recorded",
+    "Recording",
+    "RecordingError",
+    "Row",
+    "RuleSet",
+    "RulesError",
+    "Run",
+    "Scene",
+    "Sighting",
+    "Simulation",
+    "StandstillError",
+    "Start",
+    "Step",
+    "Steps",
+    "Study",
+    "StudyError",
+    "StudyResults",
+    "Task",
+    "Tasks",
+    "Trial",
+    "TrialError",
+    "Verdict",
+    "builtin_trials",
+    "export",
+    "find_controller",
+    "find_rules",
+    "load_rules",
+    "load_run",
+    "metrics",
+    "rule_set",
+    "run",
+    "run_study",
+]
