@@ -1,6 +1,6 @@
 // Helpful: makes room. When the gantry comes near, stops, waits a moment, and
-// walks the ring the other way round. A notice within five seconds of turning
-// is not heeded, so that nobody turns on the spot.
+// walks the ring in the other direction. A notice within five seconds of a turn
+// is ignored, so that nobody turns on the spot.
 //
 // Figures: consideration(Ms), the moment (1000); steadfast(Ms), how long no
 // further turn is made (5000).

@@ -1,3 +1,3 @@
-// Indifferent: walks the stations and takes no notice of the gantry.
+// Indifferent: walks the stations and ignores the gantry.
 
 { include("patrol.asl") }

@@ -1,20 +1,20 @@
 // What all people have in common: they walk from station to station, in a ring.
 //
 // A personality includes this file at its end, so that its own plans come
-// first. It is told at the start
+// first. It believes at the start
 //     station(Name, X, Y)            the stations, in the order of the patrol
 //     pause_after_violation(Ms)      how long to stand after coming too close to
 //                                    the gantry (8000 when it is not believed)
 //     pause_after_agv(Ms)            the same for an AGV (8000)
-//     patience(Ms), tries(N)         how long to wait where the way is blocked (2000),
+//     patience(Ms), tries(N)         how long to wait where the path is blocked (2000),
 //                                    and how often before the next station (3)
 //     linger(Ms)                     how long to wait beside a station on which an AGV
 //                                    stands before going to the next (8000)
 // and it believes
 //     bound_for(Station)             where it is going, or was before an errand
-//     reversed                       it walks the ring the other way round
-//     errand(What)                   it is on its way to something else
-// Who changes personality on the way keeps the first two.
+//     reversed                       it walks the ring in the other direction
+//     errand(What)                   it is walking to something else
+// A change of personality keeps the first two.
 
 violation_pause(Ms) :- pause_after_violation(Ms).
 violation_pause(8000) :- not pause_after_violation(_).
@@ -50,7 +50,7 @@ now(T) :- T = system.time.
 +work_completed(_) : bound_for(S) & not errand(_) & ahead(S, Next)
   <- .abolish(tried(_)); !walk_to(Next).
 
-// ---- too close: the person is taken away, waits, and begins anew
+// ---- too close: the person is teleported, waits, and starts again
 
 @violation[atomic]
 +gantry_disabled(_) : first(S) & violation_pause(Ms)
@@ -64,7 +64,7 @@ now(T) :- T = system.time.
 
 +!compose <- .abolish(errand(_)); .abolish(tried(_)).
 
-// ---- no way, on the ring or on an errand: the action fails, and it is told; wait a little, try again, and after a few tries go elsewhere
+// ---- no path, on the ring or on an errand: the action fails, with a percept; wait, try again, after a few tries go elsewhere
 
 -!walk_to(_).
 -!set_out.
@@ -80,8 +80,8 @@ now(T) :- T = system.time.
 
 +!retry(S) : blocked_pause(Ms) <- .wait(Ms); !walk_to(S).
 
-// ---- an AGV stands on the goal: the person waits beside it, and goes on when it has left;
-// ---- who has waited long enough goes elsewhere
+// ---- an AGV stands on the goal: the person waits beside it, and walks on when it has left;
+// ---- after a while the person goes elsewhere
 
 +goal_occupied(_) : .desire(linger_beside(_, _)).
 +goal_occupied(_) : bound_for(S) & not errand(_) & lingering_time(Ms) <- !linger_beside(S, Ms).

@@ -1,7 +1,7 @@
-// Threatening: steps into the gantry's way, stands there for a while facing it,
+// Threatening: steps into the gantry's path, stands there for a while facing it,
 // and walks on.
 //
-// Figure: stand(Ms), how long to stand in the way (4000).
+// Figure: stand(Ms), how long to stand in the path (4000).
 
 standing_time(Ms) :- stand(Ms).
 standing_time(4000) :- not stand(_).
