@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import asyncio
+import itertools
 import sys
 from collections import deque
 from collections.abc import Awaitable, Callable
 from contextlib import suppress
 
 from .ledger import Account, size_of
-from .outbox import LONGEST_QUEUE, USUAL_QUEUE, Item, Outbox, Stream
+from .outbox import LONGEST_QUEUE, USUAL_QUEUE, Outbox, Stream
 from .protocol import LEVELS, Level, Reassembly, Subscribe, fragments, status
 
 _REQUEST, _SUBSCRIPTION, _ADVERTISED, _CALL = 500, 3000, 200, 4000
@@ -97,7 +98,7 @@ class Subscription:
 
     def _send(self, text: str) -> None:
         sizes = [one.fragment_size for one in self.requests.values() if one.fragment_size]
-        self._client.post(self._stream, text, min(sizes, default=None))
+        self._client.outbox.put(self._stream, text, min(sizes, default=None))
 
 
 class Client:
@@ -114,7 +115,6 @@ class Client:
         self.calls: set[asyncio.Future[None]] = set()
         self.heard = 0
         self._send = send
-        self._fragmented = 0
 
     def __repr__(self) -> str:
         return f"<client {self.name}>"
@@ -149,20 +149,13 @@ class Client:
     def report(self, level: Level, message: str, id: str | int | None = None) -> None:
         """Send a status message, if the client wants those of that level."""
         if LEVELS.index(level) <= LEVELS.index(self.level):
-            self.answer(status(level, message, id))
-
-    def answer(self, text: str, fragment_size: int | None = None) -> None:
-        """Send a message that is never dropped."""
-        self.outbox.reply(self._cut(text, fragment_size))
-
-    def post(self, stream: Stream, text: str, fragment_size: int | None) -> None:
-        """Send a topic's message, which is dropped for newer ones where too many wait."""
-        self.outbox.put(stream, self._cut(text, fragment_size))
+            self.outbox.reply(status(level, message, id))
 
     async def send_forever(self) -> None:
         """Send the messages of the outbox one after the other."""
-        while True:
-            for piece in await self.outbox.get():
+        for number in itertools.count(1):
+            text, size = await self.outbox.get()
+            for piece in fragments(text, size or len(text), f"{self.name}-{number}"):
                 await self._send(piece)
 
     async def idle(self, patience: float) -> bool:
@@ -170,12 +163,6 @@ class Client:
         with suppress(asyncio.TimeoutError):
             await asyncio.wait_for(self.outbox.idle.wait(), patience)
         return self.outbox.idle.is_set()
-
-    def _cut(self, text: str, size: int | None) -> Item:
-        if size is None or len(text) <= size:
-            return (text,)
-        self._fragmented += 1
-        return tuple(fragments(text, size, f"{self.name}-{self._fragmented}"))
 
 
 def _cost(id: str | int | None) -> int:

@@ -10,6 +10,7 @@ from typing import Any
 
 from floorplan import suggestion
 
+from . import protocol
 from .client import Client, Subscription
 from .message_types import (
     MessageError,
@@ -19,23 +20,7 @@ from .message_types import (
     conform,
     message_type,
 )
-from .protocol import (
-    LONGEST_MESSAGE,
-    Advertise,
-    CallService,
-    Fragment,
-    Operation,
-    ProtocolError,
-    Publish,
-    SetLevel,
-    Subscribe,
-    Unadvertise,
-    Unsubscribe,
-    absolute,
-    decode,
-    encode,
-    publication,
-)
+from .protocol import ProtocolError
 
 MOST_TOPICS = 1000
 """How many topics all clients together may create, and how many one may subscribe to."""
@@ -48,10 +33,12 @@ class RefusedError(ValueError):
     """A request of a client that is refused; the client hears why."""
 
 
-Heard = Callable[[Client, dict[str, Any]], None]
+Values = dict[str, Any]
+"""The fields of a message, a request or an answer by their names."""
+
+Heard = Callable[[Values], None]
 """Takes a message that a client published; may raise `RefusedError`."""
 
-Values = dict[str, Any]
 Answer = Values | Coroutine[Any, Any, Values]
 Serve = Callable[[Client, Values], Answer]
 """Answers a request of a client; may raise `RefusedError`."""
@@ -110,6 +97,7 @@ class Exchange:
         self.topics: dict[str, Topic] = {}
         self.services: dict[str, Service] = {}
         self.changed: Callable[[], None] = lambda: None
+        self._own = 0
 
     def advertise(
         self, name: str, type_: str, *, heard: Heard | None = None, latched: int = 0
@@ -118,13 +106,16 @@ class Exchange:
 
         Its last `latched` messages are sent to every client that subscribes later.
         """
-        topic = Topic(name, message_type(type_), True, heard, deque(maxlen=latched))
-        self.topics[name] = topic
-        return topic
+        return self._add(Topic(name, message_type(type_), True, heard, deque(maxlen=latched)))
 
     def listen(self, name: str, type_: str, heard: Heard) -> None:
         """Add a topic that clients publish on."""
-        self.topics[name] = Topic(name, message_type(type_), heard=heard)
+        self._add(Topic(name, message_type(type_), heard=heard))
+
+    def _add(self, topic: Topic) -> Topic:
+        self.topics[topic.name] = topic
+        self._own += 1
+        return topic
 
     def provide(
         self, name: str, type_: str, answer: Serve, request: Mapping[str, str] | None = None
@@ -134,16 +125,16 @@ class Exchange:
             name, MessageType(canonical(type_, "srv"), dict(request or {})), answer
         )
 
-    def publish(self, topic: Topic, message: dict[str, Any]) -> None:
+    def publish(self, topic: Topic, message: Values) -> None:
         """Send a message of ours to every subscriber of its topic."""
         if topic.is_needed:
-            self._spread(topic, publication(topic.name, message))
+            self._spread(topic, protocol.publication(topic.name, message))
 
     def take(self, client: Client, text: str | bytes) -> None:
         """Carry out an operation of a client, or send the client what is wrong with it."""
         id: str | int | None = None
         try:
-            operation = decode(text)
+            operation = protocol.decode(text)
             id = operation.id
             self._perform(client, operation)
         except ProtocolError as why:
@@ -160,58 +151,58 @@ class Exchange:
         for name in list(client.advertised):
             self._withdraw(client, name)
 
-    def _perform(self, client: Client, operation: Operation) -> None:
-        if isinstance(operation, Publish):
+    def _perform(self, client: Client, operation: protocol.Operation) -> None:
+        if isinstance(operation, protocol.Publish):
             self._hear(client, operation)
-        elif isinstance(operation, CallService):
+        elif isinstance(operation, protocol.CallService):
             self._call(client, operation)
-        elif isinstance(operation, Subscribe):
+        elif isinstance(operation, protocol.Subscribe):
             self._subscribe(client, operation)
-        elif isinstance(operation, Advertise):
+        elif isinstance(operation, protocol.Advertise):
             self._advertise(client, operation)
-        elif isinstance(operation, Unsubscribe):
+        elif isinstance(operation, protocol.Unsubscribe):
             if not self._unsubscribe(client, operation.topic, operation.id):
                 client.report("warning", f"not subscribed to {operation.topic}", operation.id)
-        elif isinstance(operation, Unadvertise):
+        elif isinstance(operation, protocol.Unadvertise):
             if operation.topic not in client.advertised:
                 client.report("warning", f"{operation.topic} was not advertised", operation.id)
             self._withdraw(client, operation.topic)
-        elif isinstance(operation, SetLevel):
+        elif isinstance(operation, protocol.SetLevel):
             client.level = operation.level
-        elif isinstance(operation, Fragment):
+        elif isinstance(operation, protocol.Fragment):
             whole = client.reassembly.add(operation)
             if whole is not None:
-                inner = decode(whole)
-                if isinstance(inner, Fragment):
+                inner = protocol.decode(whole)
+                if isinstance(inner, protocol.Fragment):
                     raise ProtocolError("a fragment of fragments", operation.id)
                 self._perform(client, inner)
 
-    def _advertise(self, client: Client, request: Advertise) -> None:
+    def _advertise(self, client: Client, request: protocol.Advertise) -> None:
         type_ = message_type(request.type)
         topic = self.topics.get(request.topic) or self._create(request.topic, type_)
         self._require_type(topic, type_)
         self._require_open(topic)
         self._add_publisher(topic, client)
 
-    def _hear(self, client: Client, publish: Publish) -> None:
+    def _hear(self, client: Client, publish: protocol.Publish) -> None:
         topic = self.topics.get(publish.topic)
         if topic is None:
             near = suggestion(publish.topic, [t.name for t in self.topics.values() if t.is_open])
             raise RefusedError(f"no topic is called {publish.topic!r}; advertise it first ({near})")
         self._require_open(topic)
         message = conform(topic.type, publish.msg)
-        text = publication(topic.name, message)
-        if len(text) > LONGEST_MESSAGE:
+        text = protocol.publication(topic.name, message)
+        if len(text) > protocol.LONGEST_MESSAGE:
             raise RefusedError(
                 f"a message of {len(text)} characters once it is complete;"
-                f" {LONGEST_MESSAGE} is the most that is passed on"
+                f" {protocol.LONGEST_MESSAGE} is the most that is passed on"
             )
         self._add_publisher(topic, client)
         if topic.heard is not None:
-            topic.heard(client, message)
+            topic.heard(message)
         self._spread(topic, text)
 
-    def _subscribe(self, client: Client, request: Subscribe) -> None:
+    def _subscribe(self, client: Client, request: protocol.Subscribe) -> None:
         if request.compression not in (None, "none"):
             raise RefusedError(f"no compression {request.compression!r}; there is: none")
         name, topic = request.topic, self.topics.get(request.topic)
@@ -254,7 +245,7 @@ class Exchange:
 
     def _create(self, name: str, type_: MessageType) -> Topic:
         """Return a new topic of the clients' own, on which they hear each other."""
-        if sum(topic.is_of_clients for topic in self.topics.values()) >= MOST_TOPICS:
+        if len(self.topics) - self._own >= MOST_TOPICS:
             raise RefusedError(f"{MOST_TOPICS} topics are the most that clients may bring")
         topic = self.topics[name] = Topic(name, type_)
         return topic
@@ -283,7 +274,7 @@ class Exchange:
         for subscription in tuple(topic.subscriptions.values()):
             subscription.offer(text)
 
-    def _call(self, client: Client, request: CallService) -> None:
+    def _call(self, client: Client, request: protocol.CallService) -> None:
         answer: Answer | str
         try:
             answer = self._answer(client, request)
@@ -297,8 +288,8 @@ class Exchange:
         else:
             client.begin_call(asyncio.ensure_future(self._await(client, request, answer)))
 
-    def _answer(self, client: Client, request: CallService) -> Answer:
-        name = absolute(request.service)
+    def _answer(self, client: Client, request: protocol.CallService) -> Answer:
+        name = protocol.absolute(request.service)
         service = self.services.get(name)
         if service is None:
             raise RefusedError(f"no service is called {name!r}; {suggestion(name, self.services)}")
@@ -310,14 +301,14 @@ class Exchange:
         return service.answer(client, conform(service.type, given))
 
     async def _await(
-        self, client: Client, request: CallService, answer: Coroutine[Any, Any, Values]
+        self, client: Client, request: protocol.CallService, answer: Coroutine[Any, Any, Values]
     ) -> None:
         try:
             self._respond(client, request, await answer)
         except RefusedError as why:
             self._respond(client, request, str(why))
 
-    def _respond(self, client: Client, request: CallService, values: Values | str) -> None:
+    def _respond(self, client: Client, request: protocol.CallService, values: Values | str) -> None:
         """Send the values of an answer, or why there is none."""
         response: Values = {
             "op": "service_response",
@@ -327,4 +318,4 @@ class Exchange:
         }
         if request.id is not None:
             response["id"] = request.id
-        client.answer(encode(response), request.fragment_size)
+        client.outbox.reply(protocol.encode(response), request.fragment_size)

@@ -6,19 +6,19 @@ Topics and types are those of the ARIAC 2023 competition. `/ariac_human/gantry_d
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable
+from functools import partial
 
 import shapely
 
 import bdi
-from floorplan import Floorplan
 
 from ..core.recorder import Event
 from ..people.minds import Outside
 from ..people.person import MindError, Person
-from ..safety.referee import Referee
+from ..simulation import Simulation
 from .client import Client
-from .exchange import Admit, Exchange, RefusedError
+from .exchange import Admit, Exchange, RefusedError, Values
 
 START = "/ariac/start_human"
 REACHED = "/ariac_human/position_reached"
@@ -31,10 +31,19 @@ GO_HOME = "/ariac_human/go_home"
 GO_HOME_AGV = "/ariac_human/go_home_agv"
 ACTION = "/ariac_human/action"
 
-COMMANDS = (GOAL, STOP, GO_HOME, GO_HOME_AGV, ACTION)
-"""The topics that an agent publishes on."""
-
 BOOL, POINT, STRING = "std_msgs/Bool", "geometry_msgs/Point", "std_msgs/String"
+
+COMMANDS: dict[str, tuple[str, Callable[[Values], bdi.Literal | None]]] = {
+    GOAL: (POINT, lambda point: bdi.Literal("move", (point["x"], point["y"], 0.0))),
+    STOP: (BOOL, lambda message: bdi.Literal("stop_movement") if message["data"] else None),
+    GO_HOME: (
+        BOOL,
+        lambda message: bdi.Literal("teleport_safe" if message["data"] else "teleport_agv"),
+    ),
+    GO_HOME_AGV: (BOOL, lambda message: bdi.Literal("teleport_agv") if message["data"] else None),
+    ACTION: (STRING, lambda message: bdi.parse_literal(message["data"])),
+}
+"""The topics that an agent publishes on: their types, and the action of a message, if any."""
 
 PERCEPTS: dict[str, tuple[str, bool | str]] = {
     "human_start": (START, True),
@@ -60,21 +69,15 @@ class HumanTopics:
     """Publishes the percepts of `person`, and carries out commands from outside."""
 
     def __init__(
-        self,
-        person: Person,
-        plan: Floorplan,
-        referee: Referee,
-        exchange: Exchange,
-        admit: Admit,
-        *,
-        outside: Outside | None,
+        self, person: Person, simulation: Simulation, exchange: Exchange, admit: Admit
     ) -> None:
+        self.outside = person.mind if isinstance(person.mind, Outside) else None
+        """The mind of the person, if it is outside."""
         self._person = person
-        self._plan = plan
-        self._referee = referee
+        self._boundary = simulation.trial.floorplan.boundary
+        self._referee = simulation.referee
         self._exchange = exchange
         self._admit = admit
-        self._outside = outside
         self._topics = {
             START: exchange.advertise(START, BOOL, heard=self._start, latched=1),
             REACHED: exchange.advertise(REACHED, BOOL),
@@ -82,11 +85,8 @@ class HumanTopics:
             DETECTED: exchange.advertise(DETECTED, BOOL),
             BLOCKED: exchange.advertise(BLOCKED, STRING),
         }
-        exchange.listen(GOAL, POINT, self._goal)
-        exchange.listen(STOP, BOOL, self._stop)
-        exchange.listen(GO_HOME, BOOL, self._go_home)
-        exchange.listen(GO_HOME_AGV, BOOL, self._go_home_agv)
-        exchange.listen(ACTION, STRING, self._action)
+        for topic, (type_, _) in COMMANDS.items():
+            exchange.listen(topic, type_, partial(self._command, topic))
         exchange.provide("/ariac_human/teleport", "std_srvs/Trigger", self._teleport)
         exchange.provide("/ariac/set_human_safe_zone_penalty", "std_srvs/Trigger", self._penalise)
 
@@ -98,48 +98,39 @@ class HumanTopics:
 
     def event(self, event: Event) -> None:
         """Publish the percept of an event, for a person with a mind of their own."""
-        if self._outside is not None or event.get("person") != self._person.name:
+        if self.outside is not None or event.get("person") != self._person.name:
             return
         if event["kind"] == "violation":
             self.publish("gantry_disabled" if event["with"] == "gantry" else "agv_danger")
         elif event["kind"] in _HAPPENINGS:
             self.publish(_HAPPENINGS[event["kind"]])
 
-    def _goal(self, _: Client, point: dict[str, Any]) -> None:
-        x, y = point["x"], point["y"]
-        if not self._plan.boundary.covers(shapely.Point(x, y)):
-            low_x, low_y, high_x, high_y = self._plan.boundary.bounds
+    def _command(self, topic: str, message: Values) -> None:
+        _, action_of = COMMANDS[topic]
+        try:
+            action = action_of(message)
+        except bdi.ProgramError as why:
+            raise RefusedError(f"{message['data'][:60]!r} is no action: {why}") from None
+        if topic == GOAL:
+            self._require_on_floor(message["x"], message["y"])
+        if action is not None:
+            self._act(action)
+
+    def _require_on_floor(self, x: float, y: float) -> None:
+        if not self._boundary.covers(shapely.Point(x, y)):
+            low_x, low_y, high_x, high_y = self._boundary.bounds
             raise RefusedError(
                 f"the goal ({x:g}, {y:g}) is outside the floor"
                 f" (x {low_x:g} … {high_x:g}, y {low_y:g} … {high_y:g})"
             )
-        self._act(bdi.Literal("move", (x, y, 0.0)))
 
-    def _stop(self, _: Client, message: dict[str, Any]) -> None:
-        if message["data"]:
-            self._act(bdi.Literal("stop_movement"))
-
-    def _go_home(self, _: Client, message: dict[str, Any]) -> None:
-        self._act(bdi.Literal("teleport_safe" if message["data"] else "teleport_agv"))
-
-    def _go_home_agv(self, _: Client, message: dict[str, Any]) -> None:
-        if message["data"]:
-            self._act(bdi.Literal("teleport_agv"))
-
-    def _action(self, _: Client, message: dict[str, Any]) -> None:
-        try:
-            action = bdi.parse_literal(message["data"])
-        except bdi.ProgramError as why:
-            raise RefusedError(f"{message['data'][:60]!r} is no action: {why}") from None
-        self._act(action)
-
-    def _start(self, _: Client, message: dict[str, Any]) -> None:
+    def _start(self, message: Values) -> None:
         if message["data"]:
             self._admit(START)
             self._person.start()
 
     def _act(self, action: bdi.Literal) -> None:
-        if self._outside is None:
+        if self.outside is None:
             raise RefusedError(
                 f"{self._person.name} has a mind of their own;"
                 " give them the personality external to command them"
@@ -150,12 +141,12 @@ class HumanTopics:
         except MindError as why:
             raise RefusedError(str(why)) from None
 
-    def _teleport(self, _: Client, __: dict[str, Any]) -> dict[str, Any]:
+    def _teleport(self, _: Client, __: Values) -> Values:
         self._act(bdi.Literal("teleport_agv"))
         return {"success": True, "message": f"{self._person.name} is in the safe zone"}
 
-    def _penalise(self, _: Client, __: dict[str, Any]) -> dict[str, Any]:
+    def _penalise(self, _: Client, __: Values) -> Values:
         self._admit("penalty")
         counted = self._referee.penalise(self._person.walker.body)
-        told = "a penalty, and the gantry is disabled" if counted else "counted already"
-        return {"success": True, "message": f"{told}; penalties: {self._referee.penalties}"}
+        effect = "a penalty, and the gantry is disabled" if counted else "counted already"
+        return {"success": True, "message": f"{effect}; penalties: {self._referee.penalties}"}

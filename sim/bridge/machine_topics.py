@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from functools import partial
-from typing import Any
 
 from ..machines.agv.agv import Agv
 from ..machines.gantry.robot import GantryRobot
 from .client import Client
-from .exchange import Admit, Exchange, RefusedError
+from .exchange import Admit, Exchange, RefusedError, Values
 from .readings import LOCATIONS, agv_status, joint_state
 from .trajectory import TrajectoryError, target_of, trajectory_motion
 
@@ -42,7 +41,7 @@ class GantryTopics:
         health = {"floor_robot": True, "ceiling_robot": not gantry.disabled}
         self._exchange.publish(self._health, health)
 
-    def _follow(self, _: Client, message: dict[str, Any]) -> None:
+    def _follow(self, message: Values) -> None:
         self._admit(TRAJECTORY)
         gantry = self._gantry
         if gantry.disabled:
@@ -79,7 +78,7 @@ class AgvTopics:
             if topic.is_needed:
                 self._exchange.publish(topic, agv_status(agv.lane, agv.body.state))
 
-    def _move(self, agv: Agv, _: Client, request: dict[str, Any]) -> dict[str, Any]:
+    def _move(self, agv: Agv, _: Client, request: Values) -> Values:
         name, number = agv.lane.name, request["location"]
         known = {k: place for k, place in enumerate(LOCATIONS) if place in agv.lane.locations}
         if number not in known:

@@ -1,4 +1,4 @@
-"""Web pages that may take part: a browser says which page opens a connection, as its origin.
+"""Web pages that may take part: a browser sends the origin of the page that opens a connection.
 
 Without this check any page that is open in a browser on this machine could drive the person: a
 browser lets pages of all hosts open websockets to all hosts, the loopback included.
@@ -9,15 +9,15 @@ from __future__ import annotations
 import ipaddress
 import re
 from collections.abc import Iterable
+from urllib.parse import urlsplit
 
 _LOOPBACK = re.compile(r"https?://(localhost|127(\.\d{1,3}){3}|\[::1\])(:\d{1,5})?")
 _ORIGIN = re.compile(r"null|[a-z][a-z0-9+.-]*://[^\s/?#@,]*")
-_HOST = re.compile(r"\[(?P<six>[^\]]*)\](:\d+)?|(?P<four>[^:]*)(:\d+)?")
 _USUAL_PORTS = {"http": ":80", "https": ":443"}
 
 
 class OriginError(ValueError):
-    """Something that is no origin of a web page."""
+    """A text that is no origin of a web page."""
 
 
 class Origins:
@@ -38,11 +38,12 @@ class Origins:
             self._named.add(normal)
 
     def trust(self, origin: str, host: str) -> bool:
-        """Whether a client that says `origin` may take part; `host` is how it calls the server.
+        """Return whether a client of `origin` may take part; `host` is its name for the server.
 
-        Some clients that are no browsers say the server's own address, and old ones leave out the
-        scheme, which browsers don't. By a number that is safe: no page comes from here. A name may
-        be anybody's, who has it lead to this machine once their page is loaded (DNS rebinding).
+        Some clients that are no browsers send the server's own address, and old ones leave out the
+        scheme, which browsers don't. With an IP address that is safe, since no page comes from
+        here. A name may be an attacker's, who has it lead to this machine once the page is loaded
+        (DNS rebinding).
         """
         normal = _normal(origin)
         if "://" not in normal and normal != "null":
@@ -53,18 +54,15 @@ class Origins:
 
 
 def _normal(origin: str) -> str:
-    """Return an origin as browsers send it: in small letters, without the port that is usual."""
+    """Return an origin as browsers send it: in lower case, without the default port."""
     origin = origin.lower()
     return origin.removesuffix(_USUAL_PORTS.get(origin.partition("://")[0], "/"))
 
 
 def _is_number(host: str) -> bool:
     """Whether a Host header has an IP address, not a name."""
-    found = _HOST.fullmatch(host)
-    if found is None:
-        return False
     try:
-        ipaddress.ip_address(found["six"] or found["four"] or "")
+        ipaddress.ip_address(urlsplit(f"//{host}").hostname or "")
     except ValueError:
         return False
     return True

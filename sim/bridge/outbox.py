@@ -16,8 +16,8 @@ USUAL_QUEUE = 100
 MOST_REPLIES = 1000
 """Answers and status messages that may wait; a client that reads none of them is disconnected."""
 
-Item = tuple[str, ...]
-"""One message in one piece, or in fragments that belong together."""
+Item = tuple[str, int | None]
+"""A message, and the size of the fragments that it is to be sent in, if any (characters)."""
 
 
 class Stream:
@@ -42,28 +42,28 @@ class Outbox:
         self._replies = Stream(MOST_REPLIES)
         self._order: deque[Stream] = deque()
         self._filled = asyncio.Event()
-        self._under_way: Item = ()
+        self._under_way: Item | None = None
 
     def __len__(self) -> int:
         return len(self._order)
 
-    def reply(self, item: Item) -> None:
+    def reply(self, text: str, fragment_size: int | None = None) -> None:
         """Add an answer; a client for which too many wait is disconnected."""
         if len(self._replies.waiting) >= MOST_REPLIES:
             self._account.refuse(f"{MOST_REPLIES} answers wait to be read")
-        self._put(self._replies, item)
+        self._put(self._replies, (text, fragment_size))
 
-    def put(self, stream: Stream, item: Item) -> None:
+    def put(self, stream: Stream, text: str, fragment_size: int | None = None) -> None:
         """Add a topic's message, and drop the oldest ones of the topic where too many wait."""
         while len(stream.waiting) >= stream.limit:
-            self._account.add(-_size(stream.waiting.popleft()))
+            self._count(stream.waiting.popleft(), -1)
             self._order.remove(stream)
-        self._put(stream, item)
+        self._put(stream, (text, fragment_size))
 
     def drop(self, stream: Stream) -> None:
         """Drop the messages of a topic."""
-        self._account.add(-sum(map(_size, stream.waiting)))
-        stream.waiting.clear()
+        while stream.waiting:
+            self._count(stream.waiting.popleft(), -1)
         self._order = deque(one for one in self._order if one is not stream)
 
     def clear(self) -> None:
@@ -73,8 +73,9 @@ class Outbox:
 
     async def get(self) -> Item:
         """Return the next message, as soon as there is one."""
-        self._account.add(-_size(self._under_way))
-        self._under_way = ()
+        if self._under_way is not None:
+            self._count(self._under_way, -1)
+            self._under_way = None
         while not self._order:
             self.idle.set()
             self._filled.clear()
@@ -83,13 +84,12 @@ class Outbox:
         return self._under_way
 
     def _put(self, stream: Stream, item: Item) -> None:
-        self._account.add(_size(item))
+        self._count(item, 1)
         if not self._account.is_closed:
             stream.waiting.append(item)
             self._order.append(stream)
             self._filled.set()
             self.idle.clear()
 
-
-def _size(item: Item) -> int:
-    return sum(map(size_of, item))
+    def _count(self, item: Item, sign: int) -> None:
+        self._account.add(sign * size_of(item[0]))

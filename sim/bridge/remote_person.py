@@ -14,22 +14,9 @@ from ..core.rules import Notice
 from ..core.scenario import PersonEntry, Scenario
 from ..people.minds import Mind, Percepts
 from ..people.person import MindError
+from . import human_topics as topics
 from .connection import Connection
-from .human_topics import (
-    ACTION,
-    BLOCKED,
-    BOOL,
-    DETECTED,
-    GO_HOME,
-    GOAL,
-    PERCEPTS,
-    POINT,
-    REACHED,
-    START,
-    STOP,
-    STRING,
-    UNSAFE,
-)
+from .human_topics import BLOCKED, BOOL, DETECTED, PERCEPTS, STRING
 from .readings import NOWHERE
 
 Place = tuple[float, float]
@@ -86,8 +73,9 @@ class RemotePerson:
             connection.subscribe(
                 f"/ariac/{name}_status", "ariac_msgs/AGVStatus", partial(self._place_agv, name)
             )
+        ours = [topic for topic in (DETECTED, BLOCKED) if topic in offered]
         connection.subscribe("/ariac_human/state", "ariac_msgs/HumanState", self._see)
-        for topic in (REACHED, UNSAFE, *({DETECTED, BLOCKED} & set(offered)), START):
+        for topic in (topics.REACHED, topics.UNSAFE, *ours, topics.START):
             connection.subscribe(topic, STRING if topic == BLOCKED else BOOL, self._hear(topic))
 
     def _hear(self, topic: str) -> Callable[[dict[str, Any]], None]:
@@ -168,9 +156,9 @@ class RemotePerson:
         if name in ("teleport_safe", "teleport_agv"):
             self._ahead.clear()
             self._noticing.start_over(self._now())
-            return self._send(GO_HOME, BOOL, data=name == "teleport_safe")
-        if ACTION in self._offered:
-            return self._send(ACTION, STRING, data=str(action))
+            return self._send(topics.GO_HOME, BOOL, data=name == "teleport_safe")
+        if topics.ACTION in self._offered:
+            return self._send(topics.ACTION, STRING, data=str(action))
         if name not in self._unavailable:
             self._unavailable.add(name)
             self._notice(f"{self.name}: the other end offers no topic for {name}")
@@ -191,7 +179,7 @@ class RemotePerson:
 
     def _stop(self) -> bool:
         self._ahead.clear()
-        return self._send(STOP, BOOL, data=True)
+        return self._send(topics.STOP, BOOL, data=True)
 
     def _go(self, goal: Place) -> bool:
         if not self._waypoints:
@@ -205,7 +193,7 @@ class RemotePerson:
         return self._send_goal(self._ahead.pop(0))
 
     def _send_goal(self, goal: Place) -> bool:
-        return self._send(GOAL, POINT, x=goal[0], y=goal[1], z=0.0)
+        return self._send(topics.GOAL, topics.POINT, x=goal[0], y=goal[1], z=0.0)
 
     def _send(self, topic: str, type_: str, **message: Any) -> bool:
         self._connection.publish(topic, type_, message)

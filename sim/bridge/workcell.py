@@ -68,18 +68,11 @@ class Workcell(Listener):
         self.outside: Outside | None = None
         self._asked = False
         if self.person is not None:
-            if isinstance(self.person.mind, Outside):
-                self.outside = self.person.mind
-                self.outside.called = self._ask
-            self.human = HumanTopics(
-                self.person,
-                trial.floorplan,
-                simulation.referee,
-                exchange,
-                self.admit,
-                outside=self.outside,
-            )
-        self._frames = list(self._named_frames())
+            self.human = HumanTopics(self.person, simulation, exchange, self.admit)
+            self.outside = self.human.outside
+        if self.outside is not None:
+            self.outside.called = self._ask
+        self._frames = self._named_frames()
         self.enter(READY)
         self.publish()
 

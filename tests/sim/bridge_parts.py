@@ -2,6 +2,9 @@
 
 import asyncio
 import json
+import signal
+import subprocess
+import sys
 import threading
 import time
 from contextlib import contextmanager
@@ -27,72 +30,76 @@ def trial(personality="external", duration=275.0, start=0.0, controller="parked"
     return sim.Trial.parse(text)
 
 
-class Served:
-    """A session under way: where it is, what it said, and what came of it."""
+class InThread:
+    """An event loop in a thread of its own that runs `main(opened)`, which calls `opened()`."""
 
-    def __init__(self, a_trial, listeners, speed, hold):
-        self.exchange = Exchange()
-        self.workcell = Workcell(a_trial, self.exchange, *listeners)
-        self.notices = []
-        self.url = None
+    def __init__(self, main):
         self.failure = None
-        self.cpu = 0.0
-        self._opened = threading.Event()
         self._loop = asyncio.new_event_loop()
-        self._task = None
-        self._thread = threading.Thread(target=self._run, args=(speed, hold), daemon=True)
+        self._opened = threading.Event()
+        self._task = self._loop.create_task(main(self._opened.set))
+        self._thread = threading.Thread(target=self._run, daemon=True)
         self._thread.start()
         assert self._opened.wait(30)
 
-    def _run(self, speed, hold):
-        async def main():
-            self.session = Session(
-                self.workcell, self.exchange, speed=speed, hold=hold, notice=self._hear
-            )
-            self._task = asyncio.current_task()
-            await self.session.open(port=0)
-            await self.session.run()
-
+    def _run(self):
         try:
-            self._loop.run_until_complete(main())
+            self._loop.run_until_complete(self._task)
         except asyncio.CancelledError:
             pass
         except Exception as why:
             self.failure = why
         finally:
-            self.cpu = time.thread_time()
             self._loop.close()
 
-    def _hear(self, text):
-        self.notices.append(text)
-        if text.startswith("serving "):
-            self.url = text.removeprefix("serving ")
-            self._opened.set()
-
-    @property
-    def now(self):
-        return self.workcell.now
-
     def do(self, action):
-        """Run `action` in the session's own thread, and hand its result over."""
+        """Run `action` in that thread, and hand its result over."""
 
         async def run():
             return action()
 
         return asyncio.run_coroutine_threadsafe(run(), self._loop).result(30)
 
-    def join(self, timeout=120):
-        """Wait for the end; the run."""
+    def join(self, timeout):
+        """Wait for the end of `main`; return whether it came."""
         self._thread.join(timeout)
-        assert not self._thread.is_alive(), f"still at t = {self.now} s: {self.notices}"
-        if self.failure is not None:
-            raise self.failure
-        return self.workcell.simulation.finish()
+        return not self._thread.is_alive()
 
     def stop(self):
         if self._thread.is_alive():
             self._loop.call_soon_threadsafe(self._task.cancel)
             self._thread.join(30)
+
+
+class Served:
+    """A session under way: its address, its notices, and its run."""
+
+    def __init__(self, a_trial, listeners, speed, hold):
+        self.exchange = Exchange()
+        self.workcell = Workcell(a_trial, self.exchange, *listeners)
+        self.notices = []
+
+        async def main(opened):
+            self.session = Session(
+                self.workcell, self.exchange, speed=speed, hold=hold, notice=self.notices.append
+            )
+            self.url = f"ws://127.0.0.1:{await self.session.open(port=0)}"
+            opened()
+            await self.session.run()
+
+        self._thread = InThread(main)
+        self.do, self.stop = self._thread.do, self._thread.stop
+
+    @property
+    def now(self):
+        return self.workcell.now
+
+    def join(self):
+        """Wait for the end; the run."""
+        assert self._thread.join(120), f"still at t = {self.now} s: {self.notices}"
+        if self._thread.failure is not None:
+            raise self._thread.failure
+        return self.workcell.simulation.finish()
 
 
 @contextmanager
@@ -111,37 +118,81 @@ def relay(**options):
 
     `options` are those of a server.
     """
-    loop = asyncio.new_event_loop()
-    opened = threading.Event()
-    address = []
+    at = listen_at("127.0.0.1", 0)
 
-    async def main():
+    async def main(opened):
         server = RosbridgeServer(Exchange(), left=lambda _: None, failed=print, **options)
-        at = listen_at("127.0.0.1", 0)
         await server.open(at)
-        address.append(f"ws://127.0.0.1:{at.getsockname()[1]}")
-        opened.set()
+        opened()
         try:
             await asyncio.Event().wait()
         finally:
             await server.close()
 
-    task = loop.create_task(main())
-
-    def run():
-        try:
-            loop.run_until_complete(task)
-        except asyncio.CancelledError:
-            loop.close()
-
-    thread = threading.Thread(target=run, daemon=True)
-    thread.start()
-    assert opened.wait(30)
+    thread = InThread(main)
     try:
-        yield address[0]
+        yield f"ws://127.0.0.1:{at.getsockname()[1]}"
     finally:
-        loop.call_soon_threadsafe(task.cancel)
-        thread.join(30)
+        thread.stop()
+
+
+class Command:
+    """`floorwalker bridge` in a process of its own: its address, and what it says on stderr."""
+
+    def __init__(self, folder, *arguments, **options):
+        command = [sys.executable, "-m", "sim.cli", "bridge", *arguments]
+        if "--connect" not in arguments:
+            command += ["--port", "0", "--out", "out"]
+        self.process = subprocess.Popen(
+            command,
+            cwd=folder,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            **options,
+        )
+        self.notices = []
+        self._listening = threading.Thread(target=self._listen, daemon=True)
+        self._listening.start()
+
+    def _listen(self):
+        for line in self.process.stderr:
+            self.notices.append(line.rstrip("\n"))
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *why):
+        self.process.kill()
+        self.finish()
+        self.process.stdout.close()
+        self.process.stderr.close()
+
+    @property
+    def url(self):
+        """The address, once it is served."""
+        (line,) = self.wait_for(lambda: [n for n in self.notices if n.startswith("serving")])
+        return line.removeprefix("serving ")
+
+    def wait_for(self, holds, seconds=60):
+        """What `holds` returns, once that is something."""
+        deadline = time.monotonic() + seconds
+        while not (found := holds()):
+            assert time.monotonic() < deadline and self.process.poll() is None, self.notices
+            time.sleep(0.01)
+        return found
+
+    def interrupt(self):
+        """Press Ctrl-C; the exit code."""
+        self.process.send_signal(signal.SIGINT)
+        return self.finish()[0]
+
+    def finish(self):
+        """Wait for the end; the exit code, and what was printed."""
+        printed = self.process.stdout.read()
+        code = self.process.wait(60)
+        self._listening.join(10)
+        return code, printed
 
 
 class Client:

@@ -1,13 +1,9 @@
 """The command `floorwalker bridge`: both ends of it, and what it says when something is wrong."""
 
 import json
-import re
-import subprocess
-import sys
-import threading
 
 import pytest
-from bridge_parts import Client, relay, require_whole
+from bridge_parts import Client, Command, relay, require_whole
 
 OUTSIDE = """
 floorplan: ariac2023
@@ -24,58 +20,32 @@ def folder(tmp_path):
     return tmp_path
 
 
-def begin(folder, *arguments):
-    return subprocess.Popen(
-        [sys.executable, "-m", "sim.cli", "bridge", *arguments],
-        cwd=folder,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
-
-
-def run(folder, *arguments):
-    process = begin(folder, *arguments)
-    output, notices = process.communicate(timeout=60)
-    return process.returncode, output, notices
-
-
 def test_both_ends_of_a_bridge(folder):
-    server = begin(folder, "outside.yaml", "--speed", "0", "--port", "0", "--out", "out")
-    url = re.fullmatch(r"serving (ws://127\.0\.0\.1:\d+)\n", server.stderr.readline()).group(1)
-    code, output, notices = run(
-        folder, "outside.yaml", "--connect", url, "--personality", "indifferent"
-    )
-    assert (code, notices) == (0, f"connected to {url}\n")
-    actions = [json.loads(line) for line in output.splitlines()]
-    assert actions[0] == {"t": 0.0, "action": "move(-10.8,-3.75,0)"}
-    report, notices = server.communicate(timeout=60)
-    assert server.returncode == 0, notices
+    with Command(folder, "outside.yaml", "--speed", "0") as server:
+        connect = ("--connect", server.url, "--personality", "indifferent")
+        with Command(folder, "outside.yaml", *connect) as agent:
+            code, output = agent.finish()
+        assert (code, agent.notices) == (0, [f"connected to {server.url}"])
+        actions = [json.loads(line) for line in output.splitlines()]
+        assert actions[0] == {"t": 0.0, "action": "move(-10.8,-3.75,0)"}
+        code, report = server.finish()
+    assert code == 0, server.notices
     # Whether it had time to stand still depends on how soon the agent came.
-    alone = "stands still at t = 0.0 s: there is no agent\n"
-    assert notices.removeprefix(alone) == "the trial begins\n"
+    alone = "stands still at t = 0.0 s: there is no agent"
+    assert [told for told in server.notices[1:] if told != alone] == ["the trial begins"]
     assert "station4" in report
     require_whole(folder / "out")
 
 
 def test_a_run_that_is_interrupted_is_kept(folder):
-    server = begin(folder, "outside.yaml", "--port", "0", "--speed", "20", "--out", "out")
-    notices = []
-    url = server.stderr.readline().split()[-1]
-    listening = threading.Thread(target=lambda: notices.extend(server.stderr), daemon=True)
-    listening.start()
-    with Client(url) as agent:
-        agent.subscribe("/ariac/start_human", "/clock")
-        agent.hear_until(lambda said: said["topic"] == "/clock" and said["msg"]["clock"]["sec"])
-    while not any("stands still at t = 0.0" not in text for text in notices[1:]):
-        listening.join(0.05)
-    server.send_signal(2)
-    assert server.wait(30) == 130
-    listening.join(10)
-    server.stdout.close()
-    server.stderr.close()
+    with Command(folder, "outside.yaml", "--speed", "20") as server:
+        with Client(server.url) as agent:
+            agent.subscribe("/ariac/start_human", "/clock")
+            agent.hear_until(lambda said: said["topic"] == "/clock" and said["msg"]["clock"]["sec"])
+        server.wait_for(lambda: "stands still at t = 0.0" not in server.notices[-1])
+        assert server.interrupt() == 130
     require_whole(folder / "out")
-    assert "what happened is kept" in notices[-1]
+    assert "what happened is kept" in server.notices[-1]
 
 
 def test_what_is_wrong_is_told_and_leaves_no_folder_behind(folder, floorwalker):
@@ -97,11 +67,7 @@ def test_what_is_wrong_is_told_and_leaves_no_folder_behind(folder, floorwalker):
 
 
 def test_another_host_is_served_with_a_notice(folder):
-    server = begin(folder, "outside.yaml", "--host", "0.0.0.0", "--port", "0", "--out", "out")
-    first, second = server.stderr.readline(), server.stderr.readline()
-    server.send_signal(2)
-    assert server.wait(30) == 130
-    server.stdout.close()
-    server.stderr.close()
-    assert "everybody who can reach 0.0.0.0 can take part" in first
-    assert second.startswith("serving ws://0.0.0.0:")
+    with Command(folder, "outside.yaml", "--host", "0.0.0.0") as server:
+        assert server.url.startswith("ws://0.0.0.0:")
+        assert server.interrupt() == 130
+    assert "everybody who can reach 0.0.0.0 can take part" in server.notices[0]

@@ -1,12 +1,16 @@
 """Whatever a client does, nobody else is disturbed, memory is bounded, and the recording whole."""
 
 import json
+import random
+import re
 import socket
 import struct
+import threading
 import time
+from pathlib import Path
 
 import pytest
-from bridge_parts import Client, require_whole, served, trial
+from bridge_parts import Client, Command, require_whole, served, trial
 from websockets.exceptions import ConnectionClosed
 
 import sim
@@ -108,3 +112,78 @@ def test_half_open_connections_are_nobody_s_concern(busy):
     require_undisturbed(busy)
     for half in quiet:
         half.close()
+
+
+SAMPLES = Path(__file__).parents[1] / "damaged_files" / "samples" / "to_server.jsonl"
+ODDITIES = ["", "null", "-1", "1e308", "NaN", "[]", "{}", '"none"', '"', "}", "9" * 400, "\ud800"]
+FUZZED = """
+floorplan: ariac2023
+duration: 100000.0
+people: [{name: operator, personality: external}]
+gantry: {controller: external}
+"""
+
+
+def random_message(chances):
+    """A sound message, one with oddities in the place of its values, or nothing but bytes."""
+    if chances.random() < 0.1:
+        return chances.randbytes(chances.randint(0, 200))
+    text = chances.choice(SAMPLES.read_text().splitlines())
+    for value in chances.sample(re.findall(r'"[^"]*"|[-\d.]+', text), chances.choice([0, 1, 1, 3])):
+        text = text.replace(value, chances.choice(ODDITIES), 1)
+    return text.encode("utf-8", "surrogatepass")
+
+
+def fuzz(url, seed, deadline):
+    """Connect, say all sorts of things, and go, in all sorts of ways, until the deadline."""
+    chances = random.Random(seed)
+    while time.monotonic() < deadline:
+        try:
+            with Client(url, max_queue=chances.choice([1, 16])) as client:
+                for _ in range(chances.randint(1, 2000)):
+                    client.socket.send(random_message(chances), text=chances.random() < 0.8)
+                    if chances.random() < 0.05:
+                        client.socket.recv(0.01)
+                    if time.monotonic() > deadline:
+                        break
+                if chances.random() < 0.3:
+                    client.socket.socket.close()
+        except (ConnectionClosed, OSError):
+            continue
+
+
+@pytest.mark.slow
+def test_a_minute_of_nonsense_from_several_clients_disturbs_nobody(tmp_path):
+    (tmp_path / "fuzzed.yaml").write_text(FUZZED)
+    with Command(tmp_path, "fuzzed.yaml", "--speed", "5") as server, Client(server.url) as good:
+        good.subscribe("/ariac/start_human", "/clock")
+        type_ = "trajectory_msgs/JointTrajectory"
+        good.send(op="advertise", topic="/gantry_controller/joint_trajectory", type=type_)
+        good.message("/clock")
+        before = resident(server.process.pid)
+        deadline = time.monotonic() + 65
+        fuzzers = [
+            threading.Thread(target=fuzz, args=(server.url, seed, deadline)) for seed in range(3)
+        ]
+        for fuzzer in fuzzers:
+            fuzzer.start()
+        ticks, peak = 0, before
+        while any(fuzzer.is_alive() for fuzzer in fuzzers):
+            good.message("/clock")
+            ticks += 1
+            if ticks % 50 == 0:
+                peak = max(peak, resident(server.process.pid))
+        assert server.process.poll() is None, server.notices
+        assert ticks > 1000
+        assert peak - before < 200e6
+        assert server.interrupt() == 130
+    assert not [line for line in server.notices if "Traceback" in line or "Error" in line]
+    require_whole(tmp_path / "out")
+
+
+def resident(pid):
+    """The memory of a process, bytes."""
+    status = Path(f"/proc/{pid}/status")
+    if not status.exists():
+        return 0
+    return int(re.search(r"VmRSS:\s+(\d+)", status.read_text()).group(1)) * 1024
