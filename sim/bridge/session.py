@@ -127,7 +127,7 @@ class Session:
 
     async def _keep_pace(self) -> None:
         loop = asyncio.get_running_loop()
-        self._walk_on()
+        self._continue()
         self._catch_up()
         if self._is_over:
             return
@@ -143,13 +143,13 @@ class Session:
 
     async def _step(self) -> None:
         """Go on to the next tick or decision, and let all clients act on it."""
-        self._walk_on()
+        self._continue()
         self._advance_to(self._next_tick)
         await self.server.flush(PATIENCE)
-        players = [client for client in self.server.clients if self._plays(client)]
+        drivers = [client for client in self.server.clients if self._drives(client)]
         # Twice: a client may answer a ping before it sends what the messages before made it say.
         for _ in range(2):
-            for client in players:
+            for client in drivers:
                 await self.server.reached(client, PATIENCE)
         await asyncio.sleep(0)
 
@@ -213,7 +213,7 @@ class Session:
             or not client.advertised.isdisjoint(COMMANDS)
         )
 
-    def _plays(self, client: Client) -> bool:
+    def _drives(self, client: Client) -> bool:
         return self._is_agent(client) or _is_controller(client)
 
     def _left(self, client: Client) -> None:
@@ -233,7 +233,7 @@ class Session:
     def _resume(self) -> None:
         self._resumed = (self._workcell.now, asyncio.get_running_loop().time())
 
-    def _walk_on(self) -> None:
+    def _continue(self) -> None:
         if not self._standing:
             return
         self._standing = False
@@ -289,7 +289,7 @@ class Session:
         while not self._is_over:
             if await self._stood_still():
                 continue
-            self._walk_on()
+            self._continue()
             if self._advance_to(self._next_tick):
                 break
             await self.server.flush(PATIENCE)
