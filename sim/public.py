@@ -21,8 +21,10 @@ from .machines.gantry.controllers import (
 from .machines.gantry.drive import Steps
 from .machines.gantry.robot import GantryRobot, Sighting
 from .machines.gantry.tasks import Handling, Step, Task, Tasks
-from .people.minds import Mind, Outside, Percepts
-from .people.person import MindError, Person
+from .people.actions import MindError
+from .people.minds import Mind, Outside
+from .people.percepts import Percepts
+from .people.person import Person
 from .record.social_metrics import metrics
 from .runs.recording import Recording
 from .runs.run import Recorded, Run

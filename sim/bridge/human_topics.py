@@ -14,8 +14,9 @@ import shapely
 import bdi
 
 from ..core.recorder import Event
+from ..people.actions import MindError
 from ..people.minds import Outside
-from ..people.person import MindError, Person
+from ..people.person import Person
 from ..simulation import Simulation
 from .client import Client
 from .exchange import Admit, Exchange, RefusedError, Values
@@ -147,6 +148,6 @@ class HumanTopics:
 
     def _penalise(self, _: Client, __: Values) -> Values:
         self._admit("penalty")
-        counted = self._referee.penalise(self._person.walker.body)
+        counted = self._referee.penalise(self._person)
         effect = "a penalty, and the gantry is disabled" if counted else "counted already"
         return {"success": True, "message": f"{effect}; penalties: {self._referee.penalties}"}

@@ -12,8 +12,9 @@ from navigation import CollisionWorld, PathPlanner, PlanningError
 
 from ..core.rules import Notice
 from ..core.scenario import PersonEntry, Scenario
-from ..people.minds import Mind, Percepts
-from ..people.person import MindError
+from ..people.actions import MindError
+from ..people.minds import Mind
+from ..people.percepts import Percepts
 from . import human_topics as topics
 from .connection import Connection
 from .human_topics import BLOCKED, BOOL, DETECTED, PERCEPTS, STRING

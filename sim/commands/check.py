@@ -127,7 +127,7 @@ def _trial(trial: object, file: str) -> str:
 def _warn_of_short_laws(trial: Trial, file: str) -> None:
     """Warn, at its place, of a rule set that counts on shorter stops than machines may take."""
     import floorplan
-    from sim.safety.law_audit import in_words, short_laws
+    from sim.machines.law_audit import in_words, short_laws
 
     found = short_laws(trial)
     if not found:

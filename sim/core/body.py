@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Literal
 
 from navigation import Motion, State, Track
 
@@ -14,20 +13,21 @@ from .plans import Plans
 JUMP = 1e-6
 """Metres. A body that is further than this from where it was has been put there."""
 
-Kind = Literal["person", "gantry", "agv"]
+PERSON = "person"
+"""The kind of a body that is a person's; that of a machine's is the machine's."""
 
 
 class Body:
     """Something that moves: what it does now, and what it did."""
 
-    def __init__(self, clock: Clock, name: str, kind: Kind, motion: Motion) -> None:
+    def __init__(self, clock: Clock, name: str, kind: str, motion: Motion) -> None:
         self.name = name
-        self.kind: Kind = kind
+        self.kind = kind
         self.motion = motion
         self.on_change: list[Callable[[], None]] = []
         self.on_jump: list[Callable[[], None]] = []
         self.on_record: Callable[[Body, Motion], None] | None = None
-        self._clock = clock
+        self.clock = clock
         self._track = Track()
         self._since = clock.now
 
@@ -37,7 +37,7 @@ class Body:
     @property
     def state(self) -> State:
         """Where it is and how it moves now."""
-        return self.motion.state(self._clock.now)
+        return self.motion.state(self.clock.now)
 
     @property
     def at(self) -> tuple[float, float]:
@@ -50,7 +50,7 @@ class Body:
         `on_jump` is called where the body is put elsewhere by it, `on_change` in any case.
         """
         self.settle()
-        before, after = self.at, motion.state(self._clock.now).at
+        before, after = self.at, motion.state(self.clock.now).at
         self.motion = motion
         if math.dist(before, after) > JUMP:
             for jumped in self.on_jump:
@@ -60,7 +60,7 @@ class Body:
 
     def settle(self) -> None:
         """Add what was done until now to its track."""
-        now = self._clock.now
+        now = self.clock.now
         if now > self._since:
             done = self.motion.cut(self._since, now)
             self._since = now
@@ -75,6 +75,6 @@ class Body:
 
     def remember_plans(self) -> Plans:
         """From now on, what it was about to do at every instant, whatever came of it."""
-        plans = Plans(self._clock.now, self.motion)
-        self.on_change.append(lambda: plans.add(self._clock.now, self.motion))
+        plans = Plans(self.clock.now, self.motion)
+        self.on_change.append(lambda: plans.add(self.clock.now, self.motion))
         return plans

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import dataclasses
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from types import NoneType, UnionType
 from typing import (
     Annotated,
@@ -86,7 +87,7 @@ class EventKind:
         if known.__module__ == __name__ != cls.__module__:
             raise TypeError(f"there is a kind of event {kind!r} already; take another name")
         hints = get_type_hints(dataclass(frozen=True, kw_only=True)(cls), include_extras=True)
-        declared = fields(cast(Any, cls))
+        declared = dataclasses.fields(cast(Any, cls))
         reserved = {"t", *vars(EventKind), *EventKind.__annotations__}
         for name in reserved.intersection(field.name for field in declared):
             raise TypeError(f"{kind}: no field of an event can be called {name!r}")
@@ -102,11 +103,16 @@ class EventKind:
         """Return the event whose fields are `named` as in recordings."""
         return cls(**{cls._here[name]: value for name, value in named.items()})
 
-    def recorded(self) -> dict[str, Any]:
-        """Return the event as a recording has it, but for its time."""
+    @property
+    def fields(self) -> dict[str, Any]:
+        """The fields as recordings name them; optional ones without a value are left out."""
         values = {name: getattr(self, here) for name, here in self._here.items()}
         there = (name for name in values if values[name] is not None or name not in self.optional)
-        return {"kind": self.kind, **{name: values[name] for name in there}}
+        return {name: values[name] for name in there}
+
+    def recorded(self) -> dict[str, Any]:
+        """Return the event as a recording has it, but for its time."""
+        return {"kind": self.kind, **self.fields}
 
 
 _PLAIN: dict[Any, Form] = {
@@ -231,10 +237,13 @@ class GantryDisabled(EventKind):
     """The gantry brakes, and stands for `seconds`, for a penalty."""
 
     seconds: float
+    machine: _Machine | None = None
 
 
 class GantryEnabled(EventKind):
     """The gantry may move again."""
+
+    machine: _Machine | None = None
 
 
 class AgvMoved(EventKind):
@@ -264,6 +273,7 @@ class JobStarted(EventKind):
     to: _Place | None = None
     quadrant: int | None = None
     order: _Order | None = None
+    machine: _Machine | None = None
 
 
 class JobDone(JobStarted):
@@ -292,6 +302,7 @@ class RobotMalfunction(EventKind):
     """The gantry stands for `seconds`: a challenge of an ARIAC trial."""
 
     seconds: float
+    machine: _Machine | None = None
 
 
 class PathBlocked(EventKind):

@@ -3,11 +3,23 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
-from floorplan import Lane, suggestion
-from navigation import AnyLaw, FixedDistance, Scaled, SeparationLaw
+from floorplan import Point, suggestion
+from navigation import (
+    AnyLaw,
+    Both,
+    Condition,
+    FixedDistance,
+    Moving,
+    Scaled,
+    SeparationLaw,
+    TooClose,
+)
+
+from .machine import MachineShape
 
 MachineMeasure = Literal["none", "stop", "disable"]
 """What a violation does to the machine."""
@@ -38,7 +50,7 @@ class Notice:
 class RuleSet:
     """The figures of a competition or a standard; times in seconds, lengths in metres.
 
-    A violation is a person nearer to the gantry than `gantry_law` requires, or nearer to an AGV
+    A violation is a person nearer to a robot than `gantry_law` requires, or nearer to a vehicle
     that moves than `agv_law` requires. What it does to the `machine` is one of
 
     - "none";
@@ -53,7 +65,7 @@ class RuleSet:
     violations and teleported at most every so many seconds; one that still lasts then counts anew.
 
     Distances to an AGV are measured to the point that lies `agv_offset` along its lane from its
-    centre.
+    centre. `laws` holds other laws for some machines, by their names or kinds.
     """
 
     name: str
@@ -69,13 +81,38 @@ class RuleSet:
     report_every: float | None = None
     pause_after_violation: float = 8.0
     pause_after_agv: float = 8.0
+    laws: Mapping[str, AnyLaw] = field(default_factory=dict, hash=False)
 
-    def measured_at(self, lane: Lane) -> tuple[float, float]:
-        """Return where distances to the AGV on `lane` are measured to, from its centre.
+    def law_of(self, machine: MachineShape) -> AnyLaw:
+        """Return the law that holds between people and `machine`.
 
-        Metres along x and y.
+        The one of its name in `laws`, else the one of its kind; else the one of its category,
+        `gantry_law` for robots and `agv_law` for vehicles.
         """
-        along_x, along_y = lane.direction
+        return self.law_and_key_of(machine)[1]
+
+    def law_and_key_of(self, machine: MachineShape) -> tuple[str, AnyLaw]:
+        """Return the law that holds between people and `machine`, and its key in a rules file."""
+        for name in (machine.name, machine.kind):
+            if name in self.laws:
+                return f"laws.{name}", self.laws[name]
+        if machine.category == "robot":
+            return "gantry_law", self.gantry_law
+        return "agv_law", self.agv_law
+
+    def condition_of(self, machine: MachineShape) -> Condition:
+        """Return the condition under which a person and `machine` violate the rules.
+
+        A vehicle that stands violates nothing.
+        """
+        too_close = TooClose(self.law_of(machine))
+        return Both(Moving(), too_close) if machine.category == "vehicle" else too_close
+
+    def measured_at(self, machine: MachineShape) -> Point:
+        """Return where distances to `machine` are measured to, from its axis (metres)."""
+        if machine.category == "robot" or machine.direction is None:
+            return (0.0, 0.0)
+        along_x, along_y = machine.direction
         return (self.agv_offset * along_x, self.agv_offset * along_y)
 
 

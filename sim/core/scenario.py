@@ -10,6 +10,7 @@ from typing import Any, Literal
 import bdi
 from floorplan import Floorplan, InputError, Problem, SafeZone
 
+from .machine_model import MachineModel
 from .rules import PAPER, RuleSet
 from .start import AT_ONCE, Start
 from .workload import Workload
@@ -118,7 +119,8 @@ class AgvMove:
 class Scenario:
     """Everything that decides a run. The same scenario gives the same run, byte for byte.
 
-    The AGVs named in `yielding` yield to people. Files are looked up from `folder`;
+    `machines` are those beside the floorplan's own gantry and AGVs. The AGVs named in `yielding`
+    yield to people. Files are looked up from `folder`;
     `floorplan_source` is the name or file that the floorplan was read from, or empty if it came
     from no file. `workload` are the orders of an ARIAC trial; `until_submitted` ends the run as
     soon as they are all submitted, or without a workload those of the gantry's jobs. `notices` are
@@ -136,6 +138,7 @@ class Scenario:
     gantry: GantryEntry = GantryEntry()
     agvs: dict[str, tuple[AgvMove, ...]] = field(default_factory=dict)
     yielding: frozenset[str] = frozenset()
+    machines: dict[str, MachineModel] = field(default_factory=dict)
     expect: dict[str, Any] = field(default_factory=dict)
     folder: Path = Path()
     floorplan_source: str = field(default="", compare=False)

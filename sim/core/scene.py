@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 from floorplan import Floorplan
 
-from .body import Kind
+from .body import PERSON
+from .machine import MachineShape
 from .rules import RuleSet
 
 Pose = tuple[float, float, float]
@@ -30,7 +31,7 @@ class Figure:
 class Scene:
     """All that stays the same during a run, but is needed to draw or to judge it.
 
-    `starts` has the pose of every body at the beginning, in the order people, gantry, AGVs.
+    `starts` has the pose of every body at the beginning, people first, then `machines`.
     """
 
     trial: str
@@ -39,17 +40,19 @@ class Scene:
     rules: RuleSet
     people: tuple[Figure, ...]
     starts: dict[str, Pose]
+    machines: tuple[MachineShape, ...] = ()
 
-    def kind(self, body: str) -> Kind:
+    def kind(self, body: str) -> str:
         """What the body called `body` is; `KeyError` if there is none."""
         if body not in self.starts:
             raise KeyError(f"no body is called {body!r} (there are: {', '.join(self.starts)})")
         if any(person.name == body for person in self.people):
-            return "person"
-        return "gantry" if body == "gantry" else "agv"
+            return PERSON
+        return self.machine(body).kind
 
-    def measured_at(self, machine: str) -> tuple[float, float]:
-        """Return where distances to `machine` are measured to, from its centre (x, y in metres)."""
-        if self.kind(machine) != "agv":
-            return (0.0, 0.0)
-        return self.rules.measured_at(self.floorplan.lane(machine))
+    def machine(self, name: str) -> MachineShape:
+        """Return the machine called `name`; `KeyError` if there is none."""
+        for machine in self.machines:
+            if machine.name == name:
+                return machine
+        raise KeyError(f"no machine is called {name!r}")

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import partial
 from typing import Any
 
-from floorplan import Floorplan
-
-from ..core.clock import Clock
 from ..core.events import OrderAnnounced, OrderSubmitted, RobotMalfunction
-from ..core.recorder import Record
-from ..core.triggers import Triggers
+from ..core.machine import Machine
+from ..core.stage import Stage
 from ..core.workload import AssemblyTask, CombinedTask, KittingTask, Order, Workload
 from ..machines.agv.agv import Agv
 from ..machines.gantry.robot import GantryRobot
@@ -59,20 +56,19 @@ class Dispatcher:
 
     def __init__(
         self,
-        clock: Clock,
+        stage: Stage,
         workload: Workload,
-        plan: Floorplan,
-        *,
         gantry: GantryRobot,
-        agvs: Sequence[Agv],
-        triggers: Triggers,
-        record: Record,
         all_done: Callable[[], None],
     ) -> None:
+        plan = stage.floorplan
+        agvs = [machine for machine in stage.machines.values() if isinstance(machine, Agv)]
         self._fleet = Fleet(agvs)
-        self._clock = clock
+        self._stage = stage
+        self._clock = stage.clock
+        self._workload = workload
         self._gantry = gantry
-        self._record = record
+        self._record = stage.record
         self._all_done = all_done
         self._cell = Cell(plan, Inventory(workload, plan), self._fleet, gantry.handling)
         self._orders = {order.id: _Progress(order) for order in workload.orders}
@@ -83,10 +79,15 @@ class Dispatcher:
             order.task.tray for order in workload.orders if isinstance(order.task, KittingTask)
         }
         gantry.tasks.more_to_come = True
-        for order in workload.orders:
+
+    def begin(self) -> None:
+        """Wait for the announcements of orders, and for malfunctions."""
+        triggers = self._stage.triggers
+        self._stage.on_rest.append(self._came_to_rest)
+        for order in self._workload.orders:
             triggers.add(order.announcement, partial(self._announce, order))
-        for malfunction in workload.malfunctions:
-            stand = partial(gantry.drive.disable, malfunction.seconds, RobotMalfunction)
+        for malfunction in self._workload.malfunctions:
+            stand = partial(self._gantry.drive.disable, malfunction.seconds, RobotMalfunction)
             triggers.add(malfunction.start, stand)
 
     @property
@@ -99,10 +100,11 @@ class Dispatcher:
             "best_score": sum(figures["best"] for figures in orders.values()),
         }
 
-    def agv_stopped(self, agv: Agv) -> None:
-        """An AGV has come to rest: it may have been waited for."""
-        self._fleet.stopped(agv)
-        self._submit_orders()
+    def _came_to_rest(self, machine: Machine) -> None:
+        """An AGV that has come to rest may have been waited for."""
+        if isinstance(machine, Agv):
+            self._fleet.stopped(machine)
+            self._submit_orders()
 
     def _announce(self, order: Order) -> None:
         self._orders[order.id].announced = self._clock.now

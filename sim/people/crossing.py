@@ -1,11 +1,11 @@
-"""People whose way an AGV crosses while it drives: they let it pass."""
+"""People whose path a vehicle crosses while it drives: they let it pass."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
-from floorplan import Human, Lane
-from navigation import Cylinder, FixedDistance, Motion, Shapes, TooClose, agv_box, first_time
+from floorplan import Human
+from navigation import Cylinder, FixedDistance, Motion, Shapes, TooClose, first_time
 
 from ..core.clock import Alarm, Turn
 from ..safety.watches import Pair
@@ -20,21 +20,20 @@ GAP = 0.1
 class CrossingWatch:
     """Calls `let_pass(self)` in time if a person is about to walk into an AGV that drives."""
 
-    def __init__(
-        self, pair: Pair, human: Human, lane: Lane, let_pass: Callable[[CrossingWatch], None]
-    ) -> None:
+    def __init__(self, pair: Pair, human: Human, let_pass: Callable[[CrossingWatch], None]) -> None:
         self.pair = pair
         self._shapes = Shapes(
-            person=Cylinder(radius=human.radius, top=human.height), machine=(agv_box(lane),)
+            person=Cylinder(radius=human.radius, top=human.height),
+            machine=(pair.machine.shape.box,),
         )
         self._let_pass = let_pass
         self._alarm = Alarm(pair.clock, self._ring, Turn.NOTICE)
-        pair.person.on_change.append(self._reconsider)
-        pair.machine.on_change.append(self._reconsider)
+        for body in (pair.person.body, pair.machine.body):
+            body.on_change.append(self._reconsider)
 
     def touches(self, person: Motion) -> float | None:
         """When somebody who moves like this would be touched by the AGV (seconds), if ever."""
-        now, agv = self.pair.clock.now, self.pair.machine.motion
+        now, agv = self.pair.clock.now, self.pair.machine.body.motion
         if agv.end <= now:
             return None
         end = min(agv.end, self.pair.end)
@@ -42,7 +41,7 @@ class CrossingWatch:
         return first_time(close, person, agv, now, max(now, end), shapes=self._shapes)
 
     def _reconsider(self) -> None:
-        person = self.pair.person.motion
+        person = self.pair.person.body.motion
         walks = person.end > self.pair.clock.now
         touched = self.touches(person) if walks else None
         self._alarm.set(None if touched is None else max(self.pair.clock.now, touched - AHEAD))

@@ -13,6 +13,7 @@ from floorplan import Floorplan
 from ..core.body import Body
 from ..core.rules import RuleSet
 from ..core.scenario import PersonEntry, Scenario
+from ..core.stage import Stage
 from .programs import load_program
 
 MOST_CYCLES = 200_000
@@ -82,47 +83,6 @@ class Outside:
         return perceived
 
 
-class Percepts:
-    """What a mind is told, so that it doesn't grow for ever: of each functor only the latest."""
-
-    def __init__(self, mind: Mind) -> None:
-        self._mind = mind
-        self._counts: dict[str, int] = {}
-        self._latest: dict[str, bdi.Literal] = {}
-        self._unheard: set[str] = set()
-
-    def see(self, functor: str, *arguments: float) -> None:
-        """Perceive `functor(arguments)`, and no longer what was perceived of it before."""
-        percept = bdi.Literal(functor, tuple(map(float, arguments)))
-        before = self._latest.get(functor)
-        if before is not None:
-            self._mind.remove_percept(before)
-        self._latest[functor] = percept
-        self._unheard.add(functor)
-        self._mind.add_percept(percept)
-
-    def count(self, functor: str) -> None:
-        """Perceive `functor(N)`, with N the number of times that it was perceived before."""
-        n = self._counts.get(functor, 0)
-        self._counts[functor] = n + 1
-        self.see(functor, float(n))
-
-    def heard(self) -> None:
-        """The mind has thought about all of it."""
-        self._unheard.clear()
-
-    def pass_on(self, mind: Mind) -> Percepts:
-        """Tell another mind: how things are, what nobody has thought about, and count on."""
-        new = Percepts(mind)
-        new._counts = self._counts
-        for functor, percept in self._latest.items():
-            if functor not in self._counts or functor in self._unheard:
-                new._latest[functor] = percept
-                new._unheard.add(functor)
-                mind.add_percept(percept)
-        return new
-
-
 def make_agent(
     entry: PersonEntry,
     trial: Scenario,
@@ -158,22 +118,27 @@ def make_agent(
     )
 
 
-def live_beliefs(person: Body, gantry: Body | None, agvs: Sequence[Body]) -> bdi.LiveBeliefs:
-    """Where things are and how fast they move, whenever a person's program asks.
+def live_beliefs(person: Body, stage: Stage) -> bdi.LiveBeliefs:
+    """Return where things are and how fast they move, whenever a person's program asks.
 
-    `me(X, Y, V)`, `gantry(X, Y, V)` where there is one, `agv(Name, X, Y, V)`: metres and m/s.
+    `me(X, Y, V)`, `gantry(X, Y, V)` where there is one, `agv(Name, X, Y, V)` of every vehicle and
+    `machine(Name, Kind, X, Y, V)` of every machine: metres and m/s.
     """
 
     def of(body: Body) -> tuple[bdi.Term, ...]:
         state = body.state
         return (*state.at, state.speed)
 
-    live = {
+    live: dict[tuple[str, int], Callable[[], list[tuple[bdi.Term, ...]]]] = {
         ("me", 3): lambda: [of(person)],
-        ("agv", 4): lambda: [(_name(agv.name), *of(agv)) for agv in agvs],
+        ("agv", 4): lambda: [(_name(agv.name), *of(agv.body)) for agv in stage.vehicles],
+        ("machine", 5): lambda: [
+            (_name(one.name), _name(one.shape.kind), *of(one.body))
+            for one in stage.machines.values()
+        ],
     }
-    if gantry is not None:
-        live["gantry", 3] = lambda: [of(gantry)]
+    if any(stage.robots):
+        live["gantry", 3] = lambda: [of(robot.body) for robot in stage.robots]
     return live
 
 

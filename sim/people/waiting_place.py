@@ -1,43 +1,43 @@
-"""Where to wait beside a goal that an AGV stands on."""
+"""Where to wait beside a goal that a vehicle stands on."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from floorplan import Human
+from navigation import Disc
 
-from navigation import CollisionWorld, Disc
-
+from ..core.machine import Machine
+from ..core.stage import Stage
 from .walker import Place
 
 SPARE = 0.1
 """Metres. How much farther away than needed people wait."""
 
-_ZONE = "the zone that an AGV needs to set out"
+_ZONE = "the zone that a vehicle needs to set out"
 
 
 class WaitingPlaces:
-    """Finds where a person of a size waits beside a goal, so that the AGV there can leave.
+    """Finds where a person waits beside a goal, so that the vehicle there can leave."""
 
-    `zone(agv)` is how far from its centre a person must stand (metres) when it sets out.
-    """
+    def __init__(self, stage: Stage, human: Human) -> None:
+        self._stage = stage
+        self._world = stage.world
+        self._human = human
 
-    def __init__(self, world: CollisionWorld, radius: float, zone: Callable[[str], float]) -> None:
-        self._world = world
-        self._radius = radius
-        self._zone = zone
-
-    def occupant(self, goal: Place) -> str | None:
-        """The AGV that is all that keeps a person from standing at `goal`."""
-        lanes = [lane.name for lane in self._world.plan.lanes]
-        if not self._world.as_if(away=lanes).free(goal, self._radius):
+    def occupant(self, goal: Place) -> Machine | None:
+        """Return the vehicle that is all that keeps a person from standing at `goal`."""
+        radius, vehicles = self._human.radius, [*self._stage.vehicles]
+        names = [vehicle.name for vehicle in vehicles]
+        if not self._world.as_if(away=names).free(goal, radius):
             return None
-        for name in lanes:
-            others = [lane for lane in lanes if lane != name]
-            if not self._world.as_if(away=others).free(goal, self._radius):
-                return name
+        for vehicle in vehicles:
+            others = [name for name in names if name != vehicle.name]
+            if not self._world.as_if(away=others).free(goal, radius):
+                return vehicle
         return None
 
-    def beside(self, goal: Place, agv: str) -> Place | None:
-        """The place nearest to `goal` that is free, and out of the AGV's way when it leaves."""
-        centre = self._world.plan.lane(agv).position(self._world.agv_position(agv))
-        zone = Disc(centre, max(self._zone(agv) + SPARE - self._radius, SPARE))
-        return self._world.as_if({_ZONE: zone}).nearest_free(goal, self._radius)
+    def beside(self, goal: Place, vehicle: Machine) -> Place | None:
+        """Return the place nearest to `goal` that is free, and out of the vehicle's way."""
+        radius = self._human.radius
+        kept = vehicle.zone(self._human.max_speed) + SPARE - radius
+        zone = Disc(vehicle.centre, max(kept, SPARE))
+        return self._world.as_if({_ZONE: zone}).nearest_free(goal, radius)

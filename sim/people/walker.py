@@ -19,10 +19,10 @@ from navigation import (
     walk,
 )
 
-from ..core.body import Body
-from ..core.clock import Alarm, Clock, Turn
+from ..core.body import PERSON, Body
+from ..core.clock import Alarm, Turn
 from ..core.events import PathBlocked, Replanned
-from ..core.recorder import Record
+from ..core.stage import Stage
 
 REPORT_DELAY = 0.1
 """Seconds until somebody who is sent to where they are already says that they are there."""
@@ -38,28 +38,29 @@ class Walker:
 
     def __init__(
         self,
-        clock: Clock,
+        stage: Stage,
         name: str,
         human: Human,
         planner: PathPlanner,
         *,
         at: Place,
         heading: float,
-        record: Record,
         arrived: Callable[[Place], None],
     ) -> None:
         self.human = human
-        self.body = Body(clock, name, "person", standing(at, heading=heading, start=clock.now))
+        self.body = Body(
+            stage.clock, name, PERSON, standing(at, heading=heading, start=stage.clock.now)
+        )
         self.goal: Place | None = None
         self.speed_share = 1.0
         self.replans = 0
-        self._clock = clock
+        self._clock = stage.clock
         self._planner = planner
         self._known_ways: dict[tuple[Place, Place], list[Place]] = {}
         self._floor_known = planner.world.changes
-        self._record = record
+        self._record = stage.record
         self._arrived = arrived
-        self._arrival = Alarm(clock, self._arrive, Turn.MOTION_ENDS)
+        self._arrival = Alarm(stage.clock, self._arrive, Turn.MOTION_ENDS)
 
     @property
     def heading(self) -> float:

@@ -8,7 +8,7 @@ from operator import attrgetter
 from typing import Any, Literal
 
 from ..core import events
-from ..safety.law_audit import short_laws
+from ..machines.law_audit import short_laws
 from . import words
 from .finished import CAUSES
 from .social_metrics import DISTANCES, MOVEMENT, PROGRESS
@@ -179,7 +179,7 @@ FIGURES: dict[str, SummaryFigure] = {
         ),
         SummaryFigure(
             path="gantry_disabled_time",
-            of=lambda run: run.gantry.drive.disabled_time if run.gantry else 0.0,
+            of=lambda run: float(run.of_robots("disabled_time")),
             label="gantry disabled",
             meaning="by penalties",
             unit="s",
@@ -189,7 +189,7 @@ FIGURES: dict[str, SummaryFigure] = {
         ),
         SummaryFigure(
             path="gantry_idle_time",
-            of=lambda run: run.gantry_idle_time,
+            of=lambda run: float(run.of_robots("idle_time")),
             label="gantry idle",
             meaning="neither moving, handling anything, disabled nor in a protective stop",
             unit="s",
@@ -197,7 +197,7 @@ FIGURES: dict[str, SummaryFigure] = {
         ),
         SummaryFigure(
             path="jobs_done",
-            of=lambda run: run.gantry.jobs_done if run.gantry else 0,
+            of=lambda run: run.of_robots("jobs_done"),
             label="gantry jobs done",
             meaning="by the gantry",
             words=words.plain,

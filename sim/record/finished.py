@@ -10,13 +10,13 @@ from typing import Any
 
 from navigation import Motion, minimum_separation
 
+from ..core.machine import Category, Machine
 from ..core.scenario import Scenario
-from ..machines.gantry.robot import GantryRobot
 from ..people.person import Person
 from ..safety.referee import Referee
 
 CAUSES = ("gantry", "person")
-"""Causes of a violation with the gantry: which of the two moved."""
+"""Causes of a violation with a gantry: which of the two moved."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,7 +27,7 @@ class Finished:
     duration: float
     interrupted: bool
     people: Sequence[Person]
-    gantry: GantryRobot | None
+    machines: Mapping[str, Machine]
     referee: Referee
     motions: Mapping[str, Motion]
     work: Mapping[str, Any]
@@ -41,13 +41,14 @@ class Finished:
                 for (name, why), count in counted
                 if why == cause and (person is None or name == person.name)
             )
-            for cause in CAUSES
+            for cause in dict.fromkeys((*CAUSES, *sorted(self._kinds("robot"))))
         }
 
     @property
     def agv_violations(self) -> int:
-        """The number of violations with AGVs."""
-        return sum(n for (_, cause), n in self.referee.violations.items() if cause == "agv")
+        """The number of violations with vehicles."""
+        kinds = self._kinds("vehicle")
+        return sum(n for (_, cause), n in self.referee.violations.items() if cause in kinds)
 
     @cached_property
     def nearest(self) -> dict[str, dict[str, float]]:
@@ -59,7 +60,7 @@ class Finished:
         found = {}
         for watch in self.referee.watches:
             person, machine = watch.pair.person.name, watch.pair.machine
-            if machine.kind != "gantry" or (begin := started[person]) is None:
+            if machine.shape.category != "robot" or (begin := started[person]) is None:
                 continue
             tracks = (self.motions[person], self.motions[machine.name])
             time, distance = minimum_separation(*tracks, begin, self.duration)
@@ -73,20 +74,21 @@ class Finished:
         """The least of the distances in `nearest`, None where there is none."""
         return min(self.nearest.values(), key=lambda found: found["distance"], default=None)
 
-    @property
-    def gantry_idle_time(self) -> float:
-        """How long the gantry neither moved, handled nor was made to stand, seconds."""
-        if self.gantry is None:
-            return 0.0
-        drive = self.gantry.drive
-        moving = sum(
-            piece.end - piece.begin
-            for piece in self.motions["gantry"].pieces
-            if any(any(axis[1:]) for axis in (piece.x, piece.y, piece.rotation))
-        )
-        # While it brakes because it is made to stand, both count.
-        busy = moving - drive.braking_time + drive.working_time + drive.standing_time
-        return max(0.0, self.duration - busy)
+    @cached_property
+    def of_machines(self) -> dict[str, dict[str, Any]]:
+        """The figures of each machine alone, by its name."""
+        return {
+            name: machine.figures(self.motions[name], self.duration)
+            for name, machine in self.machines.items()
+        }
+
+    def of_robots(self, figure: str) -> Any:
+        """Return a figure of robots, all of them together."""
+        return sum(figures.get(figure, 0) for figures in self.of_machines.values())
+
+    def _kinds(self, category: Category) -> set[str]:
+        shapes = (machine.shape for machine in self.machines.values())
+        return {shape.kind for shape in shapes if shape.category == category}
 
     def distance_walked(self, person: Person) -> float:
         """Return how far (m) a person has walked since they started; teleports don't count."""

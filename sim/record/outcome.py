@@ -51,7 +51,8 @@ class Outcome:
         `KeyError` if there is no such body.
         """
         apart = self.motions[machine].position(t) - self.motions[person].position(t)
-        return np.asarray(np.linalg.norm(apart + self.scene.measured_at(machine), axis=-1))
+        offset = self.scene.rules.measured_at(self.scene.machine(machine))
+        return np.asarray(np.linalg.norm(apart + offset, axis=-1))
 
     def required(self, person: str, machine: str, t: ArrayLike) -> NDArray[np.float64]:
         """The distance in metres that the rules required between two bodies at `t` (seconds).
@@ -63,8 +64,7 @@ class Outcome:
         curve = self.requirements.get((person, machine))
         if curve is not None:
             return np.asarray(np.interp(times, *np.array(curve).T))
-        rules, is_agv = self.scene.rules, self.scene.kind(machine) == "agv"
-        law = rules.agv_law if is_agv else rules.gantry_law
+        law = self.scene.rules.law_of(self.scene.machine(machine))
         if not is_of_speeds(law):
             raise KeyError((person, machine))
         speeds = [np.hypot(*self.motions[name].velocity(times).T) for name in (person, machine)]

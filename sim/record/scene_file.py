@@ -20,8 +20,10 @@ from shapely.geometry import Polygon, mapping, shape
 from floorplan import Floorplan
 from navigation import ApproachLaw, FixedDistance, IntegralLaw, Scaled, SeparationLaw
 
+from ..core.machine import MachineShape
 from ..core.rules import Notice, RuleSet
 from ..core.scene import Figure, Pose, Scene
+from ..machines.kinds import machines_on
 from ..safety.own_law import OwnLaw
 from .strict_json import parse_json
 
@@ -60,6 +62,7 @@ class _SceneFile(BaseModel):
     rules: dict[str, Any]
     people: tuple[Figure, ...]
     starts: dict[str, Pose]
+    machines: tuple[MachineShape, ...] | None = None
 
 
 def write_scene(scene: Scene) -> str:
@@ -97,6 +100,7 @@ def read_scene(text: str) -> Scene:
         rules=_rules(scene.rules),
         people=scene.people,
         starts=scene.starts,
+        machines=machines_on(scene.floorplan) if scene.machines is None else scene.machines,
     )
 
 
@@ -139,11 +143,12 @@ def _polygon(data: dict[str, Any]) -> Any:
 def _rules(data: dict[str, Any]) -> RuleSet:
     try:
         notice = Notice(**_terms(data["notice"]))
-        rules = RuleSet(**(_terms(data) | {"notice": notice}))
+        laws = _terms(data.get("laws", {}))
+        rules = RuleSet(**(_terms(data) | {"notice": notice, "laws": laws}))
     except (AttributeError, KeyError, TypeError, ValueError) as why:
         raise SceneError(f"rules: {why}") from None
-    laws = (rules.gantry_law, rules.agv_law, notice.law)
-    if not (isinstance(notice.law, Scaled) and all(map(_is_law, laws))):
+    known = (rules.gantry_law, rules.agv_law, notice.law, *laws.values())
+    if not (isinstance(notice.law, Scaled) and all(map(_is_law, known))):
         raise SceneError("rules: a law is none")
     return rules
 

@@ -30,6 +30,11 @@ def summarise(run: Finished) -> dict[str, Any]:
         }
         for person in run.people
     }
+    if run.trial.machines:
+        summary["machines"] = {
+            name: {"kind": machine.shape.kind, **run.of_machines[name]}
+            for name, machine in run.machines.items()
+        }
     figures: dict[str, Any] = rounded(summary)
     return figures
 

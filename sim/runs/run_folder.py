@@ -9,7 +9,7 @@ from typing import Annotated, Any, TypeVar
 from pydantic import BaseModel, Field, FiniteFloat, ValidationError, model_validator
 
 from floorplan import LARGEST_RECORDED, InputError, Problem, read_lines, read_text
-from navigation import Both, Condition, Motion, Moving, Piece, TooClose, join, standing, when
+from navigation import Motion, Piece, join, standing, when
 
 from ..core.events import EVENT_KINDS, Form
 from ..core.plans import Plans
@@ -211,17 +211,13 @@ def _worked_out(
     found: Violations = {}
     requirements: Requirements = {}
     for person in scene.people:
-        for machine in scene.starts:
-            kind = scene.kind(machine)
-            law = scene.rules.agv_law if kind == "agv" else scene.rules.gantry_law
-            if kind == "person" or isinstance(law, ForeignLaw):
+        for machine in scene.machines:
+            rules, law = scene.rules, scene.rules.law_of(machine)
+            if isinstance(law, ForeignLaw):
                 continue
-            condition: Condition = TooClose(law)
-            if kind == "agv":
-                condition = Both(Moving(), condition)
-            measured = motions[machine].translated(*scene.measured_at(machine))
-            pair, tracks = (person.name, machine), (motions[person.name], measured)
-            found[pair] = tuple(when(condition, *tracks, 0.0, end))
+            measured = motions[machine.name].translated(*rules.measured_at(machine))
+            pair, tracks = (person.name, machine.name), (motions[person.name], measured)
+            found[pair] = tuple(when(rules.condition_of(machine), *tracks, 0.0, end))
             if not is_plain(law):
                 one, other = (Plans(0.0, track) for track in tracks)
                 requirements[pair] = requirement_curve(law, one, other, end)

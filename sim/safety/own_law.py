@@ -164,7 +164,7 @@ class OwnLaw:
 
 def own_laws(rules: RuleSet) -> Iterator[OwnLaw]:
     """Yield the laws of the user's own in `rules`, also those that another one scales."""
-    for law in (rules.gantry_law, rules.agv_law, rules.notice.law):
+    for law in (rules.gantry_law, rules.agv_law, rules.notice.law, *rules.laws.values()):
         while isinstance(law, Scaled):
             law = law.law
         if isinstance(law, OwnLaw):

@@ -1,15 +1,16 @@
-"""Tells when a person comes near the gantry: once for each approach."""
+"""Tells when a person comes near a machine: once for each approach."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import partial
 
 from navigation import Apart, FixedDistance, TooClose
 
-from ..core.body import Body
-from ..core.clock import Alarm, Clock, Turn
+from ..core.clock import Alarm, Turn
+from ..core.machine import Machine
+from ..core.stage import Stage
 from .watches import Pair
 
 PARTING = 0.1
@@ -17,27 +18,21 @@ PARTING = 0.1
 
 
 class ProximityWatch:
-    """Calls `came_near` when a person comes within a distance of the gantry's axis.
+    """Calls `came_near` when a person comes within a distance of a machine's axis.
 
     It watches from when `near` gives the distance on.
     """
 
-    def __init__(
-        self,
-        clock: Clock,
-        people: Sequence[Body],
-        gantry: Body,
-        end: float,
-        came_near: Callable[[], None],
-    ) -> None:
-        self._pairs = [Pair(clock, person, gantry, end) for person in people]
-        self._bodies = [*people, gantry]
+    def __init__(self, stage: Stage, machine: Machine, came_near: Callable[[], None]) -> None:
+        people = stage.people
+        self._pairs = [Pair(stage, person, machine) for person in people]
+        self._bodies = [*(person.body for person in people), machine.body]
         self._came_near = came_near
         self._distance = math.inf
         self._is_near = [False] * len(people)
         self._watching = False
         self._alarms = [
-            Alarm(clock, partial(self._ring, k), Turn.NOTICE) for k in range(len(people))
+            Alarm(stage.clock, partial(self._ring, k), Turn.NOTICE) for k in range(len(people))
         ]
 
     def near(self, distance: float | None) -> None:

@@ -16,7 +16,6 @@ from navigation import (
     Condition,
     FixedDistance,
     Motion,
-    Moving,
     Not,
     TooClose,
     first_time,
@@ -25,14 +24,16 @@ from navigation import (
     when,
 )
 
-from ..core.body import Body
-from ..core.clock import Alarm, Clock, Turn
+from ..core.body import PERSON
+from ..core.clock import Alarm, Turn
+from ..core.machine import Machine
 from ..core.plans import Plans
-from ..core.rules import Notice
+from ..core.rules import Notice, RuleSet
+from ..core.stage import Bystander, Stage
 from .requirement_curve import is_plain
 
-Cause = Literal["gantry", "agv", "person"]
-"""The cause of a violation: the machine if it moves at that instant, else the person."""
+Cause = str
+"""The cause of a violation: the machine's kind if it moves at that instant, else "person"."""
 
 CLEARANCE = 0.05
 """Metres. What a machine in a protective stop waits for beyond the required distance."""
@@ -42,33 +43,32 @@ MOVES = 1e-6
 
 
 class Pair:
-    """A person beside a machine, from now until the trial ends.
+    """A person beside a machine of a stage, from now until the trial ends.
 
     Distances are measured to the point `offset` (x, y in metres) from the machine's centre.
     """
 
     def __init__(
         self,
-        clock: Clock,
-        person: Body,
-        machine: Body,
-        end: float,
+        stage: Stage,
+        person: Bystander,
+        machine: Machine,
         offset: tuple[float, float] = (0.0, 0.0),
     ) -> None:
-        self.clock = clock
+        self.clock = stage.clock
         self.person = person
         self.machine = machine
-        self.end = end
+        self.end = stage.end
         self._offset = offset
-        self._translated = (machine.motion, machine.motion.translated(*offset))
+        self._translated = (machine.body.motion, machine.body.motion.translated(*offset))
 
     @property
     def motions(self) -> tuple[Motion, Motion]:
         """What the person and the measured point of the machine do from now on."""
-        if self._translated[0] is not self.machine.motion:
-            motion = self.machine.motion
+        if self._translated[0] is not self.machine.body.motion:
+            motion = self.machine.body.motion
             self._translated = (motion, motion.translated(*self._offset))
-        return self.person.motion, self._translated[1]
+        return self.person.body.motion, self._translated[1]
 
     def first_time(self, condition: Condition, since: float = 0.0) -> float | None:
         """The first instant from now and `since` on at which `condition` holds.
@@ -91,19 +91,19 @@ class Pair:
 
     def required(self, law: AnyLaw) -> float:
         """The distance that `law` requires now, metres."""
-        return required_at(law, self.person.motion, self.machine.motion, self.clock.now)
+        return required_at(law, self.person.body.motion, self.machine.body.motion, self.clock.now)
 
     def remember_plans(self) -> tuple[Plans, Plans]:
         """From now on, what the two were about to do at every instant."""
-        return self.person.remember_plans(), self.machine.remember_plans()
+        return self.person.body.remember_plans(), self.machine.body.remember_plans()
 
     def cause(self) -> Cause:
         """Return the cause of a violation at this instant."""
-        return self.machine.kind if self.machine.state.speed > MOVES else "person"
+        return self.machine.shape.kind if self.machine.body.state.speed > MOVES else PERSON
 
     def horizon(self) -> float:
         """The instant from which on both stand, or the trial's end."""
-        last = max(self.clock.now, self.person.motion.end, self.machine.motion.end)
+        last = max(self.clock.now, self.person.body.motion.end, self.machine.body.motion.end)
         return min(last, self.end)
 
 
@@ -115,26 +115,30 @@ class SeparationWatch:
     """
 
     def __init__(
-        self, pair: Pair, law: AnyLaw, violated: Callable[[SeparationWatch], None]
+        self,
+        pair: Pair,
+        rules: RuleSet,
+        violated: Callable[[SeparationWatch], None],
     ) -> None:
+        shape = pair.machine.shape
         self.pair = pair
-        self.law = law
+        self.law = law = rules.law_of(shape)
         self.intervals: list[tuple[float, float]] = []
         self.plans = None if is_plain(law) else pair.remember_plans()
         """What the two were about to do, where `law` asks for more than their speeds."""
         self._violated = violated
         self._since: float | None = None
         self._notified_at = -math.inf
-        is_agv = pair.machine.kind == "agv"
-        self._condition = Both(Moving(), TooClose(law)) if is_agv else TooClose(law)
+        self._condition = rules.condition_of(shape)
+        self._needs_motion = shape.category == "vehicle"
         self._alarm = Alarm(pair.clock, self._ring, Turn.VIOLATION)
         self.reconsider()
 
     def reconsider(self) -> None:
         """Work out anew when something happens next; called whenever a motion changes."""
-        now, machine = self.pair.clock.now, self.pair.machine
-        # An AGV that stands never counts, and most stand most of the time.
-        idle = machine.kind == "agv" and machine.motion.end <= now
+        now, machine = self.pair.clock.now, self.pair.machine.body
+        # A vehicle that stands never counts, and most stand most of the time.
+        idle = self._needs_motion and machine.motion.end <= now
         coming = None if idle else self.pair.next_interval(self._condition)
         if self._since is None:
             self._alarm.set(coming[0] if coming else None)
@@ -233,7 +237,7 @@ class NoticeWatch:
         self.reconsider()
 
 
-class ProtectiveStop:
+class Hold:
     """Holds a machine from a violation on until it may set out again, for one person's sake.
 
     That is once it stands, and the distance is enough for its top speed (m/s) and the person's
@@ -266,7 +270,7 @@ class ProtectiveStop:
     def reconsider(self) -> None:
         """Work out anew when the machine may go on; called whenever a motion changes."""
         if self._holds:
-            stands = self._pair.machine.motion.end
+            stands = self._pair.machine.body.motion.end
             self._alarm.set(self._pair.first_time(self._clear, since=stands))
 
     def _end(self) -> None:

@@ -13,7 +13,7 @@ import bdi
 from ..core.clock import StandstillError
 from ..core.output import write_whole
 from ..machines.gantry.controllers import ControllerError
-from ..people.person import MindError
+from ..people.actions import MindError
 from ..runs.run import Run
 from ..safety.own_law import LawError
 from ..simulation import Simulation

@@ -15,7 +15,7 @@ from floorplan import Document, InputError
 from ..core.clock import StandstillError
 from ..core.scenario import TrialError
 from ..machines.gantry.controllers import ControllerError
-from ..people.person import MindError
+from ..people.actions import MindError
 from ..safety.own_law import LawError
 from ..trials.comparison import Verdict
 from ..trials.trial import Trial

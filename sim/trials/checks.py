@@ -25,9 +25,10 @@ from ..core.events import EVENT_KINDS
 from ..core.rules import NO_TIME, MachineMeasure, PersonMeasure, RuleSet
 from ..core.scenario import GantryEntry, Job, PersonalityChange, PersonEntry, Scenario, TrialError
 from ..core.start import Start
+from ..machines.gantry.tasks import fixed_places
 from ..people.programs import EXTERNAL, find_program
 from .expectations import expectation_problems
-from .names import agvs, checked_name, fixed_places, orders, parts, people, places
+from .names import agvs, checked_name, orders, parts, people, places
 
 NAME = r"[A-Za-z][A-Za-z0-9_-]*"
 """What people may be called."""

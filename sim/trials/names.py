@@ -7,10 +7,12 @@ from pathlib import Path
 from typing import Any
 
 import bdi
-from floorplan import Floorplan, Point, suggestion
+from floorplan import suggestion
 
 from ..core.events import Form
 from ..core.scenario import Scenario
+from ..machines.gantry.tasks import fixed_places
+from ..machines.kinds import models_of
 
 
 def people(trial: Scenario) -> list[str]:
@@ -19,8 +21,8 @@ def people(trial: Scenario) -> list[str]:
 
 
 def machines(trial: Scenario) -> list[str]:
-    """The names of the gantry and the AGVs."""
-    return [*(["gantry"] if trial.floorplan.gantry else []), *agvs(trial)]
+    """The names of the machines."""
+    return [*models_of(trial)]
 
 
 def agvs(trial: Scenario) -> list[str]:
@@ -36,14 +38,6 @@ def stations(trial: Scenario) -> list[str]:
 def places(trial: Scenario) -> list[str]:
     """What the gantry can pick from and place onto."""
     return [*fixed_places(trial.floorplan), *agvs(trial)]
-
-
-def fixed_places(plan: Floorplan) -> dict[str, Point]:
-    """Where the gantry finds what doesn't move: stations, and the middles of obstacles."""
-    middles = ((o.name, o.footprint.centroid) for o in plan.obstacles)
-    return {name: (middle.x, middle.y) for name, middle in middles} | {
-        station.name: station.position for station in plan.stations
-    }
 
 
 def parts(trial: Scenario) -> list[str]:

@@ -114,13 +114,14 @@ def _watches(run: Outcome) -> list[dict[str, Any]]:
     rules = run.scene.rules
     watches = []
     for (person, machine), intervals in run.violations.items():
-        law = rules.gantry_law if machine == "gantry" else rules.agv_law
+        shape = run.scene.machine(machine)
+        law = rules.law_of(shape)
         curve = run.requirements.get((person, machine))
         watch: dict[str, Any] = {"person": person, "other": machine, "violations": intervals}
         watch["law"] = _law(law) if curve is None else {"curve": curve}
-        if machine == "gantry":
+        if shape.category == "robot":
             watch |= _notice(rules)
-        if (at := run.scene.measured_at(machine)) != (0.0, 0.0):
+        if (at := rules.measured_at(shape)) != (0.0, 0.0):
             watch["measured_at"] = at
         watches.append(watch)
     return watches

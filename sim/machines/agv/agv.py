@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import partial
 
-from floorplan import Lane
+from floorplan import Lane, Point
 from navigation import (
     AxisState,
+    CollisionWorld,
     agv_run,
     agv_stop,
     lane_state,
@@ -15,50 +15,68 @@ from navigation import (
 )
 
 from ...core.body import Body
-from ...core.clock import Alarm, Clock, Turn
+from ...core.clock import Alarm, Turn
 from ...core.events import AgvMoved, AgvYielded
-from ...core.recorder import Record
-from ...core.rules import RuleSet
+from ...core.machine import Machine, MachineShape
 from ...core.scenario import AgvMove
+from ...core.stage import Stage
 from .yielding import LOOK, Foresight, Sighting
 
 RESUME = 1.0
 """Seconds. An AGV that yields sets out if it may drive for so long; else it would creep."""
 
 
-class Agv:
-    """One AGV on its lane. `stopped(agv)` is called whenever it has come to rest.
+class Agv(Machine):
+    """One AGV on its lane.
 
-    With `foresight` it yields: it looks where people are ten times a second, and stops on its
+    One that `yields` looks where people are ten times a second, and stops on its
     lane while it still can before anybody comes too close, whatever they do. It drives on when
     the way is clear.
     """
 
     def __init__(
         self,
-        clock: Clock,
+        stage: Stage,
         lane: Lane,
-        moves: tuple[AgvMove, ...],
+        moves: tuple[AgvMove, ...] = (),
         *,
-        record: Record,
-        stopped: Callable[[Agv], None],
-        foresight: Foresight | None = None,
+        yields: bool = False,
     ) -> None:
         at = AxisState(lane.locations[lane.start])
         self.lane = lane
-        self.body = Body(clock, lane.name, "agv", agv_run(lane, at, at.position, clock.now))
-        self._clock = clock
-        self._record = record
-        self._stopped = stopped
-        self._foresight = foresight
+        self.shape = agv_shape(lane)
+        motion = agv_run(lane, at, at.position, stage.clock.now)
+        self.body = Body(stage.clock, lane.name, "agv", motion)
+        self._stage = stage
+        self._clock = stage.clock
+        self._record = stage.record
+        self._law = stage.rules.law_of(self.shape)
+        self._offset = abs(stage.rules.agv_offset)
+        self._moves = moves
+        self._foresight = Foresight(lane, self._law, stage.rules.agv_offset) if yields else None
         self._target: str | float | None = None
         self._under_way_to: str | float | None = None
         self._has_said = False
         self._held = False
-        self._arrival = Alarm(clock, self._arrive, Turn.MOTION_ENDS)
-        self._looking = Alarm(clock, self._look, Turn.MOTION_ENDS)
-        for move in moves:
-            clock.call_at(move.time, partial(self.drive, move.to))
+        self._arrival = Alarm(stage.clock, self._arrive, Turn.MOTION_ENDS)
+        self._looking = Alarm(stage.clock, self._look, Turn.MOTION_ENDS)
+
+    def begin(self) -> None:
+        """Set out at the times of its moves."""
+        for move in self._moves:
+            self._clock.call_at(move.time, partial(self.drive, move.to))
+
+    def stand_in(self, world: CollisionWorld) -> None:
+        """Put it into `world` where it is now."""
+        if self.lane in world.plan.lanes:
+            world.move_agv(self.name, self.lane_position)
+        else:
+            super().stand_in(world)
+
+    @property
+    def centre(self) -> Point:
+        """The middle of the AGV (x, y)."""
+        return self.lane.position(self.lane_position)
 
     @property
     def lane_position(self) -> float:
@@ -76,16 +94,16 @@ class Agv:
             self._foresight.watch(person, top_speed)
             person.on_jump.append(self._look)
 
-    def zone(self, rules: RuleSet, top_speed: float) -> float:
-        """How far (metres) from its centre somebody must stand so that it can set out.
+    def zone(self, top_speed: float) -> float:
+        """Return how far (metres) from its centre somebody must stand so that it can set out.
 
-        Under `rules`, for somebody who may walk at `top_speed` (m/s).
+        For somebody who may walk at `top_speed` (m/s).
         """
         fastest = self.lane.max_speed
         if self._foresight is None:
-            return required_at_speeds(rules.agv_law, 0.0, fastest) + abs(rules.agv_offset)
+            return required_at_speeds(self._law, 0.0, fastest) + self._offset
         stopping = fastest / self.lane.max_acceleration
-        kept = required_at_speeds(rules.agv_law, top_speed, fastest) + abs(rules.agv_offset)
+        kept = required_at_speeds(self._law, top_speed, fastest) + self._offset
         return kept + top_speed * (RESUME + stopping)
 
     def drive(self, to: str | float) -> None:
@@ -167,4 +185,19 @@ class Agv:
             self._target = None
             self._looking.set(None)
         self._under_way_to = None
-        self._stopped(self)
+        self._stage.came_to_rest(self)
+
+
+def agv_shape(lane: Lane) -> MachineShape:
+    """Return what others know of the AGV on `lane`."""
+    return MachineShape(
+        name=lane.name,
+        kind="agv",
+        category="vehicle",
+        length=lane.length,
+        width=lane.width,
+        top=lane.height,
+        top_speed=lane.max_speed,
+        course=(lane.position(lane.limits[0]), lane.position(lane.limits[1])),
+        direction=lane.direction,
+    )

@@ -9,10 +9,9 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from floorplan import Lane
-from navigation import AxisState, Motion, lane_state, required_at_speeds
+from navigation import AnyLaw, AxisState, Motion, lane_state, required_at_speeds
 
 from ...core.body import Body
-from ...core.rules import RuleSet
 
 LOOK = 0.1
 """Seconds. How often an AGV that yields looks where people are."""
@@ -43,10 +42,10 @@ class Foresight:
     gets closer than the rules' law requires of somebody of that speed.
     """
 
-    def __init__(self, lane: Lane, rules: RuleSet) -> None:
+    def __init__(self, lane: Lane, law: AnyLaw, offset: float) -> None:
         self._lane = lane
-        self._law = rules.agv_law
-        self._offset = rules.agv_offset
+        self._law = law
+        self._offset = offset
         self._people: list[tuple[Body, float, list[float]]] = []
 
     def watch(self, person: Body, top_speed: float) -> None:

@@ -35,10 +35,11 @@ class Drive:
         gantry: Gantry,
         at: Pose,
         *,
+        name: str = "gantry",
         record: Record,
         disabled_or_enabled: Callable[[str], None],
     ) -> None:
-        self.body = Body(clock, "gantry", "gantry", standing(at[:2], heading=at[2]))
+        self.body = Body(clock, name, "gantry", standing(at[:2], heading=at[2]))
         self.disabled_time = 0.0
         self.standing_time = 0.0
         self.braking_time = 0.0

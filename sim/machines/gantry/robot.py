@@ -4,22 +4,24 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
 
 from simpy.events import Event, Process
 
-from floorplan import Floorplan, Gantry
+from floorplan import Gantry, Point
 from navigation import Motion, State
 
-from ...core.body import Body
-from ...core.clock import Clock, Turn
-from ...core.events import JobDone, JobStarted, OrderSubmitted
-from ...core.recorder import Record
-from ...core.rules import PAPER, RuleSet
+from ...core.clock import Turn
+from ...core.events import EventKind, JobDone, JobStarted, OrderSubmitted
+from ...core.machine import Machine, MachineShape
 from ...core.scenario import GantryEntry
+from ...core.stage import Stage
+from ...safety.proximity import ProximityWatch
 from .drive import Drive, Steps
 from .interruption import Interruption, Interrupts
-from .tasks import Handling, Pose, Step, Task, Tasks, tasks_of
+from .tasks import Handling, Pose, Step, Task, Tasks, fixed_places, tasks_of
 
 OBSERVATION_RATE = 10.0
 """Hz. How often the gantry sees where people are."""
@@ -42,62 +44,61 @@ class Sighting:
         return math.hypot(*self.velocity)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Surroundings:
-    """What a gantry has around it: the people it sees, the places it works at, the rules.
-
-    `locate(place)` is where an obstacle, a station or an AGV is, None while an AGV drives;
-    `human_speed` is how fast people may come (m/s).
-    """
-
-    floorplan: Floorplan
-    see: Callable[[], tuple[Sighting, ...]] = tuple
-    locate: Callable[[str], tuple[float, float] | None]
-    rules: RuleSet = PAPER
-    human_speed: float = 1.0
-
-
-class GantryRobot:
+class GantryRobot(Machine):
     """The gantry, to be told what to do.
 
     A controller is a function or class of one argument, this robot, that yields what its
     methods return: `yield gantry.move_to(-2.5, 0.5)`. It does one thing at a time: moving,
     stopping, picking, placing and handling take the place of what was under way. While the gantry
-    is disabled it stands, and whatever was under way goes on afterwards. `record(event)` records
-    an event, which may be of an `EventKind` of your own.
+    is disabled it stands, and whatever was under way goes on afterwards.
     """
 
     def __init__(
         self,
-        clock: Clock,
+        stage: Stage,
         gantry: Gantry,
         entry: GantryEntry,
-        surroundings: Surroundings,
+        name: str = "gantry",
         *,
-        record: Record,
+        controller: Callable[[GantryRobot], Steps],
     ) -> None:
         self.gantry = gantry
-        self.floorplan = surroundings.floorplan
-        self.rules = surroundings.rules
-        self.human_speed = surroundings.human_speed
+        self.floorplan = replace(stage.floorplan, gantry=gantry)
+        self.rules = stage.rules
+        self.human_speed = stage.fastest
         self.handling = Handling()
-        self.tasks = Tasks(clock)
+        self.tasks = Tasks(stage.clock)
         self.jobs_done = 0
-        self.on_interest: Callable[[], None] = lambda: None
+        self.shape = gantry_shape(gantry, name)
+        self.law = stage.rules.law_of(self.shape)
+        self._record = stage.record if name == "gantry" else self._record_by_name
         self.drive = Drive(
-            clock,
+            stage.clock,
             gantry,
             gantry.start if entry.at is None else entry.at,
-            record=record,
+            name=name,
+            record=self._record,
             disabled_or_enabled=self.interrupt,
         )
+        self.body = self.drive.body
+        self._stage = stage
         self._interrupts = Interrupts()
-        self._clock = clock
+        self._clock = stage.clock
         self._entry = entry
-        self._surroundings = surroundings
-        self.record = record
-        self._floor_changed = clock.event()
+        self._controller = controller
+        self._places = fixed_places(stage.floorplan)
+        self._proximity: ProximityWatch | None = None
+        self._floor_changed = stage.clock.event()
         self._begin_round()
+
+    def _record_by_name(self, event: EventKind) -> None:
+        """Record an event of one of several gantries."""
+        self._stage.record(event.of({**event.fields, "machine": self.name}))
+
+    def begin(self) -> None:
+        """Let its controller begin."""
+        self._proximity = ProximityWatch(self._stage, self, partial(self.interrupt, "person_close"))
+        self.start(self._controller(self))
 
     # What it sees.
 
@@ -105,11 +106,6 @@ class GantryRobot:
     def now(self) -> float:
         """The time, seconds."""
         return self._clock.now
-
-    @property
-    def body(self) -> Body:
-        """The gantry as a body on the floor."""
-        return self.drive.body
 
     @property
     def state(self) -> State:
@@ -148,7 +144,8 @@ class GantryRobot:
         another command. `ValueError` for another reason, or a distance that is none.
         """
         self._interrupts.ask_for(reason, distance)
-        self.on_interest()
+        if self._proximity is not None:
+            self._proximity.near(self._interrupts.close_distance)
 
     # What it can be told.
 
@@ -264,13 +261,36 @@ class GantryRobot:
         """Interrupt the controller, as soon as it can be, if it asked for it."""
         self._interrupts.happened(reason)
 
-    @property
-    def close_distance(self) -> float | None:
-        """Metres within which a person's coming interrupts the controller, if it asked for it."""
-        return self._interrupts.close_distance
+    def hold(self, stands: bool) -> None:
+        """Brake and stand until `hold(False)`, then go on: a protective stop."""
+        self.drive.hold(stands)
+
+    def disable(self, seconds: float) -> None:
+        """Brake and stand for so long: a penalty."""
+        self.drive.disable(seconds)
+
+    def close(self) -> None:
+        """Settle what is still open: the trial is over."""
+        self.drive.close()
+
+    def figures(self, motion: Motion, now: float) -> dict[str, Any]:
+        """Return what it did; it is idle while it neither moves, handles nor is made to stand."""
+        drive = self.drive
+        moving = sum(
+            piece.end - piece.begin
+            for piece in motion.pieces
+            if any(any(axis[1:]) for axis in (piece.x, piece.y, piece.rotation))
+        )
+        # While it brakes because it is made to stand, both count.
+        busy = moving - drive.braking_time + drive.working_time + drive.standing_time
+        return {
+            "disabled_time": drive.disabled_time,
+            "idle_time": max(0.0, now - busy),
+            "jobs_done": self.jobs_done,
+        }
 
     def floor_changed(self) -> None:
-        """An AGV has come to rest."""
+        """A machine has come to rest on the floor."""
         changed, self._floor_changed = self._floor_changed, self._clock.event()
         changed.succeed()
         self.tasks.reconsider()
@@ -285,7 +305,11 @@ class GantryRobot:
     def _look(self, after: float) -> Steps:
         earliest = (self.now + after) * OBSERVATION_RATE
         yield self._clock.at(math.ceil(earliest - 1e-9) / OBSERVATION_RATE, Turn.NOTICE)
-        return self._surroundings.see()
+        return tuple(
+            Sighting(person.name, state.at, state.velocity[:2])
+            for person in self._stage.people
+            for state in [person.body.state]
+        )
 
     def _pose(self, step: Step, rotation: float | None = None) -> Pose | None:
         """Where a step is now, if it can be reached now; `rotation` as it is if not given."""
@@ -293,10 +317,24 @@ class GantryRobot:
             return step.target
         if step.place is None:
             return self.position
-        at = self._surroundings.locate(step.place)
+        at = self._locate(step.place)
         if at is None:
             return None
         return self._target(at[0] + step.offset[0], at[1] + step.offset[1], rotation)
+
+    def _locate(self, place: str) -> Point | None:
+        """Return where an obstacle, a station or a vehicle of that name is.
+
+        None for a vehicle that drives, or stands beyond the gantry's range.
+        """
+        vehicle = self._stage.machines.get(place)
+        if vehicle is not None and vehicle.shape.category == "vehicle":
+            x, y = at = vehicle.body.at
+            within = not self.gantry.faults((x, y, 0.0))
+            return at if within and vehicle.body.motion.end <= self.now else None
+        if place not in self._places:
+            raise ValueError(f"no obstacle, station or AGV is called {place!r}")
+        return self._places[place]
 
     def _find(self, task: Task) -> Steps:
         step = _next_step(task)
@@ -353,14 +391,14 @@ class GantryRobot:
     def _begin(self, task: Task) -> None:
         if not task.announced:
             task.announced = True
-            self.record(JobStarted.of({"job": task.kind, **task.fields}))
+            self._record(JobStarted.of({"job": task.kind, **task.fields}))
 
     def _finish(self, task: Task) -> None:
         if task.kind == "submit":
-            self.record(OrderSubmitted.of(task.fields))
+            self._record(OrderSubmitted.of(task.fields))
         else:
             self.jobs_done += 1
-            self.record(JobDone.of({"job": task.kind, **task.fields}))
+            self._record(JobDone.of({"job": task.kind, **task.fields}))
         task.done()
         round_over = all(task.finished for task in self._round)
         if self._entry.repeat and round_over and self.now > self._round_began:
@@ -372,6 +410,23 @@ class GantryRobot:
         self._round_began = self.now
         self._round = tasks_of(self._entry.jobs, self.handling)
         self.tasks.add(self._round)
+
+
+def gantry_shape(gantry: Gantry, name: str = "gantry") -> MachineShape:
+    """Return what others know of a gantry."""
+    length, width, bottom, top = gantry.torso
+    return MachineShape(
+        name=name,
+        kind="gantry",
+        category="robot",
+        length=length,
+        width=width,
+        bottom=bottom,
+        top=top,
+        top_speed=math.hypot(gantry.x.max_speed, gantry.y.max_speed),
+        reach=gantry.arm_reach,
+        mount=gantry.arm_mount[0],
+    )
 
 
 def _not_done() -> Steps:

@@ -8,6 +8,8 @@ from typing import Any
 
 from simpy.events import Event
 
+from floorplan import Floorplan, Point
+
 from ...core.clock import Clock
 from ...core.scenario import Job
 
@@ -189,3 +191,11 @@ def _steps(job: Job, handling: Handling) -> tuple[Step, ...]:
         Step("pick", handling.pick, place=job.pick),
         Step("place", handling.place, place=job.place),
     )
+
+
+def fixed_places(plan: Floorplan) -> dict[str, Point]:
+    """Where the gantry finds what doesn't move: stations, and the middles of obstacles."""
+    middles = ((o.name, o.footprint.centroid) for o in plan.obstacles)
+    return {name: (middle.x, middle.y) for name, middle in middles} | {
+        station.name: station.position for station in plan.stations
+    }

@@ -6,9 +6,10 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from navigation import IntegralLaw, Machine, SeparationLaw, longest_stop
+from navigation import IntegralLaw, SeparationLaw
 
 from ..core.scenario import Scenario
+from .kinds import models_of
 
 _ROUNDING = 1e-9
 """Seconds or metres. A law that is short by less is not short."""
@@ -35,15 +36,12 @@ def short_laws(trial: Scenario) -> tuple[ShortLaw, ...]:
     Only the two forms of ISO/TS 15066 state one, as `t2` and `stopping`: others are not judged.
     """
     plan, rules = trial.floorplan, trial.rules
-    machines: list[tuple[str, str, Machine]] = []
-    if plan.gantry is not None:
-        machines.append(("gantry", "gantry_law", plan.gantry))
-    machines += [(lane.name, "agv_law", lane) for lane in plan.lanes]
     found = []
-    for name, key, machine in machines:
-        law = getattr(rules, key)
-        if isinstance(law, SeparationLaw | IntegralLaw):
-            time, distance = longest_stop(machine)
+    for name, model in models_of(trial).items():
+        key, law = rules.law_and_key_of(model.shape(name, plan))
+        stop = model.longest_stop(plan)
+        if stop is not None and isinstance(law, SeparationLaw | IntegralLaw):
+            time, distance = stop
             stated = math.inf if law.stopping is None else law.stopping
             if time > law.t2 + _ROUNDING or distance > stated + _ROUNDING:
                 found.append(ShortLaw(name, key, law.t2, time, law.stopping, distance))

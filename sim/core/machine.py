@@ -1,0 +1,117 @@
+"""Machines: what everybody knows of one, and what a simulation asks of it."""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from shapely.geometry import Polygon
+
+from floorplan import Point
+from navigation import Box, CollisionWorld, Motion
+
+from .body import Body
+
+Category = Literal["robot", "vehicle"]
+"""A robot works above people's heads or behind its own range, and is watched at all times. A
+vehicle drives on the floor, where it stands in people's way, and is watched while it moves."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class MachineShape:
+    """A machine as others see it; lengths in metres, speeds in m/s, heights above the floor.
+
+    Its box, `length` along its heading and `width` across, stands around its axis. `reach` is the
+    radius of a circle around the axis that a folded arm stays within, `mount` metres ahead of it.
+    `course` are the points of the line on which it moves, if there is one, and `direction` the
+    unit vector along which it looks at all times, if it never turns.
+    """
+
+    name: str
+    kind: str
+    category: Category
+    length: float
+    width: float
+    bottom: float = 0.0
+    top: float
+    top_speed: float
+    reach: float = 0.0
+    mount: float = 0.0
+    course: tuple[Point, ...] = ()
+    direction: Point | None = None
+
+    @property
+    def box(self) -> Box:
+        """The solid around its axis."""
+        return Box(length=self.length, width=self.width, bottom=self.bottom, top=self.top)
+
+    def footprint(self, at: Point, rotation: float) -> Polygon:
+        """Return the rectangle that it covers at `at` (x, y), turned by `rotation` (radians)."""
+        c, s = math.cos(rotation), math.sin(rotation)
+        half = ((-1, -1), (1, -1), (1, 1), (-1, 1))
+        return Polygon(
+            (
+                at[0] + (i * self.length * c - j * self.width * s) / 2,
+                at[1] + (i * self.length * s + j * self.width * c) / 2,
+            )
+            for i, j in half
+        )
+
+
+class Machine(ABC):
+    """A machine while a trial runs; a kind of machine is a subclass.
+
+    `shape` is what others know of it, `body` where it is and how it moves.
+    """
+
+    shape: MachineShape
+    body: Body
+
+    @property
+    def name(self) -> str:
+        """The name by which the trial, events and figures call it."""
+        return self.shape.name
+
+    def begin(self) -> None:  # noqa: B027
+        """Begin to act: the trial starts."""
+
+    @abstractmethod
+    def hold(self, stands: bool) -> None:
+        """Brake and stand until `hold(False)`, then go on: a protective stop."""
+
+    def disable(self, seconds: float) -> None:  # noqa: B027
+        """Brake and stand for so long: a penalty, which only robots get."""
+
+    def floor_changed(self) -> None:  # noqa: B027
+        """Take note that a machine has come to rest on the floor."""
+
+    def look_out_for(self, person: Body, top_speed: float) -> None:  # noqa: B027
+        """Take note of a person, who walks at `top_speed` (m/s) at most."""
+
+    def stand_in(self, world: CollisionWorld) -> None:
+        """Put a vehicle into `world` where it is now; what works above the floor is not in it."""
+        if self.shape.category == "vehicle":
+            x, y, rotation = self.body.state.position
+            footprint = self.shape.footprint((x, y), rotation)
+            world.place(self.name, footprint, self.shape.bottom, self.shape.top)
+
+    @property
+    def centre(self) -> Point:
+        """The point (x, y) from which `zone` is measured."""
+        return self.body.at
+
+    def zone(self, top_speed: float) -> float:
+        """Return how far (metres) somebody has to stand from it so that it sets out.
+
+        For somebody who may walk at `top_speed` (m/s).
+        """
+        return math.hypot(self.shape.length, self.shape.width) / 2
+
+    def close(self) -> None:  # noqa: B027
+        """Settle what is still open: the trial is over."""
+
+    def figures(self, motion: Motion, now: float) -> dict[str, Any]:
+        """Return what belongs into the summary about it alone; `motion` is all that it did."""
+        return {}

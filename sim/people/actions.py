@@ -1,0 +1,153 @@
+"""The actions that a mind can decide on, carried out on the floor."""
+
+from __future__ import annotations
+
+import inspect
+import math
+from collections.abc import Callable
+
+import bdi
+from floorplan import SafeZone
+
+from ..core.events import Teleport
+from ..core.machine import Machine
+from ..core.stage import Stage
+from .errand import Errand
+from .walker import Place, Walker
+
+GLANCE_AHEAD = 2.0
+"""Seconds. `step_between` goes to where the gantry will be after this time."""
+
+SMALLEST_STEP = 0.05
+"""Metres. `move_away` fails where there is less room than this."""
+
+
+class MindError(ValueError):
+    """A personality's program asks for something that no person can do."""
+
+
+class Actions:
+    """What one person can do, by the names that programs have for it.
+
+    `home` is where they are put after a violation. Of several robots, "the gantry" is the nearest.
+    """
+
+    def __init__(self, stage: Stage, walker: Walker, errand: Errand, home: SafeZone) -> None:
+        self.put_home_at: float | None = None
+        """When they were last put home, seconds."""
+        self._stage = stage
+        self._walker = walker
+        self._errand = errand
+        self._home = home
+        self._actions: dict[str, Callable[..., bool]] = {
+            "move": self._move,
+            "stop_movement": self._stop_movement,
+            "move_to_gantry": self._move_to_gantry,
+            "teleport_safe": lambda: self.teleport("gantry"),
+            "teleport_agv": lambda: self.teleport("agv"),
+            "walk_speed": self._walk_speed,
+            "face_gantry": self._face_gantry,
+            "move_away": self._move_away,
+            "step_between": self._step_between,
+        }
+        self._signatures = {name: inspect.signature(act) for name, act in self._actions.items()}
+
+    def perform(self, action: bdi.Literal) -> bool:
+        """Carry out an external action; whether it could be. `MindError` if there is none such."""
+        if action.functor != "walk_speed":
+            self._errand.give_up()
+        perform = self._actions.get(action.functor)
+        name = self._walker.body.name
+        if perform is None:
+            known = ", ".join(self._actions)
+            raise MindError(f"{name}: there is no action {action.functor!r} (there are: {known})")
+        try:
+            arguments = [_number(argument) for argument in action.args]
+            self._signatures[action.functor].bind(*arguments)
+        except (TypeError, ValueError):
+            takes = ", ".join(self._signatures[action.functor].parameters)
+            raise MindError(
+                f"{name}: the action {action} should be {action.functor}({takes})"
+            ) from None
+        return perform(*arguments)
+
+    def teleport(self, reason: str) -> bool:
+        """Put the person home, for this reason; whether there is room."""
+        self.put_home_at = self._stage.clock.now
+        self._errand.give_up()
+        at = self._place_at_home()
+        if at is None:
+            return self._errand.fail(self._home.position, "there is no room at home")
+        self._stage.record(Teleport(person=self._walker.body.name, reason=reason, to=at))
+        self._walker.put(at, self._home.heading)
+        return True
+
+    def _place_at_home(self) -> Place | None:
+        """Home, or the nearest place beside the vehicle that stands there."""
+        self._stage.place_machines()
+        home, radius, world = self._home.position, self._walker.human.radius, self._stage.world
+        if not world.hits(home, home, radius):
+            return home
+        return next(iter(world.exits(home, radius)), None)
+
+    def _move(self, x: float, y: float, z: float = 0.0) -> bool:
+        return self._errand.go((x, y))
+
+    def _stop_movement(self) -> bool:
+        self._walker.stop()
+        return True
+
+    def _move_to_gantry(self) -> bool:
+        robot = self._robot()
+        return robot is not None and self._go_near(robot.body.at)
+
+    def _step_between(self) -> bool:
+        robot = self._robot()
+        if robot is None:
+            return False
+        return self._go_near(robot.body.motion.state(self._stage.clock.now + GLANCE_AHEAD).at)
+
+    def _move_away(self, metres: float) -> bool:
+        robot = self._robot()
+        if robot is None:
+            return False
+        self._stage.place_machines()
+        (x, y), (gx, gy) = self._walker.body.at, robot.body.at
+        away = math.atan2(y - gy, x - gx)
+        step, radius = metres, self._walker.human.radius
+        while step >= SMALLEST_STEP:
+            goal = (x + step * math.cos(away), y + step * math.sin(away))
+            if self._stage.world.segment_free((x, y), goal, radius):
+                return self._errand.go(goal)
+            step /= 2
+        return self._errand.fail((x, y), "there is no room to step back")
+
+    def _walk_speed(self, share: float) -> bool:
+        if not 0 < share <= 1:
+            return False
+        self._walker.speed_share = share
+        return True
+
+    def _face_gantry(self) -> bool:
+        robot = self._robot()
+        if robot is None:
+            return False
+        self._walker.turn_to(robot.body.at)
+        return True
+
+    def _go_near(self, point: Place) -> bool:
+        self._stage.place_machines()
+        free = self._stage.world.nearest_free(point, self._walker.human.radius)
+        if free is None:
+            return self._errand.fail(point, "there is no room to stand anywhere")
+        return self._errand.go(free)
+
+    def _robot(self) -> Machine | None:
+        here = self._walker.body.at
+        return min(self._stage.robots, key=lambda r: math.dist(r.body.at, here), default=None)
+
+
+def _number(term: bdi.Term) -> float:
+    if isinstance(term, float):
+        return term
+    raise ValueError(f"{term} is not a number")

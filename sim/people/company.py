@@ -1,0 +1,109 @@
+"""All people of a trial, and what their minds have in common."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import bdi
+from floorplan import Human
+from navigation import PathPlanner
+
+from ..core.events import Said, Warning
+from ..core.recorder import Listener, Thought, rounded
+from ..core.scenario import PersonEntry, Scenario
+from ..core.stage import Stage
+from ..safety.referee import Referee
+from .mind_inspector import MindInspector
+from .minds import Mind, Outside, kept_beliefs, live_beliefs, make_agent
+from .person import Person
+from .programs import EXTERNAL
+
+
+class Company:
+    """The people of a scenario on a stage: they share planners by size, and can hear each other.
+
+    What goes on in their minds is kept in `thoughts`, and `listener` hears of it, if it
+    `wants_thoughts`.
+    """
+
+    def __init__(
+        self, stage: Stage, scenario: Scenario, referee: Referee, listener: Listener
+    ) -> None:
+        self.thoughts: list[Thought] = []
+        self._stage = stage
+        self._scenario = scenario
+        self._listener = listener
+        self._planners: dict[float, PathPlanner] = {}
+        self._society = bdi.Society()
+        self._inspectors: dict[str, MindInspector] = {}
+        self.people: list[Person] = []
+        for entry in scenario.people:
+            human = _human(entry, stage.floorplan.human)
+            if listener.wants_thoughts:
+                self._inspectors[entry.name] = MindInspector(entry.name, self._keep)
+            person = Person(
+                stage,
+                entry,
+                human,
+                self._planner(human.radius),
+                referee=referee,
+                make_mind=self._make_mind,
+                thought=self._thought,
+            )
+            self.people.append(person)
+
+    def _planner(self, radius: float) -> PathPlanner:
+        """One planner for all people of a size: its roadmap is worth sharing."""
+        if radius not in self._planners:
+            self._planners[radius] = PathPlanner(self._stage.world, radius)
+        return self._planners[radius]
+
+    def _make_mind(self, person: Person, entry: PersonEntry) -> Mind:
+        if entry.personality == EXTERNAL:
+            return Outside()
+        before: Mind | None = getattr(person, "mind", None)
+        if before is not None:
+            self._society.leave(entry.name)
+        record = self._stage.record
+        return make_agent(
+            entry,
+            self._scenario,
+            act=person.act,
+            print=lambda text: record(Said(person=entry.name, text=text)),
+            on_event=lambda happening: self._heed(entry.name, happening),
+            society=self._society,
+            start=self._stage.clock.now,
+            kept=kept_beliefs(before),
+            live=live_beliefs(person.body, self._stage),
+        )
+
+    def _keep(self, thought: Thought) -> None:
+        self.thoughts.append(thought)
+        self._listener.thought(thought)
+
+    def _thought(self, person: Person) -> None:
+        """Look what a thought has changed, and see who was spoken to."""
+        inspector = self._inspectors.get(person.name)
+        if inspector is not None and isinstance(person.mind, bdi.Agent):
+            inspector.look(rounded(self._stage.clock.now), person.mind)
+        for listener in self.people:
+            listener.wake()
+
+    def _heed(self, person: str, entry: bdi.Entry) -> None:
+        """Record what a program's author should know; the rest of a mind stays its own."""
+        if person in self._inspectors:
+            self._inspectors[person].heed(entry)
+        if entry.kind == "warning":
+            file, line = (Path(entry.file).name, entry.line) if entry.file else (None, None)
+            self._stage.record(Warning(person=person, text=entry.text, file=file, line=line))
+
+
+def _human(entry: PersonEntry, usual: Human) -> Human:
+    """The measures of a person: their own, else those of the floor."""
+    given = {
+        name: getattr(entry, name)
+        for name in ("radius", "max_speed", "max_acceleration")
+        if getattr(entry, name) is not None
+    }
+    return replace(usual, **given)

@@ -1,0 +1,140 @@
+"""Errands: a person on the way to a goal, with what comes between."""
+
+from __future__ import annotations
+
+import math
+
+from navigation import PlanningError
+
+from ..core.events import Arrived, Goal, GoalFree, GoalOccupied, PathBlocked, Replanned
+from ..core.stage import Stage
+from .crossing import CrossingWatch
+from .percepts import Senses
+from .waiting_place import WaitingPlaces
+from .walker import Place, Walker
+
+
+class Errand:
+    """Takes a person to a goal: around what stands in the way, and waiting where that is all.
+
+    A vehicle that stands on the goal is waited for beside it, one that drives across the path is
+    let pass, and a path that something blocks is replanned. What comes of it is perceived:
+    `work_completed`, `path_blocked`, `goal_blocked` or `goal_occupied`.
+    """
+
+    def __init__(self, stage: Stage, walker: Walker, senses: Senses) -> None:
+        self.visits: list[str] = []
+        """The stations where the person arrived, in order."""
+        self._stage = stage
+        self._record = stage.record
+        self._walker = walker
+        self._senses = senses
+        self._name = walker.body.name
+        self._waiting_places = WaitingPlaces(stage, walker.human)
+        self._waits_for: Place | None = None
+        self._lets_pass_on_way_to: Place | None = None
+
+    def go(self, goal: Place) -> bool:
+        """Set out for `goal`; whether there is a path, to it or to a place to wait for it."""
+        self._stage.place_machines()
+        self._record(Goal(person=self._name, station=self._station_at(goal), at=goal))
+        return self._set_out(goal)
+
+    def give_up(self) -> None:
+        """Wait for nothing any more."""
+        self._waits_for = self._lets_pass_on_way_to = None
+
+    def fail(self, goal: Place, message: str, *, at_the_goal: bool = False) -> bool:
+        """Perceive that there is no path to `goal`; False, as the outcome of the action."""
+        self._record(PathBlocked(person=self._name, goal=goal, message=message))
+        self._senses.count("goal_blocked" if at_the_goal else "path_blocked")
+        return False
+
+    def floor_changed(self) -> None:
+        """See whether the path is still free: a machine has come to rest on the floor."""
+        if self._waits_for is not None:
+            self._check_wait(self._waits_for)
+            return
+        if self._lets_pass_on_way_to is not None:
+            onwards, self._lets_pass_on_way_to = self._lets_pass_on_way_to, None
+            if self._set_out(onwards):
+                self._walker.replans += 1
+                self._record(Replanned(person=self._name, goal=onwards))
+            return
+        goal = self._walker.goal
+        trouble = self._walker.check_way()
+        if trouble is None or goal is None:
+            return
+        at_the_goal = trouble.reason == "goal_blocked"
+        if not (at_the_goal and self._wait_beside(goal)):
+            self._senses.count("goal_blocked" if at_the_goal else "path_blocked")
+
+    def let_pass(self, crossing: CrossingWatch) -> None:
+        """Stop for a vehicle that drives across the path, and go on when it has come to rest.
+
+        Where stopping would not help, walk on.
+        """
+        goal = self._walker.goal
+        if goal is None or self._waits_for is not None:
+            return
+        if crossing.touches(self._walker.braking()) is None:
+            machine = crossing.pair.machine.name
+            self._record(PathBlocked(person=self._name, goal=goal, by=machine))
+            self._walker.stop()
+            self._lets_pass_on_way_to = goal
+
+    def arrived(self, goal: Place) -> None:
+        """Take note that the walker has reached `goal`, or the place to wait for it."""
+        if self._waits_for is not None:
+            self._senses.count("goal_occupied")
+            return
+        station = self._station_at(goal)
+        self._record(Arrived(person=self._name, station=station, at=goal))
+        if station is not None:
+            self.visits.append(station)
+        self._senses.see("at", *self._walker.body.at)
+        self._senses.count("work_completed")
+
+    def _set_out(self, goal: Place) -> bool:
+        try:
+            self._walker.go(goal)
+        except PlanningError as why:
+            at_the_goal = why.reason == "goal_blocked"
+            if at_the_goal and self._wait_beside(goal):
+                return True
+            return self.fail(goal, str(why), at_the_goal=at_the_goal)
+        return True
+
+    def _check_wait(self, goal: Place) -> None:
+        """Go on to `goal` if it is free now; else go on waiting."""
+        if self._waiting_places.occupant(goal) is None:
+            self._waits_for = None
+            self._record(GoalFree(person=self._name, goal=goal))
+            self._set_out(goal)
+        elif self._walker.check_way() is not None and not self._wait_beside(goal):
+            self.fail(goal, "there is no way to a place to wait", at_the_goal=True)
+
+    def _wait_beside(self, goal: Place) -> bool:
+        """Wait near a goal on which a vehicle stands, until it has left; whether one does."""
+        self._waits_for = None
+        occupant = self._waiting_places.occupant(goal)
+        place = None if occupant is None else self._waiting_places.beside(goal, occupant)
+        if occupant is None or place is None:
+            return False
+        try:
+            self._walker.go(place)
+        except PlanningError:
+            return False
+        self._waits_for = goal
+        self._record(GoalOccupied(person=self._name, goal=goal, by=occupant.name))
+        return True
+
+    def _station_at(self, point: Place) -> str | None:
+        tolerance = self._walker.human.goal_tolerance
+        near = [
+            (distance, station.name)
+            for station in self._stage.floorplan.stations
+            for distance in [math.dist(station.position, point)]
+            if distance <= tolerance
+        ]
+        return min(near)[1] if near else None
