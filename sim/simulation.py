@@ -74,6 +74,7 @@ class Simulation:
             fastest=_fastest(trial),
             own_code=trial.own_code,
         )
+        self.world = self._stage.world
         self.machines = self._stage.machines
         for name, model in models_of(trial).items():
             self.machines[name] = model.make(name, self._stage)

@@ -72,6 +72,7 @@ class Workcell(Listener):
             self.outside = self.human.outside
         if self.outside is not None:
             self.outside.called = self._ask
+        simulation.start()
         self._frames = self._named_frames()
         self.enter(READY)
         self.publish()

@@ -64,8 +64,9 @@ def test_of_two_runs_that_begin_in_one_folder_the_second_is_refused(tmp_path):
     trial = sim.Trial.parse("floorplan: ariac2023\nduration: 1.0\n")
     first, second = (sim.Recording(tmp_path / "run") for _ in range(2))
     simulation = sim.Simulation(trial, first)
+    simulation.start()
     with pytest.raises(sim.OutputError, match=r"holds a run already \(events.jsonl\)"):
-        sim.Simulation(trial, second)
+        sim.Simulation(trial, second).start()
     simulation.advance(1.0)
     run = simulation.finish()
     first.finish(run)

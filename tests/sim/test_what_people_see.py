@@ -6,6 +6,7 @@ from hypothesis import strategies as st
 from run_events import events
 
 import sim
+from sim.people import company
 import sim.simulation
 
 LOOKS = """
@@ -52,7 +53,7 @@ def test_what_is_believed_is_how_it_is_then(tmp_path_factory, every):
 
 def test_a_mind_that_does_not_look_asks_nothing(monkeypatch):
     asked = []
-    live_beliefs = sim.simulation.live_beliefs
+    live_beliefs = company.live_beliefs
 
     def counted(*bodies):
         return {
@@ -60,7 +61,7 @@ def test_a_mind_that_does_not_look_asks_nothing(monkeypatch):
             for key, source in live_beliefs(*bodies).items()
         }
 
-    monkeypatch.setattr(sim.simulation, "live_beliefs", counted)
+    monkeypatch.setattr(company, "live_beliefs", counted)
     run = sim.run(sim.Trial.load("ariac2023"))
     assert run.summary["people"]["operator"]["visits"]
     assert run.thoughts == () and not asked
