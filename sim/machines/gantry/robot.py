@@ -50,7 +50,8 @@ class GantryRobot(Machine):
     A controller is a function or class of one argument, this robot, that yields what its
     methods return: `yield gantry.move_to(-2.5, 0.5)`. It does one thing at a time: moving,
     stopping, picking, placing and handling take the place of what was under way. While the gantry
-    is disabled it stands, and whatever was under way goes on afterwards.
+    is disabled it stands, and whatever was under way goes on afterwards. `record(event)` records
+    an event, which may be of an `EventKind` of your own.
     """
 
     def __init__(
@@ -71,13 +72,13 @@ class GantryRobot(Machine):
         self.jobs_done = 0
         self.shape = gantry_shape(gantry, name)
         self.law = stage.rules.law_of(self.shape)
-        self._record = stage.record if name == "gantry" else self._record_by_name
+        self.record = stage.record if name == "gantry" else self._record_by_name
         self.drive = Drive(
             stage.clock,
             gantry,
             gantry.start if entry.at is None else entry.at,
             name=name,
-            record=self._record,
+            record=self.record,
             disabled_or_enabled=self.interrupt,
         )
         self.body = self.drive.body
@@ -391,14 +392,14 @@ class GantryRobot(Machine):
     def _begin(self, task: Task) -> None:
         if not task.announced:
             task.announced = True
-            self._record(JobStarted.of({"job": task.kind, **task.fields}))
+            self.record(JobStarted.of({"job": task.kind, **task.fields}))
 
     def _finish(self, task: Task) -> None:
         if task.kind == "submit":
-            self._record(OrderSubmitted.of(task.fields))
+            self.record(OrderSubmitted.of(task.fields))
         else:
             self.jobs_done += 1
-            self._record(JobDone.of({"job": task.kind, **task.fields}))
+            self.record(JobDone.of({"job": task.kind, **task.fields}))
         task.done()
         round_over = all(task.finished for task in self._round)
         if self._entry.repeat and round_over and self.now > self._round_began:
