@@ -6,8 +6,8 @@ from hypothesis import strategies as st
 from run_events import events
 
 import sim
-from sim.people import company
 import sim.simulation
+from sim.people import company
 
 LOOKS = """
 +human_start <- !look; move(5, -10, 0).
