@@ -1,6 +1,16 @@
 """How bodies move: collision, paths, motions in continuous time, and separation."""
 
 from .bodies import Disc
+from .conditions import (
+    STANDING_SPEED,
+    Apart,
+    Approaching,
+    Both,
+    Condition,
+    Moving,
+    Not,
+    TooClose,
+)
 from .courses import Company, Courses
 from .encounter import Encounter
 from .gantry_planner import GantryPath, GantryPlanner
@@ -19,14 +29,6 @@ from .machines import (
 )
 from .monitor import (
     RESOLUTION,
-    STANDING_SPEED,
-    Apart,
-    Approaching,
-    Both,
-    Condition,
-    Moving,
-    Not,
-    TooClose,
     first_time,
     first_violation,
     minimum_margin,

@@ -35,7 +35,7 @@ class FreeSpace:
         shapely.prepare(self.pieces)
 
     def __repr__(self) -> str:
-        return f"<FreeSpace in {len(self.pieces)} pieces>"
+        return f"<FreeSpace, pieces: {len(self.pieces)}>"
 
     def piece_of(self, point: Point) -> int | None:
         """Return the index of the piece that `point` is in, or within a millimetre of."""

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from floorplan import Floorplan, Gantry
 
 from .bodies import Disc
+from .path import Path
 from .planner import ROADMAP, PathPlanner
 from .roadmap import HAIR
 from .world import CollisionWorld
@@ -27,24 +26,11 @@ _LEAST = 1e-3
 """Metres. Radius of the smallest disc to keep out of."""
 
 
-@dataclass(frozen=True, eq=False)
-class GantryPath:
-    """A polyline for the gantry's axis. The rotation goes along in step with it."""
+class GantryPath(Path):
+    """A path of the gantry's axis, whose rotation goes along in step with it.
 
-    points: NDArray[np.float64]
-    """(N, 3): x, y in metres and the rotation in radians; the start first, the goal last."""
-    planner: str
-    checks: int
-
-    def __repr__(self) -> str:
-        return (
-            f"<GantryPath of {self.length:.3f} m by {self.planner}: {len(self.points)} waypoints>"
-        )
-
-    @property
-    def length(self) -> float:
-        """Metres on the floor plane."""
-        return float(np.hypot(*np.diff(self.points[:, :2], axis=0).T).sum())
+    `points` are (N, 3): x, y in metres and the rotation in radians.
+    """
 
 
 class GantryPlanner:
@@ -107,7 +93,9 @@ class GantryPlanner:
         so_far = np.append(0.0, np.cumsum(np.hypot(*np.diff(path.points, axis=0).T)))
         share = so_far / so_far[-1] if so_far[-1] > 0 else np.array([0.0, 1.0])
         turned = start[2] + share * (goal[2] - start[2])
-        return GantryPath(np.column_stack([path.points, turned]), path.planner, path.checks)
+        return GantryPath(
+            np.column_stack([path.points, turned]), path.clearance, path.planner, path.checks
+        )
 
     def _range(self) -> shapely.Polygon:
         """All that the envelope can cover: the axes' ranges, and the radius around them."""

@@ -26,15 +26,13 @@ class Path:
     """Number of collision queries that it took."""
 
     def __repr__(self) -> str:
-        return (
-            f"<Path of {self.length:.3f} m by {self.planner}: {len(self.points)} waypoints,"
-            f" {self.clearance:.3f} m clear>"
-        )
+        figures = f"{len(self.points)} waypoints, {self.clearance:.3f} m clear"
+        return f"<{type(self).__name__} of {self.length:.3f} m by {self.planner}: {figures}>"
 
     @property
     def length(self) -> float:
         """Metres."""
-        return float(np.hypot(*np.diff(self.points, axis=0).T).sum())
+        return float(np.hypot(*np.diff(self.points[:, :2], axis=0).T).sum())
 
 
 class PlanningError(Exception):

@@ -9,13 +9,13 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
 from floorplan import Floorplan, Point
 
 from ..path import Path, PlanningError
 from ..planner import PathPlanner
 from ..world import CollisionWorld
-from . import ompl_figures
 from .shortest import ShortestPaths
 
 PER_SCENE = 10
@@ -60,7 +60,7 @@ class Attempt:
     ompl_clearance: float
     """OMPL's definition: the mean over the waypoints, less the radius."""
     ompl_smoothness: float
-    """OMPL's definition, in 1/m²: see `ompl_figures.smoothness`."""
+    """OMPL's definition, in 1/m²: see `ompl_smoothness`."""
 
     @property
     def ratio(self) -> float:
@@ -173,11 +173,11 @@ def _attempt(
         bends=len(path.points) - 2 if path else 0,
         turning=_turning(path) if path else math.nan,
         ompl_clearance=(
-            ompl_figures.clearance(path.points, planner.world.distance, planner.radius)
+            ompl_clearance(path.points, planner.world.distance, planner.radius)
             if path
             else math.nan
         ),
-        ompl_smoothness=ompl_figures.smoothness(path.points) if path else math.nan,
+        ompl_smoothness=ompl_smoothness(path.points) if path else math.nan,
     )
 
 
@@ -185,3 +185,31 @@ def _turning(path: Path) -> float:
     """Return the radians that `path` turns by in all."""
     heading = np.unwrap(np.arctan2(*np.diff(path.points, axis=0).T[::-1]))
     return float(np.abs(np.diff(heading)).sum())
+
+
+def ompl_smoothness(points: NDArray[np.float64]) -> float:
+    """Return `PathGeometric::smoothness()` of the polyline `points`, shape (N, 2), in metres.
+
+    That is the sum over the inner waypoints of (2 α / (a + b))², with a and b the lengths of the
+    segments before and after, and α the angle in radians between their directions: 0 for a
+    straight path. OMPL leaves out a waypoint at which the path goes straight on or straight back.
+    """
+    steps = np.diff(points, axis=0)
+    lengths = np.hypot(*steps.T)
+    before, after = lengths[:-1], lengths[1:]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        cosine = (steps[:-1] * steps[1:]).sum(axis=1) / (before * after)
+        bends = np.abs(cosine) < 1
+        terms = (2 * np.arccos(cosine[bends]) / (before + after)[bends]) ** 2
+    return float(terms.sum())
+
+
+def ompl_clearance(
+    points: NDArray[np.float64], distance: Callable[[Point], float], radius: float
+) -> float:
+    """Return `PathGeometric::clearance()` of the polyline `points`, shape (N, 2), in metres.
+
+    That is the mean over the waypoints of the distance to the nearest place that is not valid:
+    for a disc of `radius` metres its centre's `distance` to the nearest thing, less the radius.
+    """
+    return float(np.mean([distance((x, y)) for x, y in points.tolist()])) - radius

@@ -5,7 +5,15 @@ import math
 
 import numpy as np
 import shapely
-from shapely.geometry import Polygon
+from shapely.geometry import Polygon, box
+
+from floorplan import Floorplan, Obstacle
+
+
+def floor(*obstacles, boundary=None):
+    """A floor of 10 m × 10 m, or within `boundary`, with things 1 m high."""
+    things = [Obstacle(f"thing{k}", shape, 0.0, 1.0) for k, shape in enumerate(obstacles)]
+    return Floorplan("test", boundary=boundary or box(0, 0, 10, 10), obstacles=things)
 
 
 def solid(world):

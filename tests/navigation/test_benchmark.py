@@ -15,12 +15,12 @@ from navigation.benchmark import (
     SHORTFALL,
     ShortestPaths,
     benchmark,
-    ompl_figures,
     scenes,
     summary,
     write_csv,
     write_ompl_log,
 )
+from navigation.benchmark.measuring import ompl_clearance, ompl_smoothness
 
 
 @pytest.fixture(scope="module")
@@ -155,16 +155,20 @@ def test_ompl_log_reads_as_its_tools_read_it(attempts, tmp_path):
         assert next(lines) == f"geometric_{name}"
         assert next(lines) == "0 common properties"
         count = int(next(lines).removesuffix(" properties for each run"))
-        kinds = [next(lines).split()[-1] for _ in range(count)]
-        assert set(kinds) <= {"REAL", "INTEGER", "BOOLEAN"}
+        names = [next(lines) for _ in range(count)]
+        assert {one.split()[-1] for one in names} <= {"REAL", "INTEGER", "BOOLEAN"}
         runs = [a for a in there if a.planner == name]
         assert next(lines) == f"{len(runs)} runs"
         for run in runs:
             values = next(lines).split("; ")
             assert values.pop() == ""
-            assert len(values) == count
-            assert float(values[0]) == run.cpu_seconds
-            assert float(values[2]) == run.length
+            logged = dict(zip(names, map(float, values), strict=True))
+            assert logged["time REAL"] == run.cpu_seconds
+            assert logged["solution length REAL"] == run.length
+            assert logged["solution smoothness REAL"] == run.ompl_smoothness
+            assert logged["solution clearance REAL"] == run.ompl_clearance
+            assert logged["least clearance REAL"] == run.clearance
+            assert run.clearance - 0.3 <= run.ompl_clearance + 1e-9
         assert next(lines) == "."
     assert next(lines, None) is None
 
@@ -203,24 +207,8 @@ def test_smoothness_and_clearance_are_as_ompl_has_them():
     paths = [back_and_forth, *(rng.uniform(-12, 8, (n, 2)) for n in (2, 3, 20))]
     for points in [np.array(path, dtype=float) for path in paths]:
         clear, smooth = by_ompl(points, lambda at: world.distance(at) - 0.3)
-        assert ompl_figures.clearance(points, world.distance, 0.3) == pytest.approx(clear)
-        assert ompl_figures.smoothness(points) == pytest.approx(smooth, rel=1e-6)
-
-
-def test_the_log_has_ompls_properties_and_our_own_apart(attempts, tmp_path):
-    there = [a for a in attempts if a.floorplan == "ariac2023"]
-    write_ompl_log(there, tmp_path / "b.log", seed=1)
-    lines = (tmp_path / "b.log").read_text().splitlines()
-    first = lines.index("0 common properties") + 2
-    count = int(lines[first - 1].split()[0])
-    names = lines[first : first + count]
-    for attempt, line in zip(there, lines[first + count + 1 :], strict=False):
-        if attempt.planner == there[0].planner:
-            logged = dict(zip(names, line.split("; ")[:-1], strict=True))
-            assert float(logged["solution smoothness REAL"]) == attempt.ompl_smoothness
-            assert float(logged["solution clearance REAL"]) == attempt.ompl_clearance
-            assert float(logged["least clearance REAL"]) == attempt.clearance
-            assert attempt.clearance - 0.3 <= attempt.ompl_clearance + 1e-9
+        assert ompl_clearance(points, world.distance, 0.3) == pytest.approx(clear)
+        assert ompl_smoothness(points) == pytest.approx(smooth, rel=1e-6)
 
 
 def test_shortest_ways_do_not_cut_corners():

@@ -9,10 +9,9 @@ import pytest
 import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from plane_oracle import gap, length, room, shortest
+from plane_oracle import floor, gap, length, room, shortest
 from shapely.geometry import box
 
-from floorplan import Floorplan, Obstacle
 from navigation import CollisionWorld, Disc, PathPlanner, PlanningError
 
 RADIUS = 0.3
@@ -27,13 +26,7 @@ def hall(count, spacing, seed):
     half = rng.uniform(0.3, 0.6, (count, 2))
     shapes = shapely.box(*(centre - half).T, *(centre + half).T)
     side = across * spacing
-    return Floorplan(
-        name="hall",
-        boundary=box(0, 0, side, side),
-        obstacles=tuple(
-            Obstacle(f"thing{k}", shape, 0.0, 1.0) for k, shape in enumerate(shapes.tolist())
-        ),
-    )
+    return floor(*shapes.tolist(), boundary=box(0, 0, side, side))
 
 
 def cluttered(count, side, seed):
@@ -46,11 +39,7 @@ def cluttered(count, side, seed):
             thing = box(0, 0, side / 2, 0.1)
         turned = shapely.affinity.rotate(thing, rng.uniform(0, 360))
         shapes.append(shapely.affinity.translate(turned, *rng.uniform(0, side, 2)))
-    return Floorplan(
-        name="clutter",
-        boundary=box(0, 0, side, side),
-        obstacles=tuple(Obstacle(f"thing{k}", s, 0.0, 1.0) for k, s in enumerate(shapes)),
-    )
+    return floor(*shapes, boundary=box(0, 0, side, side))
 
 
 def free_places(plan, count, seed, margin=RADIUS + 0.01):

@@ -162,13 +162,6 @@ def test_a_person_put_elsewhere_is_out_of_danger_at_once():
     ]
 
 
-@pytest.mark.parametrize("span", [(1.0, 0.0), (0.0, math.inf), (math.nan, 1.0)])
-def test_spans_that_make_no_sense_are_refused(span):
-    body = navigation.standing((0, 0))
-    with pytest.raises(ValueError, match="can't watch from"):
-        navigation.first_violation(body, body, LAW, *span)
-
-
 def test_conditions_combine():
     person = navigation.walk([(-10, 0), (10, 0)], 0.0)
     machine = navigation.standing((0.0, 1.0))
@@ -535,13 +528,10 @@ def test_motions_that_make_no_sense_are_refused():
             navigation.violations(*pair, LAW, 0.0, 60.0)
         with pytest.raises(ValueError, match="a motion is not finite"):
             navigation.minimum_separation(*pair, 0.0, 60.0)
-    one, other = (Piece(t, t + 1.0, *((0.0,) * 4 for _ in range(3))) for t in (0.0, 2.0))
-    with pytest.raises(ValueError, match=r"a motion has a gap from t = 1\.0 s to 2\.0 s"):
-        Motion((one, other))
 
 
 @pytest.mark.parametrize("span", [(1.0, 0.0), (0.0, math.inf), (math.nan, 1.0)])
-def test_margins_and_separations_refuse_such_spans_as_well(span):
+def test_spans_that_make_no_sense_are_refused(span):
     body = navigation.standing((0, 0))
     for ask in (
         lambda: navigation.minimum_margin(body, body, LAW, *span),

@@ -9,11 +9,10 @@ import pytest
 import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from plane_oracle import gap, length, room, shortest
+from plane_oracle import floor, gap, length, room, shortest
 from shapely.geometry import Polygon, box
 
 import floorplan
-from floorplan import Floorplan, Obstacle
 from navigation import CollisionWorld, Disc, PathPlanner, PlanningError, planners
 
 SAMPLING = [info for info in planners() if info.name != "Roadmap"]
@@ -27,16 +26,6 @@ def plan():
 @pytest.fixture
 def world(plan):
     return CollisionWorld(plan)
-
-
-def floor(*obstacles, boundary=None):
-    return Floorplan(
-        name="test",
-        boundary=boundary or box(0, 0, 10, 10),
-        obstacles=tuple(
-            Obstacle(f"thing{k}", shape, 0.0, 1.0) for k, shape in enumerate(obstacles)
-        ),
-    )
 
 
 def random_floor(seed):

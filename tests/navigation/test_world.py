@@ -6,32 +6,24 @@ import pytest
 import shapely
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from plane_oracle import gap, solid
+from plane_oracle import floor, gap, solid
 from shapely.geometry import Polygon, box
 
 import floorplan
-from floorplan import Floorplan, Human, Obstacle
+from floorplan import Floorplan, Human
 from navigation import CollisionWorld, Disc, PathPlanner, PlanningError
 
+CELL = floorplan.load("ariac2023")
 
-@pytest.fixture(scope="module")
+
+@pytest.fixture
 def plan():
-    return floorplan.load("ariac2023")
+    return CELL
 
 
 @pytest.fixture
 def world(plan):
     return CollisionWorld(plan)
-
-
-def floor(*obstacles, boundary=None):
-    return Floorplan(
-        name="test",
-        boundary=boundary or box(0, 0, 10, 10),
-        obstacles=tuple(
-            Obstacle(f"thing{k}", shape, 0.0, 1.0) for k, shape in enumerate(obstacles)
-        ),
-    )
 
 
 def star(rng, x, y, size, corners):
@@ -227,6 +219,26 @@ def test_nearest_free_place(world):
     assert math.dist(at, place) == pytest.approx(0.67 / 2 + 0.3, abs=1e-6)
     assert world.nearest_free((-5.0, 0.0), 0.3) == (-5.0, 0.0)
     assert world.nearest_free((-5.0, 0.0), 30.0) is None
+
+
+@pytest.mark.parametrize("point", [(-2.5, 0.5), (-2.66, 3.0), (-0.6, -4.72)])
+def test_no_cracks_between_grown_edges_and_corners(world, point):
+    """A crack beside a corner of a bin once was taken for a place to stand."""
+    place = world.nearest_free(point, 0.3)
+    assert world.free(place, 0.3 - 1e-6)
+
+
+@given(st.floats(-22, 2), st.floats(-12, 12))
+def test_the_nearest_free_place_is_free_and_near(x, y):
+    world = CollisionWorld(CELL)
+    place = world.nearest_free((x, y), 0.3)
+    assert world.free(place, 0.3 - 1e-6)
+    away = math.dist((x, y), place)
+    for k in range(36):
+        angle = 2 * math.pi * k / 36
+        inner = 0.98 * away
+        nearer = (x + inner * math.cos(angle), y + inner * math.sin(angle))
+        assert away < 1e-9 or not world.free(nearer, 0.301)
 
 
 def test_floor_in_pieces():
