@@ -41,7 +41,7 @@ class Corners:
 
     def take(self, keep: NDArray[np.bool_]) -> Corners:
         """Return those of the corners that are marked in `keep` (K,)."""
-        return Corners(self.centre[keep], self.radius[keep], self.begin[keep], self.turn[keep])
+        return Corners(*(column[keep] for column in vars(self).values()))
 
 
 @dataclass(frozen=True)
@@ -64,24 +64,13 @@ class Bends:
 
     def take(self, keep: NDArray[np.bool_] | NDArray[np.intp]) -> Bends:
         """Those of the bends that are marked in `keep` (N,), or that it has the numbers of."""
-        return Bends(
-            self.point[keep],
-            self.before[keep],
-            self.after[keep],
-            self.reach[keep],
-            self.corner[keep],
-        )
+        return Bends(*(column[keep] for column in vars(self).values()))
 
     @staticmethod
     def join(parts: Sequence[Bends]) -> Bends:
         """Return the bends of all parts; corners keep the numbers they have in their part."""
-        return Bends(
-            np.concatenate([part.point for part in parts]),
-            np.concatenate([part.before for part in parts]),
-            np.concatenate([part.after for part in parts]),
-            np.concatenate([part.reach for part in parts]),
-            np.concatenate([part.corner for part in parts]),
-        )
+        columns = zip(*(vars(part).values() for part in parts), strict=True)
+        return Bends(*map(np.concatenate, columns))
 
     def graze(self, along: Floats) -> NDArray[np.bool_]:
         """Return whether segments along `along` (…, N, 2) only graze the corner at the bend.

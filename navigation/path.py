@@ -71,8 +71,6 @@ class PlannerInfo:
     summary: str
     optimal: bool
     """True if its paths approach the shortest one as its budget grows."""
-    refused: str = ""
-    """Reason why it can't be used, or empty."""
     iterations: int = 0
     """Its budget where no other is given."""
     parameters: tuple[str, ...] = ()

@@ -25,7 +25,7 @@ from floorplan import Point
 from .bodies import Body
 from .corners import Bends, Corners, Floats, bends, corners, edges_of_room
 from .freespace import STEP
-from .sight import AllInSight, Ints, Sight
+from .sight import Ints, Sight
 
 HAIR = 1e-4
 """Metres. Clearance beyond its radius that a disc keeps where a path bends."""
@@ -78,9 +78,8 @@ class Roadmap:
         self.bends = self._standing_bends(corners(edges))
         self._links: dict[int, list[Link]] = {}
         self._between: Floats | None = None
-        self._sight: Sight | AllInSight
+        self._sight: Sight | None = None
         if len(self.bends) <= MOST_DISTANCES:
-            self._sight = AllInSight(len(self.bends))
             network = self._network()
             self._links = dict(enumerate(network))
             self._between = _all_distances(network)
@@ -133,7 +132,7 @@ class Roadmap:
 
     def _links_from(self, places: Floats) -> list[list[Link]]:
         """Return the links of each of `places` (N, 2) to bends that a path could go on from."""
-        of, to = self._sight.around(places)
+        of, to = self._sight.around(places) if self._sight else self._every_pair(len(places))
         along = self.bends.point[to] - places[of]
         length = np.hypot(along[:, 0], along[:, 1])
         there = self.bends.take(to)
@@ -147,6 +146,15 @@ class Roadmap:
         ):
             links[i].append((j, far))
         return links
+
+    def _beyond(self, bends: Bends) -> tuple[Ints, Ints]:
+        """Return pairs of one of `bends` and a bend of the floor that may be visible from it."""
+        return self._sight.beyond(bends) if self._sight else self._every_pair(len(bends))
+
+    def _every_pair(self, count: int) -> tuple[Ints, Ints]:
+        """Return all pairs of `count` places and a bend: on a small floor any may be visible."""
+        number = len(self.bends)
+        return np.repeat(np.arange(count), number), np.tile(np.arange(number), count)
 
     def _standing_bends(self, around: Corners) -> Bends:
         """Return the bends around corners that are clear of the floor's edges.
@@ -183,7 +191,7 @@ class Roadmap:
     def _links_of_some(self, bends: Ints) -> list[list[Link]]:
         """Return the links of the bends of these numbers."""
         here, place = self.bends.take(bends), self.bends.point
-        of, to = self._sight.beyond(here)
+        of, to = self._beyond(here)
         one, other = bends[of], to
         worth = (one != other) & self._graze_both(here, of, to)
         of, one, other = of[worth], one[worth], other[worth]
@@ -208,7 +216,7 @@ class Roadmap:
         if known is not None:
             return known
         around = self._standing_bends(body.corners)
-        of, to = self._sight.beyond(around)
+        of, to = self._beyond(around)
         grazing = self._graze_both(around, of, to)
         of, to = of[grazing], to[grazing]
         along = self.bends.point[to] - around.point[of]

@@ -29,29 +29,23 @@ MOST_CHECKS = 200
 """Collision checks per iteration, on average, after which a planner that won't stop is stopped."""
 
 
-@dataclass(frozen=True)
-class _Known:
-    summary: str
-    optimal: bool
-    iterations: int
-
-
 _KNOWN = {
-    "AORRTC": _Known("RRTConnect again and again, each time for a shorter path", True, 2_000),
-    "BFMT": _Known("fast marching trees from both ends over one batch of samples", True, 100_000),
-    "BITstar": _Known("batches of samples, searched in order of promise", True, 4_000),
-    "BKPIECE1": _Known("trees from both ends into the least covered cells", False, 20_000),
-    "FMT": _Known("a fast marching tree over one batch of samples", True, 100_000),
-    "InformedRRTstar": _Known("RRT* that samples only where a shorter path may be", True, 2_000),
-    "KPIECE1": _Known("a tree into the least covered cells", False, 20_000),
-    "LBKPIECE1": _Known("BKPIECE that checks links only when needed", False, 100_000),
-    "PRM": _Known("a roadmap of samples, linked to their neighbours", False, 1_000),
-    "PRMstar": _Known("a roadmap of samples with links enough to be optimal", True, 1_000),
-    "RRT": _Known("a tree of random steps from the start", False, 20_000),
-    "RRTConnect": _Known("trees from both ends that reach for each other", False, 20_000),
-    "RRTstar": _Known("RRT that rewires its tree for shorter paths", True, 2_000),
-    "SORRTstar": _Known("Informed RRT* that takes its samples in order", True, 2_000),
+    "AORRTC": ("RRTConnect again and again, each time for a shorter path", True, 2_000),
+    "BFMT": ("fast marching trees from both ends over one batch of samples", True, 100_000),
+    "BITstar": ("batches of samples, searched in order of promise", True, 4_000),
+    "BKPIECE1": ("trees from both ends into the least covered cells", False, 20_000),
+    "FMT": ("a fast marching tree over one batch of samples", True, 100_000),
+    "InformedRRTstar": ("RRT* that samples only where a shorter path may be", True, 2_000),
+    "KPIECE1": ("a tree into the least covered cells", False, 20_000),
+    "LBKPIECE1": ("BKPIECE that checks links only when needed", False, 100_000),
+    "PRM": ("a roadmap of samples, linked to their neighbours", False, 1_000),
+    "PRMstar": ("a roadmap of samples with links enough to be optimal", True, 1_000),
+    "RRT": ("a tree of random steps from the start", False, 20_000),
+    "RRTConnect": ("trees from both ends that reach for each other", False, 20_000),
+    "RRTstar": ("RRT that rewires its tree for shorter paths", True, 2_000),
+    "SORRTstar": ("Informed RRT* that takes its samples in order", True, 2_000),
 }
+"""Summary, whether it is optimal, and iterations, of the planners of OMPL 2."""
 
 _LOST_IF_STRAIGHT = ("AORRTC", "SORRTstar")
 """Planners of OMPL 2.0.1 that fail where the start sees the goal: the first answers with a path of
@@ -73,11 +67,8 @@ def sampling_planners() -> tuple[PlannerInfo, ...]:
     for name in sorted(dir(og)):
         kind = getattr(og, name)
         if isinstance(kind, type) and issubclass(kind, ob.Planner):
-            known = _KNOWN.get(name, _Known(f"OMPL's {name}", False, 2_000))
-            names = (*_OWN, *_setters(kind))
-            found.append(
-                PlannerInfo(name, known.summary, known.optimal, "", known.iterations, names)
-            )
+            known = _KNOWN.get(name, (f"OMPL's {name}", False, 2_000))
+            found.append(PlannerInfo(name, *known, (*_OWN, *_setters(kind))))
     return tuple(found)
 
 

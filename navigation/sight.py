@@ -75,24 +75,6 @@ class Wedges:
         return lines
 
 
-class AllInSight:
-    """Visibility on a floor of few bends (`count`): any may be visible."""
-
-    def __init__(self, count: int) -> None:
-        self._count = count
-
-    def around(self, places: Floats) -> tuple[Ints, Ints]:
-        """See `Sight.around`."""
-        return self._every_pair(len(places))
-
-    def beyond(self, bends: Bends) -> tuple[Ints, Ints]:
-        """See `Sight.beyond`."""
-        return self._every_pair(len(bends))
-
-    def _every_pair(self, count: int) -> tuple[Ints, Ints]:
-        return np.repeat(np.arange(count), self._count), np.tile(np.arange(self._count), count)
-
-
 class Sight:
     """Visibility of the bends (metres) of a floor, for discs of `radius` metres.
 

@@ -265,21 +265,6 @@ def test_senseless_questions_are_refused(world):
         planner.plan((-15, -10), (-5, 3.75), parameters={"range": 1.0})
 
 
-def test_planners_are_all_of_ompl(world):
-    import ompl.base
-    import ompl.geometric
-
-    bound = {
-        name
-        for name, kind in vars(ompl.geometric).items()
-        if isinstance(kind, type) and issubclass(kind, ompl.base.Planner)
-    }
-    names = [info.name for info in planners()]
-    assert names[0] == "Roadmap"
-    assert set(names[1:]) == bound
-    assert all(info.summary for info in planners())
-
-
 @pytest.mark.parametrize("name", [info.name for info in SAMPLING])
 def test_sampling_planners(world, name):
     planner = PathPlanner(world, 0.3)
