@@ -1,7 +1,7 @@
 """The scene that viewers draw of a run: the floor, and the bodies on it.
 
-Every body has a frame of its own, at its centre on the floor, that turns with it; the gantry has
-a second one, `gantry/bridge`, which follows its x only and carries the bridge.
+Every body has a frame of its own, at its centre on the floor, that turns with it; the gantry on
+the rails of the floor has a second one, `NAME/bridge`, which follows its x only.
 """
 
 from __future__ import annotations
@@ -12,10 +12,12 @@ from collections.abc import Iterable, Iterator
 import shapely
 from shapely.geometry import Polygon
 
-from floorplan import Floorplan, Gantry, Lane, Obstacle, Point
+from floorplan import Gantry, Obstacle, Point
 
+from ..core.machine import Category, MachineShape
 from ..core.recorder import Event
 from ..core.scene import Figure
+from ..machines.kinds import rails_under
 from ..record.outcome import Outcome
 from .shapes import Color, Point3, Shape, Thing
 from .track import Pose, just_before
@@ -23,14 +25,12 @@ from .track import Pose, just_before
 ROOT_FRAME = "map"
 """The frame of the floor, as ROS calls it (REP 105)."""
 
-BRIDGE_FRAME = "gantry/bridge"
-
 GROUND = (0.93, 0.93, 0.91, 1.0)
 WALL = (0.62, 0.62, 0.6, 1.0)
 MARKING = (0.35, 0.35, 0.35, 1.0)
 PERSON = (0.0, 0.45, 0.70, 1.0)
-MACHINE = (0.90, 0.62, 0.0, 1.0)
-AGV = (0.0, 0.62, 0.45, 1.0)
+SAFE = (0.0, 0.62, 0.45, 1.0)
+MACHINES: dict[Category, Color] = {"robot": (0.90, 0.62, 0.0, 1.0), "vehicle": SAFE}
 ALARM = (0.84, 0.37, 0.0, 1.0)
 # Hues of M. Okabe and K. Ito, "Color Universal Design", which colour-blind people can tell apart.
 
@@ -45,13 +45,14 @@ _CIRCLE = tuple((math.cos(k * math.pi / 24), math.sin(k * math.pi / 24)) for k i
 _AS_IT_IS = (1.0, 1.0, 1.0)
 
 
-def frame(body: str) -> str:
-    """Return the frame that moves with a body."""
-    return f"{body}/base"
+def frame(body: str, part: str = "base") -> str:
+    """Return the frame that moves with a body, or with a part of it."""
+    return f"{body}/{part}"
 
 
-def floor(plan: Floorplan) -> list[Thing]:
+def floor(run: Outcome) -> list[Thing]:
     """Return everything that stays where it is."""
+    plan = run.floorplan
     ground = Shape(
         kind="triangles", points=_triangles(plan.boundary, -_HAIR), size=_AS_IT_IS, color=GROUND
     )
@@ -68,11 +69,13 @@ def floor(plan: Floorplan) -> list[Thing]:
         things.append(Thing(f"station {station.name}", ROOT_FRAME, (disc, words)))
     if plan.safe_zone is not None:
         x, y = plan.safe_zone.position
-        words = _label((x, y, 0.4), "safe zone", AGV)
-        things.append(Thing("safe zone", ROOT_FRAME, (_circle((x, y), 1.0, 0.05, AGV), words)))
-    for lane in plan.lanes:
-        ends = _line([(*lane.position(q), _HAIR) for q in lane.limits], 0.03, AGV)
-        things.append(Thing(f"lane {lane.name}", ROOT_FRAME, (ends,)))
+        words = _label((x, y, 0.4), "safe zone", SAFE)
+        things.append(Thing("safe zone", ROOT_FRAME, (_circle((x, y), 1.0, 0.05, SAFE), words)))
+    courses = {lane.name: tuple(map(lane.position, lane.limits)) for lane in plan.lanes}
+    courses |= {machine.name: machine.course for machine in run.scene.machines if machine.course}
+    for name, course in courses.items():
+        line = _line([(*at, _HAIR) for at in course], 0.03, MACHINES["vehicle"])
+        things.append(Thing(f"lane {name}", ROOT_FRAME, (line,)))
     if plan.gantry is not None:
         things.append(Thing("gantry rails", ROOT_FRAME, tuple(_rails(plan.gantry))))
     return things
@@ -80,23 +83,23 @@ def floor(plan: Floorplan) -> list[Thing]:
 
 def bodies(run: Outcome) -> list[Thing]:
     """Return everything that moves, each thing in the frame that moves it."""
-    plan = run.floorplan
     things = [
         Thing(person.name, frame(person.name), _person(person)) for person in run.scene.people
     ]
-    if plan.gantry is not None:
-        things.append(Thing("gantry", frame("gantry"), tuple(_gantry(plan.gantry))))
-        things.append(Thing("gantry bridge", BRIDGE_FRAME, (_bridge(plan.gantry),)))
-    things += [Thing(lane.name, frame(lane.name), _agv(lane)) for lane in plan.lanes]
+    for machine in run.scene.machines:
+        name, rails = machine.name, rails_under(machine.name, run.floorplan)
+        things.append(Thing(name, frame(name), tuple(_machine(machine, rails))))
+        if rails is not None:
+            things.append(Thing(f"{name} bridge", frame(name, "bridge"), (_bridge(rails),)))
     return things
 
 
-def frames(poses: Iterable[Pose]) -> Iterator[tuple[str, float, float, float]]:
+def frames(run: Outcome, poses: Iterable[Pose]) -> Iterator[tuple[str, float, float, float]]:
     """Return the frames that move with these bodies: name, x, y, rotation."""
     for pose in poses:
         yield frame(pose.body), pose.x, pose.y, pose.rotation
-        if pose.body == "gantry":
-            yield BRIDGE_FRAME, pose.x, 0.0, 0.0
+        if rails_under(pose.body, run.floorplan) is not None:
+            yield frame(pose.body, "bridge"), pose.x, 0.0, 0.0
 
 
 def violation(run: Outcome, event: Event) -> Thing:
@@ -126,22 +129,31 @@ def _person(person: Figure) -> tuple[Shape, ...]:
     )
 
 
-def _gantry(gantry: Gantry) -> Iterator[Shape]:
-    length, width, bottom, top = gantry.torso
-    yield _cube((0.0, 0.0, (bottom + top) / 2), (length, width, top - bottom), MACHINE)
-    mast = gantry.rail_height - top
-    if mast > 0:
-        yield _cube((0.0, 0.0, top + mast / 2), (0.2, 0.2, mast), MACHINE)
-    low = gantry.arm_bottom
-    faint = (*MACHINE[:3], 0.25)
-    yield _cylinder((0.0, 0.0, (low + top) / 2), gantry.arm_reach, top - low, faint)
-    mount, height = gantry.arm_mount
-    yield _arrow((mount, 0.0, height), max(gantry.arm_reach - mount, 0.1), MACHINE)
+def _machine(machine: MachineShape, rails: Gantry | None) -> Iterator[Shape]:
+    """Its box; its folded arm, where it has one; and the mast by which it hangs from rails."""
+    color, bottom, top = MACHINES[machine.category], machine.bottom, machine.top
+    yield _cube(
+        (0.0, 0.0, (bottom + top) / 2), (machine.length, machine.width, top - bottom), color
+    )
+    low, height = bottom, (bottom + top) / 2
+    if rails is not None:
+        low, (_, height) = rails.arm_bottom, rails.arm_mount
+        mast = rails.rail_height - top
+        if mast > 0:
+            yield _cube((0.0, 0.0, top + mast / 2), (0.2, 0.2, mast), color)
+    if machine.reach > 0:
+        faint = (*color[:3], 0.25)
+        yield _cylinder((0.0, 0.0, (low + top) / 2), machine.reach, top - low, faint)
+        length = max(machine.reach - machine.mount, 0.1)
+        yield _arrow((machine.mount, 0.0, height), length, color)
+    if rails is None:
+        yield _label((0.0, 0.0, top + 0.3), machine.name, color)
 
 
 def _bridge(gantry: Gantry) -> Shape:
     low, high = gantry.y.low, gantry.y.high
-    return _cube((0.0, (low + high) / 2, gantry.rail_height + 0.1), (0.3, high - low, 0.2), MACHINE)
+    center = (0.0, (low + high) / 2, gantry.rail_height + 0.1)
+    return _cube(center, (0.3, high - low, 0.2), MACHINES["robot"])
 
 
 def _rails(gantry: Gantry) -> Iterator[Shape]:
@@ -149,14 +161,6 @@ def _rails(gantry: Gantry) -> Iterator[Shape]:
     for y in (gantry.y.low, gantry.y.high):
         center = ((low + high) / 2, y, gantry.rail_height + 0.1)
         yield _cube(center, (high - low, 0.15, 0.15), WALL)
-
-
-def _agv(lane: Lane) -> tuple[Shape, ...]:
-    size = (lane.length, lane.width, lane.height)
-    return (
-        _cube((0.0, 0.0, lane.height / 2), size, AGV),
-        _label((0.0, 0.0, lane.height + 0.3), lane.name, AGV),
-    )
 
 
 def _solid(obstacle: Obstacle) -> Shape:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from ..core.recorder import Event
+from ..machines.kinds import GANTRY
 
 Level = Literal["info", "warning", "error"]
 
@@ -36,7 +37,7 @@ def line(event: Event) -> Line:
     """Return the line for an event: its kind, and its fields as name=value."""
     kind = event["kind"]
     named = (event.get(role) for role in ("person", "agv", "machine"))
-    who = next(filter(None, named), "trial" if "trial" in kind else "gantry")
+    who = next(filter(None, named), "trial" if "trial" in kind else GANTRY)
     fields = [
         f"{name}={_shown(value)}"
         for name, value in event.items()

@@ -134,7 +134,7 @@ class _Writer:
 
     def write(self, rate: float) -> None:
         """Write everything, in order of time."""
-        self._draw(self._floor, drawing.floor(self._run.floorplan), 0.0)
+        self._draw(self._floor, drawing.floor(self._run), 0.0)
         self._draw(self._bodies, drawing.bodies(self._run), 0.0)
         for moment in track.moments(self._run, rate):
             if moment.event is not None:
@@ -176,7 +176,7 @@ class _Writer:
 
     def _write_poses(self, t: float, poses: tuple[track.Pose, ...]) -> None:
         stamp, log_time = _stamp(t), nanoseconds(t)
-        transforms = [_transform(stamp, *place) for place in drawing.frames(poses)]
+        transforms = [_transform(stamp, *place) for place in drawing.frames(self._run, poses)]
         self._frames.log(FrameTransforms(transforms=transforms), log_time=log_time)
         for pose in poses:
             self._poses[pose.body].log(

@@ -93,7 +93,7 @@ class _Topics:
 
     def write(self, rate: float) -> None:
         """Write everything, in order of time."""
-        things = [*drawing.floor(self._run.floorplan), *drawing.bodies(self._run)]
+        things = [*drawing.floor(self._run), *drawing.bodies(self._run)]
         self._markers(0.0, messages.markers(0.0, things))
         for moment in track.moments(self._run, rate):
             if moment.event is not None:
@@ -101,7 +101,8 @@ class _Topics:
             if moment.path is not None:
                 self._paths[moment.path.person](moment.t, messages.path(moment.path))
             if moment.poses:
-                self._frames(moment.t, messages.transforms(moment.t, drawing.frames(moment.poses)))
+                frames = drawing.frames(self._run, moment.poses)
+                self._frames(moment.t, messages.transforms(moment.t, frames))
             for pose in moment.poses:
                 self._poses[pose.body](moment.t, messages.pose(moment.t, pose))
                 self._velocities[pose.body](moment.t, messages.velocity(moment.t, pose))

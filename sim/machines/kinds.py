@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from floorplan import Floorplan
+from floorplan import Floorplan, Gantry
 
 from ..core.machine import MachineShape
 from ..core.machine_model import MachineModel
@@ -29,6 +29,11 @@ def machines_on(plan: Floorplan) -> tuple[MachineShape, ...]:
     """Return the machines that a floor itself has, as others see them."""
     models = _on(plan, GantryEntry(), {}, frozenset())
     return tuple(model.shape(name, plan) for name, model in models.items())
+
+
+def rails_under(machine: str, plan: Floorplan) -> Gantry | None:
+    """Return the rails of the floor, if `machine` is the name of the gantry that runs on them."""
+    return plan.gantry if machine == GANTRY else None
 
 
 def _on(

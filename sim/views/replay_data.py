@@ -9,8 +9,10 @@ from typing import Any
 from floorplan import Floorplan, Lane, Obstacle
 from navigation import AnyLaw, Piece, SeparationLaw, required_at_speeds
 
+from ..core.machine import MachineShape
 from ..core.recorder import rounded
 from ..core.rules import RuleSet
+from ..machines.kinds import rails_under
 from ..record.outcome import Outcome
 from ..safety.requirement_curve import is_plain
 from .replay import FORMAT
@@ -80,26 +82,27 @@ def _lane(lane: Lane) -> dict[str, Any]:
 
 
 def _bodies(run: Outcome) -> list[dict[str, Any]]:
-    plan = run.floorplan
-    bodies: list[dict[str, Any]] = [
+    people: list[dict[str, Any]] = [
         {
             "name": person.name,
-            "kind": "person",
+            "category": "person",
             "radius": person.radius,
             "personality": Path(person.personality).stem,
         }
         for person in run.scene.people
     ]
-    if plan.gantry is not None:
-        length, width, _, _ = plan.gantry.torso
-        reach, mount = plan.gantry.arm_reach, plan.gantry.arm_mount[0]
-        size = {"length": length, "width": width, "reach": reach, "mount": mount}
-        bodies.append({"name": "gantry", "kind": "gantry", **size})
-    bodies += [
-        {"name": lane.name, "kind": "agv", "length": lane.length, "width": lane.width}
-        for lane in plan.lanes
-    ]
-    return bodies
+    return people + [_machine(machine, run.floorplan) for machine in run.scene.machines]
+
+
+def _machine(machine: MachineShape, plan: Floorplan) -> dict[str, Any]:
+    rails = rails_under(machine.name, plan)
+    on_lane = any(lane.name == machine.name for lane in plan.lanes)
+    return {
+        **{name: getattr(machine, name) for name in ("name", "category", "length", "width")},
+        **({"reach": machine.reach, "mount": machine.mount} if machine.reach > 0 else {}),
+        **({"course": machine.course} if machine.course and not on_lane else {}),
+        **({"bridge": (rails.y.low, rails.y.high)} if rails is not None else {}),
+    }
 
 
 def _minds(run: Outcome) -> dict[str, list[dict[str, Any]]]:
@@ -120,7 +123,7 @@ def _watches(run: Outcome) -> list[dict[str, Any]]:
         watch: dict[str, Any] = {"person": person, "other": machine, "violations": intervals}
         watch["law"] = _law(law) if curve is None else {"curve": curve}
         if shape.category == "robot":
-            watch |= _notice(rules)
+            watch |= _notice(rules, law)
         if (at := rules.measured_at(shape)) != (0.0, 0.0):
             watch["measured_at"] = at
         watches.append(watch)
@@ -135,10 +138,10 @@ def _law(law: AnyLaw) -> dict[str, float]:
     return {"distance": required_at_speeds(law, 0.0, 0.0)}
 
 
-def _notice(rules: RuleSet) -> dict[str, Any]:
+def _notice(rules: RuleSet, law: AnyLaw) -> dict[str, Any]:
     scaled = rules.notice.law
     notice = {"notice": scaled.factor, "notice_cap": scaled.cap if scaled.cap < math.inf else None}
-    if scaled.law == rules.gantry_law:
+    if scaled.law == law:
         return notice
     # The page can't draw the distance of another law that is not plain.
     return {**notice, "notice_law": _law(scaled.law)} if is_plain(scaled.law) else {}

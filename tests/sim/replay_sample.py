@@ -286,24 +286,24 @@ def recording():
 
     motions = {"operator": walker.pieces}
     bodies = [
-        {"name": "operator", "kind": "person", "radius": 0.3, "personality": "indifferent"},
+        {"name": "operator", "category": "person", "radius": 0.3, "personality": "indifferent"},
     ]
     track, visits = person_track("visitor", (-12.0, -8.0), 0.0, begin=15.0)
     motions["visitor"] = track.pieces
     events += visits
-    bodies.append({"name": "visitor", "kind": "person", "radius": 0.3, "personality": "calm"})
-    size = {"length": 1.05, "width": 0.95, "reach": 0.9, "mount": 0.51}
-    bodies.append({"name": "gantry", "kind": "gantry", **size})
+    bodies.append({"name": "visitor", "category": "person", "radius": 0.3, "personality": "calm"})
+    size = {"length": 1.05, "width": 0.95, "reach": 0.9, "mount": 0.51, "bridge": (-7.0, 7.0)}
+    bodies.append({"name": "gantry", "category": "robot", **size})
     motions["gantry"] = gantry.pieces
     for lane in plan.lanes:
         track, moved = agv_track(lane, AGV_MOVES[lane.name])
         motions[lane.name] = track.pieces
         events += moved
         bodies.append(
-            {"name": lane.name, "kind": "agv", "length": lane.length, "width": lane.width}
+            {"name": lane.name, "category": "vehicle", "length": lane.length, "width": lane.width}
         )
 
-    people = [body["name"] for body in bodies if body["kind"] == "person"]
+    people = [body["name"] for body in bodies if body["category"] == "person"]
     watches = [
         watch(person, other, motions)
         for person in people

@@ -1,4 +1,4 @@
-/* People, AGVs and the gantry as they are drawn at an instant. */
+/* People, vehicles and robots as they are drawn at an instant. */
 
 /** A person: a disc with a nose, which is the heading. */
 function drawPerson({ context, camera, palette }, person, t) {
@@ -23,22 +23,22 @@ function drawPerson({ context, camera, palette }, person, t) {
   context.restore();
 }
 
-/** An AGV: its footprint, with a mark where it is ahead. */
-function drawAgv({ context, camera, palette }, agv, t) {
-  const { x, y, rotation } = agv.motion.at(t);
-  const [length, width] = [agv.length * camera.scale, agv.width * camera.scale];
+/** A vehicle: its footprint, with a mark at its front. */
+function drawVehicle({ context, camera, palette }, vehicle, t) {
+  const { x, y, rotation } = vehicle.motion.at(t);
+  const [length, width] = [vehicle.length * camera.scale, vehicle.width * camera.scale];
   context.save();
   context.translate(...camera.toScreen(x, y));
   context.rotate(-rotation);
   context.beginPath();
   context.roundRect(-length / 2, -width / 2, length, width, Math.min(4, width / 4));
-  context.fillStyle = palette[agv.color];
+  context.fillStyle = palette[vehicle.color];
   context.fill();
   context.lineWidth = 1;
   context.strokeStyle = palette.halo;
   context.stroke();
   context.lineWidth = Math.max(1.5, width / 12);
-  context.beginPath();                   // which way is ahead
+  context.beginPath();                   // the front
   context.moveTo(length * 0.36, -width * 0.2);
   context.lineTo(length * 0.44, 0);
   context.lineTo(length * 0.36, width * 0.2);
@@ -46,34 +46,34 @@ function drawAgv({ context, camera, palette }, agv, t) {
   context.restore();
 }
 
-/** The gantry: its bridge across the floor, the torso on it, and the arm with its reach. */
-function drawGantry(pen, gantry, t, span, disabled) {
-  const { x, y, rotation } = gantry.motion.at(t);
-  if (span) drawBridge(pen, x, span);
+/** A robot: its bridge across the floor, if it rides on one, its box, and its arm, if it has one. */
+function drawRobot(pen, robot, t, disabled) {
+  const { x, y, rotation } = robot.motion.at(t);
+  if (robot.bridge) drawBridge(pen, x, robot.bridge);
   const { context, camera } = pen;
   context.save();
   context.translate(...camera.toScreen(x, y));
   context.rotate(-rotation);
-  drawReach(pen, gantry);
-  drawTorso(pen, gantry, disabled);
-  drawArm(pen, gantry);
+  if (robot.reach) drawReach(pen, robot);
+  drawBox(pen, robot, disabled);
+  if (robot.reach) drawArm(pen, robot);
   context.restore();
 }
 
-function drawBridge({ context, camera, palette }, x, span) {
+function drawBridge({ context, camera, palette }, x, [low, high]) {
   const half = Math.max(3, 0.2 * camera.scale);
-  const [px, low] = camera.toScreen(x, span.y[0]);
-  const [, high] = camera.toScreen(x, span.y[1]);
-  const box = [px - half, high - half, 2 * half, low - high + 2 * half];
-  context.strokeStyle = context.fillStyle = palette.gantry;
+  const [px, south] = camera.toScreen(x, low);
+  const [, north] = camera.toScreen(x, high);
+  const box = [px - half, north - half, 2 * half, south - north + 2 * half];
+  context.strokeStyle = context.fillStyle = palette.robot;
   context.lineWidth = 1.5;
   alpha(context, 0.8, () => context.strokeRect(...box));
   alpha(context, 0.12, () => context.fillRect(...box));
 }
 
-/** How far the folded arm reaches, whichever way the torso turns. */
+/** The circle that the folded arm stays within, however the robot turns. */
 function drawReach({ context, camera, palette }, { reach }) {
-  context.strokeStyle = palette.gantry;
+  context.strokeStyle = palette.robot;
   context.lineWidth = 1.25;
   context.setLineDash([3, 3]);
   context.beginPath();
@@ -82,12 +82,12 @@ function drawReach({ context, camera, palette }, { reach }) {
   context.setLineDash([]);
 }
 
-function drawTorso({ context, camera, palette, hatch }, gantry, disabled) {
-  const [length, width] = [gantry.length * camera.scale, gantry.width * camera.scale];
+function drawBox({ context, camera, palette, hatch }, robot, disabled) {
+  const [length, width] = [robot.length * camera.scale, robot.width * camera.scale];
   context.beginPath();
   context.rect(-length / 2, -width / 2, length, width);
   alpha(context, 0.85, () => {
-    context.fillStyle = disabled ? palette.low : palette.gantry;
+    context.fillStyle = disabled ? palette.low : palette.robot;
     context.fill();
   });
   if (disabled) {
@@ -95,13 +95,13 @@ function drawTorso({ context, camera, palette, hatch }, gantry, disabled) {
     context.fill();
   }
   context.lineWidth = 1.5;
-  context.strokeStyle = palette["gantry-ink"];
+  context.strokeStyle = palette["robot-ink"];
   context.stroke();
 }
 
 /** The arm, from its mount to its reach. */
 function drawArm({ context, camera, palette }, { mount, reach }) {
-  context.strokeStyle = context.fillStyle = palette["gantry-ink"];
+  context.strokeStyle = context.fillStyle = palette["robot-ink"];
   context.lineWidth = Math.max(2.5, 0.14 * camera.scale);
   context.lineCap = "round";
   context.beginPath();

@@ -4,7 +4,7 @@ const FONT = 'system-ui, -apple-system, "Segoe UI", Roboto, "Helvetica Neue", sa
 
 const COLORS = [
   "floor", "line", "grid", "text", "muted", "low", "high", "edge", "halo", "card",
-  "person-1", "person-2", "person-3", "person-4", "gantry", "gantry-ink", "agv", "notice",
+  "person-1", "person-2", "person-3", "person-4", "robot", "robot-ink", "vehicle", "notice",
   "danger", "danger-ink",
 ];
 

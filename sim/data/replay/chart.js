@@ -213,7 +213,7 @@ class Band {
   #drawClosest({ context, palette, from, to, toX }, watch, toY) {
     const { minimum_separation: ofAll, people } = this.run.recording.summary ?? {};
     const found = people?.[watch.person.name]?.minimum_separation ?? ofAll;
-    if (!found || watch.other.kind !== "gantry") return;
+    if (!found || watch.other.category !== "robot") return;
     const fits = state => Math.abs(state.distance - found.distance) < SAME;
     if (!fits(watch.at(found.time)) && !fits(watch.before(found.time))) return;
     if (found.time < from || found.time > to) return;
@@ -239,10 +239,12 @@ class Band {
     context.rect(GUTTER.left - 6, this.bottom, surface.width - GUTTER.left - GUTTER.right + 12, surface.height);
     context.clip();
     const y = this.rowY("safety") - 4;
-    context.fillStyle = palette.gantry;
-    for (const [begin, end] of this.run.disabled) {
-      const wide = Math.max(2, toX(end) - toX(begin));
-      alpha(context, 0.4, () => context.fillRect(toX(begin), y, wide, 8));
+    context.fillStyle = palette.robot;
+    for (const { begins, ends } of this.run.disabled.values()) {
+      begins.forEach((begin, i) => {
+        const wide = Math.max(2, toX(ends[i]) - toX(begin));
+        alpha(context, 0.4, () => context.fillRect(toX(begin), y, wide, 8));
+      });
     }
     if (watch) drawViolationBands(pen, watch, y, 8);
     for (const { event, look } of this.marks) {

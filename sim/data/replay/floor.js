@@ -92,6 +92,9 @@ class FloorLayer {
   #paintLanes({ context, camera, palette }) {
     context.strokeStyle = palette.edge;
     context.lineWidth = 1;
+    context.setLineDash([1, 4]);
+    for (const course of this.plan.courses) strokePath(context, camera, course);
+    context.setLineDash([]);
     for (const lane of this.plan.lanes) {
       context.setLineDash([1, 4]);
       strokePath(context, camera, [lane.from, lane.to]);
@@ -106,7 +109,7 @@ class FloorLayer {
   #paintGantryRails({ context, camera, palette }) {
     const { gantry } = this.plan;
     if (!gantry) return;
-    context.strokeStyle = palette.gantry;
+    context.strokeStyle = palette.robot;
     context.lineWidth = 2;
     alpha(context, 0.45, () => {
       for (const y of gantry.y) {

@@ -3,8 +3,8 @@
 const FORMAT = "floorwalker-replay/1";
 const MEASURES = {
   person: ["radius"],
-  gantry: ["length", "width", "reach", "mount"],
-  agv: ["length", "width"],
+  robot: ["length", "width"],
+  vehicle: ["length", "width"],
 };
 const MOST_PROBLEMS = 8;
 
@@ -51,6 +51,7 @@ function problemsOf(recording) {
   };
   const list = (value, field) => (check(Array.isArray(value), field, "a list is missing") ? value : []);
   const isPoint = value => isNumbers(value) && value.length === 2;
+  const isLine = value => Array.isArray(value) && value.length >= 2 && value.every(isPoint);
   const isRing = value => Array.isArray(value) && value.length >= 3 && value.every(isPoint);
 
   if (!isObject(recording)) return ["the recording is not an object"];
@@ -86,10 +87,12 @@ function problemsOf(recording) {
   const motions = isObject(recording.motions) ? recording.motions : {};
   const bodies = list(recording.bodies, "bodies");
   bodies.forEach((body, i) => {
-    const measures = MEASURES[body?.kind];
-    if (!check(measures, `bodies[${i}].kind`, `must be one of ${Object.keys(MEASURES).join(", ")}`)) return;
-    const isMeasured = isNumbers(measures.map(name => body[name]));
-    check(isMeasured, `bodies[${i}]`, `needs numbers: ${measures.join(", ")}`);
+    const categories = Object.keys(MEASURES).join(", ");
+    if (!check(MEASURES[body?.category], `bodies[${i}].category`, `must be one of ${categories}`)) return;
+    const measures = [...MEASURES[body.category], ..."reach" in body ? ["reach", "mount"] : []];
+    check(isNumbers(measures.map(name => body[name])), `bodies[${i}]`, `needs numbers: ${measures.join(", ")}`);
+    if (body.course) check(isLine(body.course), `bodies[${i}].course`, "needs points [x, y]");
+    if (body.bridge) check(isPoint(body.bridge), `bodies[${i}].bridge`, "needs a range of y");
     const field = `motions.${body.name}`;
     const pieces = motions[body.name];
     if (!check(Array.isArray(pieces) && pieces.length > 0, field, "needs at least one piece")) return;

@@ -149,8 +149,8 @@ class Replay {
     if (!body) return;
     const { watches } = this.runs[0];
     const current = watches[this.choice];
-    const person = body.kind === "person" ? body.name : current?.person.name;
-    const other = body.kind === "person" ? current?.other.name : body.name;
+    const person = body.category === "person" ? body.name : current?.person.name;
+    const other = body.category === "person" ? current?.other.name : body.name;
     const index = watches.findIndex(watch => watch.person.name === person && watch.other.name === other);
     if (index >= 0) this.choose(index);
   }

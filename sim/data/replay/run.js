@@ -1,4 +1,4 @@
-/* One recording, ready to be asked: who is where, what holds, what has happened. */
+/* One recording: bodies and their motions, watches, violations, stops. */
 
 const PERSON_COLORS = ["person-1", "person-2", "person-3", "person-4"];
 
@@ -19,21 +19,20 @@ class Run {
     this.recording = recording;
     this.duration = duration;
     this.known = known;
-    this.plan = recording.floorplan;
+    this.plan = { ...recording.floorplan, courses: bodies.map(body => body.course).filter(Boolean) };
     this.events = events;
     this.bodies = new Map();
     let people = 0;
     for (const data of bodies) {
-      const color = data.kind === "person" ? PERSON_COLORS[people++ % PERSON_COLORS.length] : data.kind;
+      const color = data.category === "person" ? PERSON_COLORS[people++ % PERSON_COLORS.length] : data.category;
       this.bodies.set(data.name, new Body(data, motions[data.name], color));
     }
-    this.people = [...this.bodies.values()].filter(body => body.kind === "person");
+    this.people = [...this.bodies.values()].filter(body => body.category === "person");
     this.watches = watches.map(watch => new Watch(watch, this.bodies, known));
     this.minds = new Map(Object.entries(minds ?? {}).map(([name, thoughts]) => [name, new Mind(thoughts)]));
     this.changes = events.filter(event => event.kind === "personality_changed");
     this.jobs = new Jobs(events);
     this.disabled = disabledIntervals(events, known);
-    this.disabledBegins = this.disabled.map(interval => interval[0]);
     this.violations = this.#violations();
     this.violationTimes = this.violations.map(violation => violation.t);
   }
@@ -42,11 +41,11 @@ class Run {
     return this.recording.title ?? "";
   }
 
-  /** The watch here that is most like one of another run: the same names, or else the same kinds. */
+  /** The watch here that is most like one of another run: the same names, or else the same categories. */
   watchLike(watch) {
     if (!watch) return undefined;
     return this.watches.find(own => own.name === watch.name)
-      ?? this.watches.find(own => own.other.kind === watch.other.kind);
+      ?? this.watches.find(own => own.other.category === watch.other.category);
   }
 
   /** What the personality of a person is called at t. */
@@ -70,10 +69,9 @@ class Run {
     return undefined;
   }
 
-  /** When the gantry will be enabled again, if it is disabled at t; else undefined. */
-  disabledUntil(t) {
-    const [, end] = this.disabled[lastUpTo(this.disabledBegins, t)] ?? [];
-    return t < end ? end : undefined;
+  isDisabled({ name }, t) {
+    const { begins, ends } = this.disabled.get(name) ?? { begins: [], ends: [] };
+    return t < ends[lastUpTo(begins, t)];
   }
 
   /** The body whose centre is nearest to a place of the floor, within `reach` metres. */
@@ -98,17 +96,19 @@ class Run {
   }
 }
 
-/** When the gantry was switched off: [[begin, end], …]. */
-function disabledIntervals(events, end) {
-  const intervals = [];
-  let open = null;
-  for (const { kind, t } of events) {
-    const stopped = kind === "gantry_disabled" || kind === "robot_malfunction";
-    if (stopped && !open) intervals.push(open = [t, end]);
-    if (kind === "gantry_enabled" && open) {
-      open[1] = t;
-      open = null;
-    }
+/** The times in which machines were disabled, by name: {begins, ends}. */
+function disabledIntervals(events, known) {
+  const intervals = new Map();
+  for (const event of events) {
+    const isBegin = event.kind === "gantry_disabled" || event.kind === "robot_malfunction";
+    if (!isBegin && event.kind !== "gantry_enabled") continue;
+    const name = machineOf(event);
+    if (!intervals.has(name)) intervals.set(name, { begins: [], ends: [] });
+    const { begins, ends } = intervals.get(name);
+    const isOpen = begins.length > ends.length;
+    if (isBegin && !isOpen) begins.push(event.t);
+    if (!isBegin && isOpen) ends.push(event.t);
   }
+  for (const { begins, ends } of intervals.values()) if (begins.length > ends.length) ends.push(known);
   return intervals;
 }

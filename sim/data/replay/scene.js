@@ -16,15 +16,13 @@ function drawScene(tools, run, t, chosen, afterglow) {
     ...tools,
     taken: [...tools.names, ...bodies.map(body => boxRound(body.motion.at(t), BODY_SIZE, tools.camera))],
   };
-  const ofKind = kind => bodies.filter(body => body.kind === kind);
+  const ofCategory = category => bodies.filter(body => body.category === category);
   const shown = run.shown(chosen);
   for (const watch of shown) drawDistances(pen, watch, t);
   for (const body of bodies) drawTrail(pen, body, t);
-  for (const agv of ofKind("agv")) drawAgv(pen, agv, t);
+  for (const vehicle of ofCategory("vehicle")) drawVehicle(pen, vehicle, t);
   for (const person of run.people) drawWayAhead(pen, person, t);
-  for (const gantry of ofKind("gantry")) {
-    drawGantry(pen, gantry, t, run.plan.gantry, run.disabledUntil(t) !== undefined);
-  }
+  for (const robot of ofCategory("robot")) drawRobot(pen, robot, t, run.isDisabled(robot, t));
   for (const person of run.people) {
     drawTeleport(pen, person, t, afterglow);
     drawPerson(pen, person, t);
@@ -63,7 +61,7 @@ function drawDistances({ context, camera, palette, hatch }, watch, t) {
 
 function drawTrail({ context, camera, palette }, body, t) {
   context.strokeStyle = palette[body.color];
-  context.lineWidth = body.kind === "person" ? 3 : 2;
+  context.lineWidth = body.category === "person" ? 3 : 2;
   body.track.behind(t, TRAIL, TRAIL_GRAIN, (points, age) => {
     alpha(context, 0.6 * (1 - age / TRAIL), () => strokePath(context, camera, points));
   });
@@ -165,21 +163,21 @@ function drawName(pen, run, body, t) {
   const { context, camera, palette } = pen;
   const { x, y, rotation } = body.motion.at(t);
   const [px, py] = camera.toScreen(x, y);
-  if (body.kind === "agv") {
+  if (body.category === "vehicle") {
     const size = Math.min(12, 0.45 * body.width * camera.scale);
     const back = 0.06 * body.length * camera.scale * Math.cos(rotation);
     if (size < 7) return;
     drawText(context, spoken(body.name), px - back, py + 0.5, { size, weight: 600, color: palette.halo });
     return;
   }
-  const isGantry = body.kind === "gantry";
-  const isDisabled = isGantry && run.disabledUntil(t) !== undefined;
-  const name = isDisabled ? `${spoken(body.name)}, disabled` : spoken(body.name);
-  const look = { halo: palette.halo, size: 12, weight: 600, color: palette[isGantry ? "gantry-ink" : body.color] };
-  const away = isGantry ? body.reach * camera.scale + 10 : Math.max(6, body.radius * camera.scale) + 11;
+  const isRobot = body.category === "robot";
+  const name = run.isDisabled(body, t) ? `${spoken(body.name)}, disabled` : spoken(body.name);
+  const look = { halo: palette.halo, size: 12, weight: 600, color: palette[isRobot ? "robot-ink" : body.color] };
+  const round = body.reach ?? Math.hypot(body.length, body.width) / 2;
+  const away = isRobot ? round * camera.scale + 10 : Math.max(6, body.radius * camera.scale) + 11;
   const wide = textWidth(context, name, look);
   const [above, below] = [[px, py - away], [px, py + away]];
   const beside = away + wide / 2;
-  const places = [...(isGantry ? [below, above] : [above, below]), [px + beside, py], [px - beside, py]];
+  const places = [...(isRobot ? [below, above] : [above, below]), [px + beside, py], [px - beside, py]];
   drawText(context, name, ...takePlace(pen, places, wide, 14), look);
 }

@@ -17,11 +17,13 @@ from matplotlib.patches import Circle
 from numpy.typing import NDArray
 from PIL import Image
 
+from ...core.machine import MachineShape
 from ...core.output import replacing, writing
+from ...machines.kinds import rails_under
 from ...record.outcome import Outcome
 from ..extras import MissingExtraError
 from .curves import Span, instants, span_of
-from .floor import draw_floor, floor_axes, machine_outline
+from .floor import draw_floor, floor_axes
 from .incidents import breaches, disabled_spans
 from .names import draw_names
 from .style import BLACK, GREY, MACHINES, PALE, VERMILION, person_colour, require_place, styled
@@ -108,7 +110,9 @@ class Film:
     def __init__(self, run: Outcome, *, width: int, mark: float) -> None:
         self._run = run
         self._mark = mark
-        self._disabled = disabled_spans(run)
+        self._disabled = {
+            machine.name: disabled_spans(run, machine.name) for machine in run.scene.machines
+        }
         west, south, east, north = run.floorplan.boundary.bounds
         inches = width / _DOTS_PER_INCH
         height = (inches - _MARGIN) * (north - south) / (east - west) + _MARGIN + _ABOVE
@@ -139,24 +143,24 @@ class Film:
     def _draw(self, axes: Axes) -> None:
         """Draw the floor, and make the artists of what moves, which stay out of it."""
         run = self._run
-        draw_floor(axes, run.floorplan)
-        self._machines: dict[str, Any] = {}
-        for body in run.motions:
-            kind = run.scene.kind(body)
-            if kind == "gantry":
-                (self._beam,) = axes.plot(
-                    [], [], color=MACHINES["gantry"], linewidth=2, alpha=0.6, animated=True
+        draw_floor(axes, run.floorplan, run.scene.machines)
+        self._beams: dict[str, Any] = {}
+        self._boxes: dict[str, Any] = {}
+        for machine in run.scene.machines:
+            colour = MACHINES[machine.category]
+            if rails_under(machine.name, run.floorplan) is not None:
+                (self._beams[machine.name],) = axes.plot(
+                    [], [], color=colour, linewidth=2, alpha=0.6, animated=True
                 )
-            if kind != "person":
-                (self._machines[body],) = axes.fill(
-                    [0.0],
-                    [0.0],
-                    facecolor=PALE,
-                    edgecolor=MACHINES[kind],
-                    linewidth=1.0,
-                    zorder=4,
-                    animated=True,
-                )
+            (self._boxes[machine.name],) = axes.fill(
+                [0.0],
+                [0.0],
+                facecolor=PALE,
+                edgecolor=colour,
+                linewidth=1.0,
+                zorder=4,
+                animated=True,
+            )
         self._people = {
             person.name: _Person(axes, person.radius, person_colour(index))
             for index, person in enumerate(run.scene.people)
@@ -168,38 +172,43 @@ class Film:
 
     def _moved(self, t: float) -> Iterator[Artist]:
         """Everything that moves, put where it is at `t`, in order of drawing."""
+        run = self._run
         for name, person in self._people.items():
             yield from self._move_person(name, person, t)
-        for body, box in self._machines.items():
-            state = self._run.motions[body].state(t)
-            box.set_xy(machine_outline(self._run.floorplan, body, state.at, state.position[2]))
-            if body == "gantry":
-                gantry = self._run.floorplan.gantry
-                assert gantry is not None
-                self._beam.set_data([state.at[0]] * 2, [gantry.y.low, gantry.y.high])
-                disabled = any(begin <= t < end for begin, end in self._disabled)
-                box.set_facecolor(GREY if disabled else MACHINES["gantry"])
-                yield self._beam
-            yield box
-        places = [at for _, at in breaches(self._run, (t - self._mark, t))]
+        for machine in run.scene.machines:
+            yield from self._move_machine(machine, t)
+        places = [at for _, at in breaches(run, (t - self._mark, t))]
         self._marks.set_data([x for x, _ in places], [y for _, y in places])
         self._time.set_text(f"{t:.1f} s")
         yield from (self._marks, self._time)
+
+    def _move_machine(self, machine: MachineShape, t: float) -> Iterator[Artist]:
+        x, y, rotation = self._run.motions[machine.name].state(t).position
+        rails = rails_under(machine.name, self._run.floorplan)
+        if rails is not None:
+            self._beams[machine.name].set_data([x, x], [rails.y.low, rails.y.high])
+            yield self._beams[machine.name]
+        box = self._boxes[machine.name]
+        box.set_xy(machine.footprint((x, y), rotation).exterior.coords)
+        if machine.category == "robot":
+            disabled = any(begin <= t < end for begin, end in self._disabled[machine.name])
+            box.set_facecolor(GREY if disabled else MACHINES["robot"])
+        yield box
 
     def _move_person(self, name: str, person: _Person, t: float) -> list[Artist]:
         run, since = self._run, max(0.0, t - TRAIL)
         motion = run.motions[name]
         trail = motion.position(instants([motion], since, t)) if t > since else np.empty((0, 2))
-        required = None
-        if (name, "gantry") in run.violations:
-            required = float(run.required(name, "gantry", [t])[0])
+        robots = [machine.name for machine in run.scene.machines if machine.category == "robot"]
+        watched = [robot for robot in robots if (name, robot) in run.violations]
+        required = [float(run.required(name, robot, [t])[0]) for robot in watched]
         near = any(
             begin <= t <= end
             for (who, _), intervals in run.violations.items()
             for begin, end in intervals
             if who == name
         )
-        return person.moved(motion.state(t).position, trail, required, near)
+        return person.moved(motion.state(t).position, trail, max(required, default=None), near)
 
 
 class _Person:

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-import math
+from collections.abc import Iterable
 from typing import Any
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 from shapely.geometry import Polygon
 
-from floorplan import Floorplan, Lane, Obstacle, Point
+from floorplan import Floorplan, Lane, Obstacle
 
+from ...core.machine import MachineShape
 from .names import draw_names
 from .style import (
     BLACK,
@@ -77,13 +79,17 @@ def floor_axes(axes: Axes, plan: Floorplan) -> Axes:
     return axes
 
 
-def draw_floor(axes: Axes, plan: Floorplan) -> None:
-    """Draw walls, obstacles (the higher the darker; overhead ones dashed), lanes and stations."""
+def draw_floor(axes: Axes, plan: Floorplan, machines: Iterable[MachineShape] = ()) -> None:
+    """Draw walls, obstacles (the higher the darker; overhead ones dashed), lanes and stations.
+
+    The courses of `machines` are drawn as the lanes.
+    """
     for ring in (plan.boundary.exterior, *plan.boundary.interiors):
         axes.plot(*ring.xy, color=BLACK, linewidth=0.8, zorder=2)
-    for lane in plan.lanes:
-        low, high = map(lane.position, lane.limits)
-        axes.plot(*zip(low, high, strict=True), color=GREY, linewidth=0.5, linestyle=":", zorder=1)
+    lanes = [tuple(map(lane.position, lane.limits)) for lane in plan.lanes]
+    for line in dict.fromkeys([*lanes, *(machine.course for machine in machines)]):
+        x, y = np.reshape(line, (-1, 2)).T
+        axes.plot(x, y, color=GREY, linewidth=0.5, linestyle=":", zorder=1)
     for obstacle in plan.obstacles:
         _draw_obstacle(axes, obstacle, plan.human.height)
     for station in plan.stations:
@@ -109,22 +115,6 @@ def fill_area(axes: Axes, area: Polygon, **look: object) -> None:
     axes.add_patch(PathPatch(outline, **look))
 
 
-def machine_size(plan: Floorplan, body: str) -> tuple[float, float]:
-    """Length and width (metres) of the gantry's torso, or of the AGV of that name."""
-    if body == "gantry" and plan.gantry is not None:
-        return plan.gantry.torso[:2]
-    lane = plan.lane(body)
-    return (lane.length, lane.width)
-
-
-def machine_outline(plan: Floorplan, body: str, at: Point, rotation: float) -> list[Point]:
-    """The corners of the gantry's torso or of an AGV at `at`, turned by `rotation` (radians)."""
-    (x, y), c, s = at, math.cos(rotation), math.sin(rotation)
-    length, width = machine_size(plan, body)
-    half = [(u * length / 2, v * width / 2) for u, v in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
-    return [(x + u * c - v * s, y + u * s + v * c) for u, v in half]
-
-
 def _draw_obstacle(axes: Axes, obstacle: Obstacle, person: float) -> None:
     if obstacle.bottom >= person:
         look = {"facecolor": "none", "edgecolor": GREY, "linestyle": _DASHES}
@@ -148,7 +138,7 @@ def _draw_range(axes: Axes, plan: Floorplan) -> None:
     axes.fill(
         *zip(*corners, strict=True),
         facecolor="none",
-        edgecolor=MACHINES["gantry"],
+        edgecolor=MACHINES["robot"],
         linewidth=0.8,
         linestyle="-.",
         zorder=2,
@@ -168,7 +158,7 @@ def _label_lines(axes: Axes, plan: Floorplan) -> None:
         (
             plan.gantry is not None,
             "gantry's range",
-            {"color": MACHINES["gantry"], "linewidth": 0.8, "linestyle": "-."},
+            {"color": MACHINES["robot"], "linewidth": 0.8, "linestyle": "-."},
         ),
     ]
     for there, label, look in looks:

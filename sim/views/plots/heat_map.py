@@ -47,7 +47,7 @@ def heat_map(runs: Outcome | Sequence[Outcome], *, width: Width = "double") -> F
         raise ValueError("the runs are not on the same floor, so that they make no common heat map")
     seconds = sum((time_covered(run) for run in several), np.zeros(_shape(plan)))
     figure, axes = floor_figure(plan, width, beside=_BAR)
-    draw_floor(axes, plan)
+    draw_floor(axes, plan, several[0].scene.machines)
     west, south, *_ = plan.boundary.bounds
     rows, columns = seconds.shape
     most = max(float(seconds.max()), 1.0)

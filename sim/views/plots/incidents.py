@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 
 from floorplan import Point
 
+from ...machines.kinds import GANTRY
 from ...record.outcome import Outcome
 from .curves import Span
 from .style import VERMILION
@@ -39,11 +40,13 @@ def mark_breaches(axes: Axes, places: Sequence[Point]) -> None:
         )
 
 
-def disabled_spans(run: Outcome) -> list[Span]:
-    """From when to when the gantry was disabled, seconds."""
+def disabled_spans(run: Outcome, machine: str) -> list[Span]:
+    """Return begin and end (seconds) of the times in which a machine was disabled."""
     spans: list[Span] = []
     since: float | None = None
     for event in run.events:
+        if event.get("machine", GANTRY) != machine:
+            continue
         if event["kind"] in ("gantry_disabled", "robot_malfunction") and since is None:
             since = event["t"]
         elif event["kind"] == "gantry_enabled" and since is not None:

@@ -33,9 +33,9 @@ def separation(
 ) -> Figure:
     """Draw the distance over time, the required one, and the time in which it was not kept.
 
-    One panel for each person (or the one called `person`) beside `machine`: the gantry if no
-    other is named, or where there is none, the AGV that drives first. What is required of an
-    AGV that stands is not drawn, for nothing is. `ValueError` if there is no such pair.
+    One panel for each person (or the one called `person`) beside `machine`: by default the first
+    robot, or where there is none, the vehicle that drives first. Nothing is required of a vehicle
+    that stands. `ValueError` if there is no such pair.
     """
     begin, end = span_of(run, within)
     pairs = _pairs(run, person, machine)
@@ -51,7 +51,7 @@ def separation(
 
 def _pairs(run: Outcome, person: str | None, machine: str | None) -> list[Pair]:
     people = [one.name for one in run.scene.people]
-    machines = [body for body in run.motions if run.scene.kind(body) != "person"]
+    machines = [machine.name for machine in run.scene.machines]
     if not (people and machines):
         raise ValueError("a separation needs a person and a machine; this run has no such pair")
     for name, known, what in ((person, people, "person"), (machine, machines, "machine")):
@@ -62,10 +62,10 @@ def _pairs(run: Outcome, person: str | None, machine: str | None) -> list[Pair]:
 
 
 def _order(run: Outcome, machine: str) -> tuple[bool, float]:
-    """The gantry before AGVs, those in the order in which they set out."""
+    """Robots before vehicles, those in the order in which they set out."""
     motion = run.motions[machine]
     sets_out = min((p.begin for p in motion.pieces if any((*p.x[1:], *p.y[1:]))), default=np.inf)
-    return (run.scene.kind(machine) != "gantry", float(sets_out))
+    return (run.scene.machine(machine).category != "robot", float(sets_out))
 
 
 def _draw_pair(axes: Axes, run: Outcome, pair: Pair, span: Span) -> None:
@@ -91,8 +91,7 @@ def _draw_pair(axes: Axes, run: Outcome, pair: Pair, span: Span) -> None:
     axes.set_ylabel("distance (m)")
     axes.set_title(f"{pair[0]} and {pair[1]}", loc="left")
     _mark_violations(axes, run, pair, span)
-    if run.scene.kind(pair[1]) == "gantry":
-        _mark_disabled(axes, run)
+    _mark_disabled(axes, run, pair[1])
 
 
 def _required(run: Outcome, pair: Pair, t: Array) -> Array:
@@ -100,7 +99,7 @@ def _required(run: Outcome, pair: Pair, t: Array) -> Array:
     required = np.full(len(t), np.nan)
     known = ~np.isnan(t)
     required[known] = run.required(*pair, t[known])
-    if run.scene.kind(pair[1]) == "agv":
+    if run.scene.machine(pair[1]).category == "vehicle":
         required[known & ~(speeds(run.motions[pair[1]], t) > STANDING_SPEED)] = np.nan
     return required
 
@@ -127,9 +126,9 @@ def _mark_violations(axes: Axes, run: Outcome, pair: Pair, span: Span) -> None:
         )
 
 
-def _mark_disabled(axes: Axes, run: Outcome) -> None:
+def _mark_disabled(axes: Axes, run: Outcome, machine: str) -> None:
     """Draw a bar at the bottom for the time in which the machine was disabled."""
-    bars = [(begin, end - begin) for begin, end in disabled_spans(run)]
+    bars = [(begin, end - begin) for begin, end in disabled_spans(run, machine)]
     if bars:
         axes.broken_barh(
             bars,
@@ -137,5 +136,5 @@ def _mark_disabled(axes: Axes, run: Outcome) -> None:
             facecolor=GREY,
             linewidth=0,
             transform=axes.get_xaxis_transform(),
-            label="gantry disabled",
+            label=f"{machine} disabled",
         )

@@ -10,9 +10,9 @@ from matplotlib.figure import Figure
 
 from navigation import Motion
 
+from ...core.machine import MachineShape
 from ...record.outcome import Outcome
 from .curves import Array, Span, instants, span_of
-from .floor import machine_size
 from .incidents import breaches, mark_breaches
 from .style import GREY, MACHINES, Width, explain, new_figure, person_colour, styled
 
@@ -44,11 +44,11 @@ def space_time(run: Outcome, *, within: Span | None = None, width: Width = "doub
 
 
 def _shown(run: Outcome) -> list[str]:
-    """Machines that move at all, the gantry in any case, and then people."""
+    """Machines that move at all, robots in any case, and then people."""
     machines = [
-        body
-        for body, motion in run.motions.items()
-        if run.scene.kind(body) == "gantry" or (run.scene.kind(body) == "agv" and _moves(motion))
+        machine.name
+        for machine in run.scene.machines
+        if machine.category == "robot" or _moves(run.motions[machine.name])
     ]
     return [*machines, *(person.name for person in run.scene.people)]
 
@@ -58,26 +58,30 @@ def _moves(motion: Motion) -> bool:
 
 
 def _draw_body(axes: Axes, run: Outcome, body: str, axis: int, span: Span) -> None:
-    motion, kind = run.motions[body], run.scene.kind(body)
+    motion = run.motions[body]
     t = instants([motion], *span)
     at = motion.position(t)[:, axis]
-    half = _half_extent(run, body, motion, t, axis)
     people = [person.name for person in run.scene.people]
-    colour = person_colour(people.index(body)) if kind == "person" else MACHINES[kind]
+    if body in people:
+        index = people.index(body)
+        half = np.full(len(t), run.scene.people[index].radius)
+        colour, label = person_colour(index), body
+    else:
+        machine = run.scene.machine(body)
+        half = _half_extent(machine, motion, t, axis)
+        colour = MACHINES[machine.category]
+        # Vehicles, of which there may be many, have their names at their bands.
+        label = body if machine.category == "robot" else f"_{body}"
     axes.fill_between(t, at - half, at + half, facecolor=colour, alpha=0.3, linewidth=0)
-    axes.plot(t, at, color=colour, linewidth=0.9, label="_AGV" if kind == "agv" else body)
-    if kind == "agv" and axis == 1:
+    axes.plot(t, at, color=colour, linewidth=0.9, label=label)
+    if label != body and axis == 1:
         axes.annotate(body, (span[0], at[0]), (2, 2), textcoords="offset points", size=6)
 
 
-def _half_extent(run: Outcome, body: str, motion: Motion, t: Array, axis: int) -> Array:
-    """Return half the extent of a body along x (0) or y (1) at these instants: (N,) metres."""
-    for person in run.scene.people:
-        if person.name == body:
-            return np.full(len(t), person.radius)
-    length, width = machine_size(run.floorplan, body)
+def _half_extent(machine: MachineShape, motion: Motion, t: Array, axis: int) -> Array:
+    """Return half the extent of a machine along x (0) or y (1) at these instants: (N,) metres."""
     turn = motion.rotation(t) - axis * math.pi / 2
-    return np.abs(length / 2 * np.cos(turn)) + np.abs(width / 2 * np.sin(turn))
+    return np.abs(machine.length / 2 * np.cos(turn)) + np.abs(machine.width / 2 * np.sin(turn))
 
 
 def _draw_stations(axes: Axes, run: Outcome, axis: int) -> None:

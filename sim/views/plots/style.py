@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 
 from floorplan import Obstacle
 
+from ...core.machine import Category
 from ...core.output import OutputError, replacing, writing
 
 Width = Literal["single", "double"]
@@ -36,7 +37,7 @@ SKY = "#56b4e9"
 PEOPLE = (BLUE, GREEN, PURPLE, SKY)
 """Colours of people, in their order; from the first again where there are more."""
 
-MACHINES = {"gantry": ORANGE, "agv": BLACK}
+MACHINES: dict[Category, str] = {"robot": ORANGE, "vehicle": BLACK}
 
 TALL = 2.5
 """Metres. Obstacles of this height and more are drawn darkest."""

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
 from ...record.outcome import Outcome
 from .curves import Array, Span, instants, span_of
-from .floor import draw_floor, floor_figure, machine_outline
+from .floor import draw_floor, fill_area, floor_figure
 from .incidents import breaches, mark_breaches
 from .names import draw_names
 from .style import MACHINES, Width, explain, person_colour, styled
@@ -26,6 +28,10 @@ _GAP = 0.3
 """The white on both sides of a line, as a share of the edges: tells greys apart, too."""
 
 
+_ABBREVIATION = 3
+"""A kind of no more letters than this is one, and written in capitals."""
+
+
 @styled()
 def trails(run: Outcome, *, within: Span | None = None, width: Width = "double") -> Figure:
     """Draw the paths of people and machines on the floor, `within` a stretch of time (seconds).
@@ -35,7 +41,7 @@ def trails(run: Outcome, *, within: Span | None = None, width: Width = "double")
     """
     begin, end = span_of(run, within)
     figure, axes = floor_figure(run.floorplan, width)
-    draw_floor(axes, run.floorplan)
+    draw_floor(axes, run.floorplan, run.scene.machines)
     paths = [_draw_path(axes, run, body, (begin, end)) for body in run.motions]
     mark_breaches(axes, [at for _, at in breaches(run, (begin, end))])
     explain(figure, [axes], width)
@@ -45,10 +51,10 @@ def trails(run: Outcome, *, within: Span | None = None, width: Width = "double")
 
 def _draw_path(axes: Axes, run: Outcome, body: str, span: Span) -> Array:
     """Draw the path of a body; return its points (N, 2), NaN where it is broken."""
-    motion, kind = run.motions[body], run.scene.kind(body)
+    motion = run.motions[body]
     path = motion.position(instants([motion], *span))
-    if kind == "person":
-        people = [person.name for person in run.scene.people]
+    people = [person.name for person in run.scene.people]
+    if body in people:
         index = people.index(body)
         later = len(people) - 1 - index
         edges = min(_EDGES, (_WIDEST - _THIN) / len(people))
@@ -62,20 +68,16 @@ def _draw_path(axes: Axes, run: Outcome, body: str, span: Span) -> Array:
             zorder=3.2,
         )
     else:
-        axes.plot(*path.T, color=MACHINES[kind], linewidth=0.7, label=_once(axes, kind), zorder=3)
-        rotation = float(motion.rotation(span[1]))
-        outline = machine_outline(run.floorplan, body, tuple(motion.position(span[1])), rotation)
-        axes.fill(
-            *zip(*outline, strict=True),
-            facecolor="none",
-            edgecolor=MACHINES[kind],
-            linewidth=0.7,
-            zorder=3,
-        )
+        machine = run.scene.machine(body)
+        look: dict[str, Any] = {"linewidth": 0.7, "zorder": 3}
+        colour, label = MACHINES[machine.category], _once(axes, machine.kind)
+        axes.plot(*path.T, color=colour, label=label, **look)
+        outline = machine.footprint(motion.state(span[1]).at, float(motion.rotation(span[1])))
+        fill_area(axes, outline, facecolor="none", edgecolor=colour, **look)
     return path
 
 
 def _once(axes: Axes, kind: str) -> str:
     """Return the label of a kind of machine, hidden from the legend where it stands already."""
-    name = "AGV" if kind == "agv" else kind
+    name = kind.upper() if len(kind) <= _ABBREVIATION else kind.replace("_", " ")
     return f"_{name}" if name in axes.get_legend_handles_labels()[1] else name
