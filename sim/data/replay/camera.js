@@ -1,6 +1,6 @@
-/* Which part of the floor is seen, and how large. */
+/* The part of the floor that is seen, and its scale. */
 
-/** Which part of the floor is seen: the centre in metres, the scale in CSS pixels a metre. */
+/** The part of the floor that is seen: its centre in metres, the scale in CSS pixels a metre. */
 class Camera {
   constructor(bounds) {
     this.bounds = bounds;
@@ -26,7 +26,7 @@ class Camera {
     this.isFitted = true;
   }
 
-  /** All that is seen, as a box in pixels. */
+  /** The screen as a box in pixels. */
   get screen() {
     return { left: 0, right: this.width, top: 0, bottom: this.height };
   }

@@ -1,4 +1,4 @@
-/* A sharp canvas, colours, text, a camera. */
+/* A sharp canvas, colours, text, glyphs. */
 
 const FONT = 'system-ui, -apple-system, "Segoe UI", Roboto, "Helvetica Neue", sans-serif';
 
@@ -16,7 +16,7 @@ function readPalette() {
 
 /**
  * A canvas that has as many pixels as the screen shows of it; units are CSS pixels. `onResize` is
- * called before the browser paints a new size, in which all has to be drawn anew.
+ * called before the browser paints a new size, for which all has to be redrawn.
  */
 class Surface {
   constructor(canvas, onResize) {
@@ -29,7 +29,7 @@ class Surface {
     this.fit();
   }
 
-  /** Takes on the size that the canvas has on the page; that empties it. */
+  /** Takes the size that the canvas has on the page, which empties it. */
   fit() {
     if (this.#isFit()) return;
     const { width, height, ratio } = this.#shown();
@@ -58,7 +58,7 @@ class Surface {
   }
 }
 
-/** Text that stays readable on whatever is below it. */
+/** Text with a halo, readable on any ground. */
 function drawText(context, text, x, y, { color, halo, size = 11, weight = 400, align = "center" }) {
   context.font = `${weight} ${size}px ${FONT}`;
   context.textAlign = align;
@@ -109,7 +109,7 @@ function drawGlyph(context, { shape, hollow, color }, x, y, palette, size = 1) {
   context.restore();
 }
 
-/** A pattern of slanted lines: says "not allowed" without a hue. */
+/** A pattern of slanted lines, which says "not allowed" without a hue. */
 function hatching(context, color, ratio) {
   const size = Math.round(6 * ratio);
   const tile = document.createElement("canvas");

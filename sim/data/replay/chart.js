@@ -3,8 +3,8 @@
 const ROW_HEIGHT = 17;
 const AXIS_HEIGHT = 16;
 const GUTTER = { left: 52, right: 12, top: 6 };
-const SAME = 1e-3;           // metres: a separation is that of the summary
-const SHORTEST = 2;          // seconds that fill the chart at most
+const SAME = 1e-3;           // metres between equal separations
+const SHORTEST = 2;          // seconds that the chart shows, at least
 
 /** Distance, required distance and events over time, all of it or a part. */
 class Chart {
@@ -39,20 +39,20 @@ class Chart {
     this.#showFrom(0, this.duration);
   }
 
-  /** Fewer seconds (`factor` above 1) or more, so that the instant at x stays there. */
+  /** Shows fewer seconds (`factor` above 1) or more; the instant at x stays there. */
   zoom(factor, x) {
     const t = this.toTime(x);
     const span = Math.min(Math.max((this.to - this.from) / factor, SHORTEST), this.duration);
     this.#showFrom(t - ((t - this.from) / (this.to - this.from)) * span, span);
   }
 
-  /** Earlier or later by so many pixels. */
+  /** Moves to earlier or later times by so many pixels. */
   shift(pixels) {
     const span = this.to - this.from;
     this.#showFrom(this.from + (pixels / this.#width) * span, span);
   }
 
-  /** Moves on to t if that is not to be seen; whether it had to. */
+  /** Moves to t if that is out of view; returns true if it was. */
   keepInView(t) {
     if (t >= this.from && t <= this.to) return false;
     const span = this.to - this.from;
@@ -78,7 +78,7 @@ class Chart {
     this.cursor.style.transform = `translateX(${this.toX(t)}px)`;
   }
 
-  /** Draws all of it anew; `watches` has the chosen one of each run. */
+  /** Redraws the whole chart; `watches` has the chosen one of each run. */
   draw(watches, palette) {
     this.surface.fit();
     const context = this.surface.clear();
@@ -122,7 +122,7 @@ class Band {
     this.place(0, 1);
   }
 
-  /** Where it is in the chart, pixels. */
+  /** Takes its place in the chart, pixels. */
   place(top, height) {
     this.top = top + GUTTER.top;
     this.bottom = top + height - ROWS.length * ROW_HEIGHT - 4;
@@ -173,7 +173,7 @@ class Band {
         context.restore();
       };
       between("distance", "required", palette[watch.person.color], 0.1);    // the margin
-      between("required", "distance", palette.danger, 0.35);                // what is missing
+      between("required", "distance", palette.danger, 0.35);                // the shortfall
     }
     drawViolationBands(pen, watch, this.top, this.bottom - this.top);
     context.lineJoin = "round";
@@ -209,7 +209,7 @@ class Band {
     }
   }
 
-  /** The minimum separation of the summary, where it is that of this watch. */
+  /** Draws the minimum separation of the summary, if it is that of this watch. */
   #drawClosest({ context, palette, from, to, toX }, watch, toY) {
     const { minimum_separation: ofAll, people } = this.run.recording.summary ?? {};
     const found = people?.[watch.person.name]?.minimum_separation ?? ofAll;
@@ -255,7 +255,7 @@ class Band {
   }
 }
 
-/** The top of a plot: all that matters beside the required distance; what is farther may leave it. */
+/** The highest distance of a plot; larger ones are cut off. */
 function highestOf({ largest }) {
   return Math.min(largest.distance * 1.05, largest.required * 3);
 }

@@ -1,13 +1,13 @@
 /* The time of the replay. */
 
 const SPEEDS = [0.25, 0.5, 1, 2, 4, 8, 16, 32, 64];
-const LONGEST_FRAME = 0.1;     // seconds: a page that was asleep goes on where it was
-const LIVE_LAG = 0.4;          // seconds of the viewer's time: so far a live replay stays behind
-const LIVE_LOST = 2;           // the same: from here on it leaps
+const LONGEST_FRAME = 0.1;     // seconds: a page that was suspended resumes where it was
+const LIVE_LAG = 0.4;          // seconds of the viewer's time by which a live replay stays behind
+const LIVE_LOST = 2;           // the same; with more it jumps ahead
 
 /**
- * Goes on at `speed` while it plays, until the `frontier`: as far as is known of the `duration`.
- * While it `isLive`, it keeps close to the frontier. `onChange` is called whenever something changes.
+ * Runs at `speed` while it plays, up to the `frontier`, the part of the `duration` that is known.
+ * While it `isLive`, it stays close to the frontier. `onChange` is called on every change.
  */
 class Clock {
   constructor(duration, onChange) {
@@ -32,7 +32,7 @@ class Clock {
     this.onChange();
   }
 
-  /** Keep up with what is going on, which goes at `speed`. */
+  /** Follow the run under way, which advances at `speed`. */
   goLive(speed = this.speed) {
     this.isLive = this.isPlaying = true;
     this.speed = speed;
@@ -48,7 +48,7 @@ class Clock {
     if (this.time === this.duration) this.pause();
   }
 
-  /** A little slower or faster than asked for, to stay as far behind what goes on as wanted. */
+  /** A factor of the speed, which keeps the lag behind a run under way constant. */
   get #pace() {
     if (!this.isLive) return 1;
     const lag = (this.frontier - this.time) / this.speed;

@@ -1,6 +1,6 @@
 /* The list of events. */
 
-/** The list of events: a button each; the last one that has happened is marked and kept in view. */
+/** The list of events, a button each; the latest one is marked and kept in view. */
 class EventList {
   constructor(list, onChoose) {
     this.list = list;
@@ -8,12 +8,12 @@ class EventList {
     this.times = [];
     this.items = [];
     this.current = -1;
-    this.isHeld = false;       // while the pointer is over the list, it does not scroll by itself
+    this.isHeld = false;       // no scrolling while the pointer is over the list
     list.addEventListener("pointerenter", event => { this.isHeld = event.pointerType === "mouse"; });
     list.addEventListener("pointerleave", () => { this.isHeld = false; });
   }
 
-  /** Shows these events, of which those that are listed already come first. */
+  /** Shows these events, which begin with those that are listed already. */
   extend(events, bodies) {
     const more = events.slice(this.items.length).map(event => this.#item(event, bodies));
     this.items.push(...more);

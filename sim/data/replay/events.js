@@ -1,4 +1,4 @@
-/* What the kinds of events look like and say. */
+/* The kinds of events: looks and words. */
 
 /** Shapes in a box from -6 to 6; `hollow` ones are stroked. */
 const SHAPES = {
@@ -78,14 +78,14 @@ const WORDS = {
   trial_ended: () => "trial ends",
 };
 
-/** How an event looks and what it says; `bodies` is a Map by name. */
+/** The look and the words of an event; `bodies` is a Map by name. */
 function lookOf(event, bodies) {
   const look = { ...LOOKS[event.kind] ?? UNKNOWN_LOOK };
   if (look.color === "person") look.color = bodies.get(event.person)?.color ?? "person-1";
   return { ...look, words: WORDS[event.kind]?.(event) ?? spoken(event.kind) };
 }
 
-/** The second line of an event: distances, penalties, and what the simulation itself says. */
+/** The second line of an event: distances, penalties, and the message of the simulation. */
 function detailOf(event) {
   const details = [];
   if (Number.isFinite(event.distance)) {

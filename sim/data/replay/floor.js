@@ -1,7 +1,7 @@
-/* What stands still. */
+/* The floor: ground, lanes, obstacles, places and their names. */
 
-const TALLEST = 2.5;      // metres: from here on the darkest shade
-const LAYER_MARGIN = 160; // CSS pixels drawn beyond each edge, so that panning mostly moves a picture
+const TALLEST = 2.5;      // metres: obstacles of this height are drawn darkest
+const LAYER_MARGIN = 160; // CSS pixels drawn beyond each edge, so that panning mostly shifts the picture
 
 /** The floor as a picture, drawn again only when the camera leaves it. */
 class FloorLayer {
@@ -11,7 +11,7 @@ class FloorLayer {
       .sort((a, b) => a.top - b.top);
     this.canvas = document.createElement("canvas");
     this.seen = null;
-    this.names = [];           // where those of places are in the picture, CSS pixels
+    this.names = [];           // boxes of the names of places in the picture, CSS pixels
   }
 
   /** Forget the picture: the colours have changed. */
@@ -19,7 +19,7 @@ class FloorLayer {
     this.seen = null;
   }
 
-  /** Draws the floor; the boxes on the screen that the names of stations and of the safe zone take. */
+  /** Draws the floor; returns the boxes of the names of stations and safe zone on the screen. */
   draw(context, camera, palette) {
     if (!this.#covers(camera)) this.#paint(camera, palette);
     const dx = (this.seen.x - camera.x) * camera.scale;
@@ -126,7 +126,7 @@ class FloorLayer {
     outline(context, camera, footprint);
     context.lineWidth = 1;
     context.strokeStyle = palette.edge;
-    if (bottom > 0) {                      // hangs above the floor: one can walk below it
+    if (bottom > 0) {                      // overhead: people walk under it
       context.setLineDash([3, 3]);
       context.stroke();
       context.setLineDash([]);
@@ -266,10 +266,10 @@ function boxOf(points) {
 }
 
 const area = box => (box.right - box.left) * (box.top - box.bottom);
-/** Whether two boxes of the screen (y points down) share anything. */
+/** True if two boxes of the screen (y points down) overlap. */
 const overlap = (a, b) => common(a, b) > 0;
 
-/** How many square pixels two boxes of the screen share. */
+/** The area that two boxes of the screen share, square pixels. */
 const common = (a, b) => Math.max(0, Math.min(a.right, b.right) - Math.max(a.left, b.left))
   * Math.max(0, Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top));
 

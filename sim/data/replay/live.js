@@ -1,6 +1,6 @@
-/* A run that is still going on: what comes in is added to the recording. */
+/* A run under way: its messages are added to the recording. */
 
-const REDRAW = 250;            // milliseconds between two looks at what has come in, at least
+const REDRAW = 250;            // milliseconds between two updates, at least
 
 /** Follows the stream at `address`: `onGrow(recording, now)` from time to time, `onEnd(recording)`. */
 class Live {
@@ -37,7 +37,7 @@ class Live {
   }
 }
 
-/** Puts new pieces in the place of those that were planned for the same time. */
+/** Replaces the pieces that were planned for the same time by new ones. */
 function replaceFrom(pieces, more) {
   const [[begin]] = more;
   while (pieces.length && pieces.at(-1)[0] >= begin) pieces.pop();

@@ -1,16 +1,16 @@
-/* What goes on in a person's mind, and what the gantry is at: from changes to what holds at t. */
+/* The mind of a person and the job of a gantry at t, from their changes. */
 
-const CHECKPOINT = 50;        // thoughts between two beliefs-as-a-whole that are kept
-const RECENT_STEPS = 6;       // of percepts, plans and actions, the latest are told
+const CHECKPOINT = 50;        // thoughts between two copies of all beliefs
+const RECENT_STEPS = 6;       // percepts, plans and actions that are shown
 
-/** One person's thoughts: what they believed, wanted, saw and did at any instant. */
+/** A person's beliefs, intentions, percepts and actions at any instant. */
 class Mind {
   constructor(thoughts) {
     this.thoughts = thoughts;
     this.times = Float64Array.from(thoughts, thought => thought.t);
     this.changing = new Set();       // functors of beliefs that come and go
-    this.checkpoints = [];           // what was believed before every so many thoughts
-    this.intents = [];               // of each thought: the last one up to it that tells intentions
+    this.checkpoints = [];           // beliefs before every so many thoughts
+    this.intents = [];               // of each thought: the intentions after it
     const believed = new Map();
     let intent = [];
     thoughts.forEach((thought, i) => {
@@ -25,14 +25,14 @@ class Mind {
     this.latest = { index: undefined };
   }
 
-  /** {index, t, beliefs: Map of text to since when, intentions, steps: [{t, kind, text, place}]}. */
+  /** {index, t, beliefs: Map of text to its instant, intentions, steps: [{t, kind, text, place}]}. */
   at(t) {
     const index = lastUpTo(this.times, t + 1e-9);
     if (this.latest.index !== index) this.latest = this.#after(index);
     return this.latest;
   }
 
-  /** Whether a belief is one of those that come and go. */
+  /** True if a belief is one of those that come and go. */
   isChanging(text) {
     return this.changing.has(functor(text));
   }
@@ -54,7 +54,7 @@ class Mind {
   }
 }
 
-/** What the gantry is at: of the jobs that were started and not done, the latest. */
+/** The job of a gantry: the latest that was started and is not done. */
 class Jobs {
   constructor(events) {
     const open = new Map();
@@ -84,7 +84,7 @@ function jobKey({ t, kind, ...fields }) {
   return JSON.stringify(Object.entries(fields).sort());
 }
 
-/** Percepts that end are seen from the beliefs. */
+/** Percepts that end are left out: the beliefs show them. */
 const isNews = ([kind, text]) => kind !== "percept" || !text.startsWith("-");
 
 const functor = text => text.split(/[([]/, 1)[0];

@@ -1,7 +1,7 @@
-/* Where a body is at t, in closed form. */
+/* The pose of a body at t, in closed form. */
 
-const JUMP = 1e-6;          // metres between two pieces that are more than rounding
-const STILL = 1e-6;         // m/s that are no more than rounding
+const JUMP = 1e-6;          // metres: a smaller gap between two pieces is rounding
+const STILL = 1e-6;         // m/s: a smaller speed is rounding
 const TRACK_STEP = 0.1;     // seconds between the points of a drawn track
 
 /** The index of the last of the ascending `times` that is <= t, or -1. */
@@ -38,13 +38,13 @@ class Motion {
     this.jumpTimes = this.jumps.map(jump => jump.t);
   }
 
-  /** Pose and velocity at t; at a change, what comes after it. */
+  /** Pose and velocity at t; at a change, those after it. */
   at(t) {
     const i = Math.max(0, lastUpTo(this.begins, t));
     return this.#state(i, t, this.begins[i] <= t && t < this.ends[i]);
   }
 
-  /** Pose and velocity just before t: at a change, what led up to it. */
+  /** Pose and velocity just before t: at a change, those that led up to it. */
   before(t) {
     const i = Math.max(0, lastBefore(this.begins, t));
     return this.#state(i, t, this.begins[i] < t && t <= this.ends[i]);
@@ -77,7 +77,7 @@ class Motion {
     return Math.hypot(c, s) > 1e-9 ? Math.atan2(s, c) : this.at(t).rotation;
   }
 
-  /** The last time it was put elsewhere: {t, from, to}, or undefined. */
+  /** The last jump up to t: {t, from, to}, or undefined. */
   lastJump(t) {
     return this.jumps[lastUpTo(this.jumpTimes, t)];
   }

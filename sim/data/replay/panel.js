@@ -13,12 +13,12 @@ function element(tag, { text, className, ...attributes } = {}, ...children) {
   return made;
 }
 
-/** The element that a <template> holds, once more. */
+/** A copy of the element in a <template>. */
 function stamp(id) {
   return $(id).content.firstElementChild.cloneNode(true);
 }
 
-/** Writes into an element, and only what has changed. */
+/** Writes into an element if the text has changed. */
 function write(target, text) {
   if (target.textContent !== text) target.textContent = text;
 }
@@ -38,7 +38,7 @@ function stateOf({ margin, distance, notice, violated }) {
 
 /**
  * Distance, required distance, margin, speeds and the gantry's job of one run at an instant;
- * and whose they are, if they are not those of the `chosen` pair.
+ * with the names of the pair, if it is not the `chosen` one.
  */
 class Readout {
   constructor(letter) {

@@ -1,6 +1,6 @@
-/* What there is to read about one run: the mind in focus, the events, the summary. */
+/* The texts about one run: the mind in focus, the events, the summary. */
 
-const ROOM_FOR_ALL = 1100;     // pixels of height from which on the summary is unfolded, too
+const ROOM_FOR_ALL = 1100;     // pixels of height from which the summary is unfolded, too
 
 /** The panels of one run, side by side with those of another or alone. */
 class Panels {

@@ -1,4 +1,4 @@
-/* Reads it, or says what is wrong with it. */
+/* Reads a recording, or says what is wrong with it. */
 
 const FORMAT = "floorwalker-replay/1";
 const MEASURES = {
@@ -50,6 +50,8 @@ function problemsOf(recording) {
     return holds;
   };
   const list = (value, field) => (check(Array.isArray(value), field, "a list is missing") ? value : []);
+  const each = (values, field, wanted, holds) => list(values, field).forEach(
+    (value, i) => check(holds(value, values[i - 1]), `${field}[${i}]`, wanted));
   const isPoint = value => isNumbers(value) && value.length === 2;
   const isLine = value => Array.isArray(value) && value.length >= 2 && value.every(isPoint);
   const isRing = value => Array.isArray(value) && value.length >= 3 && value.every(isPoint);
@@ -67,15 +69,12 @@ function problemsOf(recording) {
       const areRings = Array.isArray(plan.holes) && plan.holes.every(isRing);
       check(areRings, "floorplan.holes", "needs lists of points [x, y]");
     }
-    list(plan.obstacles, "floorplan.obstacles").forEach((obstacle, i) => check(
-      isRing(obstacle?.footprint) && isNumbers([obstacle.bottom, obstacle.top]),
-      `floorplan.obstacles[${i}]`, "needs a footprint of points [x, y], a bottom and a top"));
-    list(plan.stations, "floorplan.stations").forEach((station, i) => check(
-      isPoint(station?.at), `floorplan.stations[${i}].at`, "a point [x, y] is missing"));
-    list(plan.lanes, "floorplan.lanes").forEach((lane, i) => check(
-      isPoint(lane?.from) && isPoint(lane.to) && isObject(lane.locations)
-        && Object.values(lane.locations).every(isPoint),
-      `floorplan.lanes[${i}]`, "needs points from and to, and locations"));
+    each(plan.obstacles, "floorplan.obstacles", "needs a footprint of points [x, y], a bottom and a top",
+      obstacle => isRing(obstacle?.footprint) && isNumbers([obstacle.bottom, obstacle.top]));
+    each(plan.stations, "floorplan.stations", "a point [x, y] is missing: at", station => isPoint(station?.at));
+    each(plan.lanes, "floorplan.lanes", "needs points from and to, and locations",
+      lane => isPoint(lane?.from) && isPoint(lane.to) && isObject(lane.locations)
+        && Object.values(lane.locations).every(isPoint));
     if (plan.safe_zone) {
       check(isPoint(plan.safe_zone.at), "floorplan.safe_zone.at", "a point [x, y] is missing");
     }
@@ -101,9 +100,8 @@ function problemsOf(recording) {
       "must be [begin, end, x, y, rotation] with numbers, each piece after the one before");
   });
 
-  list(recording.events, "events").forEach((event, i, events) => check(
-    Number.isFinite(event?.t) && typeof event.kind === "string" && !(events[i - 1]?.t > event.t),
-    `events[${i}]`, "needs a kind, and a time t not before that of the event before it"));
+  each(recording.events, "events", "needs a kind, and a time t not before that of the event before it",
+    (event, before) => Number.isFinite(event?.t) && typeof event.kind === "string" && !(before?.t > event.t));
   list(recording.watches, "watches").forEach((watch, i) => {
     for (const role of ["person", "other"]) {
       const isThere = bodies.some(body => body?.name === watch?.[role]);
@@ -116,9 +114,8 @@ function problemsOf(recording) {
   });
   if (recording.minds !== undefined) check(isObject(recording.minds), "minds", "needs lists by person");
   for (const [name, thoughts] of Object.entries(recording.minds ?? {})) {
-    list(thoughts, `minds.${name}`).forEach((thought, i, thoughts) => check(
-      isThought(thought) && !(thoughts[i - 1]?.t > thought.t),
-      `minds.${name}[${i}]`, "needs a time t not before that of the thought before it, and lists"));
+    each(thoughts, `minds.${name}`, "needs a time t not before that of the thought before it, and lists",
+      (thought, before) => isThought(thought) && !(before?.t > thought.t));
   }
   return problems;
 }

@@ -1,6 +1,6 @@
-/* How the page hangs together: one run or two beside each other, one clock, one choice of what to watch. */
+/* The page: one run or two beside each other, one clock, one chosen pair. */
 
-const CONTROL_KEYS = [" ", "ArrowLeft", "ArrowRight", "Home", "End"];    // those that controls use themselves
+const CONTROL_KEYS = [" ", "ArrowLeft", "ArrowRight", "Home", "End"];    // keys with a meaning in controls
 const PLAY = "M4 2.5v11L13.5 8z";
 const PAUSE = "M3.5 2.5h3v11h-3zm6 0h3v11h-3z";
 
@@ -10,8 +10,8 @@ class Replay {
     this.views = [];
     this.readouts = [];
     this.panels = [];
-    this.focus = 0;            // which run's panels are shown
-    this.choice = 0;           // which watch of the first run is in focus
+    this.focus = 0;            // the run whose panels are shown
+    this.choice = 0;           // the watch of the first run that is in focus
     this.followed = "";
     this.clock = new Clock(run.duration, () => this.refresh());
     this.chart = new Chart($("chart"), () => this.#resize());
@@ -28,7 +28,7 @@ class Replay {
 
   // ---- runs
 
-  /** Shows another run beside the first one, in the place of any that is there. */
+  /** Shows another run beside the first one, instead of any that is there. */
   compare(run) {
     this.stopComparing();
     this.#add(run);
@@ -76,7 +76,7 @@ class Replay {
     this.#showRuns();
   }
 
-  /** What the runs say once and for all. */
+  /** Shows what does not depend on time. */
   #showRuns() {
     const [first] = this.runs;
     const { floorplan, bodies, title } = first.recording;
@@ -101,7 +101,7 @@ class Replay {
     this.redraw();
   }
 
-  /** Fills a choice, after the `kept` options that are always there; what was chosen stays. */
+  /** Fills a list of options after the first `kept` ones; the selected one stays. */
   #offer(select, options, kept) {
     if (select.options.length === options.length + kept) return;
     select.length = kept;
@@ -123,7 +123,7 @@ class Replay {
     this.refresh();
   }
 
-  // ---- what to watch
+  // ---- the chosen pair
 
   get watches() {
     const chosen = this.runs[0].watches[this.choice];
@@ -143,7 +143,7 @@ class Replay {
     this.redraw();
   }
 
-  /** A click on a person watches them, one on a machine watches it beside the person that is watched. */
+  /** A click on a person or a machine chooses it for the pair. */
   #pick(view, body) {
     this.focusOn(this.views.indexOf(view));
     if (!body) return;
@@ -186,7 +186,7 @@ class Replay {
     else this.clock.play();
   }
 
-  /** To the next (1) or previous (-1) event. While playing, "previous" skips what was just passed. */
+  /** To the next (1) or previous (-1) event. While playing, "previous" skips one that was just passed. */
   jump(direction) {
     const { time, speed, isPlaying, frontier } = this.clock;
     const { events } = this.panels[this.focus];
@@ -206,19 +206,19 @@ class Replay {
     this.redraw();
   }
 
-  /** Everything again: sizes, colours or the watch have changed. */
+  /** Redraws everything: sizes, colours or the watch have changed. */
   redraw() {
     this.isStale = true;
     this.refresh();
   }
 
-  /** Everything again at once, and not one frame later: a canvas of a new size is empty. */
+  /** Redraws at once, and not one frame later: a canvas of a new size is empty. */
   #resize() {
     this.isStale = true;
     this.#draw();
   }
 
-  /** A new frame soon, unless one is coming anyway. */
+  /** Asks for a frame, unless one is coming anyway. */
   refresh() {
     this.frame ??= requestAnimationFrame(now => this.#drawFrame(now));
   }
@@ -253,7 +253,7 @@ class Replay {
     this.#showClock(t);
   }
 
-  /** In seconds of the recording: as long for the viewer at any speed. */
+  /** Seconds of the recording that are as long for the viewer at any speed. */
   get #afterglow() {
     return AFTERGLOW * Math.max(1, this.clock.isPlaying ? this.clock.speed : 1);
   }
@@ -280,7 +280,7 @@ class Replay {
 
   // ---- controls
 
-  /** Add a speed to those to choose from, in its place, unless it is there. */
+  /** Adds a speed to the list, in its place, unless it is there. */
   #offerSpeed(speed) {
     const next = [...$("speed").options].find(option => Number(option.value) >= speed);
     if (next && Number(next.value) === speed) return;

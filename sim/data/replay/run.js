@@ -12,7 +12,7 @@ class Body {
   }
 }
 
-/** Everything about one recording but how it looks; it is known up to `known` (seconds). */
+/** One recording without its looks, known up to `known` (seconds). */
 class Run {
   constructor(recording, known = recording.duration) {
     const { bodies, motions, events, watches, minds, duration } = recording;
@@ -48,7 +48,7 @@ class Run {
       ?? this.watches.find(own => own.other.category === watch.other.category);
   }
 
-  /** What the personality of a person is called at t. */
+  /** The name of a person's personality at t. */
   personality(person, t) {
     const changes = this.changes.filter(event => event.person === person.name && event.t <= t);
     return changes.at(-1)?.personality ?? person.personality ?? "unknown";
@@ -61,7 +61,7 @@ class Run {
     return [...others, chosen].filter(Boolean);
   }
 
-  /** The violation of a watch that was counted last, if that was within `afterglow` seconds. */
+  /** The last violation of a watch that was counted, if that was within `afterglow` seconds. */
   violationLately(watch, t, afterglow) {
     for (let i = lastUpTo(this.violationTimes, t); i >= 0 && t - this.violationTimes[i] <= afterglow; i--) {
       if (this.violations[i].watch === watch) return this.violations[i].event;

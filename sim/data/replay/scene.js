@@ -1,9 +1,9 @@
-/* What moves, drawn over the floor: distances below, then bodies, then words and marks. */
+/* All that moves, drawn over the floor: distances below, then bodies, then words and marks. */
 
-const TRAIL = 12;            // seconds of the way behind that are shown
+const TRAIL = 12;            // seconds of the path behind that are shown
 const TRAIL_GRAIN = 1;       // seconds of it that fade together
 const AFTERGLOW = 2.5;       // seconds for which a violation and a teleport stay on the floor in full
-const BODY_SIZE = 18;        // pixels about a body that no figure should cover
+const BODY_SIZE = 18;        // pixels round a body that no figure should cover
 const MOST_MARKS = 200;      // of the violations so far, the latest are marked on the floor
 
 /**
@@ -21,7 +21,7 @@ function drawScene(tools, run, t, chosen, afterglow) {
   for (const watch of shown) drawDistances(pen, watch, t);
   for (const body of bodies) drawTrail(pen, body, t);
   for (const vehicle of ofCategory("vehicle")) drawVehicle(pen, vehicle, t);
-  for (const person of run.people) drawWayAhead(pen, person, t);
+  for (const person of run.people) drawPathAhead(pen, person, t);
   for (const robot of ofCategory("robot")) drawRobot(pen, robot, t, run.isDisabled(robot, t));
   for (const person of run.people) {
     drawTeleport(pen, person, t, afterglow);
@@ -67,7 +67,7 @@ function drawTrail({ context, camera, palette }, body, t) {
   });
 }
 
-function drawWayAhead({ context, camera, palette }, person, t) {
+function drawPathAhead({ context, camera, palette }, person, t) {
   const points = person.track.ahead(t);
   if (points.length < 2) return;
   context.strokeStyle = context.fillStyle = palette[person.color];
@@ -81,7 +81,7 @@ function drawWayAhead({ context, camera, palette }, person, t) {
   context.fill();
 }
 
-/** Where a person was put from: a thin line for a moment. */
+/** A teleport: a thin line for a moment. */
 function drawTeleport({ context, camera, palette }, person, t, afterglow) {
   const jump = person.motion.lastJump(t);
   if (!jump || t - jump.t > afterglow) return;
@@ -93,7 +93,7 @@ function drawTeleport({ context, camera, palette }, person, t, afterglow) {
   context.setLineDash([]);
 }
 
-/** The line between two bodies; with their distance where that matters now. */
+/** The line between two bodies, with their distance where that matters now. */
 function drawSeparation(pen, watch, t, isChosen) {
   const { distance, required, notice, violated } = watch.at(t);
   const noticed = notice !== null && distance < notice;
@@ -114,7 +114,7 @@ function drawDistanceLine(pen, from, to, color, strong, text) {
   drawPlate(context, text, x, y, palette, color === "danger" ? "danger-ink" : "text");
 }
 
-/** Where the figure of a line from a to b covers least: on the line, or else beside it. */
+/** The place of a figure at the line from a to b where it covers least: on the line, or beside it. */
 function placeOfFigure(pen, [ax, ay], [bx, by], text) {
   const on = share => [ax + share * (bx - ax), ay + share * (by - ay)];
   const [mx, my] = on(0.5);
@@ -144,7 +144,7 @@ function boxRound({ x, y }, size, camera) {
   return { left: px - size / 2, right: px + size / 2, top: py - size / 2, bottom: py + size / 2 };
 }
 
-/** Where people came too close so far: a mark each, and for a moment the line itself. */
+/** The violations so far: a mark each, and for a moment the line itself. */
 function drawViolations(pen, run, t, afterglow) {
   const last = lastUpTo(run.violationTimes, t);
   for (let i = Math.max(0, last + 1 - MOST_MARKS); i <= last; i++) {

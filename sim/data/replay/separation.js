@@ -1,9 +1,9 @@
-/* How far apart two bodies are, and how far they should be. */
+/* The distance of two bodies, and the required distance. */
 
 const SAMPLES = 1200;        // of a curve, beside the changes of motion
 
-/** The distance a law asks for: ISO/TS 15066 in linear form, fixed, or along a curve of time.
- *  Speeds in m/s; `before` asks for what it was just before t, where the curve jumps. */
+/** The distance that a law requires: ISO/TS 15066 in linear form, fixed, or along a curve of time.
+ *  Speeds in m/s; `before` asks for the value just before t, where the curve jumps. */
 function requiredDistance(law, personSpeed, otherSpeed, t, before) {
   if ("curve" in law) return along(law.curve, t, before);
   if ("distance" in law) return law.distance;
@@ -12,12 +12,7 @@ function requiredDistance(law, personSpeed, otherSpeed, t, before) {
 
 /** The height of a curve of points [t, y] at t, straight between them. */
 function along(curve, t, before) {
-  let low = 0, high = curve.length;                 // how many points are at t or earlier
-  while (low < high) {
-    const middle = (low + high) >> 1;
-    if (before ? curve[middle][0] < t : curve[middle][0] <= t) low = middle + 1;
-    else high = middle;
-  }
+  const low = firstWhere(curve, ([time]) => (before ? time >= t : time > t));
   if (low === 0) return curve[0][1];
   const [t0, y0] = curve[low - 1];
   if (low === curve.length) return y0;
@@ -25,7 +20,7 @@ function along(curve, t, before) {
   return y0 + ((y1 - y0) * (t - t0)) / (t1 - t0);
 }
 
-/** Whose figures those of a watch are, where they are not those of the `chosen` pair; else "". */
+/** The names of the pair of a watch, if it is not the `chosen` one; else "". */
 function pairOf(watch, chosen) {
   if (watch?.name === chosen?.name) return "";
   return watch ? watch.name : "no such pair";
@@ -47,8 +42,8 @@ class Watch {
     this.name = `${spoken(data.person)} – ${spoken(data.other)}`;
   }
 
-  /** Distances in metres as the rules measure them, speeds in m/s; `notice` is null where nobody
-   *  notices. */
+  /** Distances in metres as the rules measure them, speeds in m/s; `notice` is null where there is no
+   *  noticing distance. */
   at(t) {
     return this.#between(this.person.motion.at(t), this.other.motion.at(t), t);
   }

@@ -1,13 +1,13 @@
-/* Reads what stands in the page, shows it, and takes what is dropped on it. */
+/* Reads the recordings of the page, shows them, and takes dropped files. */
 
-/** Says what is wrong with a recording, in the place of the page. */
+/** Says what is wrong with a recording, instead of the page. */
 function showTrouble(why) {
   $("trouble").querySelector("ul").replaceChildren(...troubles(why));
   $("trouble").hidden = false;
   $("replay").hidden = true;
 }
 
-/** The same in a dialog, where the page is still good for what it shows. */
+/** The same in a dialog, while the page still shows a good recording. */
 function showDropTrouble(name, why) {
   const dialog = $("drop-trouble");
   dialog.querySelector("p").textContent = `${name} can't be shown:`;

@@ -5,7 +5,7 @@ const UNITS = {
 };
 const TRIAL_FIELDS = ["trial", "floorplan", "rules", "seed", "duration", "interrupted"];
 
-/** Shows summaries as they stand in the recordings: figures first, then people, then the trial. */
+/** Shows summaries as recorded: figures first, then people, then the trial. */
 function showSummaries(section, summaries, onChoose) {
   const people = summaries.map(summary => summary.people ?? {});
   const names = [...new Set(people.flatMap(Object.keys))];
@@ -22,7 +22,7 @@ function showSummaries(section, summaries, onChoose) {
     ...part("trial", some(isOfTrial)));
 }
 
-/** Each name with its value in every one of `columns`; what differs stands out. */
+/** Each name with its value in every one of `columns`; values that differ stand out. */
 function fieldList(columns, onChoose) {
   const list = element("dl", { style: `--columns: ${columns.length}` });
   const flat = columns.map(fields => new Map(Object.entries(fields).flatMap(flattened)));
@@ -35,7 +35,7 @@ function fieldList(columns, onChoose) {
   return list;
 }
 
-/** [name, value] as a list of such, without what has no value and without objects of figures. */
+/** [name, value] as a flat list of such: no empty values, no objects. */
 function flattened([name, value]) {
   if (value === null || value === undefined) return [];
   if (!isObject(value) || isInstant(value)) return [[name, value]];
@@ -61,7 +61,7 @@ function valueText(name, value) {
   return UNITS[name] ? `${figure} ${UNITS[name]}` : figure;
 }
 
-/** How often each value is in a list, in the order of the first times. */
+/** The count of each value in a list, in order of first appearance. */
 function counted(values) {
   const counts = new Map();
   for (const value of values) counts.set(value, (counts.get(value) ?? 0) + 1);

@@ -1,4 +1,4 @@
-/* A motion as points to draw: the way behind a body and the way ahead of it. */
+/* A motion as points to draw: the path behind a body and the path ahead of it. */
 
 /** A motion as points to draw, cut into legs: a leg is a stretch without a stop or a jump. */
 class Track {
@@ -33,7 +33,7 @@ class Track {
   }
 
   /**
-   * What was walked in the `seconds` before t: calls `draw(points, age)` for each stretch without a
+   * The path of the `seconds` before t: calls `draw(points, age)` for each stretch without a
    * stop or a jump, cut so that no stretch is longer than `grain` seconds; oldest first.
    */
   behind(t, seconds, grain, draw) {

@@ -1,10 +1,10 @@
-/* One run on a canvas: the floor, what moves on it, and what mouse and fingers do there. */
+/* One run on a canvas: the floor, the bodies, and the gestures of mouse and fingers. */
 
 const CLICK_TREMOR = 3;        // pixels that a pointer may move while it clicks
 const FOLLOW_SCALE = 45;       // pixels a metre, at least, when a body is followed
 
 /**
- * Shows a run. `on` has what to do when the user moves the floor by (dx, dy) pixels (`pan`), zooms by
+ * Shows a run. `on` has the actions when the user moves the floor by (dx, dy) pixels (`pan`), zooms by
  * a factor at a pixel (`zoom`), points somewhere (`point`) or clicks on a body (`pick`).
  */
 class View {
@@ -18,13 +18,13 @@ class View {
     this.#wire();
   }
 
-  /** Another run on the same floor. */
+  /** Shows another run on the same floor. */
   show(run) {
     this.run = run;
     this.layer = new FloorLayer(run.plan);
   }
 
-  /** Keep the body of that name in the middle; none if there is none. */
+  /** Keeps the body of that name in the middle; "" for none. */
   follow(name) {
     this.followed = this.run.bodies.get(name) ?? null;
     if (this.followed) this.camera.scale = Math.max(this.camera.scale, FOLLOW_SCALE);
@@ -51,7 +51,7 @@ class View {
     this.#drawScale(context);
   }
 
-  /** What is at a pixel, in lines of text; [] if there is nothing. */
+  /** The body or obstacle at a pixel, in lines of text; [] if there is none. */
   describe(px, py, t) {
     const [x, y] = this.camera.toFloor(px, py);
     const body = this.#bodyAt(px, py, t);
@@ -66,7 +66,7 @@ class View {
     return [spoken(obstacle.name), `${obstacle.bottom} to ${obstacle.top} m high`, place];
   }
 
-  /** What is to be seen, for those who don't see it. */
+  /** The floor in words, for screen readers. */
   inWords(t) {
     const bodies = [...this.run.bodies.values()].map(({ name, motion }) => {
       const { x, y, speed } = motion.at(t);
@@ -101,7 +101,7 @@ class View {
     const spread = ([[ax, ay], [bx, by]]) => ({
       x: (ax + bx) / 2, y: (ay + by) / 2, width: Math.hypot(ax - bx, ay - by),
     });
-    let way = 0;               // pixels that the pointers have gone since the first one came down
+    let way = 0;               // pixels that the pointers have moved since the first one came down
 
     canvas.addEventListener("pointerdown", event => {
       canvas.setPointerCapture(event.pointerId);
@@ -141,7 +141,7 @@ class View {
   }
 }
 
-/** How far a turn of the wheel zooms in (above 1) or out. */
+/** The factor by which a turn of the wheel zooms in (above 1) or out. */
 function zoomFactor(event) {
   const pixels = event.deltaY * (event.deltaMode === WheelEvent.DOM_DELTA_LINE ? 16 : 1);
   const rate = event.ctrlKey ? 0.01 : 0.0015;      // a pinch on a touchpad comes as ctrl and wheel

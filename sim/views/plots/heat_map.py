@@ -99,10 +99,8 @@ def _time_in_cells(motion: Motion, begin: float, end: float, plan: Floorplan) ->
         middles.append(piece.begin + step * (np.arange(moments) + 0.5))
         weights.append(np.full(moments, step))
     x, y = motion.position(np.concatenate(middles)).T
-    column = np.clip(((x - west) / CELL).astype(int), 0, columns - 1)
-    row = np.clip(((y - south) / CELL).astype(int), 0, rows - 1)
-    seconds = np.zeros((rows, columns))
-    np.add.at(seconds, (row, column), np.concatenate(weights))
+    edges = ((south, south + rows * CELL), (west, west + columns * CELL))
+    seconds, _, _ = np.histogram2d(y, x, (rows, columns), edges, weights=np.concatenate(weights))
     return seconds
 
 
