@@ -182,6 +182,7 @@ def _watched(trial: Trial, recording: Recording, speed: float, *, opened: bool) 
 
     live = LiveRun(trial.duration, speed=speed)
     simulation = Simulation(trial, recording, live)
+    simulation.start()
     interrupted = False
     with live.server as server:
         say(f"{server.url} shows it while it goes on", err=True)

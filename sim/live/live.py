@@ -31,7 +31,8 @@ PATIENCE = 10.0
 class LiveRun(Listener):
     """Serves a page that shows a run of `duration` (seconds) while it is advanced.
 
-    It is a listener of the `Simulation`. Browsers may come and go.
+    It is a listener of the `Simulation`, and has a page once that has started. Browsers may come and
+    go.
     """
 
     wants_thoughts = True
@@ -73,6 +74,7 @@ class LiveRun(Listener):
 
     def advance(self, simulation: Simulation) -> None:
         """Run to the end at `speed`."""
+        simulation.start()
         for body in simulation.bodies:
             self._plan(body, simulation)
             body.on_change.append(lambda body=body: self._plan(body, simulation))  # type: ignore[misc]

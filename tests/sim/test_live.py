@@ -114,6 +114,7 @@ def watched(trial, speed, meanwhile=lambda server: None):
     live = sim.LiveRun(trial.duration, speed=speed)
     with live.server as server:
         simulation = sim.Simulation(trial, live)
+        simulation.start()
         meanwhile(server)
         response = get(server, "/stream")
         live.advance(simulation)
