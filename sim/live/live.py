@@ -31,8 +31,8 @@ PATIENCE = 10.0
 class LiveRun(Listener):
     """Serves a page that shows a run of `duration` (seconds) while it is advanced.
 
-    It is a listener of the `Simulation`, and has a page once that has started. Browsers may come and
-    go.
+    It is a listener of the `Simulation`; there is a page once that has started. Browsers may come
+    and go.
     """
 
     wants_thoughts = True

@@ -166,6 +166,7 @@ def test_the_browser_follows_the_run_and_gets_all_of_it(open_address):
     live = sim.LiveRun(trial.duration, speed=20.0)
     with live.server as server:
         simulation = sim.Simulation(trial, live)
+        simulation.start()
         viewer = open_address(server.url)
         seen = []
         running = threading.Thread(target=live.advance, args=(simulation,))
@@ -194,6 +195,7 @@ def test_looking_back_while_it_goes_on(open_address):
     live = sim.LiveRun(trial.duration, speed=10.0)
     with live.server as server:
         simulation = sim.Simulation(trial, live)
+        simulation.start()
         viewer = open_address(server.url)
         running = threading.Thread(target=live.advance, args=(simulation,))
         running.start()

@@ -100,8 +100,8 @@ def _time_in_cells(motion: Motion, begin: float, end: float, plan: Floorplan) ->
         weights.append(np.full(moments, step))
     x, y = motion.position(np.concatenate(middles)).T
     edges = ((south, south + rows * CELL), (west, west + columns * CELL))
-    seconds, _, _ = np.histogram2d(y, x, (rows, columns), edges, weights=np.concatenate(weights))
-    return seconds
+    found = np.histogram2d(y, x, (rows, columns), edges, weights=np.concatenate(weights))
+    return np.asarray(found[0])
 
 
 def _spread(seconds: Array, radius: float) -> Array:
