@@ -13,7 +13,10 @@ from .ledger import Account, size_of
 from .outbox import LONGEST_QUEUE, USUAL_QUEUE, Outbox, Stream
 from .protocol import LEVELS, Level, Reassembly, Subscribe, fragments, status
 
-_REQUEST, _SUBSCRIPTION, _ADVERTISED, _CALL = 500, 3000, 200, 4000
+ADVERTISED = 200
+"""Bytes. The memory that an advertised topic takes."""
+
+_REQUEST, _SUBSCRIPTION, _CALL = 500, 3000, 4000
 """Bytes. The memory that a request to subscribe takes, and so on."""
 
 
@@ -118,18 +121,6 @@ class Client:
 
     def __repr__(self) -> str:
         return f"<client {self.name}>"
-
-    def advertise(self, topic: str) -> None:
-        """Note that the client publishes on a topic."""
-        if topic not in self.advertised:
-            self.advertised.add(topic)
-            self.account.add(_ADVERTISED)
-
-    def withdraw(self, topic: str) -> None:
-        """Note that the client no longer publishes on a topic."""
-        if topic in self.advertised:
-            self.advertised.remove(topic)
-            self.account.add(-_ADVERTISED)
 
     def begin_call(self, call: asyncio.Future[None]) -> None:
         """Keep a service call until it is done."""

@@ -11,7 +11,7 @@ from typing import Any
 from floorplan import suggestion
 
 from . import protocol
-from .client import Client, Subscription
+from .client import ADVERTISED, Client, Subscription
 from .message_types import (
     MessageError,
     MessageType,
@@ -164,9 +164,8 @@ class Exchange:
             if not self._unsubscribe(client, operation.topic, operation.id):
                 client.report("warning", f"not subscribed to {operation.topic}", operation.id)
         elif isinstance(operation, protocol.Unadvertise):
-            if operation.topic not in client.advertised:
+            if not self._withdraw(client, operation.topic):
                 client.report("warning", f"{operation.topic} was not advertised", operation.id)
-            self._withdraw(client, operation.topic)
         elif isinstance(operation, protocol.SetLevel):
             client.level = operation.level
         elif isinstance(operation, protocol.Fragment):
@@ -236,12 +235,15 @@ class Exchange:
             self._drop_if_unused(topic)
         return found
 
-    def _withdraw(self, client: Client, name: str) -> None:
-        client.withdraw(name)
-        topic = self.topics.get(name)
-        if topic is not None:
-            topic.publishers.discard(client)
-            self._drop_if_unused(topic)
+    def _withdraw(self, client: Client, name: str) -> bool:
+        if name not in client.advertised:
+            return False
+        client.advertised.remove(name)
+        client.account.add(-ADVERTISED)
+        topic = self.topics[name]
+        topic.publishers.remove(client)
+        self._drop_if_unused(topic)
+        return True
 
     def _create(self, name: str, type_: MessageType) -> Topic:
         """Return a new topic of the clients' own, on which they hear each other."""
@@ -253,7 +255,8 @@ class Exchange:
     def _add_publisher(self, topic: Topic, client: Client) -> None:
         if client not in topic.publishers:
             topic.publishers.add(client)
-            client.advertise(topic.name)
+            client.advertised.add(topic.name)
+            client.account.add(ADVERTISED)
             self.changed()
 
     def _drop_if_unused(self, topic: Topic) -> None:

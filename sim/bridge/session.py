@@ -113,7 +113,7 @@ class Session:
 
     @property
     def _is_over(self) -> bool:
-        return self._workcell.is_over or self._ended_early or self._failure is not None
+        return self._workcell.simulation.over or self._ended_early or self._failure is not None
 
     async def _go_on(self) -> None:
         if await self._stood_still():
@@ -131,7 +131,7 @@ class Session:
         self._catch_up()
         if self._is_over:
             return
-        happens = min(self._next_tick, self._workcell.next_event)
+        happens = min(self._next_tick, self._workcell.simulation.clock.peek())
         simulated, wall = self._resumed
         delay = wall + (happens - simulated) / self._speed - loop.time()
         if delay < -BEHIND:

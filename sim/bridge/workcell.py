@@ -9,7 +9,6 @@ from simpy.core import StopSimulation
 from ..core.body import Body
 from ..core.clock import Turn
 from ..core.recorder import Event, Listener
-from ..orders import Order
 from ..people.minds import Outside
 from ..people.programs import EXTERNAL
 from ..simulation import Simulation
@@ -50,7 +49,8 @@ class Workcell(Listener):
         self._phase = exchange.advertise(
             "/ariac/competition_state", "ariac_msgs/CompetitionState", latched=1
         )
-        self._unannounced = {order.id: order for order in _orders_of(trial)}
+        orders = trial.workload.orders if trial.workload else ()
+        self._unannounced = {order.id: order for order in orders}
         self.simulation = simulation = Simulation(trial, self, *listeners)
         for person in simulation.people:
             # So that no client has to wait for the planner once time goes on.
@@ -82,16 +82,6 @@ class Workcell(Listener):
         """The simulated time, seconds."""
         return self.simulation.clock.now
 
-    @property
-    def next_event(self) -> float:
-        """The time of the next event, seconds."""
-        return float(self.simulation.clock.peek())
-
-    @property
-    def is_over(self) -> bool:
-        """Whether the trial has come to its end."""
-        return self.simulation.over
-
     def advance(self, until: float) -> bool:
         """Go on to `until` (seconds), or until the trial is over.
 
@@ -102,9 +92,9 @@ class Workcell(Listener):
         until = min(until, self.simulation.trial.duration)
         clock.begin_moment()
         try:
-            while not self._asked and not self.is_over and clock.peek() < until:
+            while not self._asked and not self.simulation.over and clock.peek() < until:
                 clock.step()
-            if not self._asked and not self.is_over and clock.now < until:
+            if not self._asked and not self.simulation.over and clock.now < until:
                 arrival = clock.at(until, Turn.VIOLATION)
                 while not arrival.processed:
                     clock.step()
@@ -177,10 +167,6 @@ class Workcell(Listener):
         if self.person is not None:
             frames.insert(0, ("base_link", self.person.walker.body, 0.0))
         return frames
-
-
-def _orders_of(trial: Trial) -> tuple[Order, ...]:
-    return trial.workload.orders if trial.workload else ()
 
 
 def driven_person(trial: Trial) -> int | None:

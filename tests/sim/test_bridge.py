@@ -357,9 +357,6 @@ def test_only_one_client_steps_through_the_time():
         time.sleep(0.1)
         assert session.now == 1.25
         assert one.call("/floorwalker/advance", until=9.0)[1] == {"time": 5.0, "ended": True}
-
-
-def test_paced_time_is_nobody_s_to_step_through():
     with served(trial(), speed=1.0) as session, Client(session.url) as client:
         ok, why = client.call("/floorwalker/advance", until=1.0)
         assert not ok and "paced" in why

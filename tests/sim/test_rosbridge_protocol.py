@@ -20,7 +20,6 @@ from sim.bridge.outbox import MOST_REPLIES, Outbox, Stream
 from sim.bridge.protocol import (
     Fragment,
     ProtocolError,
-    Publish,
     Reassembly,
     Subscribe,
     decode,
@@ -193,12 +192,6 @@ def test_fragments_do_not_pile_up():
     assert account.held
     reassembly.clear()
     assert account.held == 0
-
-
-def test_a_nested_fragment_is_still_one_operation():
-    inner = '{"op":"publish","topic":"/a","msg":{}}'
-    (whole,) = filter(None, map(Reassembly(an_account()).add, [fragment("a", 0, 1, inner)]))
-    assert isinstance(decode(whole), Publish)
 
 
 def everything_in(outbox):
