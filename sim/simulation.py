@@ -279,4 +279,4 @@ class _Reactor(Listener):
         self._triggers = triggers
 
     def event(self, event: Event) -> None:
-        self._triggers.heed(event)
+        self._triggers.notify(event)

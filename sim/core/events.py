@@ -206,7 +206,7 @@ class Violation(EventKind):
 
 
 class Penalty(EventKind):
-    """A penalty that somebody else has asked for, over the [ROS bridge](ros-bridge.md)."""
+    """A penalty that was asked for from outside, over the [ROS bridge](ros-bridge.md)."""
 
     person: _Person
     cause: _Cause

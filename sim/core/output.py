@@ -1,4 +1,4 @@
-"""Files that are there only when all of them is, and what is told where one can't be written."""
+"""Files that are there only when all of them is, and errors of writing them."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ class OutputError(OSError):
 
 @contextmanager
 def writing(path: Path, words: str = "can't write") -> Iterator[None]:
-    """Tell the system's errors in this context as ones of writing `path`, in these `words`."""
+    """Raise the system's errors in this context as ones of writing `path`, in these `words`."""
     try:
         yield
     except OutputError:

@@ -24,7 +24,7 @@ Record = Callable[[EventKind], None]
 """Records that something happens now."""
 
 Thought = dict[str, Any]
-"""What one thought has changed in a mind.
+"""Changes that one thought has made in a mind.
 
 `t` (seconds) and `person`; `steps`, in order, [kind, text] of kind "percept", "plan" (with a third
 item, the place in the program), "action" or "warning"; `believes` and `forgets`, literals;
@@ -34,9 +34,9 @@ and the step it is `at`. All but `t` and `person` may be left out.
 
 
 class Listener:
-    """Is told of every event and every finished motion; does nothing with them.
+    """Is notified of every event and every finished motion; does nothing with them.
 
-    If it `wants_thoughts`, also of what goes on in people's minds: to look there takes time.
+    If it `wants_thoughts`, also of what goes on in people's minds, which takes time to find out.
     """
 
     wants_thoughts = False

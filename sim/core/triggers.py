@@ -39,8 +39,8 @@ class Triggers:
         else:
             self._waiting.append(_Waiting(start, who, action))
 
-    def heed(self, event: Event) -> None:
-        """Something has happened: call what has waited for it, in the order of the waiting."""
+    def notify(self, event: Event) -> None:
+        """Call what has waited for the event, in the order of the waiting."""
         called = []
         for waiting in self._waiting:
             if _is(event, waiting.start, waiting.who):

@@ -326,4 +326,4 @@ FIGURES: dict[str, SummaryFigure] = {
 """Every figure by its path, in the order of the summary."""
 
 COSTS = ("cpu_seconds", "realtime_factor")
-"""What is not the same each time that a trial is run."""
+"""Figures that differ each time that a trial is run."""

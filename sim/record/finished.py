@@ -21,7 +21,7 @@ CAUSES = ("gantry", "person")
 
 @dataclass(frozen=True, kw_only=True)
 class Finished:
-    """What there is at the end of a run: its `duration` (s), bodies, referee, orders' figures."""
+    """A simulation at its end: `duration` in seconds, `work` the figures of orders."""
 
     trial: Scenario
     duration: float
@@ -64,7 +64,7 @@ class Finished:
                 continue
             tracks = (self.motions[person], self.motions[machine.name])
             time, distance = minimum_separation(*tracks, begin, self.duration)
-            # A violation ends in a jump: what counts is what they were about to do until then.
+            # A violation ends in a jump: what counts is the plan until then.
             required = watch.required_before(time, *tracks)
             found[person] = {"distance": distance, "time": time, "required": required}
         return found

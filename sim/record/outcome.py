@@ -1,4 +1,4 @@
-"""What is left of a run."""
+"""Outcome of a run."""
 
 from __future__ import annotations
 

@@ -12,10 +12,10 @@ from navigation import Motion
 Array = NDArray[np.float64]
 
 BLOCK = 8192
-"""How many instants are worked out at a time when a run is sampled piece by piece."""
+"""Number of instants worked out at a time when a run is sampled piece by piece."""
 
 MOST = 100_000_000
-"""Instants at which somebody may ask for a run."""
+"""Largest number of instants at which a run is sampled."""
 
 
 def instants(duration: float, rate: float) -> Array:
@@ -54,7 +54,7 @@ def require_rate(rate: float) -> None:
 
 
 def require_instants(duration: float, rate: float) -> None:
-    """`ValueError` if `duration` (seconds) at `rate` (Hz) is more than anybody would wait for."""
+    """`ValueError` if `duration` (seconds) at `rate` (Hz) is more than `MOST` instants."""
     if duration * rate > MOST:
         raise ValueError(f"{duration:g} s at {rate:g} Hz are more than {MOST:,} instants")
 

@@ -28,7 +28,7 @@ from ..safety.own_law import OwnLaw
 from .strict_json import parse_json
 
 FORMAT = "floorwalker-scene/1"
-"""What `format` says, so that a reader can tell a file it does not know."""
+"""Value of `format`, by which a reader knows the file."""
 
 _LAWS = {
     law.__name__: law for law in (SeparationLaw, IntegralLaw, ApproachLaw, FixedDistance, Scaled)
@@ -41,12 +41,12 @@ class SceneError(ValueError):
 
 @dataclass(frozen=True)
 class ForeignLaw:
-    """A law of somebody's own that a recording names: what it asks for is not known here."""
+    """A law from outside the library that a recording names; its distances are not known."""
 
     name: str
 
     def distance(self, human_speed: float, robot_speed: float) -> float:
-        """`SceneError`: nobody here knows."""
+        """`SceneError`: the distance is not known."""
         raise SceneError(
             f"the recording was made with a law of its own, {self.name}, which it does not hold;"
             " use the trial instead of the recording"
@@ -66,13 +66,13 @@ class _SceneFile(BaseModel):
 
 
 def write_scene(scene: Scene) -> str:
-    """The scene as JSON, with a line end."""
+    """Return the scene as JSON, with a line end."""
     data = {"format": FORMAT, **_plain(scene)}
     return json.dumps(data, ensure_ascii=False, allow_nan=False, separators=(",", ":")) + "\n"
 
 
 def read_scene(text: str) -> Scene:
-    """The scene in `text`; `SceneError` says why there is none."""
+    """Return the scene in `text`; `SceneError` says why there is none."""
     try:
         data = parse_json(text, object_hook=_polygon)
     except SceneError:
@@ -105,7 +105,7 @@ def read_scene(text: str) -> Scene:
 
 
 def _plain(value: Any) -> Any:
-    """`value` as JSON has it."""
+    """Return `value` as JSON has it."""
     if isinstance(value, Polygon):
         return mapping(value)
     if hasattr(value, "distance") or hasattr(value, "required"):
@@ -131,7 +131,7 @@ def _polygon(data: dict[str, Any]) -> Any:
     if data.get("type") != "Polygon":
         return data
     try:
-        with np.errstate(invalid="ignore"):  # it is told below
+        with np.errstate(invalid="ignore"):  # reported below
             polygon = shape(data)
     except (LookupError, OverflowError, TypeError, ValueError, GEOSException) as why:
         raise SceneError(f"holds a polygon that is none: {why}") from None
@@ -160,7 +160,7 @@ def _is_law(law: object) -> bool:
 
 
 def _terms(data: dict[str, Any]) -> dict[str, Any]:
-    """The values of `data`, with laws where they stand for one."""
+    """Return the values of `data`, with laws where they stand for one."""
     return {key: _term(value) for key, value in data.items()}
 
 

@@ -49,7 +49,7 @@ DISTANCES = (
 
 
 class _Run(Protocol):
-    """What the metrics of a run are worked out from."""
+    """Parts of a run from which its metrics are worked out."""
 
     @property
     def scene(self) -> Scene: ...
@@ -65,7 +65,7 @@ class _Run(Protocol):
 
 
 def metrics(run: _Run, *, radii: Mapping[str, float] | None = None) -> dict[str, Any]:
-    """The metrics of every person and machine of a run, as plain numbers, lists and dicts.
+    """Return the metrics of every person and machine of a run, as plain numbers, lists and dicts.
 
     People count from their start, machines from the beginning. Distances are between centres;
     `radii` (metres, by body) are taken off them. `ValueError` if there is no body of such a name.
@@ -108,7 +108,7 @@ def metrics(run: _Run, *, radii: Mapping[str, float] | None = None) -> dict[str,
 
 
 def _movements(courses: Courses) -> Iterable[dict[str, float]]:
-    """How each body moved: `MOVEMENT`."""
+    """Yield the movement of each body: `MOVEMENT`."""
     standing = courses.time_not_moving(STANDING_SPEED, STANDING_TURN)
     columns = (courses.time, courses.length, courses.turning, standing, courses.top_speed)
     totals = (courses.length, courses.acceleration, courses.jerk)
@@ -119,7 +119,7 @@ def _movements(courses: Courses) -> Iterable[dict[str, float]]:
 
 
 def _progress(person: str, run: _Run) -> dict[str, Any]:
-    """How a person got on with the goals they had: `PROGRESS`."""
+    """Return the progress of a person with their goals: `PROGRESS`."""
     mine = [event for event in run.events if event.get("person") == person]
     goals = [event for event in mine if event["kind"] == "goal"]
     times = [leg for leg in _legs(mine) if leg is not None]
@@ -130,7 +130,7 @@ def _progress(person: str, run: _Run) -> dict[str, Any]:
 
 
 def _legs(events: Iterable[Event]) -> Iterable[float | None]:
-    """For each goal of one person the seconds until it was reached, or None."""
+    """Yield for each goal of one person the seconds until it was reached, or None."""
     since: float | None = None
     for event in events:
         if event["kind"] in ("goal", "teleport"):
@@ -158,8 +158,8 @@ def _companies(
     beside |= {(b, a): beside[a, b] for a, b in pairs}
     if len(people) == 1:
         beside |= {(name, "people"): beside[name, people[0]] for name in machines}
-    nobody = _distances(Company(0.0, 0.0, 0.0, 0.0, (0.0, 0.0, 0.0)))
-    return {(name, "people"): nobody for name in machines} | beside
+    alone = _distances(Company(0.0, 0.0, 0.0, 0.0, (0.0, 0.0, 0.0)))
+    return {(name, "people"): alone for name in machines} | beside
 
 
 def _distances(company: Company) -> dict[str, Any]:

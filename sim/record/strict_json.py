@@ -11,7 +11,7 @@ LARGEST = 1e30
 
 
 def parse_json(text: str, object_hook: Callable[[dict[str, Any]], Any] | None = None) -> Any:
-    """What stands in `text`; `ValueError` says why it is no JSON, or asks for too much.
+    """Return the value in `text`; `ValueError` if it is no JSON, or asks for too much.
 
     `object_hook` makes something else of an object, as that of `json.loads`.
     """

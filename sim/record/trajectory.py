@@ -1,4 +1,4 @@
-"""Where everybody was, as a table in CSV."""
+"""Trajectories of all bodies as a table in CSV."""
 
 from __future__ import annotations
 

@@ -27,16 +27,16 @@ from ..views.replay_data import replay_data
 from .run import Run
 
 LINES = ("events.jsonl", "motions.jsonl", "thoughts.jsonl")
-"""What is written line by line."""
+"""Files that are written line by line."""
 
 FILES = (
     *("summary.json", "scene.json", *LINES, "violations.jsonl"),
     *("trajectory.csv", "replay.html"),
 )
-"""All that a recording is made of."""
+"""All files of a recording."""
 
 TRAJECTORY_RATE = 10.0
-"""Hz. How often trajectory.csv has every body."""
+"""Hz. Rate of trajectory.csv."""
 
 
 class Recording(Listener):
@@ -144,7 +144,7 @@ class Recording(Listener):
 
 
 def _made(first: Path) -> Path:
-    """The folder `first`, or the first of NAME-2, NAME-3 … that wasn't there, made."""
+    """Return the folder `first`, or the first of NAME-2, NAME-3 … that wasn't there, made."""
     first.parent.mkdir(parents=True, exist_ok=True)
     folder, number = first, 1
     while True:

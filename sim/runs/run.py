@@ -43,7 +43,7 @@ class Run(Recorded):
 
     @cached_property
     def verdicts(self) -> list[Verdict]:
-        """What became of each of the trial's expectations."""
+        """Verdicts on the trial's expectations."""
         return verdicts(self.trial, self)
 
     @property

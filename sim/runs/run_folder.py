@@ -77,7 +77,7 @@ class _Violation(BaseModel):
 
 
 def load_run(folder: str | Path) -> Recorded:
-    """The run that `floorwalker run` (or a `Recording`) has left in `folder`.
+    """Return the run that `floorwalker run` (or a `Recording`) has left in `folder`.
 
     A run that was broken off goes as far as it was written: its summary is empty, everybody stands
     from the last line about them on, and violations are worked out anew. `RecordingError` says
@@ -140,7 +140,7 @@ def _events(path: Path, broken_off: bool) -> tuple[Event, ...]:
 
 
 def _has_form(value: object, form: Form) -> bool:
-    """Whether a field of an event holds what it should; where there is nothing to say, None."""
+    """Return whether a field of an event holds what it should; names and numbers may be None."""
     if form == "point":
         return isinstance(value, list) and len(value) == 2 and all(map(is_number, value))
     if form == "number":
@@ -172,7 +172,7 @@ def _motions(path: Path, scene: Scene, broken_off: bool) -> dict[str, Motion]:
 
 
 def _motion(line: _Motion, before: Sequence[Motion]) -> Motion:
-    """The motion of a line, `before` which there were others; `ValueError` if it can't be."""
+    """Return the motion of a line after those `before` it; `ValueError` if it can't be."""
     motion = Motion(tuple(Piece(*piece) for piece in line.pieces))
     if before and motion.start < before[-1].start:
         raise ValueError(f"a motion from t = {motion.start} s on stands below a later one")
@@ -182,7 +182,7 @@ def _motion(line: _Motion, before: Sequence[Motion]) -> Motion:
 
 
 def _reach(piece: Piece) -> float:
-    """No coordinate of the piece gets further than this from 0."""
+    """Return a bound on how far from 0 a coordinate of the piece gets."""
     begin, end, *cubics = piece
     u = end - begin
     return max(abs(a) + u * (abs(b) + u * (abs(c) + u * abs(d))) for a, b, c, d in cubics)
@@ -204,7 +204,7 @@ def _violations(path: Path) -> tuple[Violations, Requirements]:
 def _worked_out(
     scene: Scene, motions: dict[str, Motion], end: float
 ) -> tuple[Violations, Requirements]:
-    """What the referee would have found, as far as the laws are known.
+    """Return what the referee would have found, as far as the laws are known.
 
     It is worked out from what everybody did, not from what they were about to do.
     """
@@ -225,7 +225,7 @@ def _worked_out(
 
 
 def _lines(path: Path, form: type[_Line], broken_off: bool) -> Iterator[tuple[int, _Line]]:
-    """The lines of a file, numbered from 1.
+    """Yield the lines of a file, numbered from 1.
 
     Where a run was broken off, the last line may be half a line; it is left out.
     """
@@ -243,7 +243,7 @@ def _lines(path: Path, form: type[_Line], broken_off: bool) -> Iterator[tuple[in
 
 
 def _read_line(form: type[_Line], line: str) -> _Line:
-    """A line as `form`; what the form does not know is JSON as well."""
+    """Return a line as `form`; what the form does not know is JSON as well."""
     if form.model_config.get("extra") == "allow":
         return form.model_validate(parse_json(line))
     return form.model_validate_json(line)

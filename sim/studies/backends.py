@@ -1,4 +1,4 @@
-"""Where rows of a study run: joblib's backends, and Dask's cluster among them."""
+"""Backends on which the rows of a study run: those of joblib, Dask's cluster among them."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def _start_quiet_tracker() -> None:
 
 @contextmanager
 def _without_logs(*names: str) -> Iterator[None]:
-    """Keep these logs silent: what goes wrong comes as an error, and is told once."""
+    """Keep these logs silent: what goes wrong comes as an error, once."""
     loggers = [logging.getLogger(name) for name in names]
     levels = [logger.level for logger in loggers]
     for logger in loggers:

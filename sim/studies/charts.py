@@ -19,13 +19,13 @@ WIDTH, ROW_HEIGHT, MARGIN = 5.6, 0.3, 0.75
 """Inches: a chart's width, the height of one group, and what is added for the axis."""
 
 MOST_COUNTS = 40
-"""Whole numbers up to this many different ones are drawn as counts, others as boxes."""
+"""Up to so many different whole numbers are drawn as counts, others as boxes."""
 
 INK = "#123456"
 """Stands for the page's colour of text, and is replaced by it."""
 
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8a6d3b")
-"""Those of M. Okabe and K. Ito, which people with colour blindness can tell apart."""
+"""Those of M. Okabe and K. Ito, which people with colour blindness can distinguish."""
 
 
 def chart(

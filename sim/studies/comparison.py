@@ -18,7 +18,7 @@ CONFIDENCE = 0.95
 """The share of studies like this one whose interval would hold the true mean."""
 
 RESAMPLES = 2000
-"""How often the rows of a group are drawn anew for an interval."""
+"""Number of times that the rows of a group are drawn anew for an interval."""
 
 Columns = Mapping[str, Sequence[Cell]]
 Floats = NDArray[np.float64]
@@ -80,7 +80,7 @@ def measures() -> tuple[Measure, ...]:
 
 @dataclass(frozen=True)
 class Spread:
-    """How the figures of one group are spread, and where their mean is with confidence."""
+    """Spread of the figures of one group, and the interval of their mean."""
 
     values: Floats
     mean: float
@@ -140,13 +140,13 @@ class Comparison:
 
 
 def factors(study: Study) -> list[str]:
-    """By what a study's rows are put into groups: all that has several values."""
+    """Return what a study's rows are grouped by: all that has several values."""
     several = [what.name for what, values in study.grid.items() if len(values) > 1]
     return ["trial", *several] if len(study.trials) > 1 else several
 
 
 def compare(columns: Columns, factors: Sequence[str]) -> Comparison:
-    """The rows in groups by their values of `factors`, in the order they first come up."""
+    """Return the rows in groups by their values of `factors`, in the order they first come up."""
     keys = list(zip(*(map(_shown, columns[factor]) for factor in factors), strict=True))
     keys = keys or [()] * len(columns["row"])
     groups = tuple(
@@ -163,7 +163,7 @@ def compare(columns: Columns, factors: Sequence[str]) -> Comparison:
 
 
 def spread(values: Floats) -> Spread | None:
-    """How `values` are spread, NaNs left out; None if nothing else is there.
+    """Return the spread of `values`, NaNs left out; None if nothing else is there.
 
     The interval of the mean is the percentile bootstrap (B. Efron, "Bootstrap Methods: Another
     Look at the Jackknife", Annals of Statistics 7, 1979), drawn with a fixed seed.

@@ -27,11 +27,11 @@ class Digests:
         self.keep(len(self._known))
 
     def __len__(self) -> int:
-        """How many rows are known."""
+        """Return the number of rows that are known."""
         return len(self._known)
 
     def knows(self, row: int, digest: str) -> bool:
-        """Whether the row of that number had this digest when it was measured."""
+        """Return whether the row of that number had this digest when it was measured."""
         return self._known[row] == digest
 
     def keep(self, rows: int) -> None:
@@ -56,5 +56,5 @@ def digest_of(cells: Iterable[tuple[str, str]]) -> str:
 
     So it stays the same when the table gets columns that the row has nothing in.
     """
-    told = "".join(f"{name}\0{text}\0" for name, text in cells if text)
-    return hashlib.sha256(told.encode()).hexdigest()[:LENGTH]
+    text = "".join(f"{name}\0{cell}\0" for name, cell in cells if cell)
+    return hashlib.sha256(text.encode()).hexdigest()[:LENGTH]

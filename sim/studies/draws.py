@@ -14,7 +14,7 @@ from ..trials.trial import Trial
 from .variables import Value, reordered
 
 SIGMAS = 3.0
-"""A normal distribution ends this many standard deviations from its mean, if not told where."""
+"""Standard deviations from its mean at which a normal distribution ends, if not given."""
 
 DECIMALS = 6
 """Numbers are drawn to this many decimals, so that they can be read."""
@@ -30,7 +30,7 @@ def derived_seed(*parts: object) -> int:
 
 
 class Distribution(Protocol):
-    """Where values are drawn from."""
+    """Source of random values."""
 
     @property
     def extremes(self) -> Sequence[Value]:

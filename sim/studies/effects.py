@@ -1,4 +1,4 @@
-"""How much two groups of rows differ: Cliff's delta, for groups that differ in one factor."""
+"""Effect sizes: Cliff's delta of groups of rows that differ in one factor."""
 
 from __future__ import annotations
 

@@ -20,10 +20,10 @@ RESULTS = "results.csv"
 """One line for each row."""
 
 IDENTITY = "study.json"
-"""What the results were made from."""
+"""File of what the results were made from."""
 
 LONGEST = 500
-"""Characters of what is told to have changed: a damaged file may hold anything."""
+"""Longest list of changes in a message, in characters: a damaged file may hold anything."""
 
 
 class StudyFolder:
@@ -50,7 +50,7 @@ class StudyFolder:
         return self
 
     def __exit__(self, *_: object) -> None:
-        # What could not be written has been told already; closing would tell it again.
+        # What could not be written has been reported; closing would report it again.
         with suppress(OSError):
             self.table.close()
         self._release()
@@ -61,7 +61,7 @@ class StudyFolder:
         if not path.exists():
             if (self.path / RESULTS).exists():
                 raise OutputError(
-                    f"{self.path} holds results, but no {IDENTITY} that tells of what;"
+                    f"{self.path} holds results, but no {IDENTITY} that says of what;"
                     " give another folder with --out"
                 )
             write_whole(path, json.dumps(now, indent=2) + "\n")
@@ -83,8 +83,8 @@ class StudyFolder:
         """The names of what the results depend on and is no longer as it was, if anything."""
         known = _known(self.path / IDENTITY)
         changed = [name for name in {**known, **now} if known.get(name) != now.get(name)]
-        told = ", ".join(changed)
-        return told if len(told) <= LONGEST else f"{told[:LONGEST]}…"
+        listed = ", ".join(changed)
+        return listed if len(listed) <= LONGEST else f"{listed[:LONGEST]}…"
 
     def _take(self) -> None:
         """Keep other processes out, where the system can, until this one ends."""

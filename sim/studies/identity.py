@@ -1,4 +1,4 @@
-"""What a study's results depend on, as digests: results of anything else don't belong with them."""
+"""Identity of a study's results: digests of all that they depend on."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def _definition(study: Study) -> str:
 
 
 def _parts(trial: Trial) -> Iterator[tuple[str, str]]:
-    """What a trial names and doesn't contain: floorplan, programs, orders, controller."""
+    """Return what a trial names and doesn't contain: floorplan, programs, orders, controller."""
     plan = trial.floorplan
     yield f"the floorplan {plan.name}", _digest(json.dumps(asdict(plan), default=_wkt))
     for person in trial.people:

@@ -15,7 +15,7 @@ Record = dict[str, Any]
 
 
 def measure(row: Row, *, with_metrics: bool = False) -> Record:
-    """Run `row`: what tells it from others, an error (or None), and the figures of its summary.
+    """Run `row`: its parameters, an error (or None), and the figures of its summary.
 
     And its metrics of social navigation, if asked for.
 
@@ -27,7 +27,7 @@ def measure(row: Row, *, with_metrics: bool = False) -> Record:
     try:
         finished = run(row.trial)
     except Exception as why:  # the user's own controllers and laws may raise anything
-        return record | {"error": _told(why)}
+        return record | {"error": _in_words(why)}
     left_out = {path for path, figure in FIGURES.items() if not figure.column}
     summary = {key: value for key, value in finished.summary.items() if key not in left_out}
     if with_metrics:
@@ -51,6 +51,6 @@ def _plain(value: Any) -> Any:
     return " ".join(str(one) for one in value) if isinstance(value, tuple) else value
 
 
-def _told(why: Exception) -> str:
+def _in_words(why: Exception) -> str:
     """An error on one line."""
     return " ".join(f"{type(why).__name__}: {why}".split())

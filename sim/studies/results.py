@@ -1,4 +1,4 @@
-"""What a study came to."""
+"""Results of a study."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from .table import Cell
 
 @dataclass(frozen=True)
 class StudyResults:
-    """What a study came to: the folder it is in, and its table column by column."""
+    """Results of a study: their folder, and their table column by column."""
 
     study: Study
     folder: Path
     columns: dict[str, list[Cell]]
 
     def __len__(self) -> int:
-        """How many rows there are."""
+        """Return the number of rows."""
         return len(self.columns["row"])
 
     @cached_property
@@ -31,11 +31,11 @@ class StudyResults:
 
     @cached_property
     def contrasts(self) -> tuple[Contrast, ...]:
-        """How much combinations that differ in one factor do so: Cliff's delta with intervals."""
+        """Effects of one factor alone: Cliff's delta with intervals."""
         return tuple(contrasts(self.comparison))
 
     @property
     def failed(self) -> dict[int, str]:
-        """What went wrong in the rows that have no figures, by number."""
-        told = zip(self.columns["row"], self.columns["error"], strict=True)
-        return {int(row or 0): str(error) for row, error in told if error is not None}
+        """Errors of the rows that have no figures, by number."""
+        errors = zip(self.columns["row"], self.columns["error"], strict=True)
+        return {int(row or 0): str(error) for row, error in errors if error is not None}

@@ -22,10 +22,10 @@ from .study import Study
 from .table import read_table
 
 AHEAD = "4 * n_jobs"
-"""How many rows are handed out before their results are asked for, as joblib reads it."""
+"""Number of rows handed out before their results are asked for, as joblib reads it."""
 
 Progress = Callable[[int], None]
-"""Is told how many rows are done."""
+"""Is called with the number of rows that are done."""
 
 
 class WorkerError(RuntimeError):
@@ -47,7 +47,7 @@ def run_study(
     cluster of the current `dask.distributed` client, or a local one. The results don't depend on
     either. Each row is in `results.csv` as soon as it and those before it are done, so that a
     study which is stopped, however roughly, goes on from there when it is run again. How many rows
-    are done is told to `begin` before they are run, and to `progress` whenever it changes.
+    are done is given to `begin` before they are run, and to `progress` whenever it changes.
     `OutputError` if the folder holds another study, or if a program or controller was changed
     while it ran; `WorkerError` if a worker process dies.
     """
@@ -91,7 +91,7 @@ def _measured(study: Study, first: int, jobs: int, backend: str) -> Iterator[Rec
 
 @contextmanager
 def _without_noise() -> Iterator[None]:
-    """Keep to itself what joblib says of its workers, and nobody could make use of.
+    """Keep joblib's remarks on its workers, which are of no use, from the user.
 
     That one was started anew; and, when rows are taken back, that loky's thread missed one.
     """

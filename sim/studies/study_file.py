@@ -25,7 +25,7 @@ MOST_ROWS = 1_000_000
 
 
 class _Draw(Strictly):
-    """Where values are drawn from, or only a word."""
+    """Distribution of a variable, or only a word."""
 
     uniform: tuple[Any, Any] | None = None
     normal: tuple[Number, Positive] | None = None

@@ -42,7 +42,7 @@ class Table:
         self._path = path
         self._columns: list[str] = []
         self.rows = 0
-        """How many lines there are, without that of the columns' names."""
+        """Number of lines, without that of the columns' names."""
         self._digests = Digests(path.with_name(DIGESTS))
         try:
             if path.exists():

@@ -1,4 +1,4 @@
-"""What of a trial a study can vary: by name, and how a value is put in its place."""
+"""Variables of a study: what they are called, and how a value is put into a trial."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ def _max_speed(trial: Trial, value: Any, whose: str, folder: Path) -> Trial:
 def _start_time(trial: Trial, value: Any, whose: str, folder: Path) -> Trial:
     time = _number(value)
     if not any(p.start.time is not None for p in trial.people if whose in ("", p.name)):
-        raise ValueError("nobody in it starts at a time")
+        raise ValueError("no person in it starts at a time")
     return _people(
         trial,
         whose,
@@ -143,7 +143,7 @@ _CHANGES: dict[str, Change] = {
     "duration": _duration,
 }
 KINDS = {kind: kind for kind in _CHANGES}
-"""What can be varied for a whole trial, by name."""
+"""Variables of a whole trial, by name."""
 
 _PARTS = {
     "people": {kind: kind for kind in ("personality", "max_speed", "start_time")},
@@ -169,9 +169,9 @@ def reordered(jobs: tuple[Job, ...], arrange: Callable[[list[int]], list[int]]) 
 
 def _people(trial: Trial, whose: str, change: Callable[[PersonEntry], PersonEntry]) -> Trial:
     if not trial.people:
-        raise ValueError("there is nobody in it")
+        raise ValueError("there is no person in it")
     if whose not in ("", *(person.name for person in trial.people)):
-        raise ValueError(f"nobody in it is called {whose!r}")
+        raise ValueError(f"no person in it is called {whose!r}")
     people = tuple(
         change(person) if whose in ("", person.name) else person for person in trial.people
     )

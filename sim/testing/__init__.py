@@ -1,1 +1,1 @@
-"""What the pytest plugin does once there is a trial to run; imported only then."""
+"""Parts of the pytest plugin that are imported once there is a trial to run."""

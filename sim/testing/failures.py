@@ -1,4 +1,4 @@
-"""What is left of the runs of a test that failed: words for its report, and replay pages."""
+"""Runs of a test that failed: words for its report, and replay pages."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _LONGEST_NAME = 120
 """Characters of a page's file name."""
 
 _MOST_VIOLATIONS = 5
-"""So many violations of a run are told."""
+"""Most violations of a run in a report."""
 
 
 class Failures:
@@ -51,12 +51,12 @@ class Failures:
             StandstillError,
             bdi.ProgramError,
         ) as why:
-            # Its message has the place; the way through the event loop tells nothing.
+            # Its message has the place; the frames of the event loop add nothing.
             raise why.with_traceback(None) from None
         return self.runs[-1]
 
     def report(self) -> str:
-        """What each run came to, in words, and where its replay page is."""
+        """Return the result of each run, in words, and the path of its replay page."""
         return "\n\n".join(
             "\n".join([*_outline(run), f"replay: {self.page(k)}"])
             for k, run in enumerate(self.runs)
@@ -77,7 +77,7 @@ class Failures:
 
 
 def replay_folder(config: pytest.Config) -> Path | None:
-    """Where replay pages of failures go: the folder asked for, or else one in pytest's cache."""
+    """Return the folder for replay pages: the one asked for, or else one in pytest's cache."""
     asked = config.getoption("--floorwalker-replays")
     if asked:
         return Path(config.invocation_params.dir, asked)
@@ -89,7 +89,7 @@ def _outline(run: Run) -> list[str]:
     """A run in a few lines: who was there, what it came to, and what was not met."""
     trial, summary = run.trial, run.summary
     names = [f"{p.name} ({Path(p.personality_name).stem})" for p in trial.people]
-    people = ", ".join(names) or "nobody"
+    people = ", ".join(names) or "no people"
     lines = [
         f"{trial.name} on {trial.floorplan.name}, {run.duration:g} s: {people};"
         f" gantry {trial.gantry.controller_name}; rules {trial.rules.name}; seed {trial.seed}",

@@ -72,7 +72,7 @@ class TrialItem(pytest.Item):
         self._failures.runs.clear()
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
-        """What was expected, what happened instead and when, and where the replay page is."""
+        """Return what was expected, what happened instead and when, and the replay page's path."""
         if isinstance(excinfo.value, UnmetError):
             return self._unmet()
         if isinstance(excinfo.value, _TOLD):

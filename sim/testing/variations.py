@@ -28,7 +28,7 @@ Change = Callable[[Trial], Trial]
 
 @dataclass(frozen=True)
 class Variation:
-    """What a test's markers say of its trial: which it is, and changes, made one after another.
+    """Trial of a test by its markers: which it is, and changes, made one after another.
 
     `trial` is None where no marker gives one.
     """
@@ -86,7 +86,7 @@ class _Place:
 
 @dataclass(frozen=True)
 class _Option:
-    """What a marker takes: all there are by the word "all", and what is made of a value.
+    """Values of a marker: all there are by the word "all", and what is made of one.
 
     `read` raises what the library does if there is nothing of that name.
     """
@@ -132,7 +132,7 @@ def _choices(
 
 
 def _name(value: Any) -> str:
-    """What a value is called in the name of a test: a file without what its name ends in."""
+    """Return the name of a value in that of a test: a file without its suffix."""
     if isinstance(value, Trial | RuleSet):
         return value.name
     text = str(getattr(value, "__name__", value))

@@ -1,4 +1,4 @@
-"""What can't be in a trial, however it was made: figures out of range, and names of nothing."""
+"""Faults of a trial, however it was made: figures out of range, and names of nothing."""
 
 from __future__ import annotations
 
@@ -31,16 +31,16 @@ from .expectations import expectation_problems
 from .names import agvs, checked_name, orders, parts, people, places
 
 NAME = r"[A-Za-z][A-Za-z0-9_-]*"
-"""What people may be called."""
+"""Names that people may have."""
 
 LARGEST_SEED = 2**63 - 1
 """Seeds of 63 bits are what studies draw, and what every table and recording can hold."""
 
 MOST_BYTES = 200
-"""A trial, or a study, is called by no more, in UTF-8: folders are called after them."""
+"""Longest name of a trial or a study, in UTF-8: folders are called after them."""
 
 CONDITIONS = ("time", "part_placed", "order_submitted", "event")
-"""What somebody can wait for, one of them, before they start or change."""
+"""Conditions of a start or a change of personality, one of them."""
 
 
 def check(trial: Scenario) -> None:
@@ -50,7 +50,7 @@ def check(trial: Scenario) -> None:
 
 
 def faults(trial: Scenario) -> Iterator[Fault]:
-    """Everything about `trial` that can't be; its controller is not looked for."""
+    """Yield everything about `trial` that can't be; its controller is not looked for."""
     if fault := name_fault(trial.name):
         yield fault, ("name",)
     yield from _size(trial.duration, "duration")
@@ -75,7 +75,7 @@ def faults(trial: Scenario) -> Iterator[Fault]:
 
 
 def name_fault(name: str) -> str:
-    """Why no folder can be called after a trial or a study of that `name`; empty if one can."""
+    """Return why no folder can have the `name` of a trial or a study; empty if one can."""
     size = len(name.encode(errors="replace"))
     if not re.search(r"[\0\ud800-\udfff]", name) and size <= MOST_BYTES:
         return ""
@@ -139,7 +139,7 @@ def _personality_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]
     named: list[tuple[PersonEntry | PersonalityChange, Place]] = [(person, ("personality",))]
     named += [(change, ("changes", k, "personality")) for k, change in enumerate(person.changes)]
     if len(named) > 1 and any(one.personality == EXTERNAL for one, _ in named):
-        yield f"nobody changes to or from {EXTERNAL!r}", ("changes",)
+        yield f"no personality changes to or from {EXTERNAL!r}", ("changes",)
     for one, place in named:
         try:
             if isinstance(one.personality, str) and one.personality != EXTERNAL:

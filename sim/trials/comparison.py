@@ -32,7 +32,7 @@ class Comparison:
 
     @staticmethod
     def parse(wanted: Any) -> Comparison:
-        """The comparison that `wanted`, a number or a text, stands for; `ValueError` if none."""
+        """Return the comparison that `wanted`, a number or text, stands for; else `ValueError`."""
         if is_number(wanted):
             return Comparison(f"= {wanted}", (("==", wanted),))
         if isinstance(wanted, str):
@@ -56,13 +56,13 @@ class Comparison:
         return self.text
 
     def passes(self, figure: float) -> bool:
-        """Whether `figure` is as it should be."""
+        """Return whether `figure` is within all bounds."""
         return all(_OPERATORS[sign](figure, bound) for sign, bound in self.bounds)
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """What was `expected` and what was `found`, in words; whether that is as expected.
+    """Result of an expectation: `expected` and `found`, in words, and whether it was `met`.
 
     `time` is when it was decided (seconds), if at an instant. `place` are the keys under which the
     expectation stands in the trial file.
@@ -79,11 +79,11 @@ class Verdict:
 
 
 def in_words(value: Any) -> str:
-    """A value as files have it: true and false, and all digits of numbers."""
+    """Return a value as files have it: true and false, and all digits of numbers."""
     return str(value).lower() if isinstance(value, bool) else str(value)
 
 
 def is_number(value: Any) -> bool:
-    """Whether `value` is a finite number, and not true or false."""
+    """Return whether `value` is a finite number, and not true or false."""
     number = isinstance(value, int | float) and not isinstance(value, bool)
     return number and abs(value) <= sys.float_info.max

@@ -1,6 +1,6 @@
-"""What a trial expects of its run: figures of the summary, visits, and what happens when.
+"""Expectations of a run: figures of the summary, visits, and what happens when.
 
-`docs/testing.md` tells how expectations are written.
+`docs/testing.md` describes how they are written.
 """
 
 from __future__ import annotations
@@ -33,14 +33,14 @@ Check = Callable[["Outcome"], Verdict]
 
 
 def expectation_problems(trial: Scenario) -> Iterator[tuple[str, Place]]:
-    """What can't be checked in what `trial` expects: a message, and the keys it stands at."""
+    """Yield what can't be checked in what `trial` expects: a message, and its place."""
     for place, check in _checks(trial):
         if isinstance(check, ValueError):
             yield str(check), place
 
 
 def verdicts(trial: Scenario, run: Outcome) -> list[Verdict]:
-    """Return what became of each thing that `trial` expects of `run`.
+    """Return a verdict on each thing that `trial` expects of `run`.
 
     `ValueError` if it expects something that can't be checked.
     """
@@ -93,7 +93,7 @@ def _field_check(
 
 
 def _hint(key: str, fields: Iterable[str]) -> str:
-    """What somebody may have meant who wrote `key`."""
+    """Return a hint at what `key` was meant to be."""
     whole = [name for name in fields if name.endswith(f".{key}") or name.startswith(f"{key}.")]
     if whole:
         return f"there are: {', '.join(whole)}"
@@ -103,7 +103,7 @@ def _hint(key: str, fields: Iterable[str]) -> str:
 
 @dataclass(frozen=True)
 class _FigureCheck:
-    """That a figure of the summary or the metrics is as it should be."""
+    """Expects something of a figure of the summary or the metrics."""
 
     key: str
     field: SummaryField
@@ -125,7 +125,7 @@ class _FigureCheck:
 
 
 def _visits(key: str, wanted: Any, field: SummaryField, trial: Scenario) -> Check:
-    """That the stations a person came to are as they should be."""
+    """Return the check of the stations that a person came to."""
     if isinstance(wanted, list):
         wanted = {"begin_with": wanted}
     if not (isinstance(wanted, Mapping) and len(wanted) == 1 and set(wanted) <= set(_VISITS)):
@@ -142,7 +142,7 @@ def _visits(key: str, wanted: Any, field: SummaryField, trial: Scenario) -> Chec
 
 @dataclass(frozen=True)
 class _VisitsCheck:
-    """That somebody came to stations in some order, or never to some."""
+    """Expects visits to stations in some order, or never to some."""
 
     key: str
     field: SummaryField
@@ -164,7 +164,7 @@ class _VisitsCheck:
         return Verdict(expected, f"they were {shown}{when}", wrong is None, time)
 
     def _first_wrong(self, found: list[str]) -> int | None:
-        """The number of the first visit that is wrong, or of the first that is missing."""
+        """Return the number of the first visit that is wrong, or of the first that is missing."""
         if self.how == "never":
             return next((k for k, name in enumerate(found) if name in self.stations), None)
         if self.how == "in_order":

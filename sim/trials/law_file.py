@@ -33,7 +33,7 @@ Terms = dict[str, Any]
 
 
 class WrittenLawError(ValueError):
-    """What is wrong with a law, and at which of its keys."""
+    """A law that is wrong, and the `place` among its keys."""
 
     def __init__(self, message: str, *place: str) -> None:
         super().__init__(message)
@@ -43,7 +43,7 @@ class WrittenLawError(ValueError):
 def read_law(
     terms: Mapping[str, Any], folder: Path, *, own_code: bool = True, place: str = ""
 ) -> AnyLaw:
-    """The law that is written as `terms`; `WrittenLawError` if there is something wrong with it.
+    """Return the law that is written as `terms`; `WrittenLawError` says what is wrong with it.
 
     Laws of one's own stand in `folder`, and are not imported yet: what only that can show they say
     when they are first asked, with their `place`. Without `own_code` they are refused.
@@ -122,7 +122,7 @@ def _check_term(law: str, term: str, value: object, known: Mapping[str, Field[An
 
 
 def written_law(law: AnyLaw) -> Terms:
-    """The law as a file has it; `ValueError` if it can't be written."""
+    """Return the law as a file has it; `ValueError` if it can't be written."""
     if isinstance(law, OwnLaw):
         return {law.name: law.terms}
     for name, form in LAWS.items():

@@ -1,4 +1,4 @@
-"""What a trial has names for: bodies, places, parts, orders, and what its events tell of."""
+"""Names in a trial: bodies, places, parts, orders, and what its events are about."""
 
 from __future__ import annotations
 
@@ -16,38 +16,38 @@ from ..machines.kinds import models_of
 
 
 def people(trial: Scenario) -> list[str]:
-    """The names of the people."""
+    """Return the names of the people."""
     return [person.name for person in trial.people]
 
 
 def machines(trial: Scenario) -> list[str]:
-    """The names of the machines."""
+    """Return the names of the machines."""
     return [*models_of(trial)]
 
 
 def agvs(trial: Scenario) -> list[str]:
-    """The names of the AGVs."""
+    """Return the names of the AGVs."""
     return [lane.name for lane in trial.floorplan.lanes]
 
 
 def stations(trial: Scenario) -> list[str]:
-    """The names of the stations."""
+    """Return the names of the stations."""
     return [station.name for station in trial.floorplan.stations]
 
 
 def places(trial: Scenario) -> list[str]:
-    """What the gantry can pick from and place onto."""
+    """Return the places that the gantry can pick from and place onto."""
     return [*fixed_places(trial.floorplan), *agvs(trial)]
 
 
 def parts(trial: Scenario) -> list[str]:
-    """The names of all parts that are carried, or could be."""
+    """Return the names of all parts that are carried, or could be."""
     ariac = trial.workload.parts if trial.workload else ()
     return [*ariac, *(job.part for job in trial.gantry.jobs if job.part)]
 
 
 def orders(trial: Scenario) -> list[str]:
-    """The names of the orders that are handed in."""
+    """Return the names of the orders that are handed in."""
     ariac = trial.workload.orders if trial.workload else ()
     return [*(order.id for order in ariac), *(job.order for job in trial.gantry.jobs if job.order)]
 
@@ -88,13 +88,13 @@ _NAMES: dict[Form, Callable[[Scenario], list[str]]] = {
 
 
 def known_names(trial: Scenario, form: Form) -> list[str] | None:
-    """All names of this form in `trial`; None where any text may stand."""
+    """Return all names of this form in `trial`; None where any text may stand."""
     names = _NAMES.get(form)
     return None if names is None else list(dict.fromkeys(names(trial)))
 
 
 def checked_name(wanted: Any, form: str, known: Collection[str]) -> str:
-    """`wanted`, if it is one of those `known`; `ValueError` that tells which there are."""
+    """Return `wanted`, if it is one of those `known`; `ValueError` names those there are."""
     if wanted not in known:
         hint = suggestion(str(wanted), known) if known else "there is none in this trial"
         raise ValueError(f"no {form} is called {wanted!r}; {hint}")

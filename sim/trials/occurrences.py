@@ -1,4 +1,4 @@
-"""What can happen in a run, as a trial's expectations write it: events, and states that last."""
+"""Events and lasting states of a run, as expectations write them."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ Interval = tuple[float, float]
 
 
 class State(Protocol):
-    """Something that is so for a while."""
+    """Something that holds for a while."""
 
     def intervals(self, run: Outcome) -> list[Interval]:
-        """When it is so, in order of time."""
+        """Return when it holds, in order of time."""
         ...
 
 
@@ -36,13 +36,13 @@ class EventPattern:
     fields: tuple[tuple[str, Any], ...] = ()
 
     def matches(self, event: Event) -> bool:
-        """Whether `event` is such a one."""
+        """Return whether `event` is one of these."""
         return event["kind"] == self.kind and all(
             _is(event.get(key), wanted) for key, wanted in self.fields
         )
 
     def found(self, run: Outcome) -> Iterator[tuple[int, Event]]:
-        """Such events, with their number among all events of the run."""
+        """Yield the events that match, with their number among all events of the run."""
         return ((k, event) for k, event in enumerate(run.events) if self.matches(event))
 
     def __str__(self) -> str:
@@ -90,14 +90,14 @@ Occurrence = EventPattern | Near | Moves
 
 
 def complement(intervals: list[Interval], end: float) -> list[Interval]:
-    """The time between 0 and `end` that is in none of the intervals."""
+    """Return the time between 0 and `end` that is in none of the intervals."""
     edges = [0.0, *(t for interval in intervals for t in interval), end]
     gaps = zip(edges[::2], edges[1::2], strict=True)
     return [(begin, end) for begin, end in gaps if end > begin]
 
 
 def read_event(written: Any, trial: Scenario) -> EventPattern:
-    """The events that `written` stands for; `ValueError` says what is wrong with it."""
+    """Return the events that `written` stands for; `ValueError` says what is wrong with it."""
     if isinstance(written, str):
         written = {"kind": written}
     if not isinstance(written, Mapping) or "kind" not in written:
@@ -116,14 +116,14 @@ def read_event(written: Any, trial: Scenario) -> EventPattern:
 
 
 def read_occurrence(written: Any, trial: Scenario) -> Occurrence:
-    """The event or state that `written` stands for; `ValueError` says what is wrong with it."""
+    """Return the event or state that `written` stands for; `ValueError` says what is wrong."""
     if isinstance(written, Mapping) and "kind" not in written:
         return read_state(written, trial)
     return read_event(written, trial)
 
 
 def read_state(written: Any, trial: Scenario) -> Near | Moves:
-    """The state that `written` stands for; `ValueError` says what is wrong with it."""
+    """Return the state that `written` stands for; `ValueError` says what is wrong with it."""
     keys = set(written) if isinstance(written, Mapping) else set()
     for key, apart in (("near", False), ("apart", True)):
         if keys == {key, "metres"}:

@@ -47,11 +47,11 @@ def _lasting(seconds: float) -> float:
 
 
 Lasting = Annotated[NotNegative, AfterValidator(_lasting)]
-"""For how long a machine is disabled, seconds."""
+"""Time for which a machine is disabled, seconds."""
 
 
 class NoticeKeys(Strictly):
-    """When people notice the gantry; what is left out is as in the rule set it is based on."""
+    """Terms of noticing the gantry; what is left out is as in the rule set it is based on."""
 
     law: Terms | None = None
     factor: Positive | None = None
@@ -62,7 +62,7 @@ class NoticeKeys(Strictly):
 
 
 class Disable(Strictly):
-    """What a violation does to the machine, with its time: short for `gantry_disabled`."""
+    """Measure for the machine, with its time: short for `gantry_disabled`."""
 
     disable: Lasting
 
@@ -99,7 +99,7 @@ class RuleKeys(Strictly):
 
 
 def load_rules(path: str | Path, *, own_code: bool = True) -> RuleSet:
-    """The rule set in the YAML file at `path`; laws of one's own stand beside it.
+    """Return the rule set in the YAML file at `path`; laws of one's own stand beside it.
 
     They are imported when the rules are first applied; without `own_code` they are refused.
     `RulesError` has everything that is wrong with it, each with its line.
@@ -114,7 +114,7 @@ def load_rules(path: str | Path, *, own_code: bool = True) -> RuleSet:
 
 
 def find_rules(source: str, folder: Path = Path(), *, own_code: bool = True) -> RuleSet:
-    """The built-in rule set called `source`, or the one in a file seen from `folder`.
+    """Return the built-in rule set called `source`, or the one in a file seen from `folder`.
 
     `own_code` is as of `load_rules`. `RulesError` for a file that holds none, `ValueError` if
     there is neither.
@@ -128,7 +128,7 @@ def find_rules(source: str, folder: Path = Path(), *, own_code: bool = True) -> 
 def build_rules(
     keys: RuleKeys, document: Document, folder: Path, *place: str, own_code: bool = True
 ) -> tuple[RuleSet, list[Problem]]:
-    """The rule set that `keys` describe, which stand at `place` in `document`.
+    """Return the rule set that `keys` describe, which stand at `place` in `document`.
 
     And what is wrong with it: then the rule set is only a stand-in.
     """
@@ -201,7 +201,7 @@ def _notice(keys: NoticeKeys, base: Notice, law: AnyLaw) -> Notice:
 
 
 def written_rules(rules: RuleSet) -> str | dict[str, Any]:
-    """The rule set as a file has it: from what is written the same one is read again.
+    """Return the rule set as a file has it: from what is written the same one is read again.
 
     `ValueError` if one of its laws can't be written.
     """

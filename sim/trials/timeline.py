@@ -96,7 +96,7 @@ class Statement:
     delay: float = math.inf
 
     def check(self, run: Outcome) -> Verdict:
-        """Whether it holds in `run`."""
+        """Return whether it holds in `run`."""
         try:
             window = self.window.of(run)
         except ValueError as why:
@@ -115,14 +115,14 @@ class Statement:
         return Verdict(str(self), _listed(times), met, first)
 
     def _times(self, run: Outcome, begin: Moment, end: Moment) -> list[float]:
-        """When it is first so, each time, between two moments."""
+        """Return when it happens, or begins to hold, between two moments."""
         if isinstance(self.what, EventPattern):
             return [e["t"] for k, e in self.what.found(run) if begin < (e["t"], k) < end]
         parts = [(max(b, begin[0]), min(e, end[0])) for b, e in self.what.intervals(run)]
         return [since for since, until in parts if until - since > INSTANT]
 
     def _gap(self, run: Outcome, begin: Moment, end: Moment) -> float | None:
-        """When a state is first not so, between two moments."""
+        """Return when a state first fails to hold, between two moments."""
         assert not isinstance(self.what, EventPattern)
         since = begin[0]
         for lower, upper in [*self.what.intervals(run), (end[0], math.inf)]:

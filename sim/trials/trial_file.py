@@ -25,7 +25,7 @@ _Made = TypeVar("_Made", bound=Scenario)
 
 
 def builtin_trials() -> tuple[str, ...]:
-    """The names of the trials that come with Floorwalker, sorted."""
+    """Return the names of the trials that come with Floorwalker, sorted."""
     files = resources.files("sim").joinpath("data", "trials").iterdir()
     return tuple(sorted(Path(f.name).stem for f in files if f.name.endswith(".yaml")))
 
@@ -49,7 +49,7 @@ def parse(form: type[_Made], text: str, file: str, folder: Path, own_code: bool)
 
 
 def build(form: type[_Made], document: Document, folder: Path, own_code: bool) -> _Made:
-    """The trial in `document`, which stands in `folder`. Errors as of `Trial.load`."""
+    """Return the trial in `document`, which stands in `folder`. Errors as of `Trial.load`."""
     if reading.is_ariac(document):
         return replace(reading.build(form, document, folder), own_code=own_code)
     schema = document.checked(TrialKeys, TrialError)
@@ -83,7 +83,7 @@ def build(form: type[_Made], document: Document, folder: Path, own_code: bool) -
 
 
 def _with_orders(trial: _Made, schema: TrialKeys, name: str, document: Document) -> _Made:
-    """The trial with the orders, parts and challenges of an ARIAC trial file."""
+    """Return the trial with the orders, parts and challenges of an ARIAC trial file."""
     path = trial.folder / name
     if not floorplan.is_there(path):
         raise TrialError(document.file, [document.problem(f"no such file: {name!r}", "ariac")])
@@ -129,7 +129,7 @@ def _floorplan(name: str, folder: Path, document: Document) -> Floorplan:
 
 
 def _problems(trial: Scenario, document: Document) -> Iterator[Problem]:
-    """What keys and types can't tell: whether the things a trial names are there."""
+    """Yield what keys and types can't show: that something a trial names isn't there."""
     for message, place in faults(trial):
         yield document.problem(message, *_in_file(place, document.data))
     if trial.floorplan.gantry is not None:
@@ -140,7 +140,7 @@ def _problems(trial: Scenario, document: Document) -> Iterator[Problem]:
 
 
 def _in_file(place: Place, data: Any) -> Place:
-    """Where something stands in the file: the moves of an AGV may have a key of their own."""
+    """Return the place in the file: the moves of an AGV may have a key of their own."""
     match place:
         case ("agvs", name, int(k), key) if not isinstance(data["agvs"][name], list):
             return ("agvs", name, "moves", k, key)

@@ -118,12 +118,12 @@ def _value(value: Any, trial: Scenario) -> Any:
 
 def _fields(value: Any, trial: Scenario) -> Data:
     """Return those fields of a value that say something else than if they were left out."""
-    told = {}
+    given = {}
     for field in fields(value):
         written = _plain(_value(getattr(value, field.name), trial))
         if written not in (None, _plain(_value(field.default, trial))):
-            told[field.name] = written
-    return told
+            given[field.name] = written
+    return given
 
 
 def _agv(moves: tuple[AgvMove, ...], yields: bool) -> Any:
@@ -176,7 +176,7 @@ class _Dumper(yaml.SafeDumper):
     """Writes every value where it stands: files without anchors and aliases are easier to read."""
 
     def ignore_aliases(self, data: Any) -> bool:
-        """Whether `data` is written out even if it has been before."""
+        """Write `data` out even if it has been before."""
         return True
 
     def represent(self, data: Any) -> None:

@@ -77,7 +77,7 @@ def changes(personality, time=5.0):
         (ada(start=sim.Start(part_placed={"prat": "x"})), "prat: unknown key; did you mean 'part'"),
         (ada(start=sim.Start(event="notice", person="eve")), "start.person: no person is called"),
         (changes("hepful"), r"changes\[0\].personality: .*did you mean 'helpful'"),
-        (changes("external"), r"people\[0\].changes: nobody changes to or from 'external'"),
+        (changes("external"), r"people\[0\].changes: no personality changes to or from 'external'"),
         (changes("helpful", -3.0), r"changes\[0\].when.time: must be a time"),
         ({"people": (sim.PersonEntry("ada"),) * 2}, r"people\[1\].name: another body"),
         ({"people": (sim.PersonEntry("agv2"),)}, r"people\[0\].name: another body"),
