@@ -35,8 +35,12 @@ def provide_rosapi(exchange: Exchange, now: Callable[[], float]) -> None:
     def type_in(found: dict[str, Any], name: str) -> Values:
         return {"type": found[name].type.name if name in found else ""}
 
-    def of_type(found: dict[str, Any], type_: str) -> list[str]:
-        return sorted(name for name, one in found.items() if one.type.name == type_)
+    def of_type(found: dict[str, Any], field: str, kind: str) -> Callable[[str], Values]:
+        def list_them(type: str) -> Values:
+            wanted = canonical(type, kind)
+            return {field: sorted(n for n, one in found.items() if one.type.name == wanted)}
+
+        return list_them
 
     def all_topics() -> Values:
         names = sorted(topics)
@@ -52,22 +56,12 @@ def provide_rosapi(exchange: Exchange, now: Callable[[], float]) -> None:
 
     provide("topics", "Topics", all_topics)
     provide("topic_type", "TopicType", lambda topic: type_in(topics, topic), "topic")
-    provide(
-        "topics_for_type",
-        "TopicsForType",
-        lambda type: {"topics": of_type(topics, canonical(type, "msg"))},
-        "type",
-    )
+    provide("topics_for_type", "TopicsForType", of_type(topics, "topics", "msg"), "type")
     provide("publishers", "Publishers", publishers, "topic")
     provide("subscribers", "Subscribers", subscribers, "topic")
     provide("services", "Services", lambda: {"services": sorted(services)})
     provide("service_type", "ServiceType", lambda service: type_in(services, service), "service")
-    provide(
-        "services_for_type",
-        "ServicesForType",
-        lambda type: {"services": of_type(services, canonical(type, "srv"))},
-        "type",
-    )
+    provide("services_for_type", "ServicesForType", of_type(services, "services", "srv"), "type")
     provide("message_details", "MessageDetails", _details, "type")
     provide("nodes", "Nodes", lambda: {"nodes": [_US]})
     provide("action_servers", "GetActionServers", lambda: {"action_servers": []})

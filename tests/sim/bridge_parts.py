@@ -113,12 +113,12 @@ def served(a_trial=None, *listeners, speed=0.0, hold=False):
 
 
 @contextmanager
-def relay(**options):
+def relay(port=0, **options):
     """A rosbridge server with no simulation behind it: clients hear each other. Its address.
 
     `options` are those of a server.
     """
-    at = listen_at("127.0.0.1", 0)
+    at = listen_at("127.0.0.1", port)
 
     async def main(opened):
         server = RosbridgeServer(Exchange(), left=lambda _: None, failed=print, **options)

@@ -7,7 +7,7 @@ import socket
 import time
 
 import pytest
-from bridge_parts import Client, relay, served, trial
+from bridge_parts import Client, InThread, relay, served, trial
 
 import bdi
 import sim
@@ -442,6 +442,29 @@ def act_as_the_simulation(client, heard):
         client.publish("/ariac_human/unsafe_distance", data=True)
     listen(6)
     client.publish("/ariac/competition_state", competition_state=4)
+
+
+def test_an_agent_whose_connection_breaks_off_tries_again():
+    notices, a_trial = [], trial("antagonistic")
+    with relay() as url:
+
+        async def main(opened):
+            agent = RemoteAgent(url, a_trial, a_trial.people[0], notice=notices.append)
+            opened()
+            await agent.run()
+
+        agent = InThread(main)
+        while not notices:
+            time.sleep(0.01)
+    with relay(int(url.rpartition(":")[2])), Client(url) as simulation:
+        phase = "/ariac/competition_state"
+        simulation.send(op="advertise", topic=phase, type="ariac_msgs/CompetitionState")
+        while not agent.join(0.1):
+            simulation.publish(phase, competition_state=4)
+    assert agent.failure is None
+    connected = f"connected to {url}"
+    lost = f"the connection to {url} broke off; trying again"
+    assert notices == [connected, lost, connected]
 
 
 def test_an_agent_needs_somebody_to_connect_to():
