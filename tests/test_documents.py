@@ -161,19 +161,3 @@ def test_the_navigation_lists_every_page_once():
     there = {page.name for page in (ROOT / "docs").glob("*.md")}
     assert there - set(listed) == set(), "list it under nav in mkdocs.yml"
     assert sorted(listed) == sorted(there)
-
-
-def test_the_readme_leads_to_every_page():
-    readme = (ROOT / "README.md").read_text(encoding="utf-8")
-    linked = set(re.findall(r"\]\(docs/([\w-]+\.md)", readme))
-    there = {page.name for page in (ROOT / "docs").glob("*.md")} - {"index.md"}
-    assert there - linked == set(), "link it from the list in README.md"
-
-
-def test_every_picture_is_shown_somewhere():
-    texts = [
-        page.read_text(encoding="utf-8")
-        for page in [ROOT / "README.md", *(ROOT / "docs").glob("*.md")]
-    ]
-    for picture in (ROOT / "docs" / "images").iterdir():
-        assert any(f"images/{picture.name})" in text for text in texts), picture.name

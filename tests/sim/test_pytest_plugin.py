@@ -1,7 +1,6 @@
 """The pytest plugin, in pytest runs of its own: trial files, fixtures, markers, reports."""
 
 import shutil
-import sys
 from importlib.metadata import entry_points
 from pathlib import Path
 
@@ -126,10 +125,7 @@ def test_without_the_option_replays_are_in_the_cache(pytester, run_pytest):
     ("change", "said"),
     [
         (("penalties: 0", "penaltys: 0"), "line 4, expect.penaltys: *did you mean 'penalties'?"),
-        (("[station4]", "[statoin4]"), "line 4, expect.visits: *did you mean 'station4'?"),
-        (("operator", "a b"), "line 3, people?0?.name:*"),
         (("duration: 20", "duration: ["), "*is not YAML*"),
-        (("expect:", "expects:"), "line 4, expects: unknown key *"),
     ],
 )
 def test_a_typo_is_an_error_at_collection(pytester, run_pytest, change, said):
@@ -229,9 +225,7 @@ def test_plain(ariac_cell, trial):
     ("marker", "said"),
     [
         ('personalities("helpfull")', "*did you mean 'helpful'?*"),
-        ('controllers("pasing")', "*did you mean 'pausing'?*"),
         ('controllers("nowhere:mine")', "*there is no nowhere.py in*"),
-        ('rule_sets("papper")', "*did you mean 'paper'?*"),
         ("personalities(3)", "*expected a name or a file, found 3"),
         ("rule_sets(lambda: 1, 'papr')", "*did you mean 'paper'?*"),
         ("rule_sets(lambda: 1, 'papr')", "*expected a name or a file, found <function*"),
@@ -386,11 +380,3 @@ def test_runs_that_passed_are_let_go(pytester, run_pytest_alone):
         """
     )
     run_pytest_alone().assert_outcomes(passed=3)
-
-
-def test_it_is_an_entry_point():
-    if sys.version_info >= (3, 11):
-        import tomllib
-
-        project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
-        assert project["entry-points"]["pytest11"] == {"floorwalker": "sim.pytest_plugin"}

@@ -59,7 +59,6 @@ def test_every_builtin_trial_loads(name):
     ("change", "message"),
     [
         (("duration: 60", "duration: 0"), "line 2, duration: expected more than 0, found 0"),
-        (("duration: 60", "duration: .nan"), "line 2, duration: expected"),
         (("duration: 60", "duration: 60 s"), "duration: expected a number, found '60 s'"),
         (("duration: 60", "seed: -1"), "seed: expected at least 0"),
         (("duration: 60", f"seed: {2**63}"), "line 2, seed: expected at most"),
@@ -79,24 +78,17 @@ def test_every_builtin_trial_loads(name):
         ),
         (("{time: 1.5}", "{time: -1}"), "people[0].start.time: expected at least 0"),
         (("{time: 1.5}", "{}"), "give one of time, part_placed, order_submitted"),
-        (("{time: 1.5}", "{time: 1, order_submitted: A}"), "give one of time"),
         (('"tired(3)"', '"tired("'), "people[0].beliefs[0]: is not a belief"),
         (("at: [-5.0, 2.5, 0.0]", "at: [-5.0, 8.5, 0.0]"), "y = 8.5 is outside"),
         (("move: [-2.5, 0.5, 0.0]", "move: [3.5, 0.5, 0.0]"), "gantry.jobs[0].move: x = 3.5"),
-        (("pick: bin2", "pick: bin20"), "no obstacle, station or AGV is called 'bin20'"),
         (
             ("place: agv1", "place: warehouse_west"),
             "gantry.jobs[1].place: the gantry can't get to 'warehouse_west': x = -21.875",
         ),
         (("{move: [-2.5, 0.5, 0.0]}", "{pick: bin1}"), "a job is one of"),
         (("agv1:", "agv9:"), "no AGV is called 'agv9'"),
-        (("to: assembly_front", "to: moon"), "agv1 has no location 'moon'"),
-        (("to: 2.5", "to: 25"), "its lane runs from 0 to 18"),
         (("time: 40.0", "time: 4.0"), "put moves in order"),
-        (("penalties: 0", "penaltys: 0"), "did you mean 'penalties'?"),
-        (("penalties: 0", "penalties: many"), "expected a number or a comparison"),
         (('">= 1.0"', '">> 1.0"'), "expected a number or a comparison"),
-        (("[station4]", "station4"), "expected a list of stations"),
         (("people:", "peopel:"), "peopel: unknown key (known are: agvs"),
         (("controller: oblivious", "controller: oblvious"), "did you mean 'oblivious'?"),
         (("controller: oblivious", "controller: a.b:c"), "there is no a/b.py in"),
@@ -125,16 +117,6 @@ def test_a_person_without_a_place_to_start_from(tmp_path):
         sim.Trial.parse(text, folder=tmp_path)
     trial = sim.Trial.parse(text.replace("{name: a}", "{name: a, at: [5, 5]}"), folder=tmp_path)
     assert trial.people[0].at == (5, 5)
-
-
-@pytest.mark.parametrize(
-    ("at", "message"),
-    [("[-7.7, 3.0]", "is inside obstacle 'assembly_table1'"), ("[50, 0]", "outside the boundary")],
-)
-def test_a_person_cannot_start_inside_things(at, message):
-    text = TRIAL.replace("personality: antagonistic", f"personality: helpful\n    at: {at}")
-    assert "people[0].at" in problems(text)
-    assert message in problems(text)
 
 
 def test_files_are_looked_up_beside_the_trial(tmp_path):
