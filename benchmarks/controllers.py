@@ -42,7 +42,7 @@ def kitting_trial(personality: str, controller: str, seed: int) -> sim.Trial:
 
 
 def figures(personality: str, controller: str, seed: int) -> dict[str, Any]:
-    """What the table needs of one run."""
+    """Figures of one run for the table."""
     run = sim.run(kitting_trial(personality, controller, seed))
     summary = run.summary
     person = summary["people"]["operator"]

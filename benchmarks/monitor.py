@@ -1,4 +1,4 @@
-"""What it costs to watch a person beside a gantry: CPU milliseconds, medians over repetitions.
+"""Cost of monitoring a person beside a gantry: CPU milliseconds, medians over repetitions.
 
     python benchmarks/monitor.py [--repetitions N] [--changes N]
 

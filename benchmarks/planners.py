@@ -39,7 +39,7 @@ class Ours:
         self._name = planner
 
     def scene(self) -> Ask:
-        """Nothing to do: the world is read when a way is asked for."""
+        """Nothing to do: the world is read when a path is asked for."""
 
         def ask(start: tuple[float, float], goal: tuple[float, float]) -> Way | None:
             try:

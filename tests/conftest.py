@@ -1,4 +1,4 @@
-"""What all tests share: the real data beside the repository, and how Hypothesis runs."""
+"""Shared by all tests: the real data beside the repository, and how Hypothesis runs."""
 
 import os
 import signal

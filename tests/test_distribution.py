@@ -1,4 +1,4 @@
-"""What is published: a wheel and an sdist, built from the sources as they are."""
+"""Distributions: a wheel and an sdist, built from the sources as they are."""
 
 import os
 import shutil
@@ -37,7 +37,7 @@ def built(tmp_path_factory):
 
 
 def ours(folder):
-    """What stands in a folder of the sources and is no by-product, with paths from above."""
+    """Files in a folder of the sources that are no by-products, with paths from above."""
     for path in folder.rglob("*"):
         if path.is_file() and path.suffix != ".pyc" and ".hypothesis" not in path.parts:
             yield path.relative_to(folder.parent).as_posix()

@@ -18,7 +18,7 @@ ROOT = Path(__file__).resolve().parents[1]
 DOCUMENTS = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 BLOCK = re.compile(r"(?P<before>[^\n]*\n(?:[^\n]*\n)?)\n?```(?P<kind>\w+)\n(?P<text>.*?)```", re.S)
 NEEDS_PYTHON = {"pedpy": (3, 11)}
-"""What examples import that can't be installed with every Python."""
+"""Imports of examples that can't be installed with every Python."""
 DOTTED = re.compile(r"(?<![\w./-])(?:sim|bdi|floorplan|navigation)(?:\.[A-Za-z_]\w*)+")
 NAMED = re.compile(r"`([\w.]+\.(?:yaml|asl|py|wkt|jsonl))`")
 

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 
 def cases():
-    """What a property of any integers is tried with."""
+    """Cases that a property of any integers is tried with."""
     tried = []
 
     @given(st.lists(st.integers(), min_size=10))

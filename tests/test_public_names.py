@@ -21,7 +21,7 @@ def value(name):
 
 
 def is_class(of):
-    """Whether it is a class: on Python 3.10 `dict[str, Any]` says of itself that it is."""
+    """Return True for a class; on Python 3.10 `dict[str, Any]` says that it is one, too."""
     return inspect.isclass(of) and get_origin(of) is None
 
 

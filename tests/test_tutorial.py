@@ -1,4 +1,4 @@
-"""What the tutorial says about its runs is what comes out of its files."""
+"""The results that the tutorial states are those of its files."""
 
 import shlex
 import sys

@@ -1,4 +1,4 @@
-"""Run random trials and say which of them break something: `python -m tests.random_trials`."""
+"""Run random trials and print which of them break something: `python -m tests.random_trials`."""
 
 import argparse
 import sys
@@ -28,7 +28,7 @@ def main():
 
 
 def tried(number):
-    """What is wrong with the trial of this number, in words; an error is wrong in any case."""
+    """Return the faults of the trial of this number, in words; an error is one."""
     try:
         return faults(sim.run(random_trial(number)))
     except Exception as why:

@@ -23,7 +23,7 @@ STEP = 0.02
 
 
 def movement_faults(run):
-    """What is wrong with how everybody moved."""
+    """Return faults in how bodies moved."""
     trial, plan = run.trial, run.trial.floorplan
     for entry in trial.people:
         yield from _named(entry.name, _person_faults(run, entry))
@@ -201,7 +201,7 @@ def state_of(piece, u):
 
 
 def _seams(motion):
-    """Where pieces meet: the instant, both places, and the velocities before and after."""
+    """Joints of pieces: the instant, both places, and the velocities before and after."""
     for one, other in pairwise(motion.pieces):
         if one.end != other.begin:
             raise AssertionError(f"a gap in time from {one.end} to {other.begin} s")

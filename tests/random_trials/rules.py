@@ -17,7 +17,7 @@ FIGURE = 1e-5
 
 
 def rule_faults(run):
-    """What the rules ask for and did not happen, or happened without."""
+    """Return faults: events that the rules ask for and are missing, or that they do not."""
     yield from _event_faults(run)
     yield from _violation_faults(run)
     yield from _consequence_faults(run)
@@ -71,7 +71,7 @@ def _violation_faults(run):
 
 
 def _consequence_faults(run):
-    """What follows from each violation at once, by the rule set."""
+    """Check the immediate consequences of each violation, by the rule set."""
     rules = run.trial.rules
     disabled_until = grace_until = -math.inf
     silent_until = {entry.name: -math.inf for entry in run.trial.people}

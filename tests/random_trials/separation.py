@@ -24,7 +24,7 @@ AGV_STANDS = 0.01
 
 
 def separation_faults(run):
-    """Where the intervals of violation are not those in which distances are too short."""
+    """Return intervals of violation that are not those in which distances are too short."""
     for (person, machine), intervals in run.violations.items():
         for fault in _pair_faults(run, person, machine, intervals):
             yield f"{person} and {machine}: {fault}"

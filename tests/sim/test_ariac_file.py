@@ -70,13 +70,13 @@ def test_angles(text, value):
         assert found == pytest.approx(value)
 
 
-def test_slips_in_angles_are_told_with_their_line():
+def test_slips_in_angles_are_reported_with_their_line():
     said = notices(TEXT.replace("rotation: pi/2", "rotation: p1/2").replace("-pi/2]", "-pl/2]", 1))
     assert "line 15, parts.bins.bin1[0].rotation: 'p1/2' is no angle; taken as 0" in said
     assert "products[0].assembled_pose.rpy[2]: '-pl/2' is no angle" in said
 
 
-def test_what_is_not_simulated_is_told_once():
+def test_what_is_not_simulated_is_reported_once():
     more = """\
   - sensor_blackout: {duration: 5, sensors_to_disable: [lidar], time_condition: 3}
   - sensor_blackout: {duration: 5, sensors_to_disable: [camera], time_condition: 9}
@@ -129,14 +129,14 @@ orders:
         (("orders:", "order:"), "orders: is missing"),
     ],
 )
-def test_what_makes_no_sense_is_said_with_its_place(change, message):
+def test_what_makes_no_sense_is_reported_with_its_place(change, message):
     assert TEXT.replace(*change) != TEXT
     said = problems(TEXT.replace(change[0], change[1], 1))
     assert message in said
     assert said.startswith("line ") or "orders" in said
 
 
-def test_everything_is_said_at_once():
+def test_everything_is_reported_at_once():
     """Also what can only be seen when the rest of the file is understood."""
     text = TEXT.replace("type: pump", "type: motor", 1).replace("agv_number: 4", "agv_number: 7")
     text = text.replace("slots: [1, 4, 7]", "slots: [1, 4, 4]").replace("id: KIT-B", "id: KIT-A", 1)
@@ -168,7 +168,7 @@ def test_orders_on_a_floor_that_is_not_made_for_them(tmp_path):
         sim.Trial.parse("floorplan: ariac2023\nariac: play.yaml\n", folder=tmp_path)
 
 
-def test_what_the_gantry_can_not_get_to_is_told(tmp_path):
+def test_what_the_gantry_can_not_get_to_is_reported(tmp_path):
     floor = (Path(floorplan.__file__).parent / "data" / "ariac2023.yaml").read_text()
     assert "range: [-7.0, 7.0]" in floor
     (tmp_path / "narrow.yaml").write_text(floor.replace("range: [-7.0, 7.0]", "range: [-4, 5.8]"))

@@ -1,4 +1,4 @@
-"""What `check` lets pass begins to run: nothing is refused at once that could have been told."""
+"""Trials that `check` accepts begin to run: none is refused at its start."""
 
 import yaml
 from hypothesis import HealthCheck, assume, given, settings

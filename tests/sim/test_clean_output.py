@@ -1,4 +1,4 @@
-"""Nothing but our own words: what every command leaves on stderr, and how it ends early."""
+"""The stderr of every command holds its own notices only, also where it ends early."""
 
 import os
 import re
@@ -46,7 +46,7 @@ NOTICES = {
     r"the trial begins\n",
     "check": r"short\.trial\.yaml: rules: .* needed\)\n",
 }
-"""What a command says on stderr as it should; the others say nothing."""
+"""Notices that a command prints on stderr; the others print none."""
 
 FURTHER = (
     *(f"export run --out run{ending}" for ending in (".csv", ".parquet", ".sqlite", "-bag")),

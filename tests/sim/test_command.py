@@ -143,7 +143,7 @@ def test_the_same_trial_gives_the_same_bytes_in_any_process(trial, tmp_path):
     assert there | dict.fromkeys(TIMING) == here | dict.fromkeys(TIMING)
 
 
-def test_who_waits_for_somebody_outside_is_said(tmp_path, floorwalker):
+def test_who_waits_for_somebody_outside_is_reported(tmp_path, floorwalker):
     done = floorwalker(
         "run",
         "--personality",
@@ -168,7 +168,7 @@ def test_the_files_of_the_built_in_floors_are_floors(floorwalker):
     assert done.stdout.count(": a floorplan of ") == len(floorplan.builtin())
 
 
-def test_an_expectation_that_is_not_met_is_said_and_exits_1(tmp_path, floorwalker):
+def test_an_expectation_that_is_not_met_is_reported_and_exits_1(tmp_path, floorwalker):
     path = tmp_path / "t.trial.yaml"
     path.write_text(
         "floorplan: ariac2023\nduration: 30\npeople: [{name: a}]\n"
@@ -224,7 +224,7 @@ def test_bad_files_get_one_clear_message(name, tmp_path, floorwalker):
         (["check"], 2, "FILE..."),
     ],
 )
-def test_wrong_usage_is_told(arguments, code, message, tmp_path, floorwalker):
+def test_wrong_usage_is_reported(arguments, code, message, tmp_path, floorwalker):
     done = floorwalker(*arguments, cwd=tmp_path)
     assert done.returncode == code
     assert message in done.stderr
@@ -244,7 +244,7 @@ def test_check_says_what_it_read(tmp_path, floorwalker):
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full, as Linux has it")
 @pytest.mark.parametrize("words", [["list"], ["run", "--duration", "1"]])
-def test_output_that_finds_no_room_is_told(tmp_path, words):
+def test_output_that_finds_no_room_is_reported(tmp_path, words):
     with Path("/dev/full").open("w") as full:
         command = [sys.executable, "-m", "sim.cli", *words]
         done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, cwd=tmp_path, text=True)
@@ -292,7 +292,7 @@ def test_a_folder_called_like_a_personality_is_in_nobodys_way(tmp_path, floorwal
     assert "no personality and no .asl file is called" in done.stderr
 
 
-def test_jobs_that_nothing_does_are_told(tmp_path, floorwalker):
+def test_jobs_that_nothing_does_are_reported(tmp_path, floorwalker):
     text = "floorplan: ariac2023\nduration: 1\ngantry: {jobs: [{wait: 0.5}]}\n"
     (tmp_path / "t.trial.yaml").write_text(text)
     told = "t: the gantry is parked and does no jobs; give it a controller\n"
@@ -314,7 +314,7 @@ def test_check_knows_rule_sets_by_name_and_by_any_of_their_keys(tmp_path, floorw
     assert done.stderr.startswith("bad.yaml: line 1, pause_after_agv: expected a number")
 
 
-def test_internal_actions_that_are_not_there_are_told_before_a_run(tmp_path, floorwalker):
+def test_internal_actions_that_are_not_there_are_reported_before_a_run(tmp_path, floorwalker):
     (tmp_path / "b.asl").write_text("// nothing\n+never <- .nonsense(3).\n")
     person = "people: [{name: a, personality: b.asl}]\n"
     (tmp_path / "t.trial.yaml").write_text(f"floorplan: ariac2023\n{person}")

@@ -296,7 +296,7 @@ def test_a_controller_that_did_not_ask_is_left_alone(controller, tmp_path):
         ("yield gantry.move_to(-5, 0, speed_share=0)", "speed_share must be more than 0"),
     ],
 )
-def test_what_a_controller_asks_wrongly_is_told_with_its_line(controller, tmp_path, line, message):
+def test_a_wrong_request_is_reported_with_its_line(controller, tmp_path, line, message):
     name = controller(f"def go(gantry):\n    yield gantry.wait(1)\n    {line}\n")
     with pytest.raises(sim.ControllerError, match=message) as caught:
         sim.run(trial(f"duration: 20\ngantry: {{controller: '{name}'}}", tmp_path))

@@ -154,7 +154,7 @@ def test_what_is_met(run, text):
         ),
     ],
 )
-def test_what_is_not_met_is_told_with_its_time(run, text, said):
+def test_what_is_not_met_is_reported_with_its_time(run, text, said):
     found = verdict(run, text)
     assert not found.met
     assert said.format(violation=first(run, "violation")["t"]) in str(found)
@@ -235,7 +235,7 @@ def test_a_typo_is_an_error_with_its_place(text, message):
     assert "expect" in str(caught.value)
 
 
-def test_a_figure_is_told_so_that_it_can_be_expected(run):
+def test_a_figure_is_reported_so_that_it_can_be_expected(run):
     found = verdict(run, "  distance_walked: 1")
     assert found.found == f"it is {run.summary['people']['operator']['distance_walked']!r}"
     assert verdict(run, f"  distance_walked: {found.found.removeprefix('it is ')}").met

@@ -1,4 +1,4 @@
-"""What is kept between runs of one floor in one process decides nothing."""
+"""Results do not depend on what a process keeps between runs on one floor."""
 
 import hashlib
 import json

@@ -153,7 +153,7 @@ def run(controller, interrupts, trial=TRIAL):
 
 
 def stays(run):
-    """Where the gantry stood, from when until when."""
+    """Places where the gantry stood, with begin and end."""
     pieces = run.motions["gantry"].pieces
     moving = [p for p in pieces if any(p.x[1:]) or any(p.y[1:]) or any(p.rotation[1:])]
     begins = [0.0, *(piece.end for piece in moving)]
@@ -238,7 +238,7 @@ def test_none_comes_while_one_is_handled_and_none_is_lost(interrupts):
     assert Counter(reason for _, reason in got) <= Counter(reason for _, reason in interrupts)
 
 
-def test_an_interrupt_that_nothing_catches_is_told_as_such():
+def test_an_interrupt_that_nothing_catches_is_reported_as_such():
     def controller(gantry):
         asks(gantry)
         yield gantry.wait(100.0)

@@ -1,4 +1,4 @@
-"""What is written down of a mind is what is in it."""
+"""The thoughts that are recorded are those of the mind."""
 
 import json
 
@@ -27,7 +27,7 @@ def watched(source, **options):
 
 
 def beliefs_after(thoughts):
-    """What is believed after these thoughts, from their changes alone."""
+    """Beliefs after these thoughts, from their changes alone."""
     held = set()
     for thought in thoughts:
         held -= set(thought.get("forgets", ()))
@@ -47,7 +47,7 @@ def test_the_changes_add_up_to_what_the_agent_believes():
         assert beliefs_after(thoughts) == {str(b.without_annots()) for b in agent.beliefs}
 
 
-def test_steps_are_told_in_their_order_and_with_their_places():
+def test_steps_are_reported_in_their_order_and_with_their_places():
     agent, inspector, thoughts = watched(PROGRAM)
     agent.add_percept("seen(1)")
     agent.advance(1.0)

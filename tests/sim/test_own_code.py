@@ -13,7 +13,7 @@ CTL = "from .words import WORD\n\n\ndef go(gantry=None):\n    yield WORD\n"
 
 
 def said(name, folder):
-    """What the controller of that name yields."""
+    """The first thing that the controller of that name yields."""
     return next(sim.find_controller(name, folder)(None))
 
 
@@ -100,7 +100,7 @@ def test_what_is_importable_but_stands_elsewhere_is_refused(package, tmp_path, m
         sim.find_controller("pk.ctl:go", tmp_path)
 
 
-def test_what_fails_in_a_package_is_told_with_its_line(package):
+def test_what_fails_in_a_package_is_reported_with_its_line(package):
     ca, cb = (package(name, regular=True) for name in ("ca", "cb"))
     (ca / "pk" / "ctl.py").write_text(f"\n1 / 0\n{CTL}")
     for _ in range(2):
@@ -113,7 +113,7 @@ def test_what_fails_in_a_package_is_told_with_its_line(package):
 @pytest.mark.parametrize(
     "name", ["..:go", ".:go", "a..b:go", "/:go", "a\0b:go", "a.if:go", "a:b.c"]
 )
-def test_odd_names_are_told(tmp_path, name):
+def test_odd_names_are_reported(tmp_path, name):
     with pytest.raises(sim.ControllerError, match="is not of the form package"):
         sim.find_controller(name, tmp_path)
 
@@ -196,7 +196,7 @@ def test_only_a_controller_that_is_defined_there_is_one(tmp_path, name, message,
         (b"x = '\\d'\ndef go(gantry): yield\n", ""),
     ],
 )
-def test_a_source_that_cannot_be_read_is_told(tmp_path, source, message):
+def test_a_source_that_cannot_be_read_is_reported(tmp_path, source, message):
     (tmp_path / "m.py").write_bytes(source)
     if not message:  # a doubtful escape is told by Python, once it is imported
         assert controller_source("m:go", tmp_path).definition.lineno == 2

@@ -75,7 +75,7 @@ def test_a_person_starts_when_something_happens(start, kind):
 @pytest.mark.parametrize(
     ("patrol", "visits"), [(None, ["gate", "press"]), (("press",), ["press", "press"]), ((), [])]
 )
-def test_people_on_a_floor_made_in_python_go_to_all_stations_unless_told_otherwise(patrol, visits):
+def test_people_on_a_floor_made_in_python_go_to_all_stations_by_default(patrol, visits):
     floor = floorplan.Floorplan(
         "yard",
         box(0.0, 0.0, 12.0, 12.0),
@@ -146,7 +146,7 @@ def test_a_way_that_was_free_before_is_not_taken_once_something_stands_on_it(pro
     assert not events(finished, "path_blocked")
 
 
-def test_a_goal_in_a_table_is_told_and_the_action_fails(program):
+def test_a_goal_in_a_table_is_reported_and_the_action_fails(program):
     finished = program(
         """
         !go.
@@ -221,7 +221,7 @@ def test_people_talk_to_each_other_within_an_instant(tmp_path):
     assert said == [(2.5, "a", "grumpy"), (2.5, "b", "glad of a")]
 
 
-def test_stepping_back_where_there_is_no_room_fails_and_is_told(program):
+def test_stepping_back_where_there_is_no_room_fails_and_is_reported(program):
     """Once it only failed: a scared person in a corner stood there for ever."""
     finished = program(
         "!go. +!go <- move_away(2). -!go <- .print(cornered). +path_blocked(_) <- .print(told).",

@@ -157,7 +157,7 @@ def test_a_person_starts_when_another_has_arrived():
         ("{when: {time: 1}, personality: external}", "no personality changes to or from"),
     ],
 )
-def test_changes_that_make_no_sense_are_told(change, message):
+def test_changes_that_make_no_sense_are_reported(change, message):
     with pytest.raises(sim.TrialError) as caught:
         trial(change)
     assert message in "\n".join(str(problem) for problem in caught.value.problems)

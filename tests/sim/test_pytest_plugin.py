@@ -72,7 +72,7 @@ def write(pytester, **files):
 
 
 def is_no_test(run_pytest, said):
-    """What is in the folder is an error at collection that says this; the result."""
+    """Assert that collection fails with this message; return the result."""
     result = run_pytest()
     result.assert_outcomes(errors=1)
     result.stdout.fnmatch_lines([said])
@@ -161,7 +161,7 @@ def test_own_code_may_be_refused(pytester, run_pytest):
     is_no_test(lambda: run_pytest("--no-own-code"), "*'mine:mine': code of your own is refused*")
 
 
-def test_a_controller_that_fails_is_told_in_a_sentence(pytester, run_pytest):
+def test_a_controller_that_fails_is_reported_in_a_sentence(pytester, run_pytest):
     write(
         pytester,
         oilless__py="def mine(gantry):\n    yield gantry.wait(5)\n    raise OSError('no oil')\n",
@@ -287,7 +287,7 @@ def test_ids(trial):
     result.stdout.fnmatch_lines(["*test_it?mine-c-ariac2023?*", "*test_ids?pack:c?*"])
 
 
-def test_a_run_that_fails_before_the_test_is_told_as_well(pytester, run_pytest):
+def test_a_run_that_fails_before_the_test_is_reported_as_well(pytester, run_pytest):
     write(
         pytester,
         endless__asl="!go(a).\n+!go(X) <- !go(f(X)).\n",

@@ -128,6 +128,6 @@ LAW = navigation.FixedDistance(1.0)
         (person(personality=None), "personality: expected text or a Program, found None"),
     ],
 )
-def test_a_wrong_type_is_told_with_what_is_wanted(call, message):
+def test_a_wrong_type_is_reported_with_what_is_wanted(call, message):
     with pytest.raises(TypeError, match=message):
         call()

@@ -1,4 +1,4 @@
-"""What follows from a violation under each rule set, from end to end."""
+"""Consequences of a violation under each rule set, from end to end."""
 
 import itertools
 import math

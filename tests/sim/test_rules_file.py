@@ -184,7 +184,7 @@ def test_laws_by_name(text, law):
         ("agv_law: {'braking:BrakingLaw': 3}", "expected the terms of the law"),
     ],
 )
-def test_what_makes_no_sense_is_said_with_its_line(folder, rules, message):
+def test_what_makes_no_sense_is_reported_with_its_line(folder, rules, message):
     (folder / "garbled.py").write_text("def\n")
     assert message in problems(rules, folder)
 
@@ -209,7 +209,7 @@ def test_what_makes_no_sense_is_said_with_its_line(folder, rules, message):
         ),
     ],
 )
-def test_what_only_a_run_shows_of_a_law_is_said_when_it_begins(folder, rules, message):
+def test_what_only_a_run_shows_of_a_law_is_reported_when_it_begins(folder, rules, message):
     (folder / "broken.py").write_text(
         "# A law.\n1 / 0\n\nclass Law:\n    def distance(self, human, robot): ...\n"
     )

@@ -228,7 +228,7 @@ def test_a_run_of_nobody_comes_back(tmp_path):
         ("scene.json", None, "there is no scene.json in it; a recording is a folder"),
     ],
 )
-def test_damage_is_told_with_its_place(folder, file, damage, message):
+def test_damage_is_reported_with_its_place(folder, file, damage, message):
     path = folder / file
     if damage is None:
         path.unlink()
@@ -242,7 +242,7 @@ def test_damage_is_told_with_its_place(folder, file, damage, message):
     assert str(folder) in str(told.value)
 
 
-def test_a_folder_that_is_not_there_is_told(tmp_path):
+def test_a_folder_that_is_not_there_is_reported(tmp_path):
     with pytest.raises(sim.RecordingError, match="nowhere: there is no such folder"):
         sim.load_run(tmp_path / "nowhere")
 

@@ -215,7 +215,7 @@ def test_a_finished_study_runs_nothing_again(study, tmp_path):
     assert (table.read_bytes(), table.stat().st_mtime_ns) == before
 
 
-def test_a_row_that_was_changed_is_told_and_one_without_a_digest_measured_again(study, tmp_path):
+def test_a_changed_row_is_reported_and_one_without_a_digest_measured_again(study, tmp_path):
     sim.run_study(study, tmp_path, jobs=1)
     table, digests = tmp_path / "results.csv", tmp_path / "results.sha256"
     whole = table.read_bytes()
@@ -259,7 +259,7 @@ def test_the_folder_of_another_study_is_refused(study, folder, file, change, tol
         pass
 
 
-def test_a_program_that_is_changed_while_a_study_runs_is_told(tmp_path):
+def test_a_program_that_is_changed_while_a_study_runs_is_reported(tmp_path):
     (tmp_path / "calm.asl").write_text("!rest. +!rest <- true.")
     text = "floorplan: ariac2023\nduration: 1\npeople: [{name: ada, personality: calm.asl}]\n"
     study = sim.Study("calm", (sim.Trial.parse(text, folder=tmp_path),), repeat=2)
@@ -310,7 +310,7 @@ def test_two_processes_cannot_work_on_one_folder(study, tmp_path):
 
 
 @pytest.mark.slow
-def test_a_worker_that_dies_is_told(folder):
+def test_a_worker_that_dies_is_reported(folder):
     (folder / "moody.py").write_text("import os\ndef moody(gantry): yield os._exit(7)\n")
     code, out, err = finished(command(folder, "--out", "out", "--jobs", "2"))
     assert (code, out) == (1, "")

@@ -269,7 +269,7 @@ def test_draws_follow_their_distributions():
         (("seed: 3", "seed: -3"), "seed: expected at least 0"),
     ],
 )
-def test_what_makes_no_sense_is_said_with_its_place(folder, change, message):
+def test_what_makes_no_sense_is_reported_with_its_place(folder, change, message):
     keep = "people.nobody" in change[1] or "busy" in change[0] + change[1]
     text = STUDY if keep or change[0].startswith("trials") else one_person(STUDY)
     assert text.replace(*change) != text
@@ -283,13 +283,13 @@ def test_all_problems_come_at_once(folder):
     assert [f"line {k}" in said for k in (1, 3, 4, 6)] == [True] * 4
 
 
-def test_a_trial_with_a_fault_is_told_with_its_own_lines(folder):
+def test_a_trial_with_a_fault_is_reported_with_its_own_lines(folder):
     (folder / "busy.trial.yaml").write_text(TRIAL.replace("bin1", "bin99"))
     said = problems("trials: [busy.trial.yaml]\n", folder)
     assert "busy.trial.yaml: line 9, gantry.jobs[0].pick: no obstacle" in said
 
 
-def test_what_only_some_trials_can_have_is_told_with_the_trial(folder):
+def test_what_only_some_trials_can_have_is_reported_with_the_trial(folder):
     said = problems("trials: [ariac2023, warehouse.yaml]\ngrid: {duration: [5]}\n", folder)
     assert "no such file" in said
     (folder / "aisles.trial.yaml").write_text("floorplan: warehouse\n")

@@ -1,4 +1,4 @@
-"""What studies come to: means with intervals, groups, and the page that shows them."""
+"""Reports of studies: means with intervals, groups, and the page that shows them."""
 
 import csv
 import math

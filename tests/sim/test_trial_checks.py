@@ -103,7 +103,7 @@ def changes(personality, time=5.0):
         ),
     ],
 )
-def test_what_can_not_be_is_told_before_anything_runs(given, message):
+def test_what_can_not_be_is_reported_before_anything_runs(given, message):
     trial = sim.Trial(**{"floorplan": FLOOR, "name": "mine", "duration": 10.0, **given})
     with pytest.raises(sim.TrialError, match=message) as told:
         sim.Simulation(trial)
@@ -111,7 +111,7 @@ def test_what_can_not_be_is_told_before_anything_runs(given, message):
     assert len(told.value.problems) == 1
 
 
-def test_everything_is_told_at_once():
+def test_everything_is_reported_at_once():
     trial = sim.Trial(FLOOR, duration=-1.0, **ada(at=(99.0, 0.0)), expect={"nothing": 1})
     with pytest.raises(sim.TrialError, match="3 problems"):
         sim.run(trial)

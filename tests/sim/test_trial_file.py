@@ -98,7 +98,7 @@ def test_every_builtin_trial_loads(name):
         ),
     ],
 )
-def test_what_makes_no_sense_is_said_with_its_place(change, message):
+def test_what_makes_no_sense_is_reported_with_its_place(change, message):
     assert TRIAL.replace(*change) != TRIAL
     assert message in problems(TRIAL.replace(*change))
 
@@ -126,7 +126,7 @@ def test_files_are_looked_up_beside_the_trial(tmp_path):
     assert sim.run(sim.Trial.load(path)).duration == 275.0
 
 
-def test_a_program_with_a_fault_is_told_with_line_and_column(tmp_path):
+def test_a_program_with_a_fault_is_reported_with_line_and_column(tmp_path):
     (tmp_path / "mine.asl").write_text("!start.\n+!start <- .wait(1000;\n")
     path = tmp_path / "a.trial.yaml"
     path.write_text("floorplan: ariac2023\npeople: [{name: a, personality: mine.asl}]\n")

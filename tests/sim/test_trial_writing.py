@@ -41,7 +41,7 @@ NAMED = (
     sim.Job("pick_place", pick="bin1", place="agv4", part="red: pump"),
     sim.Job("submit", order="no. 7"),
 )
-"""What people may wait for."""
+"""Jobs that people may wait for."""
 
 starts = st.one_of(
     st.builds(sim.Start, time=st.floats(0, 1e6)),

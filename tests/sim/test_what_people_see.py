@@ -1,4 +1,4 @@
-"""What people believe of where things are is where they are, whenever they ask."""
+"""People believe bodies to be where they are, whenever they ask."""
 
 import pytest
 from hypothesis import given, settings
