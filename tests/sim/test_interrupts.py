@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 import pytest
 import simpy
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from run_events import events
 
@@ -208,6 +208,7 @@ bursts = st.lists(st.tuples(instants, st.sampled_from(REASONS)), max_size=12)
 
 
 @pytest.mark.parametrize("controller", CONTROLLERS, ids=lambda controller: controller.__name__)
+@settings(max_examples=settings.default.max_examples // 2)
 @given(bursts)
 def test_no_interrupt_breaks_a_controller_or_counts_a_step_twice(controller, interrupts):
     result = run(controller, interrupts)

@@ -258,7 +258,7 @@ agvs: {{agv2: [{{time: 60.0, to: as1}}, {{time: 120.0, to: kitting}}]}}
         ("!go. +!go <- jump(3).", "there is no action 'jump'"),
         ("!go. +!go <- move(1).", r"should be move\(x, y, z\)"),
         ("!go. +!go <- move(here, there).", r"should be move\(x, y, z\)"),
-        ("!go. +!go <- !go.", "mine.asl"),
+        ("!go(a). +!go(X) <- !go(f(X)).", "mine.asl"),
     ],
 )
 def test_programs_that_ask_for_what_nobody_can_do(program, text, message):
