@@ -74,13 +74,10 @@ def write_scene(scene: Scene) -> str:
 def read_scene(text: str) -> Scene:
     """Return the scene in `text`; `SceneError` says why there is none."""
     try:
-        data = parse_json(text, object_hook=_polygon)
-    except SceneError:
-        raise
-    except json.JSONDecodeError as why:
-        raise SceneError(f"line {why.lineno} is not JSON: {why.msg}") from None
+        data = parse_json(text)
     except ValueError as why:
         raise SceneError(f"is not JSON: {why}") from None
+    data = _with_polygons(data)
     found = data.get("format") if isinstance(data, dict) else None
     if found != FORMAT:
         raise SceneError(f"expected the format {FORMAT!r}, found {found!r}")
@@ -127,9 +124,14 @@ def _fields(value: Any) -> dict[str, Any]:
     return {field.name: _plain(getattr(value, field.name)) for field in fields(value)}
 
 
-def _polygon(data: dict[str, Any]) -> Any:
-    if data.get("type") != "Polygon":
+def _with_polygons(data: Any) -> Any:
+    """Return the data with polygons where they stand for one."""
+    if isinstance(data, list):
+        return [_with_polygons(inner) for inner in data]
+    if not isinstance(data, dict):
         return data
+    if data.get("type") != "Polygon":
+        return {key: _with_polygons(inner) for key, inner in data.items()}
     try:
         with np.errstate(invalid="ignore"):  # reported below
             polygon = shape(data)

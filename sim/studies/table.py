@@ -203,9 +203,3 @@ def _keep_lines(path: Path, count: int) -> None:
         end = file.tell()
         if file.read(1):
             file.truncate(end)
-
-
-def lines_of(columns: dict[str, list[Cell]]) -> Iterator[dict[str, Cell]]:
-    """The lines of a table, each by column."""
-    for values in zip(*columns.values(), strict=True):
-        yield dict(zip(columns, values, strict=True))

@@ -82,7 +82,7 @@ def test_a_page_that_can_not_be_written_is_told(folder, tmp_path, floorwalker):
         (lambda path: path.write_text("<p>Hello"), "is no replay page: it holds no recording"),
         (lambda path: path.write_bytes(b"\xff\xfe\x00"), "is not UTF-8 text"),
         (lambda path: path.write_text(page('{"format": 1')), "the recording in it is damaged"),
-        (lambda path: path.write_text(page("[" * 100_000)), "damaged: it is nested too deeply"),
+        (lambda path: path.write_text(page("[" * 100_000)), "damaged: recursion limit exceeded"),
         (lambda path: path.write_text(page('{"format": "x"}')), "floorwalker-replay/1"),
     ],
 )
