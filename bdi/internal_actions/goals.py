@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from typing import TypeAlias
 
 from ..language.body import BodyTerm
 from ..language.substitution import Unifier, substitute, substitute_literal
@@ -117,6 +118,7 @@ def fail(call: Call, *annots: Term) -> bool:
 # ---- goals declared achieved or failed
 
 _RUNS_ON, _FAILS, _IS_OVER = 1, 2, 3
+_Take: TypeAlias = Callable[[Call, Intention, Literal, Unifier], int]
 
 
 def _achieve(call: Call, intention: Intention, goal: Literal, u: Unifier) -> int:
@@ -149,64 +151,62 @@ def _fail(call: Call, intention: Intention, goal: Literal, u: Unifier) -> int:
 
 
 def succeed_goal(call: Call, goal: Term) -> object:
-    return _finish(call, a_literal("succeed_goal", goal), succeeded=True)
+    return _finish(call, a_literal("succeed_goal", goal), _achieve)
 
 
 def fail_goal(call: Call, goal: Term) -> object:
-    return _finish(call, a_literal("fail_goal", goal), succeeded=False)
+    return _finish(call, a_literal("fail_goal", goal), _fail)
 
 
-def _finish(call: Call, goal: Literal, *, succeeded: bool) -> object:
+def _finish(call: Call, goal: Literal, take: _Take) -> object:
+    """Take a goal off all intentions, in whatever state they are, and off the events."""
     circumstance = call.agent.circumstance
-    take = _achieve if succeeded else _fail
-    _finish_events(call, goal, succeeded)
+
+    def taken(intention: Intention) -> int:
+        return take(call, intention, goal, dict(call.unifier))
+
+    for event in [*circumstance.all_events(), *circumstance.suspended_events]:
+        done = 0 if event.intention is None else taken(event.intention)
+        if done:
+            circumstance.remove_event(event)
+            _run_on(call, event.intention, done)
+        elif event.is_for(goal, dict(call.unifier)):
+            _finish_event(call, event, take)
     for running in [circumstance.atomic, *circumstance.running]:
-        if running is not None and take(call, running, goal, dict(call.unifier)) > _RUNS_ON:
+        if running is not None and taken(running) > _RUNS_ON:
             circumstance.remove_running(running)
-    outcome = 0
-    current = call.intention
-    if current is not None:
-        outcome = take(call, current, goal, dict(call.unifier))
+    outcome = 0 if call.intention is None else taken(call.intention)
     for action in list(circumstance.pending_actions.values()):
-        done = take(call, action.intention, goal, dict(call.unifier))
+        done = taken(action.intention)
         if done:
             circumstance.take_action(action.intention)
-            if done == _RUNS_ON:
-                circumstance.add_running(action.intention)
+            _run_on(call, action.intention, done)
     for kind, intention in list(circumstance.pending.values()):
-        done = take(call, intention, goal, dict(call.unifier))
+        done = taken(intention)
         if done:
             circumstance.take_pending(intention, kind)
-            if done == _RUNS_ON:
-                circumstance.add_running(intention)
-    if outcome > _RUNS_ON:
-        return WAITING
-    return True
+            _run_on(call, intention, done)
+    return WAITING if outcome > _RUNS_ON else True
 
 
-def _finish_events(call: Call, goal: Literal, succeeded: bool) -> None:
-    circumstance = call.agent.circumstance
-    take = _achieve if succeeded else _fail
-    for event in [*circumstance.all_events(), *circumstance.suspended_events]:
-        intention = event.intention
-        done = 0
-        if intention is not None:
-            done = take(call, intention, goal, dict(call.unifier))
-        if done:
-            circumstance.remove_event(event)
-            if done == _RUNS_ON and intention is not None:
-                circumstance.add_running(intention)
-        elif event.is_for(goal, dict(call.unifier)):
-            if not succeeded:
-                event.sort = "-!"
-                continue
-            circumstance.remove_event(event)
-            if intention is not None and intention.stack:
-                if intention.top.step is not None:
-                    intention.top.step = intention.top.step.next
-                clear(call.agent, intention)
-                if intention.stack:
-                    circumstance.add_running(intention)
+def _run_on(call: Call, intention: Intention | None, done: int) -> None:
+    if done == _RUNS_ON and intention is not None:
+        call.agent.circumstance.add_running(intention)
+
+
+def _finish_event(call: Call, event: Event, take: _Take) -> None:
+    """Finish a goal that no plan has been chosen for yet."""
+    if take is _fail:
+        event.sort = "-!"
+        return
+    circumstance, intention = call.agent.circumstance, event.intention
+    circumstance.remove_event(event)
+    if intention is not None and intention.stack:
+        if intention.top.step is not None:
+            intention.top.step = intention.top.step.next
+        clear(call.agent, intention)
+        if intention.stack:
+            circumstance.add_running(intention)
 
 
 def current_intention(call: Call, description: Term) -> object:

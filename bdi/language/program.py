@@ -5,14 +5,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields, is_dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeVar
 
 from .body import NOWHERE, Body, Place, body_text
-from .terms import TRUE, Function, Literal, Quoted, Term, Var, parts, rebuilt, text
+from .terms import TRUE, Function, Literal, Quoted, Term, Var, rebuilt, text
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,14 @@ class Clause:
 
         Collected once: a clause is shared by all agents that run it.
         """
-        return frozenset(part.symbol for part in _all_parts(self) if isinstance(part, Function))
+        found: set[str] = set()
+
+        def look(part: object) -> None:
+            if isinstance(part, Function):
+                found.add(part.symbol)
+
+        transformed(self, look)
+        return frozenset(found)
 
 
 @dataclass(frozen=True, repr=False)
@@ -206,18 +213,6 @@ def transformed(part: Any, change: Callable[[Any], Any]) -> Any:
     if is_dataclass(part) and not isinstance(part, type):
         return replace(part, **{f.name: inside(getattr(part, f.name)) for f in fields(part)})
     return rebuilt(part, inside)
-
-
-def _all_parts(part: Any) -> Iterator[Any]:
-    yield part
-    if isinstance(part, tuple):
-        inside: Any = part
-    elif is_dataclass(part):
-        inside = [getattr(part, f.name) for f in fields(part)]
-    else:
-        inside = parts(part)
-    for inner in inside:
-        yield from _all_parts(inner)
 
 
 _Clause = TypeVar("_Clause", bound=Clause)
