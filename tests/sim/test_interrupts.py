@@ -17,7 +17,7 @@ import sim
 TRIAL = sim.Trial.parse(
     """
 floorplan: ariac2023
-duration: 120
+duration: 600
 gantry:
   at: [-5.0, 2.0, 0.0]
   jobs:
