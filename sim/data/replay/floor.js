@@ -95,11 +95,8 @@ class FloorLayer {
     context.setLineDash([1, 4]);
     for (const course of this.plan.courses) strokePath(context, camera, course);
     context.setLineDash([]);
-    for (const lane of this.plan.lanes) {
-      context.setLineDash([1, 4]);
-      strokePath(context, camera, [lane.from, lane.to]);
-      context.setLineDash([]);
-      for (const place of Object.values(lane.locations)) {
+    for (const { locations } of this.plan.lanes) {
+      for (const place of Object.values(locations)) {
         const [px, py] = camera.toScreen(...place);
         context.strokeRect(px - 2.5, py - 2.5, 5, 5);
       }

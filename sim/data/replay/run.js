@@ -19,7 +19,9 @@ class Run {
     this.recording = recording;
     this.duration = duration;
     this.known = known;
-    this.plan = { ...recording.floorplan, courses: bodies.map(body => body.course).filter(Boolean) };
+    const { floorplan } = recording;
+    const courses = [...floorplan.lanes.map(({ from, to }) => [from, to]), ...bodies.map(body => body.course)];
+    this.plan = { ...floorplan, courses: courses.filter(Boolean) };
     this.events = events;
     this.bodies = new Map();
     let people = 0;
