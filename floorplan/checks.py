@@ -12,7 +12,7 @@ from shapely.validation import explain_validity
 
 from .document import Fault, Place, refuse
 from .kinds import require, require_fields
-from .model import Floorplan, Gantry, Lane
+from .model import Floorplan, Lane
 from .problems import FloorplanError
 
 LARGEST = 1e9
@@ -75,7 +75,7 @@ def faults(plan: Floorplan) -> Iterator[Fault]:
     for lane in plan.lanes:
         yield from _lane_faults(lane)
     if plan.gantry is not None:
-        yield from _gantry_faults(plan.gantry)
+        yield from ((fault, ("gantry", "start")) for fault in plan.gantry.faults(plan.gantry.start))
     if whole:
         for station in plan.stations:
             if fault := standing_fault(plan, station.position):
@@ -180,11 +180,6 @@ def _sweep_faults(lane: Lane, plan: Floorplan) -> Iterator[Fault]:
             f" at ({place.x:.2f}, {place.y:.2f}); move the lane, or narrow its limits"
         )
         yield message, ("agvs", "lanes", lane.name)
-
-
-def _gantry_faults(gantry: Gantry) -> Iterator[Fault]:
-    for fault in gantry.faults(gantry.start):
-        yield fault, ("gantry", "start")
 
 
 def _figure_faults(plan: Floorplan) -> Iterator[Fault]:

@@ -149,11 +149,11 @@ def parse_yaml(text: str, file: str, error: type[InputError]) -> Document:
     """Return the document in `text`, the contents of `file`; `error` if it isn't one."""
     if len(text) > MOST_TEXT:
         message = f"is longer than {MOST_TEXT:,} characters, which is more than anybody writes"
-        raise error(file, [Problem(message)])
+        raise error.of(file, message)
     if odd := yaml.reader.Reader.NON_PRINTABLE.search(text):
         at = text.count("\n", 0, odd.start()) + 1
         message = f"is not YAML: the character U+{ord(odd.group()):04X} is not allowed"
-        raise error(file, [Problem(message, line=at)])
+        raise error.of(file, message, line=at)
     loader = None
     try:
         loader = safe_loader(text)
@@ -173,11 +173,11 @@ def parse_yaml(text: str, file: str, error: type[InputError]) -> Document:
         reason = " ".join(part for part in (why.problem, why.context) if part)
         # LibYAML marks the end of a text as the line after the last.
         line = min(mark.line + 1, len(text.splitlines())) if mark else None
-        raise error(file, [Problem(f"is not YAML: {reason}", line=line)]) from None
+        raise error.of(file, f"is not YAML: {reason}", line=line) from None
     except RecursionError:
-        raise error(file, [Problem("is not YAML: it is nested too deeply")]) from None
+        raise error.of(file, "is not YAML: it is nested too deeply") from None
     except (yaml.YAMLError, ValueError) as why:
-        raise error(file, [Problem(f"is not YAML: {why}")]) from None
+        raise error.of(file, f"is not YAML: {why}") from None
     finally:
         if loader is not None:
             loader.dispose()

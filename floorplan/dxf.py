@@ -100,18 +100,18 @@ def _drawing(path: Path) -> Drawing:
         from ezdxf.lldxf.const import DXFError
     except ImportError:
         message = "DXF drawings can't be read without ezdxf; pip install 'floorwalker[floorplans]'"
-        raise FloorplanError(str(path), [Problem(message)]) from None
+        raise FloorplanError.of(path, message) from None
     require_readable(path, FloorplanError, LARGEST_FILE)
     try:
         with redirect_stdout(io.StringIO()):  # ezdxf prints some of its warnings
             return readfile(path)
     except (DXFError, *DAMAGED) as why:
         message = f"is not a DXF drawing: {str(why) or 'it ends too early'}"
-        raise FloorplanError(str(path), [Problem(message)]) from None
+        raise FloorplanError.of(path, message) from None
     except OSError as why:
         # ezdxf says this without a system's reason of a file that it does not recognise.
         message = f"can't be read: {why.strerror}" if why.strerror else "is not a DXF drawing"
-        raise FloorplanError(str(path), [Problem(message)]) from None
+        raise FloorplanError.of(path, message) from None
 
 
 def _metre(drawing: Drawing, file: str) -> float:
@@ -125,7 +125,7 @@ def _metre(drawing: Drawing, file: str) -> float:
         return 1.0 if known else float(conversion_factor(unit, InsertUnits.Meters))
     except (ValueError, TypeError):
         message = f"its unit ($INSUNITS = {drawing.units}) is not known; use metres"
-        raise FloorplanError(file, [Problem(message)]) from None
+        raise FloorplanError.of(file, message) from None
 
 
 def _layer_name(entity: Any) -> str:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from .problems import FloorplanError, Problem
+from .problems import FloorplanError
 from .reading import read_bytes
 
 if TYPE_CHECKING:
@@ -54,12 +54,12 @@ def read_image(path: Path) -> GreyImage:
 def _read_pgm(data: bytes, path: Path) -> GreyImage:
     header = _PGM_HEADER.match(data)
     if header is None:
-        raise FloorplanError(str(path), [Problem("is not a PGM image: its header is broken")])
+        raise FloorplanError.of(path, "is not a PGM image: its header is broken")
     kind = header.group(1)
     width, height, top = (int(part) for part in header.groups()[1:])
     _check_size(width, height, path)
     if not 0 < top < 65536:
-        raise FloorplanError(str(path), [Problem(f"is not a PGM image: its white is {top}")])
+        raise FloorplanError.of(path, f"is not a PGM image: its white is {top}")
     count, begin = width * height, header.end()
     levels: Levels
     if kind == b"P5":
@@ -72,8 +72,7 @@ def _read_pgm(data: bytes, path: Path) -> GreyImage:
     else:
         levels = _plain_numbers(data[begin:], count, top, path)
     if len(levels) < count:
-        message = f"is cut short: {len(levels)} of {count} pixels"
-        raise FloorplanError(str(path), [Problem(message)])
+        raise FloorplanError.of(path, f"is cut short: {len(levels)} of {count} pixels")
     # What is brighter than white is white.
     return GreyImage(np.minimum(levels, top).reshape(height, width), None, top)
 
@@ -87,11 +86,9 @@ def _plain_numbers(body: bytes, count: int, top: int, path: Path) -> NDArray[np.
             warnings.simplefilter("error", DeprecationWarning)  # so older NumPy ends
             found = np.fromstring(body, float, count, sep=" ") if body.strip() else np.empty(0)
     except (DeprecationWarning, ValueError):
-        message = "is not a PGM image: something in it is no number"
-        raise FloorplanError(str(path), [Problem(message)]) from None
+        raise FloorplanError.of(path, "is not a PGM image: something in it is no number") from None
     if not ((found >= 0) & (found <= top)).all():
-        message = f"is not a PGM image: a number in it is not from 0 to {top}"
-        raise FloorplanError(str(path), [Problem(message)])
+        raise FloorplanError.of(path, f"is not a PGM image: a number in it is not from 0 to {top}")
     return found.astype(np.uint16)
 
 
@@ -102,7 +99,7 @@ def _read_other(data: bytes, path: Path) -> GreyImage:
         message = (
             "only PGM images can be read without Pillow; pip install 'floorwalker[floorplans]'"
         )
-        raise FloorplanError(str(path), [Problem(message)]) from None
+        raise FloorplanError.of(path, message) from None
     # We look at the size ourselves: Pillow warns of larger ones, or refuses them, without it.
     limit, Image.MAX_IMAGE_PIXELS = Image.MAX_IMAGE_PIXELS, None
     try:
@@ -110,13 +107,11 @@ def _read_other(data: bytes, path: Path) -> GreyImage:
             _check_size(*image.size, path)
             return _grey(image, path)
     except UnidentifiedImageError:
-        raise FloorplanError(str(path), [Problem("is not an image")]) from None
-    except (OSError, SyntaxError) as why:
-        raise FloorplanError(str(path), [Problem(f"can't be read: {why}")]) from None
+        raise FloorplanError.of(path, "is not an image") from None
     except FloorplanError:
         raise
-    except ValueError as why:
-        raise FloorplanError(str(path), [Problem(f"can't be read: {why}")]) from None
+    except (OSError, SyntaxError, ValueError) as why:
+        raise FloorplanError.of(path, f"can't be read: {why}") from None
     finally:
         Image.MAX_IMAGE_PIXELS = limit
 
@@ -129,16 +124,16 @@ def _grey(image: Image, path: Path) -> GreyImage:
     bands = image.convert("RGBA")
     red, green, blue, alpha = (np.asarray(bands.getchannel(k)) for k in range(4))
     if (red != green).any() or (red != blue).any():
-        raise FloorplanError(str(path), [Problem("is in colour; a map is grey")])
+        raise FloorplanError.of(path, "is in colour; a map is grey")
     return GreyImage(red, alpha == 255, 255)
 
 
 def _check_size(width: int, height: int, path: Path) -> None:
     if width * height == 0:
-        raise FloorplanError(str(path), [Problem("has no pixels")])
+        raise FloorplanError.of(path, "has no pixels")
     if width * height > MOST_CELLS:
         message = (
             f"has {width} × {height} pixels; at most {MOST_CELLS:,} can be read:"
             " give a map of a coarser resolution, or a part of it"
         )
-        raise FloorplanError(str(path), [Problem(message)])
+        raise FloorplanError.of(path, message)

@@ -141,6 +141,3 @@ def _article(hint: Any) -> str:
 def _shown(value: object) -> str:
     text = repr(value)
     return text if len(text) <= 60 else f"{text[:59]}…"
-
-
-__all__ = ["require", "require_fields"]

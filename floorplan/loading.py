@@ -12,7 +12,7 @@ from .checks import check, faults
 from .document import Document, parse_yaml, read_yaml
 from .dxf import load_dxf
 from .model import Axis, Floorplan, Gantry, Human, Lane, Obstacle, SafeZone, Station
-from .problems import FloorplanError, Problem, suggestion
+from .problems import FloorplanError, suggestion
 from .reading import is_there
 from .ros_map import build_ros_map, is_ros_map
 from .schema import AgvsSchema, AxisSchema, FloorplanSchema, GantrySchema, ObstacleSchema
@@ -48,10 +48,9 @@ def load(source: str | Path) -> Floorplan:
         return plan
     if is_there(path):
         known = ", ".join((*YAML_SUFFIXES, *OTHER_SUFFIXES))
-        message = f"the name of a floorplan's file ends in one of {known}"
-        raise FloorplanError(text, [Problem(message)])
+        raise FloorplanError.of(text, f"the name of a floorplan's file ends in one of {known}")
     hint = suggestion(text, builtin())
-    raise FloorplanError(text, [Problem(f"no such file, nor a built-in floorplan; {hint}")])
+    raise FloorplanError.of(text, f"no such file, nor a built-in floorplan; {hint}")
 
 
 def parse(text: str, *, file: str = "<text>") -> Floorplan:

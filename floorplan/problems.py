@@ -5,6 +5,9 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import TypeVar
+
+_Error = TypeVar("_Error", bound="InputError")
 
 MOST_SHOWN = 20
 """Most problems in the text of an error; it says how many more there are."""
@@ -49,6 +52,11 @@ class InputError(ValueError):
                 shown.append(f"and {len(lines) - MOST_SHOWN:,} more")
             text = "\n  ".join([f"{place}: {len(lines):,} problems", *shown])
         super().__init__(text)
+
+    @classmethod
+    def of(cls: type[_Error], file: object, message: str, line: int | None = None) -> _Error:
+        """Return the error about `file` with a single problem, at `line` if given."""
+        return cls(str(file), [Problem(message, line=line)])
 
     def __reduce__(self) -> tuple[type[InputError], tuple[str, tuple[Problem, ...]]]:
         return (type(self), (self.file, self.problems))

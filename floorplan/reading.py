@@ -58,7 +58,7 @@ def read_bytes(path: Path, error: type[InputError], most: int = LARGEST_DOCUMENT
             chunks.append(chunk)
             size += len(chunk)
         if size > most:
-            raise error(str(path), [Problem(f"is larger than the {_megabytes(most)} it may have")])
+            raise error.of(path, f"is larger than the {_megabytes(most)} it may have")
         return b"".join(chunks)
 
 
@@ -80,10 +80,10 @@ def read_lines(path: Path, error: type[InputError], *, torn: bool = False) -> It
             size += len(line)
             if size > LARGEST_RECORDED:
                 message = f"is larger than the {_megabytes(LARGEST_RECORDED)} it may have"
-                raise error(str(path), [Problem(message)])
+                raise error.of(path, message)
             if len(line) > LARGEST_LINE:
                 message = f"is longer than the {_megabytes(LARGEST_LINE)} a line may have"
-                raise error(str(path), [Problem(message, line=number)])
+                raise error.of(path, message, line=number)
             if torn and not line.endswith(b"\n"):
                 return
             yield _decoded(line.removesuffix(b"\n"), path, error, number)
@@ -93,7 +93,7 @@ def require_readable(path: Path, error: type[InputError], most: int) -> None:
     """Check that `path`, which others open, is a file of at most `most` bytes; else `error`."""
     with _opened(path, error) as file:
         if os.fstat(file.fileno()).st_size > most:
-            raise error(str(path), [Problem(f"is larger than the {_megabytes(most)} it may have")])
+            raise error.of(path, f"is larger than the {_megabytes(most)} it may have")
 
 
 @contextmanager
@@ -102,17 +102,17 @@ def _opened(path: Path, error: type[InputError]) -> Iterator[BinaryIO]:
         kind = stat.S_IFMT(path.stat().st_mode)
         if kind != stat.S_IFREG and not _HANDED_OVER.fullmatch(str(path)):
             what = _KINDS.get(kind, "something else")
-            raise error(str(path), [Problem(f"is {what}; give a regular file")])
+            raise error.of(path, f"is {what}; give a regular file")
         with path.open("rb") as file:
             yield file
     except FileNotFoundError:
-        raise error(str(path), [Problem("there is no such file")]) from None
+        raise error.of(path, "there is no such file") from None
     except OSError as why:
-        raise error(str(path), [Problem(f"can't be read: {why.strerror}")]) from None
+        raise error.of(path, f"can't be read: {why.strerror}") from None
     except InputError:
         raise
     except ValueError:  # a name that no file can have
-        raise error(str(path), [Problem("there is no such file")]) from None
+        raise error.of(path, "there is no such file") from None
 
 
 def _decoded(data: bytes, path: Path, error: type[InputError], line: int | None = None) -> str:

@@ -21,7 +21,7 @@ from shapely.geometry import Polygon
 from .document import Document
 from .image import GreyImage, read_image
 from .model import Floorplan
-from .problems import FloorplanError, Problem
+from .problems import FloorplanError
 from .schema import Number
 from .trace import IntricateError, trace
 
@@ -74,10 +74,10 @@ def build_ros_map(document: Document) -> Floorplan:
             f"the free cells of {schema.image} have {why}: clear it of single cells (with a"
             " median filter, say), or give a map of a coarser resolution"
         )
-        raise FloorplanError(document.file, [Problem(message)]) from None
+        raise FloorplanError.of(document.file, message) from None
     if not shapely.area(pieces).any():
         message = f"no cell of {schema.image} is free: there is no floor"
-        raise FloorplanError(document.file, [Problem(message)])
+        raise FloorplanError.of(document.file, message)
     largest = pieces[int(np.argmax(shapely.area(pieces)))]
     return Floorplan.of_area(
         file.stem, f"{file.name} (ROS map)", _in_metres(largest, len(free), schema)

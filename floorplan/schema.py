@@ -61,16 +61,14 @@ class ObstacleSchema(Strictly):
 
     @model_validator(mode="after")
     def _one_footprint(self) -> ObstacleSchema:
-        given = {key for key in ("x", "y", "center", "size", "radius", "polygon") if self._has(key)}
+        keys = ("x", "y", "center", "size", "radius", "polygon")
+        given = {key for key in keys if getattr(self, key) is not None}
         if given not in ({"x", "y"}, {"center", "size"}, {"center", "radius"}, {"polygon"}):
             raise ValueError(
                 "give the footprint as x and y ranges, as center and size, as center and radius,"
                 f" or as polygon; found {', '.join(sorted(given)) or 'none of them'}"
             )
         return self
-
-    def _has(self, key: str) -> bool:
-        return getattr(self, key) is not None
 
 
 class HumanSchema(Strictly):

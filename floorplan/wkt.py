@@ -31,7 +31,7 @@ def parse_wkt(text: str, *, file: str = "<text>") -> Floorplan:
             geometry = shapely.from_wkt(text.strip())
     except shapely.GEOSException as why:
         reason = re.sub(r"^ParseException: ", "", str(why)).strip()
-        raise FloorplanError(file, [Problem(f"is not well-known text: {reason}")]) from None
+        raise FloorplanError.of(file, f"is not well-known text: {reason}") from None
     geometry = shapely.force_2d(geometry)
     problems = list(_problems(geometry))
     if problems:
@@ -40,7 +40,7 @@ def parse_wkt(text: str, *, file: str = "<text>") -> Floorplan:
     if area.geom_type != "Polygon":
         count = len(area.geoms)
         message = f"its polygons make up {count} separate areas; a floor is one: join or split them"
-        raise FloorplanError(file, [Problem(message)])
+        raise FloorplanError.of(file, message)
     return Floorplan.of_area(Path(file).stem, f"{Path(file).name} (WKT)", area)
 
 

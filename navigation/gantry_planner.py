@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import shapely
 
-from floorplan import Floorplan, Gantry
+from floorplan import Floorplan
 
 from .bodies import Disc
 from .path import Path
@@ -49,7 +49,8 @@ class GantryPlanner:
         if plan.gantry is None:
             raise ValueError(f"{plan.name} has no gantry")
         self.gantry = plan.gantry
-        self.radius = _radius(plan.gantry)
+        length, width = plan.gantry.torso[:2]
+        self.radius = max(plan.gantry.arm_reach, math.hypot(length, width) / 2)
         counted = dict(agvs or {})
         self._world = CollisionWorld(
             Floorplan(
@@ -112,7 +113,3 @@ class GantryPlanner:
                     f"the {end}'s {name} = {at:g} is outside the gantry's range"
                     f" {axis.low:g} … {axis.high:g}"
                 )
-
-
-def _radius(gantry: Gantry) -> float:
-    return max(gantry.arm_reach, math.hypot(gantry.torso[0], gantry.torso[1]) / 2)

@@ -151,26 +151,17 @@ def _solve(task: Any) -> list[Phases]:
         raise ValueError(f"no motion within these limits: {why}") from None
     if result not in (ruckig.Result.Working, ruckig.Result.Finished):
         raise ValueError(f"no motion within these limits ({result.name})")
-    return [
-        _phases(profile, state)
-        for profile, state in zip(trajectory.profiles[0], _states(task), strict=True)
-    ]
+    states = zip(
+        task.current_position, task.current_velocity, task.current_acceleration, strict=True
+    )
+    return [_phases(*axis) for axis in zip(trajectory.profiles[0], states, strict=True)]
 
 
-def _states(task: Any) -> list[AxisState]:
-    return [
-        AxisState(p, v, a)
-        for p, v, a in zip(
-            task.current_position, task.current_velocity, task.current_acceleration, strict=True
-        )
-    ]
-
-
-def _phases(profile: Any, state: AxisState) -> Phases:
+def _phases(profile: Any, state: tuple[float, float, float]) -> Phases:
     """Return one axis of Ruckig's answer: its braking phases, then its seven."""
     phases: Phases = []
     brake = profile.brake
-    cubic: Cubic = (state.position, state.velocity, state.acceleration / 2, 0.0)
+    cubic: Cubic = (state[0], state[1], state[2] / 2, 0.0)
     steps = [*zip(brake.t, brake.a, brake.j, strict=True)]
     steps += zip(profile.t, profile.a[:-1], profile.j, strict=True)
     for duration, acceleration, jerk in steps:

@@ -207,15 +207,3 @@ def _first(corners: Sequence[Corner], length: float) -> list[Corner]:
         if length <= NOWHERE:
             break
     return kept
-
-
-__all__ = [
-    "CORNER_DEVIATION",
-    "MAX_ACCELERATION",
-    "MAX_SPEED",
-    "can_go_on",
-    "corner_speed",
-    "remaining_path",
-    "stop_walking",
-    "walk",
-]

@@ -8,6 +8,7 @@ import platform
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, fields
 from datetime import datetime
+from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
@@ -100,7 +101,7 @@ _PROPERTIES = (
 def _log(attempts: Sequence[Attempt], seed: int) -> Iterator[str]:
     planners = list(dict.fromkeys(attempt.planner for attempt in attempts))
     most = max(attempt.cpu_seconds for attempt in attempts)
-    yield f"OMPL version {_ompl_version()}"
+    yield f"OMPL version {version('ompl')}"
     yield f"Experiment {attempts[0].floorplan}"
     yield "0 experiment properties"
     yield f"Running on {platform.node() or 'UNKNOWN'}"
@@ -140,9 +141,3 @@ def _run(attempt: Attempt) -> str:
     else:
         values += ["", "", "", "", "", "", attempt.shortest, ""]
     return "".join(f"{value}; " for value in [*values, attempt.checks])
-
-
-def _ompl_version() -> str:
-    from importlib.metadata import version
-
-    return version("ompl")
