@@ -13,7 +13,7 @@ from typing import Any, TypeAlias, TypeVar
 import yaml
 from pydantic import BaseModel, ValidationError
 
-from .problems import InputError, Problem
+from .problems import InputError, Problem, shown
 from .reading import read_text
 from .yaml_loader import MOST_VALUES, safe_loader, too_many
 
@@ -111,7 +111,7 @@ class Document:
         found = misfit["input"]
         if kind == "float_type" and isinstance(found, str) and EXPONENT.fullmatch(found):
             message += " (to YAML 1e3 is text; write 1.0e+3 or 1000)"
-        return self.problem(f"{message}, found {_shown(found)}", *place)
+        return self.problem(f"{message}, found {shown(found)}", *place)
 
     def _known(self, place: Place, missing: bool) -> Place:
         """Return `place` without the parts that only name one of several forms of a value.
@@ -232,8 +232,3 @@ def _survey(
 
 def _kind(value: object) -> str:
     return {list: "list", str: "text", bool: "yes/no value"}.get(type(value), "number")
-
-
-def _shown(value: object) -> str:
-    text = repr(value)
-    return text if len(text) <= 60 else text[:57] + "..."

@@ -15,6 +15,7 @@ import numpy as np
 
 from .document import Fault, field_name
 from .named import NamedField
+from .problems import shown
 
 _PLAIN: dict[Any, tuple[Any, str]] = {
     float: (Real, "a number"),
@@ -33,7 +34,7 @@ def require(value: object, kind: type, reader: str = "") -> None:
     It also names the `reader` of such values where `value` may be the name of a file.
     """
     if not isinstance(value, kind):
-        message = f"expected {_article(kind)}, found {_shown(value)}"
+        message = f"expected {_article(kind)}, found {shown(value)}"
         if reader and isinstance(value, str | Path):
             message += f"; {reader}({str(value)!r}) reads one"
         raise TypeError(message)
@@ -88,7 +89,7 @@ def _faults(value: object, hint: Any) -> Iterator[Fault]:
         if all(found):
             wanted = " or ".join(map(_article, options))
             alone = len(options) == 1
-            yield from found[0] if alone else [(f"expected {wanted}, found {_shown(value)}", ())]
+            yield from found[0] if alone else [(f"expected {wanted}, found {shown(value)}", ())]
     elif hint is Any:
         return
     elif hint in _PLAIN:
@@ -128,7 +129,7 @@ def _tuple_faults(value: object, hint: Any) -> Iterator[Fault]:
 
 
 def _misfit(value: object, hint: Any) -> Fault:
-    return f"expected {_article(hint)}, found {_shown(value)}", ()
+    return f"expected {_article(hint)}, found {shown(value)}", ()
 
 
 def _article(hint: Any) -> str:
@@ -136,8 +137,3 @@ def _article(hint: Any) -> str:
         return _PLAIN[hint][1]
     name = getattr(get_origin(hint) or hint, "__name__", str(hint))
     return f"{'an' if name[0] in 'AEIOUaeiou' else 'a'} {name}"
-
-
-def _shown(value: object) -> str:
-    text = repr(value)
-    return text if len(text) <= 60 else f"{text[:59]}…"

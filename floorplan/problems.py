@@ -26,14 +26,19 @@ class Problem:
 
     def __str__(self) -> str:
         place = [f"line {self.line}"] if self.line is not None else []
-        place += [_clipped(self.field)] if self.field else []
-        message = _clipped(self.message)
+        place += [clipped(self.field)] if self.field else []
+        message = clipped(self.message)
         return f"{', '.join(place)}: {message}" if place else message
 
 
-def _clipped(text: str) -> str:
+def clipped(text: str, most: int = LONGEST) -> str:
     """Return `text` at a length that people read: values of files may be endless."""
-    return text if len(text) <= LONGEST else f"{text[: LONGEST - 1]}…"
+    return text if len(text) <= most else f"{text[: most - 1]}…"
+
+
+def shown(value: object) -> str:
+    """Return `value` as a message shows it."""
+    return clipped(repr(value), 60)
 
 
 class InputError(ValueError):
@@ -43,7 +48,7 @@ class InputError(ValueError):
         self.file = file
         self.problems = tuple(problems)
         lines = [str(problem) for problem in self.problems]
-        place = _clipped(file)
+        place = clipped(file)
         if len(lines) == 1:
             text = f"{place}: {lines[0]}"
         else:

@@ -70,7 +70,9 @@ class FreeSpace:
         """
         at = shapely.Point(point)
         near = self.pieces[shapely.dwithin(self.pieces, at, reach)]
-        rays = shapely.linestrings([[point, end] for end in _circle(point, reach)])
+        angle = np.arange(0.0, 2 * math.pi, STEP)
+        ends = np.column_stack([np.cos(angle), np.sin(angle)]) * reach + point
+        rays = shapely.linestrings([[point, end] for end in ends])
         around = shapely.box(*(c - reach for c in point), *(c + reach for c in point))
         found = []
         for piece in shapely.intersection(near, around):
@@ -80,12 +82,6 @@ class FreeSpace:
             order = np.argsort(np.hypot(*(places - point).T), kind="stable")
             found.append([(float(x), float(y)) for x, y in places[order]])
         return found
-
-
-def _circle(centre: Point, radius: float) -> NDArray[np.float64]:
-    """Return points on a circle, `STEP` apart: (N, 2) metres."""
-    angle = np.arange(0.0, 2 * math.pi, STEP)
-    return np.column_stack([np.cos(angle), np.sin(angle)]) * radius + centre
 
 
 def shrunk(room: shapely.Geometry, radius: float) -> shapely.Geometry:

@@ -74,6 +74,8 @@ def first_time(
 def _meetings(
     person: Motion, machine: Motion, begin: float, end: float, shapes: Shapes | None
 ) -> Iterator[Encounter]:
+    require(person, Motion)
+    require(machine, Motion)
     if not (math.isfinite(begin) and math.isfinite(end) and begin <= end):
         raise ValueError(f"can't watch from {begin} s to {end} s")
     make = Encounter if shapes is None else shapes.encounter
@@ -119,8 +121,6 @@ def first_violation(
     the floor, or between the surfaces of `shapes`. At most `RESOLUTION` late.
     None if there is none.
     """
-    require(person, Motion)
-    require(machine, Motion)
     return first_time(TooClose(law), person, machine, begin, end, shapes=shapes)
 
 
@@ -138,8 +138,6 @@ def violations(
     `person`, `machine`, `law` and `shapes` are as in `first_violation`; the intervals are cut at
     `begin` and `end`.
     """
-    require(person, Motion)
-    require(machine, Motion)
     return list(when(TooClose(law), person, machine, begin, end, shapes=shapes))
 
 
@@ -156,8 +154,6 @@ def minimum_separation(
     Between the centres on the floor, or between the surfaces of `shapes`. The first of several
     such instants. The distance is exact to 1e-9 m.
     """
-    require(person, Motion)
-    require(machine, Motion)
     return _least(Encounter.apart, _meetings(person, machine, begin, end, shapes), EXACT)
 
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import fcl
 import numpy as np
@@ -126,13 +126,8 @@ class Shapes:
         # They are kept: python-fcl never gives back all of the memory of an object.
         return tuple(_Gauge(self.person, part) for part in self.machine)
 
-    def __reduce__(self) -> tuple[Any, ...]:
-        return _shapes, (self.person, self.machine)
-
-
-def _shapes(person: Cylinder, machine: tuple[Cylinder | Box, ...]) -> Shapes:
-    """Make a pickled value anew: FCL's objects can't be pickled."""
-    return Shapes(person=person, machine=machine)
+    def __getstate__(self) -> dict[str, object]:
+        return {"person": self.person, "machine": self.machine}  # FCL's objects can't be pickled
 
 
 def torso_box(gantry: Gantry) -> Box:
