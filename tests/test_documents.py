@@ -83,12 +83,6 @@ def test_files_that_are_shown_load(document, tmp_path):
             bdi.parse_file(path)
 
 
-def test_the_example_of_a_trial_is_one():
-    (_, text), *_ = blocks(ROOT / "docs" / "trials.md", "yaml")
-    trial = sim.Trial.parse(text)
-    assert len(trial.gantry.jobs) == 3
-
-
 CONTROLLERS_SHOWN = {
     found[1]: text
     for page in ("write-a-controller.md", "tutorial.md")

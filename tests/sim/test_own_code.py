@@ -46,12 +46,8 @@ def _nothing_stays():
 @pytest.mark.parametrize("regular", [(True, True), (False, False), (True, False), (False, True)])
 def test_packages_of_one_name_beside_two_trials(package, regular):
     ca, cb = (package(name, regular=one) for name, one in zip(("ca", "cb"), regular, strict=True))
-    assert [said("pk.ctl:go", folder) for folder in (ca, cb, ca, cb)] == [
-        "ca",
-        "cb",
-        "ca",
-        "cb",
-    ]
+    found = [said("pk.ctl:go", folder) for folder in (ca, cb, ca, cb)]
+    assert found == ["ca", "cb", "ca", "cb"]
     assert controller_source("pk.ctl:go", cb).file == cb / "pk" / "ctl.py"
     assert sim.find_controller("pk.ctl:go", ca) is sim.find_controller("pk.ctl:go", ca)
 
@@ -69,11 +65,8 @@ def test_modules_beside_one_another_import_each_other(tmp_path):
         (tmp_path / name).mkdir()
         (tmp_path / name / "ctl.py").write_text(CTL.replace(".words", "words"))
         (tmp_path / name / "words.py").write_text(f"WORD = {name!r}\n")
-    assert [said("ctl:go", tmp_path / name) for name in ("ca", "cb", "ca")] == [
-        "ca",
-        "cb",
-        "ca",
-    ]
+    folders = ("ca", "cb", "ca")
+    assert [said("ctl:go", tmp_path / name) for name in folders] == [*folders]
 
 
 def test_what_others_imported_stays_theirs(package, monkeypatch):

@@ -129,15 +129,12 @@ def test_laws_by_name(text, law):
     ("rules", "message"),
     [
         ("papper", "line 5, rules: no rule set and no file is called 'papper'; did you mean"),
-        ("[1]", "line 5, rules: expected keys with values"),
         ("based_on: papper", "line 6, rules.based_on: no rule set is called 'papper'"),
         ("agv_laws: {fixed: 2}", "line 6, rules.agv_laws: unknown key"),
         ("grace: -1", "line 6, rules.grace: expected at least 0, found -1"),
         ("notice: {factor: 0}", "line 6, rules.notice.factor: expected more than 0"),
         ("source: paper", "unknown key 'source'"),
         ("gantry_law: {}", "line 6, rules.gantry_law: give one law with its terms"),
-        ("gantry_law: 2.0", "line 6, rules.gantry_law: expected keys with values"),
-        ("gantry_law: {fixed: 2, iso_13855: {}}", "rules.gantry_law: give one law"),
         (
             "gantry_law: {iso15066: {}}",
             "line 6, rules.gantry_law: no law is called 'iso15066'; did",
@@ -159,10 +156,8 @@ def test_laws_by_name(text, law):
             "agv_law: {iso_13855: {time: 1, t1: 1}}",
             "rules.agv_law.iso_13855.t1: iso_13855 has no term 't1'; its terms: time, intrusion,",
         ),
-        ("agv_law: {iso_13855: {time: true}}", "expected a number, found True"),
         ("agv_law: {iso_13855: {time: 1.0e+155}}", "time: the number is too large"),
         ("notice: {factor: 1.0e+155}", "notice.factor: expected at most 1e+09"),
-        ("grace: 1.0e+155", "grace: expected at most 1e+09"),
         ("agv_law: {iso_13855: {time: .inf}}", "time must be a number"),
         (
             "agv_law: {'nowhere:Law': {}}",
@@ -176,10 +171,6 @@ def test_laws_by_name(text, law):
         (
             "agv_law: {'braking:BrakingLaw': {deceleration: 1, most: 2}}",
             "line 6, rules.agv_law.braking:BrakingLaw.most: braking:BrakingLaw has no term 'most'",
-        ),
-        (
-            "agv_law: {fixd: 2}",
-            "line 6, rules.agv_law: no law is called 'fixd'; did you mean 'fixed'?",
         ),
         ("agv_law: {'braking:BrakingLaw': 3}", "expected the terms of the law"),
     ],
