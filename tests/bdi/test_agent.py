@@ -332,7 +332,7 @@ def test_rules_may_be_deep_but_not_endless():
         agent.advance(0.0)
 
 
-def test_nested_terms_that_are_too_deep_are_told():
+def test_terms_that_are_nested_too_deeply_are_refused():
     agent, _ = make("!go(x,0). +!go(T,N) : N < 5000 <- !go(f(T),N+1). +!go(T,N) <- .print(T).")
     with pytest.raises(bdi.EndlessProgramError, match="more than 150 deep"):
         agent.advance(0.0)

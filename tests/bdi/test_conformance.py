@@ -143,13 +143,13 @@ def test_the_command_replays_a_trace(shared_data, tmp_path):
             *("--until", trace["end_ms"] / 1000),
         )
         assert done.returncode == 0, done.stderr
-        told = [json.loads(line) for line in done.stdout.splitlines()]
+        written = [json.loads(line) for line in done.stdout.splitlines()]
         expected = [
             {"t": entry["t_ms"] / 1000, "action": entry["action"]} for entry in trace["actions"]
         ]
-        assert [entry for entry in told if "action" in entry] == expected
+        assert [entry for entry in written if "action" in entry] == expected
         said = [{"t": e["t_ms"] / 1000, "print": e["text"]} for e in trace["prints"]]
-        assert [entry for entry in told if "print" in entry] == said
+        assert [entry for entry in written if "print" in entry] == said
 
 
 def test_the_command_runs_until_nothing_is_left():

@@ -16,7 +16,7 @@ def blocks(page, language):
     return [block for kind, block in found if kind == language]
 
 
-def told(console):
+def entries(console):
     return [json.loads(line) for line in console.splitlines() if line.startswith("{")]
 
 
@@ -39,7 +39,7 @@ def run(program, script=(), beliefs=()):
 def test_the_counter():
     program, *_ = blocks("agentspeak.md", "")
     console, *_ = blocks("agentspeak.md", "console")
-    assert run(bdi.parse(program)) == told(console)
+    assert run(bdi.parse(program)) == entries(console)
 
 
 def test_every_internal_action_is_named():
@@ -54,10 +54,10 @@ def test_every_internal_action_is_named():
 def test_the_polite_person():
     plain, script, program, figures, *_ = blocks("write-a-personality.md", "")
     first, second, *_ = blocks("write-a-personality.md", "console")
-    percepts = told(script)
+    percepts = entries(script)
     stations = ["station(a, 0, 0)", "station(b, 8, 0)", "station(c, 8, 6)"]
-    assert run(bdi.parse(plain), percepts, stations) == told(first)
-    expected = told(second)
+    assert run(bdi.parse(plain), percepts, stations) == entries(first)
+    expected = entries(second)
     watched = run(bdi.parse(program), percepts, stations)
     assert [entry for entry in watched if 12 <= entry["t"] < 25] == expected
     slower = run(

@@ -92,7 +92,7 @@ def test_many_of_ones_own_are_found_by_their_first_argument_still():
     assert said == ["n", "b"]
 
 
-def test_a_source_of_other_things_is_told():
+def test_a_source_with_other_arguments_is_refused():
     agent = bdi.Agent(
         bdi.parse("!go. +!go <- ?here(X, Y)."), live={("here", 2): lambda: [(1.0, 2.0, 3.0)]}
     )

@@ -178,7 +178,7 @@ def problems(source):
     return [(p.line, p.column, p.message) for p in wrong.value.problems]
 
 
-def test_every_wrong_clause_is_told():
+def test_every_wrong_clause_is_reported():
     source = "a(1.\n!go.\n+!go <- .print(1) .print(2).\nb(2).\n+!c : <- d.\nX."
     assert [place[:2] for place in problems(source)] == [(1, 4), (3, 19), (5, 7), (6, 1)]
 
@@ -296,11 +296,11 @@ def test_files_with_the_same_text_keep_their_own_places_and_changes_are_seen(tmp
     assert [str(goal) for goal in bdi.parse_file(one).goals] == ["!rest"]
 
 
-def test_a_text_that_is_wrong_is_told_of_each_time():
-    told = []
+def test_a_wrong_text_is_refused_each_time():
+    errors = []
     for _ in range(2):
         with pytest.raises(bdi.ProgramError) as refused:
             bdi.parse("!walk.\n+!walk <- .\n+!rest <- ?.\n", "p.asl")
-        told.append(str(refused.value))
-    assert told[0] == told[1]
-    assert told[0].count("p.asl:") == 2
+        errors.append(str(refused.value))
+    assert errors[0] == errors[1]
+    assert errors[0].count("p.asl:") == 2

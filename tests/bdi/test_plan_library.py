@@ -72,7 +72,7 @@ def test_a_plan_for_every_goal_takes_its_place_among_the_others(body, lines):
         ("rest", "rest: a plan is expected"),
     ],
 )
-def test_what_cannot_be_added_is_told(plan, message):
+def test_a_plan_that_cannot_be_added_is_an_error(plan, message):
     (line,) = said(f'.add_plan("{plan}")', ANY)
     assert message in line
 

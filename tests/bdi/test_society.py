@@ -80,7 +80,7 @@ def test_mail_wakes_up():
 
 
 @pytest.mark.parametrize(
-    ("message", "told"),
+    ("message", "failure"),
     [
         ("send(bob, shout, x)", "wrong_arguments: ... tell, untell, achieve, unachieve, askOne"),
         ("send(dan, tell, x)", "unknown_receiver: there is no agent 'dan'"),
@@ -92,7 +92,7 @@ def test_mail_wakes_up():
         ("broadcast(shout, x)", "wrong_arguments: ... first argument must be one of tell, untell"),
     ],
 )
-def test_what_cannot_be_sent_or_was_not_expected_fails(message, told):
+def test_what_cannot_be_sent_or_was_not_expected_fails(message, failure):
     society, _, log = make(
         {
             "ann": f"""!go. +!go <- .{message}; .print(no).
@@ -102,7 +102,7 @@ def test_what_cannot_be_sent_or_was_not_expected_fails(message, told):
     )
     society.advance(1.0)
     ((name, line),) = log
-    begin, _, end = told.partition(" ... ")
+    begin, _, end = failure.partition(" ... ")
     assert name == "ann"
     assert line.startswith(begin)
     assert end in line
