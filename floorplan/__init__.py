@@ -6,6 +6,7 @@ from .document import (
     Fault,
     Place,
     field_name,
+    misfits,
     parse_yaml,
     read_yaml,
     refuse,
@@ -32,7 +33,7 @@ from .reading import (
     read_lines,
     read_text,
 )
-from .schema import NotNegative, Number, Pair, Positive, Strictly
+from .schema import NotNegative, Number, Pair, Positive, Range, Strictly
 
 __all__ = [
     "LARGEST",
@@ -55,6 +56,7 @@ __all__ = [
     "Point",
     "Positive",
     "Problem",
+    "Range",
     "SafeZone",
     "Station",
     "Strictly",
@@ -64,6 +66,7 @@ __all__ = [
     "field_name",
     "is_there",
     "load",
+    "misfits",
     "parse",
     "parse_yaml",
     "read_bytes",

@@ -93,25 +93,8 @@ class Document:
             raise error(self.file, problems) from None
 
     def _misfit(self, misfit: dict[str, Any], known: list[str]) -> Problem:
-        kind, context = misfit["type"], misfit.get("ctx", {})
-        place = self._known(misfit["loc"], missing=kind == "missing")
-        if kind == "missing":
-            return self.problem("is missing", *place)
-        if kind == "extra_forbidden":
-            hint = f" (known are: {', '.join(known)})" if len(place) == 1 else ""
-            return self.problem("unknown key" + hint, *place)
-        if kind == "value_error":
-            return self.problem(str(context["error"]), *place)
-        expected = EXPECTED.get(kind)
-        if expected is None:
-            message = str(misfit["msg"])
-            message = message[:1].lower() + message[1:]
-        else:
-            message = "expected " + expected.format(**context)
-        found = misfit["input"]
-        if kind == "float_type" and isinstance(found, str) and EXPONENT.fullmatch(found):
-            message += " (to YAML 1e3 is text; write 1.0e+3 or 1000)"
-        return self.problem(f"{message}, found {shown(found)}", *place)
+        place = self._known(misfit["loc"], missing=misfit["type"] == "missing")
+        return self.problem(_message(misfit, known if len(place) == 1 else []), *place)
 
     def _known(self, place: Place, missing: bool) -> Place:
         """Return `place` without the parts that only name one of several forms of a value.
@@ -123,6 +106,33 @@ class Document:
             if (*known, part) in self.lines or (missing and k == len(place) - 1):
                 known = (*known, part)
         return known
+
+
+def misfits(error: ValidationError) -> Iterator[Fault]:
+    """Yield what pydantic found wrong with a value, by its `error`, each with its place in it."""
+    for one in error.errors(include_url=False)[:MOST_PROBLEMS]:
+        yield _message(dict(one), []), one["loc"]
+
+
+def _message(misfit: dict[str, Any], known: list[str]) -> str:
+    """Return what is wrong; for an unknown key, with those `known` where there are any."""
+    kind, context = misfit["type"], misfit.get("ctx", {})
+    if kind in ("missing", "missing_argument"):
+        return "is missing"
+    if kind in ("extra_forbidden", "unexpected_keyword_argument"):
+        return "unknown key" + (f" (known are: {', '.join(known)})" if known else "")
+    if kind == "value_error":
+        return str(context["error"])
+    expected = EXPECTED.get(kind)
+    if expected is None:
+        message = str(misfit["msg"])
+        message = message[:1].lower() + message[1:]
+    else:
+        message = "expected " + expected.format(**context)
+    found = misfit["input"]
+    if kind == "float_type" and isinstance(found, str) and EXPONENT.fullmatch(found):
+        message += " (to YAML 1e3 is text; write 1.0e+3 or 1000)"
+    return f"{message}, found {shown(found)}"
 
 
 def field_name(place: Place) -> str:

@@ -3,11 +3,14 @@
 from .core.body import Body
 from .core.clock import Clock, StandstillError
 from .core.events import EventKind
+from .core.machine import Machine, MachineShape
+from .core.machine_model import MachineEntry, MachineModel
 from .core.output import OutputError
 from .core.recorder import Event, Listener
 from .core.rules import ARIAC2023, PAPER, RULE_SETS, Notice, RuleSet, rule_set
 from .core.scenario import AgvMove, GantryEntry, Job, PersonalityChange, PersonEntry, TrialError
 from .core.scene import Figure, Scene
+from .core.stage import Stage
 from .core.start import Start
 from .exports import export
 from .live.live import LiveRun
@@ -21,6 +24,7 @@ from .machines.gantry.controllers import (
 from .machines.gantry.drive import Steps
 from .machines.gantry.robot import GantryRobot, Sighting
 from .machines.gantry.tasks import Handling, Step, Task, Tasks
+from .machines.kinds import KINDS, MachineError
 from .people.actions import MindError
 from .people.minds import Mind, Outside
 from .people.percepts import Percepts
@@ -41,6 +45,7 @@ from .views import plots as plots
 __all__ = [
     "ARIAC2023",
     "CONTROLLERS",
+    "KINDS",
     "PAPER",
     "RULE_SETS",
     "AgvMove",
@@ -59,6 +64,11 @@ __all__ = [
     "LawError",
     "Listener",
     "LiveRun",
+    "Machine",
+    "MachineEntry",
+    "MachineError",
+    "MachineModel",
+    "MachineShape",
     "Mind",
     "MindError",
     "Notice",
@@ -79,6 +89,7 @@ __all__ = [
     "Scene",
     "Sighting",
     "Simulation",
+    "Stage",
     "StandstillError",
     "Start",
     "Step",

@@ -3,7 +3,12 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+from pydantic import ConfigDict, TypeAdapter
+from typing_extensions import Self
 
 from floorplan import Fault, Floorplan
 from navigation import Stop
@@ -15,8 +20,18 @@ from .stage import Stage
 class MachineModel(ABC):
     """What a trial says of one machine; the model of a kind is a frozen dataclass.
 
-    The name of the machine is given where it is asked: a model may be that of several.
+    Its fields are the keys in a trial file. The name of the machine is given where it is asked.
     """
+
+    __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(extra="forbid", allow_inf_nan=False)
+
+    @classmethod
+    def read(cls, name: str, keys: Mapping[str, Any]) -> Self:
+        """Return the model of the machine called `name` with these keys of a trial file.
+
+        `pydantic.ValidationError` if there is something wrong with them.
+        """
+        return TypeAdapter(cls).validate_python(dict(keys))
 
     @abstractmethod
     def shape(self, name: str, plan: Floorplan) -> MachineShape:
@@ -26,10 +41,25 @@ class MachineModel(ABC):
     def make(self, name: str, stage: Stage) -> Machine:
         """Return the machine called `name`, which does nothing until it is to `begin`."""
 
-    def faults(self, name: str, plan: Floorplan) -> Iterable[Fault]:
-        """Return what can't be about it on this floor, each with its place in the model."""
+    def faults(self, plan: Floorplan, vehicles: Iterable[str]) -> Iterable[Fault]:
+        """Return what can't be about it on this floor, each with its place among the keys.
+
+        `vehicles` are the names of those in the trial.
+        """
         return ()
 
     def longest_stop(self, plan: Floorplan) -> Stop | None:
         """Return the longest and farthest stop that its limits leave it; None if not known."""
         return None
+
+
+@dataclass(frozen=True)
+class MachineEntry:
+    """A machine of a trial: its kind, and what that kind's keys are for it.
+
+    `kind` is the name of a kind, a `MachineModel`, or `package.module:Class`, a model of one's own
+    that stands beside the trial.
+    """
+
+    kind: str | type[MachineModel]
+    keys: dict[str, Any] = field(default_factory=dict)

@@ -10,7 +10,7 @@ from typing import Any, Literal
 import bdi
 from floorplan import Floorplan, InputError, Problem, SafeZone
 
-from .machine_model import MachineModel
+from .machine_model import MachineEntry
 from .rules import PAPER, RuleSet
 from .start import AT_ONCE, Start
 from .workload import Workload
@@ -138,7 +138,7 @@ class Scenario:
     gantry: GantryEntry = GantryEntry()
     agvs: dict[str, tuple[AgvMove, ...]] = field(default_factory=dict)
     yielding: frozenset[str] = frozenset()
-    machines: dict[str, MachineModel] = field(default_factory=dict)
+    machines: dict[str, MachineEntry] = field(default_factory=dict)
     expect: dict[str, Any] = field(default_factory=dict)
     folder: Path = Path()
     floorplan_source: str = field(default="", compare=False)

@@ -1,28 +1,73 @@
-"""The machines of a floor and of a trial, of whatever kind."""
+"""The kinds of machines, and the machines of a floor and of a trial, of whatever kind."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import ast
+import inspect
+from collections.abc import Iterator, Mapping
+from pathlib import Path
 
-from floorplan import Floorplan, Gantry
+from pydantic import ValidationError
+
+from floorplan import Fault, Floorplan, Gantry, misfits, suggestion
 
 from ..core.machine import MachineShape
-from ..core.machine_model import MachineModel
+from ..core.machine_model import MachineEntry, MachineModel
+from ..core.own_code import import_own
+from ..core.own_source import REFUSED, Definition, Kind, OwnCodeError, Source, find_source
 from ..core.scenario import AgvMove, GantryEntry, Scenario
 from .agv.model import AgvModel
 from .gantry.model import GantryModel
+
+KINDS: dict[str, type[MachineModel]] = {"gantry": GantryModel, "agv": AgvModel}
+"""The kinds of machines by name. A package adds its own by `KINDS["tugger"] = TuggerModel`."""
 
 GANTRY = "gantry"
 """The name of the floor's own gantry."""
 
 
-def models_of(scenario: Scenario) -> dict[str, MachineModel]:
-    """Return the machines of a trial by name: the floor's gantry and AGVs, then its `machines`."""
-    plan = scenario.floorplan
-    return {
-        **_on(plan, scenario.gantry, scenario.agvs, scenario.yielding),
-        **scenario.machines,
-    }
+class MachineError(ValueError):
+    """A machine of a trial that can't be found, or whose keys are wrong."""
+
+
+def _may_be_model(definition: Definition) -> bool:
+    return isinstance(definition, ast.ClassDef) and bool(definition.bases)
+
+
+def _is_model(found: object) -> bool:
+    return inspect.isclass(found) and issubclass(found, MachineModel)
+
+
+MODEL = Kind(
+    words="machine: a machine is a subclass of sim.MachineModel",
+    written=_may_be_model,
+    made=_is_model,
+)
+"""The kind of class that a trial names as the kind of a machine."""
+
+
+def models_of(scenario: Scenario, *, own: bool = True) -> dict[str, MachineModel]:
+    """Return the machines of a trial by name: the floor's gantry and AGVs, then its `machines`.
+
+    Those of the user's `own` kinds are left out if code of theirs is not to be run.
+    `MachineError` if there is something wrong with one of the latter.
+    """
+    models = on_floor(scenario)
+    for name, entry in scenario.machines.items():
+        if is_own(entry) and not own:
+            continue
+        kind = _kind(name, entry, scenario)
+        try:
+            models[name] = kind.read(name, entry.keys)
+        except ValidationError as why:
+            faults = "; ".join(f"{'.'.join(map(str, at))} {what}" for what, at in misfits(why))
+            raise MachineError(f"the machine {name!r}: {faults}") from None
+    return models
+
+
+def on_floor(scenario: Scenario) -> dict[str, MachineModel]:
+    """Return the machines that the floor of a trial has, with what they do in it, by name."""
+    return _on(scenario.floorplan, scenario.gantry, scenario.agvs, scenario.yielding)
 
 
 def machines_on(plan: Floorplan) -> tuple[MachineShape, ...]:
@@ -34,6 +79,72 @@ def machines_on(plan: Floorplan) -> tuple[MachineShape, ...]:
 def rails_under(machine: str, plan: Floorplan) -> Gantry | None:
     """Return the rails of the floor, if `machine` is the name of the gantry that runs on them."""
     return plan.gantry if machine == GANTRY else None
+
+
+def is_own(entry: MachineEntry) -> bool:
+    """Whether the kind of a machine is code that stands beside the trial."""
+    return isinstance(entry.kind, str) and entry.kind not in KINDS
+
+
+def kind_name(entry: MachineEntry) -> str:
+    """Return the name of a machine's kind: of one's own, that of its class in small letters."""
+    kind = entry.kind if isinstance(entry.kind, str) else entry.kind.__name__
+    return kind.rpartition(":")[2].lower()
+
+
+def machine_faults(scenario: Scenario) -> Iterator[Fault]:
+    """Yield what can't be about the `machines` of a trial; code of the user's own is not run."""
+    plan = scenario.floorplan
+    taken = {GANTRY, *(lane.name for lane in plan.lanes)}
+    vehicles = {*scenario.machines, *(lane.name for lane in plan.lanes)}
+    for name, entry in scenario.machines.items():
+        if name in taken:
+            yield f"another machine is called {name!r} already", (name,)
+        try:
+            if is_own(entry):
+                own_kind(name, entry, scenario.folder, own_code=scenario.own_code)
+                continue
+            model = _kind(name, entry, scenario).read(name, entry.keys)
+        except MachineError as why:
+            yield str(why), (name, "kind")
+        except ValidationError as why:
+            for message, place in misfits(why):
+                yield message, (name, *place)
+        else:
+            if isinstance(model, GantryModel) and plan.gantry is None:
+                yield "the floorplan has no gantry, whose rails it could run on", (name,)
+                continue
+            for message, place in model.faults(plan, vehicles):
+                yield message, (name, *place)
+
+
+def own_kind(name: str, entry: MachineEntry, folder: Path, *, own_code: bool = True) -> Source:
+    """Return the source of a machine's own kind, which is not imported; `MachineError` if none."""
+    kind = str(entry.kind)
+    if ":" not in kind:
+        raise MachineError(
+            f"no kind of machine is called {kind!r}; {suggestion(kind, KINDS)};"
+            " your own is package.module:Class"
+        )
+    if not own_code:
+        raise MachineError(f"the machine {name!r}: {kind!r}: {REFUSED}")
+    try:
+        return find_source(kind, folder, MODEL)
+    except OwnCodeError as why:
+        raise MachineError(f"the machine {name!r}: {why}") from why
+
+
+def _kind(name: str, entry: MachineEntry, scenario: Scenario) -> type[MachineModel]:
+    if not isinstance(entry.kind, str):
+        return entry.kind
+    if entry.kind in KINDS:
+        return KINDS[entry.kind]
+    source = own_kind(name, entry, scenario.folder, own_code=scenario.own_code)
+    try:
+        found: type[MachineModel] = import_own(source)
+    except OwnCodeError as why:
+        raise MachineError(f"the machine {name!r}: {why}") from why
+    return found
 
 
 def _on(

@@ -37,7 +37,7 @@ def short_laws(trial: Scenario) -> tuple[ShortLaw, ...]:
     """
     plan, rules = trial.floorplan, trial.rules
     found = []
-    for name, model in models_of(trial).items():
+    for name, model in models_of(trial, own=False).items():
         key, law = rules.law_and_key_of(model.shape(name, plan))
         stop = model.longest_stop(plan)
         if stop is not None and isinstance(law, SeparationLaw | IntegralLaw):

@@ -14,6 +14,7 @@ from shapely.geometry.base import BaseGeometry
 
 from ..core.scenario import PersonalityChange, PersonEntry
 from ..machines.gantry.controllers import controller_source, find_controller
+from ..machines.kinds import is_own, own_kind
 from ..people.programs import load_program
 from ..trials.trial import Trial
 from .study import Study
@@ -58,6 +59,10 @@ def _parts(trial: Trial) -> Iterator[tuple[str, str]]:
     if file is not None:
         name = trial.gantry.controller_name
         yield f"the controller {name}", _digest(Path(file).read_text(encoding="utf-8"))
+    for name, entry in trial.machines.items():
+        if is_own(entry):
+            kind = own_kind(name, entry, trial.folder).file.read_text(encoding="utf-8")
+            yield f"the machine {name}", _digest(kind)
 
 
 def _digest(text: str) -> str:

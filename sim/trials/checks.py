@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator
 from typing import get_args
 
 import bdi
 from floorplan import (
     LARGEST,
     Fault,
-    Gantry,
-    Lane,
     Place,
-    Point,
     refuse,
     require_fields,
     size_fault,
@@ -23,12 +20,13 @@ from floorplan import (
 
 from ..core.events import EVENT_KINDS
 from ..core.rules import NO_TIME, MachineMeasure, PersonMeasure, RuleSet
-from ..core.scenario import GantryEntry, Job, PersonalityChange, PersonEntry, Scenario, TrialError
+from ..core.scenario import PersonalityChange, PersonEntry, Scenario, TrialError
 from ..core.start import Start
-from ..machines.gantry.tasks import fixed_places
+from ..machines.gantry.model import GantryModel
+from ..machines.kinds import GANTRY, machine_faults, on_floor
 from ..people.programs import EXTERNAL, find_program
 from .expectations import expectation_problems
-from .names import agvs, checked_name, orders, parts, people, places
+from .names import agvs, checked_name, orders, parts, people
 
 NAME = r"[A-Za-z][A-Za-z0-9_-]*"
 """Names that people may have."""
@@ -59,14 +57,14 @@ def faults(trial: Scenario) -> Iterator[Fault]:
         found = "a larger one" if larger else repr(trial.seed)
         yield f"must be a whole number from 0 to 2**63 - 1, not {found}", ("seed",)
     yield from _below(_rule_faults(trial.rules), "rules")
-    taken = {"gantry", *(lane.name for lane in trial.floorplan.lanes)}
+    taken = {GANTRY, *(lane.name for lane in trial.floorplan.lanes), *trial.machines}
     for k, person in enumerate(trial.people):
         yield from _below(_person_faults(person, trial), "people", k)
         if person.name in taken:
             yield f"another body is called {person.name!r} already", ("people", k, "name")
         taken.add(person.name)
-    yield from _below(_gantry_faults(trial), "gantry")
-    yield from _below(_agv_faults(trial), "agvs")
+    yield from _floor_faults(trial)
+    yield from _below(machine_faults(trial), "machines")
     yield from _below(expectation_problems(trial), "expect")
     submits = trial.workload is not None or any(job.kind == "submit" for job in trial.gantry.jobs)
     if trial.until_submitted and not submits:
@@ -195,52 +193,15 @@ def _place_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:
 # ---- machines
 
 
-def _gantry_faults(trial: Scenario) -> Iterator[Fault]:
-    gantry, entry = trial.floorplan.gantry, trial.gantry
-    if gantry is None:
-        if entry != GantryEntry():
-            yield "the floorplan has no gantry", ()
-        return
-    if entry.at is not None:
-        for fault in gantry.faults(entry.at):
-            yield fault, ("at",)
-    known, fixed = {*places(trial)}, fixed_places(trial.floorplan)
-    for k, job in enumerate(entry.jobs):
-        yield from _below(_job_faults(job, gantry, known, fixed), "jobs", k)
-
-
-def _job_faults(
-    job: Job, gantry: Gantry, known: set[str], fixed: Mapping[str, Point]
-) -> Iterator[Fault]:
-    if job.kind == "move":
-        for fault in gantry.faults(job.target):
-            yield fault, ("move",)
-    elif job.kind == "wait":
-        yield from _size(job.seconds, "wait")
-    elif job.kind == "pick_place":
-        for key, place in (("pick", job.pick), ("place", job.place)):
-            if place not in known:
-                yield f"no obstacle, station or AGV is called {place!r}", (key,)
-            elif place in fixed:
-                for fault in gantry.faults((*fixed[place], gantry.start[2])):
-                    yield f"the gantry can't get to {place!r}: {fault}", (key,)
-    elif job.kind != "submit":
-        yield f"a job is one of move, wait, pick_place, submit, not {job.kind!r}", ()
-
-
-def _agv_faults(trial: Scenario) -> Iterator[Fault]:
-    lanes: Mapping[str, Lane] = {lane.name: lane for lane in trial.floorplan.lanes}
+def _floor_faults(trial: Scenario) -> Iterator[Fault]:
+    """Yield what can't be about the machines of the floor."""
+    plan = trial.floorplan
+    lanes = {lane.name: lane for lane in plan.lanes}
     for name in (*trial.agvs, *sorted(trial.yielding - {*trial.agvs})):
         if name not in lanes:
-            yield f"no AGV is called {name!r}; {suggestion(name, lanes)}", (name,)
-            continue
-        moves = trial.agvs.get(name, ())
-        for k, move in enumerate(moves):
-            try:
-                lanes[name].lane_position(move.to)
-            except ValueError as why:
-                yield str(why), (name, k, "to")
-            yield from _time(move.time, name, k, "time")
-            if k and move.time < moves[k - 1].time:
-                message = f"{move.time:g} s is before the move above it; put moves in order"
-                yield message, (name, k, "time")
+            yield f"no AGV is called {name!r}; {suggestion(name, lanes)}", ("agvs", name)
+    models = on_floor(trial) | ({} if plan.gantry else {GANTRY: GantryModel(trial.gantry)})
+    vehicles = {*lanes, *trial.machines}
+    for name, model in models.items():
+        place = (GANTRY,) if name == GANTRY else ("agvs", name)
+        yield from _below(model.faults(plan, vehicles), *place)

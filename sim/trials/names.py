@@ -12,7 +12,7 @@ from floorplan import suggestion
 from ..core.events import Form
 from ..core.scenario import Scenario
 from ..machines.gantry.tasks import fixed_places
-from ..machines.kinds import models_of
+from ..machines.kinds import kind_name, on_floor
 
 
 def people(trial: Scenario) -> list[str]:
@@ -22,12 +22,12 @@ def people(trial: Scenario) -> list[str]:
 
 def machines(trial: Scenario) -> list[str]:
     """Return the names of the machines."""
-    return [*models_of(trial)]
+    return [*on_floor(trial), *trial.machines]
 
 
 def agvs(trial: Scenario) -> list[str]:
-    """Return the names of the AGVs."""
-    return [lane.name for lane in trial.floorplan.lanes]
+    """Return the names of the AGVs, and of what else a trial adds."""
+    return [*(lane.name for lane in trial.floorplan.lanes), *trial.machines]
 
 
 def stations(trial: Scenario) -> list[str]:
@@ -82,7 +82,7 @@ _NAMES: dict[Form, Callable[[Scenario], list[str]]] = {
         "assemble",
     ],
     "type of order": lambda _: ["kitting", "assembly", "combined"],
-    "cause": lambda _: ["gantry", "agv", "person"],
+    "cause": lambda trial: ["gantry", "agv", "person", *map(kind_name, trial.machines.values())],
     "reason": lambda _: ["gantry", "agv"],
 }
 

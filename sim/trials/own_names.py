@@ -7,6 +7,7 @@ from pathlib import Path
 
 from ..core.scenario import Scenario
 from ..machines.gantry.controllers import CONTROLLERS
+from ..machines.kinds import is_own
 from ..safety.own_law import own_laws
 
 
@@ -15,6 +16,7 @@ def own_names(trial: Scenario) -> Iterator[str]:
     controller = trial.gantry.controller
     if controller not in (*CONTROLLERS, *CONTROLLERS.values()):
         yield trial.gantry.controller_name
+    yield from (str(entry.kind) for entry in trial.machines.values() if is_own(entry))
     for law in dict.fromkeys(own_laws(trial.rules)):
         if law.folder == trial.folder.resolve():
             yield law.name

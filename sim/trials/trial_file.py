@@ -12,6 +12,7 @@ from typing import Any, TypeVar
 import floorplan
 from floorplan import Document, Floorplan, Place, Problem, suggestion
 
+from ..core.machine_model import MachineEntry
 from ..core.scenario import PersonEntry, Scenario, TrialError
 from ..machines.gantry.controllers import ControllerError, controller_source
 from ..orders import reading
@@ -66,6 +67,7 @@ def build(form: type[_Made], document: Document, folder: Path, own_code: bool) -
         gantry=schema.gantry.value(),
         agvs={name: tuple(move.value() for move in agv.moves) for name, agv in schema.agvs.items()},
         yielding=frozenset(name for name, agv in schema.agvs.items() if agv.yields),
+        machines={name: _machine(keys) for name, keys in schema.machines.items()},
         expect=schema.expect,
         folder=folder,
         floorplan_source=schema.floorplan,
@@ -113,6 +115,10 @@ def people_of(entries: Sequence[PersonKeys], folder: Path) -> tuple[PersonEntry,
         with suppress(TrialError):
             load_program(personality, folder)
     return people
+
+
+def _machine(keys: dict[str, Any]) -> MachineEntry:
+    return MachineEntry(str(keys.get("kind", "")), {k: v for k, v in keys.items() if k != "kind"})
 
 
 def _floorplan(name: str, folder: Path, document: Document) -> Floorplan:

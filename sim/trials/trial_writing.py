@@ -14,9 +14,11 @@ import yaml
 
 import floorplan
 
+from ..core.machine_model import MachineEntry
 from ..core.scenario import AgvMove, Job, PersonalityChange, PersonEntry, Scenario
 from ..core.start import Start
 from ..machines.gantry.controllers import CONTROLLERS
+from ..machines.kinds import KINDS
 from ..orders import Workload
 from ..people.programs import written_personality
 from .own_names import out_of_reach
@@ -52,6 +54,7 @@ def _trial(trial: Scenario) -> Data:
             name: _agv(trial.agvs.get(name, ()), name in trial.yielding)
             for name in (*trial.agvs, *sorted(trial.yielding - {*trial.agvs}))
         },
+        "machines": {name: _machine(name, entry) for name, entry in trial.machines.items()},
         "until_submitted": trial.until_submitted or None,
         "expect": trial.expect,
     }
@@ -129,6 +132,13 @@ def _fields(value: Any, trial: Scenario) -> Data:
 def _agv(moves: tuple[AgvMove, ...], yields: bool) -> Any:
     written = [{"time": move.time, "to": move.to} for move in moves]
     return {"yield": True, "moves": written} if yields else written
+
+
+def _machine(name: str, entry: MachineEntry) -> Data:
+    known = [kind for kind, model in KINDS.items() if entry.kind in (kind, model)]
+    if not (known or isinstance(entry.kind, str)):
+        raise ValueError(f"the machine {name!r} can't be written: give its kind by name")
+    return {"kind": known[0] if known else entry.kind, **entry.keys}
 
 
 def _controller(trial: Scenario) -> str:

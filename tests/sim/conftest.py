@@ -3,6 +3,7 @@
 import shutil
 import subprocess
 import sys
+import threading
 from contextlib import contextmanager
 
 import pytest
@@ -20,6 +21,16 @@ ARGUMENTS = [
     "--disable-component-update",
     "--disable-sync",
 ]
+
+
+@pytest.fixture(autouse=True, scope="module")
+def no_thread_stays():
+    """See that a module leaves no thread behind: what it did then would disturb other tests."""
+    before = {*threading.enumerate()}
+    yield
+    for thread in {*threading.enumerate()} - before:
+        thread.join(10.0)
+        assert not thread.is_alive(), f"{thread} is still running"
 
 
 @pytest.fixture

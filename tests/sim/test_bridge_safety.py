@@ -11,7 +11,9 @@ from pathlib import Path
 
 import pytest
 from bridge_parts import Client, Command, require_whole, served, trial
+from websockets.client import ClientProtocol
 from websockets.exceptions import ConnectionClosed
+from websockets.uri import parse_uri
 
 import sim
 from sim.bridge.ledger import Ledger
@@ -103,12 +105,17 @@ def test_half_open_connections_are_nobody_s_concern(busy):
         half = socket.create_connection((host, int(port)))
         half.sendall(beginning)
         quiet.append(half)
-    abrupt = Client(busy.url)
-    abrupt.__enter__()
-    abrupt.subscribe(*SOUND)
     # A reset instead of a farewell: what a client leaves behind that was switched off.
-    abrupt.socket.socket.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
-    abrupt.socket.socket.close()
+    abrupt = socket.create_connection((host, int(port)))
+    protocol = ClientProtocol(parse_uri(busy.url))
+    protocol.send_request(protocol.connect())
+    abrupt.sendall(b"".join(protocol.data_to_send()))
+    protocol.receive_data(abrupt.recv(65536))
+    for topic in SOUND:
+        protocol.send_text(json.dumps({"op": "subscribe", "topic": topic}).encode())
+    abrupt.sendall(b"".join(protocol.data_to_send()))
+    abrupt.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+    abrupt.close()
     require_undisturbed(busy)
     for half in quiet:
         half.close()

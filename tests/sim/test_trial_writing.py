@@ -130,6 +130,8 @@ gantry:
 agvs:
   agv1: [{time: 1.0, to: kitting}]
   agv2: {yield: true, moves: [{time: 3.0, to: 2.5}]}
+machines:
+  north: {kind: gantry, at: [-9.0, 1.0, 0.0], x: [-14.0, -8.0], controller: oblivious}
 until_submitted: true
 expect: {penalties: 0}
 """

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from typing import Any
 
-from floorplan import Floorplan, Lane
+from floorplan import LARGEST, Fault, Floorplan, Lane
 from navigation import Stop, longest_stop
 
 from ...core.machine import MachineShape
@@ -12,6 +14,7 @@ from ...core.machine_model import MachineModel
 from ...core.scenario import AgvMove
 from ...core.stage import Stage
 from .agv import Agv, agv_shape
+from .keys import CartKeys
 
 
 @dataclass(frozen=True)
@@ -22,6 +25,12 @@ class AgvModel(MachineModel):
     moves: tuple[AgvMove, ...] = ()
     yields: bool = False
 
+    @classmethod
+    def read(cls, name: str, keys: Mapping[str, Any]) -> AgvModel:
+        """Return the model with these keys of a trial file."""
+        given = CartKeys.model_validate(keys)
+        return cls(given.lane(name), tuple(move.value() for move in given.moves), given.yields)
+
     def shape(self, name: str, plan: Floorplan) -> MachineShape:
         """Return what others know of it."""
         return agv_shape(self.lane)
@@ -30,6 +39,21 @@ class AgvModel(MachineModel):
         """Return the AGV."""
         return Agv(stage, self.lane, self.moves, yields=self.yields)
 
-    def longest_stop(self, plan: Floorplan) -> Stop:
+    def faults(self, plan: Floorplan, vehicles: Iterable[str]) -> Iterator[Fault]:
+        """Yield places that its lane does not have, and moves that are out of order."""
+        if self.lane.start not in self.lane.locations:
+            yield f"{self.lane.name} has no location {self.lane.start!r}", ("start",)
+        for k, move in enumerate(self.moves):
+            try:
+                self.lane.lane_position(move.to)
+            except ValueError as why:
+                yield str(why), (k, "to")
+            if not 0 <= move.time <= LARGEST:
+                yield f"must be a time from 0 to {LARGEST:g} s, not {move.time!r}", (k, "time")
+            if k and move.time < self.moves[k - 1].time:
+                message = f"{move.time:g} s is before the move above it; put moves in order"
+                yield message, (k, "time")
+
+    def longest_stop(self, plan: Floorplan) -> Stop | None:
         """Return the longest stop on its lane."""
         return longest_stop(self.lane)

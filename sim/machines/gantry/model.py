@@ -2,26 +2,40 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from functools import partial
+from typing import Any
 
-from floorplan import Floorplan, Gantry
+from floorplan import Fault, Floorplan, Gantry, Point, size_fault
 from navigation import Stop, longest_stop
 
 from ...core.machine import MachineShape
 from ...core.machine_model import MachineModel
-from ...core.scenario import GantryEntry
+from ...core.scenario import GantryEntry, Job
 from ...core.stage import Stage
 from .controllers import find_controller, supervised
+from .keys import BridgeKeys
 from .robot import GantryRobot, gantry_shape
+from .tasks import fixed_places
 
 
 @dataclass(frozen=True)
 class GantryModel(MachineModel):
-    """A gantry with its controller and jobs, on rails of its own or on those of the floor."""
+    """A gantry with its controller and jobs, on the rails of the floor.
+
+    Its ranges `x` and `y` (metres) are those of the rails, unless it has its own.
+    """
 
     entry: GantryEntry = field(default_factory=GantryEntry)
-    rails: Gantry | None = None
+    x: tuple[float, float] | None = None
+    y: tuple[float, float] | None = None
+
+    @classmethod
+    def read(cls, name: str, keys: Mapping[str, Any]) -> GantryModel:
+        """Return the model with these keys of a trial file."""
+        given = BridgeKeys.model_validate(keys)
+        return cls(given.entry(), given.x, given.y)
 
     def shape(self, name: str, plan: Floorplan) -> MachineShape:
         """Return what others know of it."""
@@ -34,12 +48,51 @@ class GantryModel(MachineModel):
         controller = partial(supervised, entry.controller_name, found)
         return GantryRobot(stage, self._on(stage.floorplan), entry, name, controller=controller)
 
-    def longest_stop(self, plan: Floorplan) -> Stop:
+    def faults(self, plan: Floorplan, vehicles: Iterable[str]) -> Iterator[Fault]:
+        """Yield places that are out of its range, or not there."""
+        if plan.gantry is None:
+            if self.entry != GantryEntry():
+                yield "the floorplan has no gantry", ()
+            return
+        gantry, entry = self._on(plan), self.entry
+        if entry.at is not None:
+            for fault in gantry.faults(entry.at):
+                yield fault, ("at",)
+        fixed = fixed_places(plan)
+        known = {*fixed, *vehicles}
+        for k, job in enumerate(entry.jobs):
+            for fault, place in _job_faults(job, gantry, known, fixed):
+                yield fault, ("jobs", k, *place)
+
+    def longest_stop(self, plan: Floorplan) -> Stop | None:
         """Return the longest and farthest stop of its axes."""
         return longest_stop(self._on(plan))
 
     def _on(self, plan: Floorplan) -> Gantry:
-        rails = self.rails or plan.gantry
-        if rails is None:
-            raise ValueError(f"the floorplan {plan.name!r} has no gantry: give its rails")
-        return rails
+        rails = plan.gantry
+        assert rails is not None  # else the trial is refused
+        x, y = (
+            axis if own is None else replace(axis, low=own[0], high=own[1])
+            for axis, own in ((rails.x, self.x), (rails.y, self.y))
+        )
+        return replace(rails, x=x, y=y)
+
+
+def _job_faults(
+    job: Job, gantry: Gantry, known: set[str], fixed: Mapping[str, Point]
+) -> Iterator[Fault]:
+    if job.kind == "move":
+        for fault in gantry.faults(job.target):
+            yield fault, ("move",)
+    elif job.kind == "wait":
+        if fault := size_fault(job.seconds):
+            yield fault, ("wait",)
+    elif job.kind == "pick_place":
+        for key, place in (("pick", job.pick), ("place", job.place)):
+            if place not in known:
+                yield f"no obstacle, station or AGV is called {place!r}", (key,)
+            elif place in fixed:
+                for fault in gantry.faults((*fixed[place], gantry.start[2])):
+                    yield f"the gantry can't get to {place!r}: {fault}", (key,)
+    elif job.kind != "submit":
+        yield f"a job is one of move, wait, pick_place, submit, not {job.kind!r}", ()

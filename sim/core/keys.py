@@ -1,0 +1,31 @@
+"""Keys of files that stand for values, and how they are read."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from pydantic import Strict
+
+from floorplan import Number, Strictly
+
+Flag = Annotated[bool, Strict()]
+Pose = tuple[Number, Number, Number]
+
+
+class Keys(Strictly):
+    """Keys that stand for a value whose fields have the same names."""
+
+    def value(self) -> Any:
+        """Return the value."""
+        raise NotImplementedError
+
+    def fields(self) -> dict[str, Any]:
+        """Return the fields of the value."""
+        return {name: _value(getattr(self, name)) for name in type(self).model_fields}
+
+
+def _value(key: Any) -> Any:
+    """Return a key's value as a field has it."""
+    if isinstance(key, list):
+        return tuple(map(_value, key))
+    return key.value() if isinstance(key, Keys) else key

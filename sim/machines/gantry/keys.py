@@ -1,0 +1,63 @@
+"""The keys of a gantry in a trial file."""
+
+from __future__ import annotations
+
+from pydantic import model_validator
+
+from floorplan import Positive, Range
+
+from ...core.keys import Flag, Keys, Pose
+from ...core.scenario import GantryEntry, Job
+
+
+class _Job(Keys):
+    move: Pose | None = None
+    wait: Positive | None = None
+    pick: str | None = None
+    place: str | None = None
+    part: str = "part"
+    submit: str | None = None
+
+    @model_validator(mode="after")
+    def _one_kind(self) -> _Job:
+        given = self.model_fields_set - {"part"}
+        if given not in ({"move"}, {"wait"}, {"pick", "place"}, {"submit"}):
+            raise ValueError("a job is one of move, wait, pick with place, or submit")
+        return self
+
+    def value(self) -> Job:
+        if self.move is not None:
+            return Job("move", target=self.move)
+        if self.wait is not None:
+            return Job("wait", seconds=self.wait)
+        if self.submit is not None:
+            return Job("submit", order=self.submit)
+        return Job("pick_place", pick=self.pick or "", place=self.place or "", part=self.part)
+
+
+class GantryKeys(Keys):
+    """The gantry of the floor."""
+
+    controller: str = "parked"
+    at: Pose | None = None
+    jobs: list[_Job] = []
+    repeat: Flag = False
+
+    def value(self) -> GantryEntry:
+        """Return the gantry."""
+        return GantryEntry(**self.fields())
+
+
+class BridgeKeys(Keys):
+    """One more gantry on the rails of the floor, within ranges of its own."""
+
+    controller: str = "parked"
+    at: Pose
+    jobs: list[_Job] = []
+    repeat: Flag = False
+    x: Range | None = None
+    y: Range | None = None
+
+    def entry(self) -> GantryEntry:
+        """Return the gantry, but for its ranges."""
+        return GantryKeys(**self.model_dump(include=set(GantryKeys.model_fields))).value()

@@ -1,0 +1,210 @@
+"""Machines of any kind: one that the library does not know, several gantries, an AGV of a trial."""
+
+import json
+import shutil
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import navigation
+import sim
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
+TWO_GANTRIES = """
+floorplan: ariac2023
+duration: 60
+rules: {rules}
+people: [{{name: ada, personality: antagonistic}}]
+gantry: {{controller: oblivious, at: [-4.0, 1.0, 0.0], jobs: [{{move: [-6.0, 2.0, 0.0]}}]}}
+machines:
+  north:
+    kind: gantry
+    x: [-14.0, -8.0]
+    at: [-9.0, 3.0, 0.0]
+    controller: oblivious
+    jobs: [{{move: [-12.0, 0.0, 0.0]}}, {{wait: 2.0}}]
+    repeat: true
+"""
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    """The example of a kind of one's own, run and recorded."""
+    folder = tmp_path_factory.mktemp("tugger")
+    recording = sim.Recording(folder)
+    run = sim.run(sim.Trial.load(EXAMPLES / "tugger.trial.yaml"), recording)
+    recording.finish(run)
+    return run, folder
+
+
+def test_an_unknown_kind_is_watched_judged_and_expected(recorded):
+    run, _ = recorded
+    assert run.unmet == []
+    assert run.summary["machines"]["train"] == {"kind": "tugger", "rounds": 6}
+    violations = [event for event in run.events if event.get("with") == "train"]
+    assert {event["cause"] for event in violations} == {"tugger"}
+    assert run.summary["agv_violations"] == len(violations) > 0
+    assert run.violations["operator", "train"]
+    for event in violations:
+        t = event["t"]
+        law = run.scene.rules.agv_law
+        assert run.distance("operator", "train", t) == pytest.approx(event["distance"], abs=1e-6)
+        assert event["distance"] <= law.distance(event["human_speed"], event["robot_speed"]) + 1e-6
+    wrong = replace(run.trial, expect={"timeline": [{"never": {"kind": "violation", "by": "x"}}]})
+    with pytest.raises(sim.TrialError, match="no field 'by'"):
+        sim.run(wrong)
+
+
+def test_an_unknown_kind_is_recorded_and_read_back(recorded):
+    run, folder = recorded
+    back = sim.load_run(folder)
+    shape = back.scene.machine("train")
+    assert shape == run.scene.machine("train")
+    assert (shape.kind, shape.category) == ("tugger", "vehicle")
+    assert back.motions["train"] == run.motions["train"]
+    assert set(back.sample(1.0)) == {"t", *run.motions}
+    assert "train" in run.metrics["machines"]
+    page = (folder / "replay.html").read_text("utf-8")
+    assert '"name":"train"' in page.replace(" ", "")
+
+
+def test_an_unknown_kind_is_plotted_and_exported(recorded, tmp_path):
+    run, _ = recorded
+    pytest.importorskip("matplotlib")
+    shown = run.plot.trails()
+    assert len(shown.axes[0].lines) > len(run.motions)
+    pytest.importorskip("foxglove")
+    sim.export(run, tmp_path / "run.mcap")
+    assert b"train" in (tmp_path / "run.mcap").read_bytes()
+
+
+def test_people_see_an_unknown_kind_and_walk_round_it(tmp_path):
+    shutil.copy(EXAMPLES / "tugger.py", tmp_path)
+    (tmp_path / "looks.asl").write_text(
+        "+human_start <- ?machine(train, Kind, X, Y, V); .print(Kind, \" \", X, \" \", Y);"
+        " move(-12, -5, 0).",
+        encoding="utf-8",
+    )
+    trial = sim.Trial.parse(
+        """
+floorplan: ariac2023
+duration: 40
+rules: observe
+people: [{name: ada, personality: looks.asl, at: [-12.0, -10.8]}]
+machines:
+  train: {kind: "tugger:Tugger", course: [[-12, -9], [-11, -9], [-11, -8]], stop: 1000.0, speed: 3}
+""",
+        folder=tmp_path,
+    )
+    run = sim.run(trial)
+    (said,) = (event for event in run.events if event["kind"] == "said")
+    assert said["text"] == "tugger -12 -9"
+    assert any(event["kind"] == "arrived" for event in run.events)
+    t = np.arange(10.0, 40.0, 0.1)
+    apart = run.motions["ada"].position(t) - run.motions["train"].position(t)
+    half = (1.8 / 2, 0.9 / 2)
+    gap = np.hypot(*np.maximum(np.abs(apart) - half, 0.0).T)
+    assert gap.min() > 0.3 - 1e-3
+
+
+def test_a_protective_stop_holds_an_unknown_kind(recorded):
+    run, _ = recorded
+    stopped = sim.run(replace(run.trial, rules=sim.RULE_SETS["protective_stop"], expect={}))
+    held = [e for e in stopped.events if e["kind"] == "protective_stop" and e["machine"] == "train"]
+    assert held
+    for event in held:
+        stop = 1.2 / 0.6
+        assert stopped.motions["train"].state(event["t"] + stop + 1e-6).speed == 0.0
+
+
+@pytest.mark.parametrize(
+    ("keys", "words"),
+    [
+        ("{kind: nothing}", "no kind of machine is called 'nothing'"),
+        ("{kind: 'tugger:Tram'}", "tugger.py defines no class or function 'Tram'"),
+        ("{kind: gantry, at: [0, 0, 0], speed: 3}", "machines.train.speed: unknown key"),
+        ("{kind: gantry, at: [99, 0, 0]}", "machines.train.at: x = 99"),
+        ("{kind: agv, origin: [0, 0]}", "machines.train.limits: is missing"),
+        ("{course: [[0, 0]]}", "machines.train.kind: no kind"),
+    ],
+)
+def test_what_is_wrong_with_a_machine_is_said_where_it_stands(tmp_path, keys, words):
+    shutil.copy(EXAMPLES / "tugger.py", tmp_path)
+    with pytest.raises(sim.TrialError) as refused:
+        sim.Trial.parse(f"floorplan: ariac2023\nmachines:\n  train: {keys}\n", folder=tmp_path)
+    assert words in str(refused.value)
+
+
+def test_keys_of_a_kind_of_ones_own_are_checked_before_it_moves(tmp_path):
+    shutil.copy(EXAMPLES / "tugger.py", tmp_path)
+    text = "floorplan: ariac2023\nmachines: {train: {kind: 'tugger:Tugger', course: 3}}\n"
+    trial = sim.Trial.parse(text, folder=tmp_path)
+    with pytest.raises(sim.MachineError, match="'train': course"):
+        sim.run(trial)
+    text = text.replace("3", "[[0, 0], [1, 1]]")
+    with pytest.raises(sim.MachineError, match="at least three corners"):
+        sim.run(sim.Trial.parse(text, folder=tmp_path))
+    with pytest.raises(sim.TrialError, match="refused"):
+        sim.Trial.parse(text, folder=tmp_path, own_code=False)
+
+
+@pytest.mark.parametrize("rules", ["paper", "protective_stop"])
+def test_several_gantries_work_on_one_floor(rules):
+    trial = sim.Trial.parse(TWO_GANTRIES.format(rules=rules))
+    assert sim.Trial.parse(trial.to_yaml()) == trial
+    run = sim.run(trial)
+    machines = run.summary["machines"]
+    assert machines["gantry"]["jobs_done"] == 1
+    assert machines["north"]["jobs_done"] > 2
+    assert run.summary["jobs_done"] == machines["gantry"]["jobs_done"] + machines["north"]["jobs_done"]
+    x = run.motions["north"].position(np.linspace(0.0, 60.0, 601))[:, 0]
+    assert x.min() >= -14.0 - 1e-9 and x.max() <= -8.0 + 1e-9
+    named = {e.get("machine", "gantry") for e in run.events if e["kind"] == "job_done"}
+    assert named == {"gantry", "north"}
+    assert {name for _, name in run.violations} >= {"gantry", "north"}
+    disabled = run.summary["gantry_disabled_time"]
+    assert disabled == pytest.approx(sum(machines[m]["disabled_time"] for m in ("gantry", "north")))
+
+
+def test_a_trial_adds_an_agv_and_a_law_of_its_own():
+    trial = sim.Trial.parse(
+        """
+floorplan: ariac2023
+duration: 30
+people: [{name: ada}]
+machines:
+  cart:
+    kind: agv
+    origin: [-12.0, -9.0]
+    limits: [0.0, 10.0]
+    locations: {far: 8.0}
+    moves: [{time: 2.0, to: far}]
+expect: {timeline: [{eventually: {kind: agv_moved, agv: cart}}]}
+"""
+    )
+    near = replace(trial.rules, laws={"cart": navigation.FixedDistance(0.7)})
+    run = sim.run(replace(trial, rules=near))
+    assert run.unmet == []
+    assert run.motions["cart"].position(30.0) == pytest.approx([-4.0, -9.0])
+    assert run.required("ada", "cart", [1.0, 5.0]) == pytest.approx([0.7, 0.7])
+    assert json.loads(json.dumps(run.summary))["machines"]["cart"] == {"kind": "agv"}
+
+
+def test_nothing_happens_before_the_start():
+    heard = []
+
+    class Ears(sim.Listener):
+        def begin(self, scene):
+            heard.append(scene)
+
+        def event(self, event):
+            heard.append(event["kind"])
+
+    simulation = sim.Simulation(sim.Trial.load("ariac2023"), Ears())
+    assert heard == [] and simulation.events == []
+    simulation.start()
+    assert heard == [simulation.scene, "trial_started"]
+    simulation.start()
+    assert len(heard) == 2
