@@ -9,7 +9,7 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from floorplan import Fault, Floorplan, Gantry, misfits, suggestion
+from floorplan import Fault, Floorplan, Gantry, field_name, misfits, suggestion
 
 from ..core.machine import MachineShape
 from ..core.machine_model import MachineEntry, MachineModel
@@ -59,9 +59,12 @@ def models_of(scenario: Scenario, *, own: bool = True) -> dict[str, MachineModel
         kind = _kind(name, entry, scenario)
         try:
             models[name] = kind.read(name, entry.keys)
+            faults = [*models[name].faults(scenario.floorplan, _vehicles(scenario))]
         except ValidationError as why:
-            faults = "; ".join(f"{'.'.join(map(str, at))} {what}" for what, at in misfits(why))
-            raise MachineError(f"the machine {name!r}: {faults}") from None
+            faults = [*misfits(why)]
+        if faults:
+            told = "; ".join(f"{field_name(place)}: {message}" for message, place in faults)
+            raise MachineError(f"the machine {name!r}: {told}")
     return models
 
 
@@ -96,7 +99,7 @@ def machine_faults(scenario: Scenario) -> Iterator[Fault]:
     """Yield what can't be about the `machines` of a trial; code of the user's own is not run."""
     plan = scenario.floorplan
     taken = {GANTRY, *(lane.name for lane in plan.lanes)}
-    vehicles = {*scenario.machines, *(lane.name for lane in plan.lanes)}
+    vehicles = _vehicles(scenario)
     for name, entry in scenario.machines.items():
         if name in taken:
             yield f"another machine is called {name!r} already", (name,)
@@ -132,6 +135,10 @@ def own_kind(name: str, entry: MachineEntry, folder: Path, *, own_code: bool = T
         return find_source(kind, folder, MODEL)
     except OwnCodeError as why:
         raise MachineError(f"the machine {name!r}: {why}") from why
+
+
+def _vehicles(scenario: Scenario) -> set[str]:
+    return {*scenario.machines, *(lane.name for lane in scenario.floorplan.lanes)}
 
 
 def _kind(name: str, entry: MachineEntry, scenario: Scenario) -> type[MachineModel]:

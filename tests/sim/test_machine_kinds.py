@@ -50,7 +50,8 @@ def test_an_unknown_kind_is_watched_judged_and_expected(recorded):
     for event in violations:
         t = event["t"]
         law = run.scene.rules.agv_law
-        assert run.distance("operator", "train", t) == pytest.approx(event["distance"], abs=1e-6)
+        just_before = run.distance("operator", "train", t - 1e-9)
+        assert just_before == pytest.approx(event["distance"], abs=1e-6)
         assert event["distance"] <= law.distance(event["human_speed"], event["robot_speed"]) + 1e-6
     wrong = replace(run.trial, expect={"timeline": [{"never": {"kind": "violation", "by": "x"}}]})
     with pytest.raises(sim.TrialError, match="no field 'by'"):
@@ -83,7 +84,7 @@ def test_an_unknown_kind_is_plotted_and_exported(recorded, tmp_path):
 def test_people_see_an_unknown_kind_and_walk_round_it(tmp_path):
     shutil.copy(EXAMPLES / "tugger.py", tmp_path)
     (tmp_path / "looks.asl").write_text(
-        "+human_start <- ?machine(train, Kind, X, Y, V); .print(Kind, \" \", X, \" \", Y);"
+        '+human_start <- ?machine(train, Kind, X, Y, V); .print(Kind, " ", X, " ", Y);'
         " move(-12, -5, 0).",
         encoding="utf-8",
     )
@@ -116,7 +117,7 @@ def test_a_protective_stop_holds_an_unknown_kind(recorded):
     assert held
     for event in held:
         stop = 1.2 / 0.6
-        assert stopped.motions["train"].state(event["t"] + stop + 1e-6).speed == 0.0
+        assert stopped.motions["train"].state(event["t"] + stop).speed < 1e-5
 
 
 @pytest.mark.parametrize(
@@ -143,7 +144,7 @@ def test_keys_of_a_kind_of_ones_own_are_checked_before_it_moves(tmp_path):
     trial = sim.Trial.parse(text, folder=tmp_path)
     with pytest.raises(sim.MachineError, match="'train': course"):
         sim.run(trial)
-    text = text.replace("3", "[[0, 0], [1, 1]]")
+    text = text.replace("course: 3", "course: [[0, 0], [1, 1]]")
     with pytest.raises(sim.MachineError, match="at least three corners"):
         sim.run(sim.Trial.parse(text, folder=tmp_path))
     with pytest.raises(sim.TrialError, match="refused"):
@@ -158,7 +159,9 @@ def test_several_gantries_work_on_one_floor(rules):
     machines = run.summary["machines"]
     assert machines["gantry"]["jobs_done"] == 1
     assert machines["north"]["jobs_done"] > 2
-    assert run.summary["jobs_done"] == machines["gantry"]["jobs_done"] + machines["north"]["jobs_done"]
+    assert (
+        run.summary["jobs_done"] == machines["gantry"]["jobs_done"] + machines["north"]["jobs_done"]
+    )
     x = run.motions["north"].position(np.linspace(0.0, 60.0, 601))[:, 0]
     assert x.min() >= -14.0 - 1e-9 and x.max() <= -8.0 + 1e-9
     named = {e.get("machine", "gantry") for e in run.events if e["kind"] == "job_done"}

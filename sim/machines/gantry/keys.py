@@ -60,4 +60,5 @@ class BridgeKeys(Keys):
 
     def entry(self) -> GantryEntry:
         """Return the gantry, but for its ranges."""
-        return GantryKeys(**self.model_dump(include=set(GantryKeys.model_fields))).value()
+        fields = self.fields()
+        return GantryEntry(**{name: fields[name] for name in GantryKeys.model_fields})
