@@ -132,7 +132,7 @@ class Simulation:
             if person.name == name:
                 return person
         names = [person.name for person in self.people]
-        raise ValueError(f"nobody is called {name!r}; {suggestion(name, names)}")
+        raise ValueError(f"there is no person {name!r}; {suggestion(name, names)}")
 
     def advance(self, until: float) -> None:
         """Let everything happen that happens before `until` (seconds), if that is still to come.

@@ -78,6 +78,7 @@ class RuleKeys(Strictly):
     name: str | None = None
     gantry_law: Terms | None = None
     agv_law: Terms | None = None
+    laws: dict[str, Terms] = {}
     agv_offset: Number | None = None
     notice: NoticeKeys = NoticeKeys()
     machine: MachineMeasure | Disable | None = None
@@ -157,6 +158,7 @@ def build_rules(
             return None
 
     gantry_law = law(keys.gantry_law, "gantry_law")
+    of_machines = {name: law(terms, "laws", name) for name, terms in keys.laws.items()}
     noticed_by = law(keys.notice.law, "notice", "law") or gantry_law or base.notice.law.law
     rules = replace(
         base,
@@ -164,6 +166,8 @@ def build_rules(
         summary=f"based on {base.name}",
         gantry_law=gantry_law or base.gantry_law,
         agv_law=law(keys.agv_law, "agv_law") or base.agv_law,
+        laws={**base.laws}
+        | {key: found for key, found in of_machines.items() if found is not None},
         notice=_notice(keys.notice, base.notice, noticed_by),
         **_plain(keys),
     )
@@ -183,7 +187,7 @@ _PLAIN = [
     name
     for name in RuleKeys.model_fields
     if name in {field.name for field in fields(RuleSet)}
-    and name not in ("name", "gantry_law", "agv_law", "notice")
+    and name not in ("name", "gantry_law", "agv_law", "laws", "notice")
 ]
 """Keys whose values are those of the fields of the same name."""
 
@@ -208,11 +212,13 @@ def written_rules(rules: RuleSet) -> str | dict[str, Any]:
     if RULE_SETS.get(rules.name) == rules:
         return rules.name
     notice = rules.notice
+    laws = {name: written_law(law) for name, law in rules.laws.items()}
     return {
         "based_on": PAPER.name,
         "name": rules.name,
         "gantry_law": written_law(rules.gantry_law),
         "agv_law": written_law(rules.agv_law),
+        **({"laws": laws} if laws else {}),
         "notice": {
             "law": written_law(notice.law.law),
             "factor": notice.law.factor,

@@ -176,6 +176,7 @@ def test_a_trial_adds_an_agv_and_a_law_of_its_own():
         """
 floorplan: ariac2023
 duration: 30
+rules: {laws: {cart: {fixed: 0.7}}}
 people: [{name: ada}]
 machines:
   cart:
@@ -187,8 +188,9 @@ machines:
 expect: {timeline: [{eventually: {kind: agv_moved, agv: cart}}]}
 """
     )
-    near = replace(trial.rules, laws={"cart": navigation.FixedDistance(0.7)})
-    run = sim.run(replace(trial, rules=near))
+    assert trial.rules.laws == {"cart": navigation.FixedDistance(0.7)}
+    assert sim.Trial.parse(trial.to_yaml()) == trial
+    run = sim.run(trial)
     assert run.unmet == []
     assert run.motions["cart"].position(30.0) == pytest.approx([-4.0, -9.0])
     assert run.required("ada", "cart", [1.0, 5.0]) == pytest.approx([0.7, 0.7])
