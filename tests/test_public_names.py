@@ -3,12 +3,10 @@
 import importlib
 import inspect
 import re
-from pathlib import Path
 from typing import get_origin
 
 import pytest
 
-ROOT = Path(__file__).resolve().parents[1]
 PACKAGES = ("floorplan", "navigation", "bdi", "sim")
 NAMES = [
     f"{package}.{name}" for package in PACKAGES for name in importlib.import_module(package).__all__
