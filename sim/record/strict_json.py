@@ -24,4 +24,4 @@ def _require_figures(value: Any) -> None:
         for inner in value:
             _require_figures(inner)
     elif isinstance(value, int | float) and abs(value) > LARGEST:
-        raise ValueError(f"the number {value:.3g} is too large")
+        raise ValueError(f"a number is larger than {LARGEST:g}")

@@ -26,17 +26,17 @@ def recording(tmp_path_factory):
 @pytest.mark.parametrize(
     ("name", "old", "new", "place"),
     [
-        ("scene.json", "-22.0", "9" * 400, "scene.json: .* 9{20}…"),
-        ("scene.json", "-22.0", "-1e999", "scene.json: .* -1e999 "),
+        ("scene.json", "-22.0", "9" * 400, "scene.json: .* number"),
+        ("scene.json", "-22.0", "-1e999", "scene.json: .* number"),
         ("scene.json", '"agv_law":{', '"agv_law":0,"x":{', "scene.json: rules: "),
         ("motions.jsonl", '"pieces": [[0.0', '"pieces": [[1e300', "line 1, pieces"),
-        ("summary.json", '"penalties": 0', '"penalties": NaN', "summary.json: .* NaN"),
-        ("summary.json", "{", "[" * 100_000, "summary.json: .* nested too deeply"),
+        ("summary.json", '"penalties": 0', '"penalties": NaN', "summary.json: is not JSON"),
+        ("summary.json", "{", "[" * 100_000, "summary.json: is not JSON"),
         ("events.jsonl", '"at": [', '"at": [1, ', "line 3: at of goal"),
-        ("events.jsonl", '"at": [', '"at": [Infinity, ', "line 3: .* Infinity"),
+        ("events.jsonl", '"at": [', '"at": [Infinity, ', "line 3: is not JSON"),
         ("events.jsonl", '"person": "ada"', '"person": ["ada"]', "person of human_started"),
         ("thoughts.jsonl", '"believes": [', '"believes": [7, ', "line 1, believes.0: "),
-        ("thoughts.jsonl", '"t": 0.0', '"t": 0.0, "x": NaN', "line 1: .* NaN"),
+        ("thoughts.jsonl", '"t": 0.0', '"t": 0.0, "x": NaN', "line 1: is not JSON"),
     ],
 )
 def test_a_damaged_line_of_a_recording_is_named(recording, tmp_path, name, old, new, place):

@@ -34,9 +34,7 @@ def separation_faults(run):
 
 def measured_point(run, machine):
     """The point, from the centre of a machine, to which distances are measured (x, y)."""
-    if machine == "gantry":
-        return (0.0, 0.0)
-    return run.trial.rules.measured_at(run.trial.floorplan.lane(machine))
+    return run.scene.rules.measured_at(run.scene.machine(machine))
 
 
 def law_of(run, machine):
