@@ -14,7 +14,15 @@ import pytest
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGES = ("floorplan", "navigation", "bdi", "sim")
 FOLDERS = (*PACKAGES, "tests", "docs", "examples", "benchmarks")
-FILES = ("README.md", "LICENSE", "CHANGELOG.md", "MANIFEST.in", "mkdocs.yml", "noxfile.py")
+FILES = (
+    "floorwalker.py",
+    "README.md",
+    "LICENSE",
+    "CHANGELOG.md",
+    "MANIFEST.in",
+    "mkdocs.yml",
+    "noxfile.py",
+)
 REBUILT = {".git", "build", "dist", "site", "runs"}
 
 pytestmark = [
@@ -49,7 +57,7 @@ def test_the_sdist_has_all_it_takes_to_test_and_document(built):
     with tarfile.open(file) as archive:
         names = {name.partition("/")[2] for name in archive.getnames()}
     expected = {path for folder in FOLDERS for path in ours(ROOT / folder)}
-    assert expected | set(FILES) | {"pyproject.toml"} <= names
+    assert expected | {*FILES, ENTRY, "pyproject.toml"} <= names
     assert not [name for name in names if name.endswith(".pyc")]
 
 
@@ -58,7 +66,7 @@ def test_the_wheel_has_the_packages_and_nothing_else(built):
     with zipfile.ZipFile(file) as archive:
         names = {name for name in archive.namelist() if ".dist-info/" not in name}
         licence = [name for name in archive.namelist() if name.endswith("LICENSE")]
-    assert names == {path for package in PACKAGES for path in ours(ROOT / package)}
+    assert names == {ENTRY} | {path for package in PACKAGES for path in ours(ROOT / package)}
     assert licence
 
 

@@ -1,0 +1,40 @@
+"""A file of the user's own with the name of a package: said by the command, no harm to pytest."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+
+
+@pytest.fixture
+def in_folder(tmp_path):
+    """Run Python in a folder that has a sim.py and a test."""
+    (tmp_path / "sim.py").write_text("MINE = 1\n")
+    (tmp_path / "test_mine.py").write_text("from sim import MINE\n\ndef test_it(): assert MINE\n")
+
+    def run(*arguments):
+        return subprocess.run(
+            [sys.executable, *arguments],
+            cwd=tmp_path,
+            env={**os.environ, "PYTHONPATH": str(ROOT)},
+            capture_output=True,
+            text=True,
+        )
+
+    return run
+
+
+def test_the_command_names_the_file_that_hides_a_package(in_folder):
+    done = in_folder("-m", "floorwalker", "list")
+    assert done.returncode == 1 and done.stdout == ""
+    assert "sim.py hides" in done.stderr and "Traceback" not in done.stderr
+
+
+def test_pytest_goes_on_without_the_plugin(in_folder):
+    done = in_folder("-m", "pytest", "-p", "floorwalker", "-p", "no:cacheprovider", "test_mine.py")
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "sim.py hides" in done.stdout
