@@ -14,8 +14,8 @@ import pytest
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGES = ("floorplan", "navigation", "bdi", "sim")
 FOLDERS = (*PACKAGES, "tests", "docs", "examples", "benchmarks")
+ENTRY = "floorwalker.py"
 FILES = (
-    "floorwalker.py",
     "README.md",
     "LICENSE",
     "CHANGELOG.md",
