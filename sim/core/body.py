@@ -18,7 +18,7 @@ PERSON = "person"
 
 
 class Body:
-    """Something that moves: what it does now, and what it did."""
+    """Something that moves, with its present motion and the track of those before."""
 
     def __init__(self, clock: Clock, name: str, kind: str, motion: Motion) -> None:
         self.name = name
@@ -36,16 +36,16 @@ class Body:
 
     @property
     def state(self) -> State:
-        """Where it is and how it moves now."""
+        """Pose and velocity now."""
         return self.motion.state(self.clock.now)
 
     @property
     def at(self) -> tuple[float, float]:
-        """Where it is now: x, y in metres."""
+        """Position now: x, y in metres."""
         return self.state.at
 
     def follow(self, motion: Motion) -> None:
-        """Do this from now on, instead of what it was doing.
+        """Follow `motion` from now on, in place of the motion before it.
 
         `on_jump` is called where the body is put elsewhere by it, `on_change` in any case.
         """
@@ -59,7 +59,7 @@ class Body:
             changed()
 
     def settle(self) -> None:
-        """Add what was done until now to its track."""
+        """Add the motion carried out until now to the track."""
         now = self.clock.now
         if now > self._since:
             done = self.motion.cut(self._since, now)
@@ -69,12 +69,12 @@ class Body:
                 self.on_record(self, done)
 
     def track(self) -> Motion:
-        """All that it did so far, as one motion (it jumps where it was put elsewhere)."""
+        """Return all that it did so far, as one motion (it jumps where it was put elsewhere)."""
         self.settle()
         return self._track.motion() if self._track else self.motion
 
     def remember_plans(self) -> Plans:
-        """From now on, what it was about to do at every instant, whatever came of it."""
+        """Return its plans, kept from now on: the motion it set out on at every instant."""
         plans = Plans(self.clock.now, self.motion)
         self.on_change.append(lambda: plans.add(self.clock.now, self.motion))
         return plans

@@ -12,7 +12,15 @@ from simpy.events import Event, EventPriority
 
 
 class Turn(IntEnum):
-    """Who goes first among what happens at one instant; as SimPy's priorities, the lower one."""
+    """Order of what happens at one instant; as with SimPy's priorities, the lowest goes first.
+
+    `VIOLATION` comes before `MOTION_ENDS`, so that the law is applied to the speeds with which the
+    instant was reached, before anybody sets out anew. People notice (`NOTICE`) once positions and
+    protective stops of the instant are settled, and think (`THOUGHT`) once all their percepts of
+    the instant are there, so that one thought sees them all. `INSISTENCE` comes last: a mind has
+    had its turn to obey a rule before the rule is enforced. Within a turn, the order in which
+    events were put on the clock decides, so that a run can be repeated exactly.
+    """
 
     VIOLATION = 0
     MOTION_ENDS = 1
@@ -30,10 +38,10 @@ class StandstillError(ValueError):
 
 
 class Clock(simpy.Environment):
-    """A SimPy environment that also knows how to wait for an instant, not only for a delay.
+    """SimPy environment that can also wait for an instant, not only for a delay.
 
     SimPy adds a delay to the present time, which rounds; an instant at which two motions meet
-    has to arrive as it was worked out.
+    has to arrive as it was computed.
 
     `most` events may happen within a `MOMENT`; `StandstillError` where there are more, with
     what `busy` says that happens.
@@ -52,7 +60,7 @@ class Clock(simpy.Environment):
         self.begin_moment()
 
     def begin_moment(self) -> None:
-        """Count anew what happens, because something has come from outside the simulation."""
+        """Count events anew, because something has come from outside the simulation."""
         self._moment_ends = self.now + MOMENT
         self._happened = 0
 
@@ -69,7 +77,7 @@ class Clock(simpy.Environment):
             )
 
     def at(self, t: float, turn: Turn = Turn.MOTION_ENDS) -> Event:
-        """An event that happens at `t` (seconds, not before now)."""
+        """Return an event that happens at `t` (seconds, not before now)."""
         event = Event(self)
         event._ok = True
         event._value = None
@@ -78,14 +86,14 @@ class Clock(simpy.Environment):
         return event
 
     def call_at(self, t: float, action: Callable[[], None], turn: Turn = Turn.MOTION_ENDS) -> Event:
-        """Call `action` at `t` (seconds); the event of that instant."""
+        """Call `action` at `t` (seconds); return the event of that instant."""
         event = self.at(t, turn)
         assert event.callbacks is not None  # it has not happened yet
         event.callbacks.append(lambda _: action())
         return event
 
     def end(self) -> Event:
-        """An event that stops the clock when it happens."""
+        """Return an event that stops the clock when it happens."""
         event = Event(self)
         assert event.callbacks is not None  # it has not happened yet
         event.callbacks.append(StopSimulation.callback)
@@ -104,7 +112,7 @@ class Alarm:
 
     @property
     def time(self) -> float | None:
-        """When it is set to ring, if it is."""
+        """Instant at which it is set to ring (seconds); None if it is not set."""
         return self._time
 
     def set(self, t: float | None) -> None:

@@ -1,4 +1,4 @@
-"""Folders that are called after a trial or a study."""
+"""Folders named after a trial or a study."""
 
 from __future__ import annotations
 
@@ -7,6 +7,6 @@ from pathlib import Path
 
 
 def folder_for(name: str, parent: str) -> Path:
-    """The folder right in `parent` for a trial or a study called `name`, whatever that is."""
+    """Return the folder right in `parent` for a trial or a study named `name`, whatever it is."""
     plain = re.sub(r"[/\\]", "-", name)
     return Path(parent) / (plain if plain.strip(".") else "unnamed")

@@ -1,4 +1,4 @@
-"""Machines: what everybody knows of one, and what a simulation asks of it."""
+"""Machines: the description that others see, and the interface that a simulation uses."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Machines of a trial before they move: what it says of each, by kind."""
+"""Machines of a trial before they move: a model of each, by kind."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from .stage import Stage
 
 
 class MachineModel(ABC):
-    """What a trial says of one machine; the model of a kind is a frozen dataclass.
+    """Description of one machine in a trial; the model of a kind is a frozen dataclass.
 
     Its fields are the keys in a trial file. The name of the machine is given where it is asked.
     """
@@ -27,7 +27,7 @@ class MachineModel(ABC):
 
     @classmethod
     def read(cls, name: str, keys: Mapping[str, Any]) -> Self:
-        """Return the model of the machine called `name` with these keys of a trial file.
+        """Return the model of the machine `name` with these keys of a trial file.
 
         `pydantic.ValidationError` if there is something wrong with them.
         """
@@ -35,14 +35,14 @@ class MachineModel(ABC):
 
     @abstractmethod
     def shape(self, name: str, plan: Floorplan) -> MachineShape:
-        """Return what others know of the machine called `name` on this floor."""
+        """Return the shape of the machine `name` on this floor, as others see it."""
 
     @abstractmethod
     def make(self, name: str, stage: Stage) -> Machine:
-        """Return the machine called `name`, which does nothing until it is to `begin`."""
+        """Return the machine `name`, which does nothing until `begin`."""
 
     def faults(self, plan: Floorplan, vehicles: Iterable[str]) -> Iterable[Fault]:
-        """Return what can't be about it on this floor, each with its place among the keys.
+        """Return the faults it has on this floor, each with its place among the keys.
 
         `vehicles` are the names of those in the trial.
         """

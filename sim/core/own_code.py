@@ -14,11 +14,11 @@ from typing import Any
 from .own_source import OwnCodeError, Source, in_words, line_in, misfit
 
 _imported: dict[Path, dict[str, ModuleType]] = {}
-"""What was imported from the folders of trials, by its name there."""
+"""Modules imported from the folders of trials, by their names there."""
 
 
 def import_own(source: Source) -> Any:
-    """The object at `source`, whose module is imported.
+    """Import the module of `source` and return the object there.
 
     It is the module in that file, whatever else of its name was imported before. `OwnCodeError`
     if it can't be imported, or if what has the name then was not defined there or is not of the
@@ -65,7 +65,7 @@ def _top(module_name: str) -> str:
 def _looked_up_in(folder: Path, top: str) -> Iterator[None]:
     """Let `import` look into `folder` first, and know nothing from the folders of other trials.
 
-    What is called `top` and stands elsewhere is set aside meanwhile.
+    A module named `top` that stands elsewhere is set aside meanwhile.
     """
     for modules in _imported.values():
         for name, module in modules.items():
@@ -94,12 +94,12 @@ def _looked_up_in(folder: Path, top: str) -> Iterator[None]:
 
 
 def _loaded(top: str) -> list[str]:
-    """What is loaded of the package, or the module, called `top`."""
+    """Return the names of the loaded modules of the package, or the module, `top`."""
     return [name for name in sys.modules if _top(name) == top]
 
 
 def _stands_in(folder: Path, top: str) -> bool:
-    """Whether the package or module that is loaded as `top` stands right in `folder`."""
+    """Return True if the package or module that is loaded as `top` stands right in `folder`."""
     module = sys.modules.get(top)
     places = (*getattr(module, "__path__", ()), getattr(module, "__file__", None))
     return any(place and Path(place).parent.resolve() == folder for place in places)

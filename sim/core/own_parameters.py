@@ -19,7 +19,7 @@ class Parameters:
 
 
 def parameters(definition: ast.ClassDef) -> Parameters | None:
-    """The parameters of a class as far as its source shows them; None if only a run can."""
+    """Return the parameters of a class as its source shows them; None if only a run can."""
     for node in definition.body:
         if isinstance(node, ast.FunctionDef) and node.name == "__init__":
             return None if definition.decorator_list or node.decorator_list else _of_init(node)
@@ -45,7 +45,7 @@ def _of_init(node: ast.FunctionDef) -> Parameters:
 
 
 def _of_fields(definition: ast.ClassDef) -> Parameters | None:
-    """The fields of a dataclass; None where `field()` and the like say more than a value."""
+    """Return the fields of a dataclass; None where `field()` and the like say more than a value."""
     names, needed = [], []
     for node in definition.body:
         if not (isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name)):

@@ -54,7 +54,7 @@ class Source:
 
 
 def find_source(name: str, folder: Path, kind: Kind) -> Source:
-    """The definition of `package.module:name` in a module or package that stands in `folder`.
+    """Return the definition of `package.module:name`, a module or package right in `folder`.
 
     Nothing is imported. `OwnCodeError` if there is no such file, if it can't be parsed, or if it
     does not define a class or function of that name, of that `kind`, at its top level.
@@ -85,18 +85,18 @@ def find_source(name: str, folder: Path, kind: Kind) -> Source:
 
 
 def misfit(source: Source) -> OwnCodeError:
-    """The error that something is not of its kind."""
+    """Return the error that something is not of its kind."""
     place = f"{source.file.name}, line {source.definition.lineno}"
     return OwnCodeError(f"{source.name!r} ({place}) is no {source.kind.words}")
 
 
 def in_words(why: BaseException) -> str:
-    """The error with its type: a `KeyError` says no more than the key."""
+    """Return the error's text with its type: a `KeyError` says no more than the key."""
     return f"{type(why).__name__}: {why}".removesuffix(": ")
 
 
 def line_in(why: BaseException, file: Path) -> str:
-    """The line of the source `file` in which an error arose, as " (FILE, line N)", or nothing."""
+    """Return the line of `file` in which an error arose, as " (FILE, line N)", or nothing."""
     frames = traceback.extract_tb(why.__traceback__)
     lines = [frame.lineno for frame in frames if frame.filename == str(file)]
     if isinstance(why, SyntaxError) and why.filename == str(file):
@@ -110,7 +110,7 @@ def is_plain(definition: ast.ClassDef) -> bool:
 
 
 def methods(definition: ast.ClassDef) -> set[str]:
-    """The names that the body of a class binds with `def` or `=`."""
+    """Return the names that the body of a class binds with `def` or `=`."""
     bound = {node.name for node in definition.body if isinstance(node, ast.FunctionDef)}
     for node in definition.body:
         if isinstance(node, ast.Assign):
@@ -125,7 +125,7 @@ def _is_name(text: str) -> bool:
 def _definitions(name: str, file: Path) -> dict[str, Definition]:
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # they are told when the file is imported
+            warnings.simplefilter("ignore")  # they are shown when the file is imported
             tree = ast.parse(read_bytes(file, InputError), filename=str(file))
         return {found.name: found for found in _defined(tree.body)}
     except InputError as why:
@@ -135,7 +135,7 @@ def _definitions(name: str, file: Path) -> dict[str, Definition]:
 
 
 def _defined(body: list[ast.stmt]) -> Iterator[Definition]:
-    """The classes and functions of a module, also those under `if`, `try` and the like."""
+    """Yield the classes and functions of a module, also those under `if`, `try` and the like."""
     for node in body:
         if isinstance(node, ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
             yield node

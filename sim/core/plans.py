@@ -1,4 +1,4 @@
-"""What a body was about to do, whatever came of it."""
+"""Plans: the motions that a body set out on, whatever came of them."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ class Plans:
 
     def __init__(self, since: float, motion: Motion) -> None:
         self.changes = [since]
-        """From when on (seconds) it was about to do each of them."""
+        """Instants (seconds) from which on it was about to do each of them."""
         self._motions = [motion]
 
     def add(self, t: float, motion: Motion) -> None:
-        """From `t` (seconds) on, it is about to do `motion` instead."""
+        """Add `motion` as its plan from `t` (seconds) on."""
         self.changes.append(t)
         self._motions.append(motion)
 
     def at(self, t: float) -> Motion:
-        """What it was about to do from `t` (seconds) on."""
+        """Return its plan from `t` (seconds) on."""
         return self._motions[max(0, bisect_right(self.changes, t) - 1)]
 
     def before(self, t: float) -> Motion:
-        """What it was about to do just before `t` (seconds)."""
+        """Return its plan just before `t` (seconds)."""
         return self._motions[max(0, bisect_left(self.changes, t) - 1)]

@@ -42,16 +42,16 @@ class Listener:
     wants_thoughts = False
 
     def begin(self, scene: Scene) -> None:
-        """Everybody is in place: the run begins."""
+        """Take note that everybody is in place: the run begins."""
 
     def event(self, event: Event) -> None:
-        """Something happened."""
+        """Take note of an event."""
 
     def motion(self, body: Body, motion: Motion) -> None:
-        """A body has done this."""
+        """Take note of a motion that a body has carried out."""
 
     def thought(self, thought: Thought) -> None:
-        """A person has thought."""
+        """Take note of a person's thought."""
 
 
 class Listeners(Listener):
@@ -62,29 +62,29 @@ class Listeners(Listener):
         self.wants_thoughts = any(listener.wants_thoughts for listener in listeners)
 
     def begin(self, scene: Scene) -> None:
-        """Everybody is in place: the run begins."""
+        """Notify each of them that everybody is in place: the run begins."""
         for listener in self._listeners:
             listener.begin(scene)
 
     def event(self, event: Event) -> None:
-        """Something happened."""
+        """Notify each of them of an event."""
         for listener in self._listeners:
             listener.event(event)
 
     def motion(self, body: Body, motion: Motion) -> None:
-        """A body has done this."""
+        """Notify each of them of a motion that a body has carried out."""
         for listener in self._listeners:
             listener.motion(body, motion)
 
     def thought(self, thought: Thought) -> None:
-        """A person has thought."""
+        """Notify those that want thoughts of one."""
         for listener in self._listeners:
             if listener.wants_thoughts:
                 listener.thought(thought)
 
 
 def recording_to(listener: Listener, now: Callable[[], float]) -> Record:
-    """A `Record` that stamps events with the time and hands them to `listener`."""
+    """Return a `Record` that stamps events with the time and hands them to `listener`."""
 
     def record(event: EventKind) -> None:
         listener.event(rounded({"t": now(), **event.recorded()}))
@@ -93,7 +93,7 @@ def recording_to(listener: Listener, now: Callable[[], float]) -> Record:
 
 
 def rounded(value: Any) -> Any:
-    """The same data with its floats rounded to `DECIMALS`, and no negative zero."""
+    """Return the same data with its floats rounded to `DECIMALS`, and no negative zero."""
     if isinstance(value, float):
         short = round(value, DECIMALS) + 0.0
         # Thousands of events name the same places: the same number need be there but once.

@@ -22,10 +22,10 @@ from navigation import (
 from .machine import MachineShape
 
 MachineMeasure = Literal["none", "stop", "disable"]
-"""What a violation does to the machine."""
+"""Consequence of a violation for the machine."""
 
 PersonMeasure = Literal["none", "teleport"]
-"""What a violation does to the person."""
+"""Consequence of a violation for the person."""
 
 NO_TIME = "must be more than 0; for violations that leave the machine alone say machine: none"
 """The fault of a rule set that disables the gantry for no time."""
@@ -61,8 +61,9 @@ class RuleSet:
       gantry is still disabled it does both, and the time starts anew. AGVs drive on.
 
     What it does to the `person` is "none" or "teleport": they are put into the safe zone and wait
-    there, `pause_after_violation` or `pause_after_agv`. With `report_every`, a person is told of
-    violations and teleported at most every so many seconds; one that still lasts then counts anew.
+    there, `pause_after_violation` or `pause_after_agv`. With `report_every`, a person
+    is notified of violations and teleported at most every so many seconds; one that still lasts
+    then counts anew.
 
     Distances to an AGV are measured to the point that lies `agv_offset` along its lane from its
     centre. `laws` holds other laws for some machines, by their names or kinds.
@@ -109,7 +110,7 @@ class RuleSet:
         return Both(Moving(), too_close) if machine.category == "vehicle" else too_close
 
     def measured_at(self, machine: MachineShape) -> Point:
-        """Return where distances to `machine` are measured to, from its axis (metres)."""
+        """Return the point (x, y in metres from its axis) to which distances are measured."""
         if machine.category == "robot" or machine.direction is None:
             return (0.0, 0.0)
         along_x, along_y = machine.direction
@@ -173,7 +174,7 @@ RULE_SETS = {rules.name: rules for rules in (PAPER, ARIAC2023, OBSERVE, PROTECTI
 
 
 def rule_set(name: str) -> RuleSet:
-    """Return the rule set called `name`; `ValueError` that names those there are."""
+    """Return the built-in rule set `name`; `ValueError` that names those there are."""
     try:
         return RULE_SETS[name]
     except KeyError:

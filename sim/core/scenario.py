@@ -54,7 +54,7 @@ class PersonEntry:
 
     @property
     def personality_name(self) -> str:
-        """The personality's name: as it is given, or of a program what its source is called."""
+        """The personality's name: as it is given, or of a program the name of its source."""
         return _personality_name(self.personality)
 
     def home_on(self, plan: Floorplan) -> SafeZone | None:

@@ -1,4 +1,4 @@
-"""Where a run takes place: the floor, the rules, and who and what is there as it begins."""
+"""Scene of a run: the floor, the rules, and who and what is there as it begins."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Pose = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class Figure:
-    """A person as others see them: a name, a size (metres), and what their personality is called.
+    """A person as others see them: a name, a personality, and a size (metres).
 
     `personality` is as the trial gives it: a built-in name, or the path of an .asl file.
     """
@@ -43,7 +43,7 @@ class Scene:
     machines: tuple[MachineShape, ...] = ()
 
     def kind(self, body: str) -> str:
-        """What the body called `body` is; `KeyError` if there is none."""
+        """Return the kind of the body named `body`; `KeyError` if there is none."""
         if body not in self.starts:
             raise KeyError(f"no body is called {body!r} (there are: {', '.join(self.starts)})")
         if any(person.name == body for person in self.people):
@@ -51,7 +51,7 @@ class Scene:
         return self.machine(body).kind
 
     def machine(self, name: str) -> MachineShape:
-        """Return the machine called `name`; `KeyError` if there is none."""
+        """Return the machine `name`; `KeyError` if there is none."""
         for machine in self.machines:
             if machine.name == name:
                 return machine

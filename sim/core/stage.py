@@ -28,12 +28,12 @@ class Bystander(Protocol):
 
     @property
     def body(self) -> Body:
-        """Where they are, and how they move."""
+        """Their body."""
         ...
 
     @property
     def top_speed(self) -> float:
-        """How fast they may come (m/s)."""
+        """Speed at which they approach at most (m/s)."""
         ...
 
     def warn(self, percept: str, machine: Machine) -> None:
@@ -47,10 +47,10 @@ class Bystander(Protocol):
 
 @dataclass(eq=False, kw_only=True)
 class Stage:
-    """What everybody in a simulation has in common.
+    """State that everybody in a simulation shares.
 
     `people` and `machines` are there from the beginning, each complete before anybody acts;
-    `fastest` (m/s) is how fast people may come. Machines that come to rest say so by
+    `fastest` (m/s) is the highest speed of people. Machines that come to rest say so by
     `came_to_rest`.
     """
 
@@ -71,7 +71,7 @@ class Stage:
 
     @property
     def vehicles(self) -> Iterable[Machine]:
-        """The machines that stand in people's way."""
+        """The machines that drive on the floor, and can block people's paths."""
         return (m for m in self.machines.values() if m.shape.category == "vehicle")
 
     @property

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Start:
-    """What is waited for: a time (seconds), or something that happens.
+    """Condition that is waited for: a time (seconds), or something that happens.
 
     `part_placed` holds the fields a placed part must have (part, agv), `order_submitted` the
     order's name, `event` the kind of an event; it must happen for the `count`th time. Events

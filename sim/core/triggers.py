@@ -23,7 +23,7 @@ class _Waiting:
 
 
 class Triggers:
-    """Does things when what they wait for happens, each once."""
+    """Calls each action once, when its condition is met."""
 
     def __init__(self, clock: Clock) -> None:
         self._clock = clock
@@ -40,15 +40,15 @@ class Triggers:
             self._waiting.append(_Waiting(start, who, action))
 
     def notify(self, event: Event) -> None:
-        """Call what has waited for the event, in the order of the waiting."""
-        called = []
+        """Call the actions that have waited for the event, in the order of their waiting."""
+        due = []
         for waiting in self._waiting:
             if _is(event, waiting.start, waiting.who):
                 waiting.seen += 1
                 if waiting.seen == waiting.start.count:
-                    called.append(waiting)
-        self._waiting = [waiting for waiting in self._waiting if waiting not in called]
-        for waiting in called:
+                    due.append(waiting)
+        self._waiting = [waiting for waiting in self._waiting if waiting not in due]
+        for waiting in due:
             waiting.action()
 
 

@@ -1,4 +1,4 @@
-"""What an ARIAC trial asks for, and what there is to do it with."""
+"""Workload of an ARIAC trial: its orders, and the parts and trays to fill them with."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from dataclasses import dataclass, field
 from .start import Start
 
 TYPES = ("battery", "pump", "regulator", "sensor")
-"""What parts there are."""
+"""Types of parts."""
 
 COLORS = ("blue", "green", "orange", "purple", "red")
-"""What colours parts have."""
+"""Colours of parts."""
 
 
 @dataclass(frozen=True, order=True)
@@ -70,7 +70,7 @@ class CombinedTask:
 
 @dataclass(frozen=True)
 class Order:
-    """One order: what has to be done, when it is announced, and whether it goes before others."""
+    """One order: its task, the condition of its announcement, and its priority."""
 
     id: str
     task: KittingTask | AssemblyTask | CombinedTask
@@ -79,7 +79,7 @@ class Order:
 
     @property
     def kind(self) -> str:
-        """kitting, assembly or combined."""
+        """The kind of its task: kitting, assembly or combined."""
         return type(self.task).__name__.removesuffix("Task").lower()
 
 
@@ -119,5 +119,5 @@ class Workload:
 
     @property
     def parts(self) -> tuple[str, ...]:
-        """What parts can be called, whether or not the trial has them."""
+        """Names of all parts that can be, whether or not the trial has them."""
         return tuple(str(Part(color, type)) for color in COLORS for type in TYPES)
