@@ -42,7 +42,7 @@ def recorded(tmp_path_factory):
 def test_an_unknown_kind_is_watched_judged_and_expected(recorded):
     run, _ = recorded
     assert run.unmet == []
-    assert run.summary["machines"]["train"] == {"kind": "tugger", "rounds": 6}
+    assert run.summary["machines"]["train"] == {"kind": "tugger", "rounds": 7}
     violations = [event for event in run.events if event.get("with") == "train"]
     assert {event["cause"] for event in violations} == {"tugger"}
     assert run.summary["agv_violations"] == len(violations) > 0
