@@ -105,7 +105,7 @@ def machine_faults(scenario: Scenario) -> Iterator[Fault]:
             yield f"another machine is called {name!r} already", (name,)
         try:
             if is_own(entry):
-                own_kind(name, entry, scenario.folder, own_code=scenario.own_code)
+                own_kind(entry, scenario.folder, own_code=scenario.own_code)
                 continue
             model = _kind(name, entry, scenario).read(name, entry.keys)
         except MachineError as why:
@@ -121,7 +121,7 @@ def machine_faults(scenario: Scenario) -> Iterator[Fault]:
                 yield message, (name, *place)
 
 
-def own_kind(name: str, entry: MachineEntry, folder: Path, *, own_code: bool = True) -> Source:
+def own_kind(entry: MachineEntry, folder: Path, *, own_code: bool = True) -> Source:
     """Return the source of a machine's own kind, which is not imported; `MachineError` if none."""
     kind = str(entry.kind)
     if ":" not in kind:
@@ -130,11 +130,11 @@ def own_kind(name: str, entry: MachineEntry, folder: Path, *, own_code: bool = T
             " your own is package.module:Class"
         )
     if not own_code:
-        raise MachineError(f"the machine {name!r}: {kind!r}: {REFUSED}")
+        raise MachineError(f"{kind!r}: {REFUSED}")
     try:
         return find_source(kind, folder, MODEL)
     except OwnCodeError as why:
-        raise MachineError(f"the machine {name!r}: {why}") from why
+        raise MachineError(str(why)) from why
 
 
 def _vehicles(scenario: Scenario) -> set[str]:
@@ -146,10 +146,10 @@ def _kind(name: str, entry: MachineEntry, scenario: Scenario) -> type[MachineMod
         return entry.kind
     if entry.kind in KINDS:
         return KINDS[entry.kind]
-    source = own_kind(name, entry, scenario.folder, own_code=scenario.own_code)
     try:
+        source = own_kind(entry, scenario.folder, own_code=scenario.own_code)
         found: type[MachineModel] = import_own(source)
-    except OwnCodeError as why:
+    except (MachineError, OwnCodeError) as why:
         raise MachineError(f"the machine {name!r}: {why}") from why
     return found
 

@@ -61,7 +61,7 @@ def _parts(trial: Trial) -> Iterator[tuple[str, str]]:
         yield f"the controller {name}", _digest(Path(file).read_text(encoding="utf-8"))
     for name, entry in trial.machines.items():
         if is_own(entry):
-            kind = own_kind(name, entry, trial.folder).file.read_text(encoding="utf-8")
+            kind = own_kind(entry, trial.folder).file.read_text(encoding="utf-8")
             yield f"the machine {name}", _digest(kind)
 
 

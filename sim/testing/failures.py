@@ -13,6 +13,7 @@ import bdi
 from ..core.clock import StandstillError
 from ..core.output import write_whole
 from ..machines.gantry.controllers import ControllerError
+from ..machines.kinds import MachineError
 from ..people.actions import MindError
 from ..runs.run import Run
 from ..safety.own_law import LawError
@@ -47,6 +48,7 @@ class Failures:
         except (
             ControllerError,
             LawError,
+            MachineError,
             MindError,
             StandstillError,
             bdi.ProgramError,

@@ -15,6 +15,7 @@ from floorplan import Document, InputError
 from ..core.clock import StandstillError
 from ..core.scenario import TrialError
 from ..machines.gantry.controllers import ControllerError
+from ..machines.kinds import MachineError
 from ..people.actions import MindError
 from ..safety.own_law import LawError
 from ..trials.comparison import Verdict
@@ -27,6 +28,7 @@ _TOLD = (
     bdi.ProgramError,
     ControllerError,
     LawError,
+    MachineError,
     MindError,
     StandstillError,
 )
