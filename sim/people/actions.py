@@ -27,14 +27,14 @@ class MindError(ValueError):
 
 
 class Actions:
-    """What one person can do, by the names that programs have for it.
+    """Actions of one person, by the names that programs have for them.
 
     `home` is where they are put after a violation. Of several robots, "the gantry" is the nearest.
     """
 
     def __init__(self, stage: Stage, walker: Walker, errand: Errand, home: SafeZone) -> None:
         self.put_home_at: float | None = None
-        """When they were last put home, seconds."""
+        """Instant at which they were last put home (seconds)."""
         self._stage = stage
         self._walker = walker
         self._errand = errand
@@ -53,7 +53,10 @@ class Actions:
         self._signatures = {name: inspect.signature(act) for name, act in self._actions.items()}
 
     def perform(self, action: bdi.Literal) -> bool:
-        """Carry out an external action; whether it could be. `MindError` if there is none such."""
+        """Carry out an external action; return True if it could be.
+
+        `MindError` if there is no such action, or if its arguments are wrong.
+        """
         if action.functor != "walk_speed":
             self._errand.give_up()
         perform = self._actions.get(action.functor)
@@ -72,7 +75,7 @@ class Actions:
         return perform(*arguments)
 
     def teleport(self, reason: str) -> bool:
-        """Put the person home, for this reason; whether there is room."""
+        """Put the person home, for this reason; return True if there is room."""
         self.put_home_at = self._stage.clock.now
         self._errand.give_up()
         at = self._place_at_home()
@@ -83,7 +86,7 @@ class Actions:
         return True
 
     def _place_at_home(self) -> Place | None:
-        """Home, or the nearest place beside the vehicle that stands there."""
+        """Return home, or the nearest free place beside the vehicle that stands there, if any."""
         self._stage.place_machines()
         home, radius, world = self._home.position, self._walker.human.radius, self._stage.world
         if not world.hits(home, home, radius):

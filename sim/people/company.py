@@ -23,8 +23,7 @@ from .programs import EXTERNAL
 class Company:
     """The people of a scenario on a stage: they share planners by size, and can hear each other.
 
-    What goes on in their minds is kept in `thoughts`, and `listener` hears of it, if it
-    `wants_thoughts`.
+    Their thoughts are kept in `thoughts`, and passed to `listener`, if it `wants_thoughts`.
     """
 
     def __init__(
@@ -54,7 +53,7 @@ class Company:
             self.people.append(person)
 
     def _planner(self, radius: float) -> PathPlanner:
-        """One planner for all people of a size: its roadmap is worth sharing."""
+        """Return the one planner for all people of a size: its roadmap is worth sharing."""
         if radius not in self._planners:
             self._planners[radius] = PathPlanner(self._stage.world, radius)
         return self._planners[radius]
@@ -71,7 +70,7 @@ class Company:
             self._scenario,
             act=person.act,
             print=lambda text: record(Said(person=entry.name, text=text)),
-            on_event=lambda happening: self._heed(entry.name, happening),
+            on_event=lambda happening: self._note(entry.name, happening),
             society=self._society,
             start=self._stage.clock.now,
             kept=kept_beliefs(before),
@@ -83,24 +82,24 @@ class Company:
         self._listener.thought(thought)
 
     def _thought(self, person: Person) -> None:
-        """Look what a thought has changed, and see who was spoken to."""
+        """Record the changes that a thought has made, and wake those who were spoken to."""
         inspector = self._inspectors.get(person.name)
         if inspector is not None and isinstance(person.mind, bdi.Agent):
             inspector.look(rounded(self._stage.clock.now), person.mind)
         for listener in self.people:
             listener.wake()
 
-    def _heed(self, person: str, entry: bdi.Entry) -> None:
-        """Record what a program's author should know; the rest of a mind stays its own."""
+    def _note(self, person: str, entry: bdi.Entry) -> None:
+        """Pass an entry to the inspector, and record a warning for the program's author."""
         if person in self._inspectors:
-            self._inspectors[person].heed(entry)
+            self._inspectors[person].note(entry)
         if entry.kind == "warning":
             file, line = (Path(entry.file).name, entry.line) if entry.file else (None, None)
             self._stage.record(Warning(person=person, text=entry.text, file=file, line=line))
 
 
 def _human(entry: PersonEntry, usual: Human) -> Human:
-    """The measures of a person: their own, else those of the floor."""
+    """Return the measures of a person: their own, else those of the floor."""
     given = {
         name: getattr(entry, name)
         for name in ("radius", "max_speed", "max_acceleration")

@@ -1,4 +1,4 @@
-"""People whose path a vehicle crosses while it drives: they let it pass."""
+"""Vehicles that drive across a person's path: the person lets them pass."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ..core.clock import Alarm, Turn
 from ..safety.watches import Pair
 
 AHEAD = 1.5
-"""Seconds. How long before they would walk into an AGV people stop."""
+"""Seconds. Time before they would walk into an AGV at which people stop."""
 
 GAP = 0.1
 """Metres. Nearer than this to the surface of an AGV that drives, a person counts as touched."""
@@ -32,7 +32,10 @@ class CrossingWatch:
             body.on_change.append(self._reconsider)
 
     def touches(self, person: Motion) -> float | None:
-        """When somebody who moves like this would be touched by the AGV (seconds), if ever."""
+        """Return the instant (seconds) at which the AGV would touch somebody who moves like this.
+
+        None if it never would.
+        """
         now, agv = self.pair.clock.now, self.pair.machine.body.motion
         if agv.end <= now:
             return None

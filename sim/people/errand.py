@@ -15,7 +15,7 @@ from .walker import Place, Walker
 
 
 class Errand:
-    """Takes a person to a goal: around what stands in the way, and waiting where that is all.
+    """Takes a person to a goal: around obstacles, and waiting where nothing else helps.
 
     A vehicle that stands on the goal is waited for beside it, one that drives across the path is
     let pass, and a path that something blocks is replanned. What comes of it is perceived:
@@ -35,13 +35,13 @@ class Errand:
         self._lets_pass_on_way_to: Place | None = None
 
     def go(self, goal: Place) -> bool:
-        """Set out for `goal`; whether there is a path, to it or to a place to wait for it."""
+        """Set out for `goal`; return True if there is a path to it, or to a place to wait."""
         self._stage.place_machines()
         self._record(Goal(person=self._name, station=self._station_at(goal), at=goal))
         return self._set_out(goal)
 
     def give_up(self) -> None:
-        """Wait for nothing any more."""
+        """Stop waiting, for a goal to be free or for a vehicle to pass."""
         self._waits_for = self._lets_pass_on_way_to = None
 
     def fail(self, goal: Place, message: str, *, at_the_goal: bool = False) -> bool:
@@ -62,7 +62,7 @@ class Errand:
                 self._record(Replanned(person=self._name, goal=onwards))
             return
         goal = self._walker.goal
-        trouble = self._walker.check_way()
+        trouble = self._walker.check_path()
         if trouble is None or goal is None:
             return
         at_the_goal = trouble.reason == "goal_blocked"
@@ -111,11 +111,11 @@ class Errand:
             self._waits_for = None
             self._record(GoalFree(person=self._name, goal=goal))
             self._set_out(goal)
-        elif self._walker.check_way() is not None and not self._wait_beside(goal):
+        elif self._walker.check_path() is not None and not self._wait_beside(goal):
             self.fail(goal, "there is no way to a place to wait", at_the_goal=True)
 
     def _wait_beside(self, goal: Place) -> bool:
-        """Wait near a goal on which a vehicle stands, until it has left; whether one does."""
+        """Wait near a goal until the vehicle on it has left; return False if none stands there."""
         self._waits_for = None
         occupant = self._waiting_places.occupant(goal)
         place = None if occupant is None else self._waiting_places.beside(goal, occupant)

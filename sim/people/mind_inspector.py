@@ -1,7 +1,7 @@
-"""What goes on in a person's mind, as changes from thought to thought.
+"""Contents of a person's mind, as changes from thought to thought.
 
-What Jason's mind inspector shows of an agent at an instant, kept small enough for every instant
-of a run: only what a thought has changed is written down.
+They are those of Jason's mind inspector, which shows an agent at an instant; to keep them for every
+instant of a run, only the changes that a thought has made are recorded.
 """
 
 from __future__ import annotations
@@ -19,23 +19,23 @@ _STEPS = ("percept", "plan", "action", "warning")
 
 
 class MindInspector:
-    """Looks into one agent; `tell` takes a `Thought` whenever something has changed."""
+    """Looks into one agent; `notify` takes a `Thought` whenever something has changed."""
 
-    def __init__(self, person: str, tell: Callable[[Thought], None]) -> None:
+    def __init__(self, person: str, notify: Callable[[Thought], None]) -> None:
         self._person = person
-        self._tell = tell
+        self._notify = notify
         self._steps: list[list[str]] = []
         self._believed: dict[bdi.Literal, None] = {}
         self._intended: list[dict[str, Any]] = []
 
-    def heed(self, entry: bdi.Entry) -> None:
-        """Something has happened inside: to be given to the agent as `on_event`, or by it."""
+    def note(self, entry: bdi.Entry) -> None:
+        """Take note of a step of the agent's reasoning, as its `on_event` reports it."""
         if entry.kind in _STEPS:
             place = [f"{_base(entry.file)}:{entry.line}"] if entry.kind == "plan" else []
             self._steps.append([entry.kind, _plain(entry.text), *place])
 
     def look(self, t: float, agent: bdi.Agent) -> None:
-        """The agent has thought at `t` (seconds): tell what that has changed."""
+        """Notify of the changes that the agent's thought at `t` (seconds) has made."""
         thought: Thought = {"t": t, "person": self._person}
         if self._steps:
             thought["steps"], self._steps = self._steps, []
@@ -51,7 +51,7 @@ class MindInspector:
         if intended != self._intended:
             thought["intends"] = self._intended = intended
         if len(thought) > 2:
-            self._tell(thought)
+            self._notify(thought)
 
 
 def _intention(intention: bdi.Intention) -> dict[str, Any]:
@@ -60,7 +60,7 @@ def _intention(intention: bdi.Intention) -> dict[str, Any]:
 
 
 def _plain(text: str) -> str:
-    """Without the sources that every belief has."""
+    """Return the text without the sources that every belief has."""
     return _SOURCE.sub("", text)
 
 

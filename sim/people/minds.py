@@ -1,4 +1,4 @@
-"""What decides for a person: an agent of `bdi`, or somebody outside the simulation."""
+"""Minds, which decide for people: an agent of `bdi`, or somebody outside the simulation."""
 
 from __future__ import annotations
 
@@ -17,27 +17,26 @@ from ..core.stage import Stage
 from .programs import load_program
 
 MOST_CYCLES = 200_000
-"""How many reasoning cycles a person may take at one instant; a handful is usual."""
-
+"""Number of reasoning cycles that a person may take at one instant; a handful is usual."""
 
 KEPT = ("bound_for", "reversed")
-"""Beliefs that outlast a change of personality: the way round, in the words of `patrol.asl`."""
+"""Beliefs that outlast a change of personality: the round they are on, as `patrol.asl` has it."""
 
 
 class Mind(Protocol):
-    """What a person needs of a mind; `bdi.Agent` is one."""
+    """Interface of a mind to its person; `bdi.Agent` is one."""
 
     @property
     def next_wakeup(self) -> float | None:
-        """When it has something to do without anything new, in seconds; None for never."""
+        """Instant at which it goes on without a new percept (seconds); None for never."""
         ...
 
     def add_percept(self, percept: bdi.Literal) -> None:
-        """Something is perceived from the next `advance` on."""
+        """Perceive `percept` from the next `advance` on."""
         ...
 
     def remove_percept(self, percept: bdi.Literal) -> None:
-        """Something is no longer perceived from the next `advance` on."""
+        """Perceive `percept` no longer from the next `advance` on."""
         ...
 
     def advance(self, time: float) -> None:
@@ -46,10 +45,10 @@ class Mind(Protocol):
 
 
 class Outside:
-    """A mind outside the simulation.
+    """Mind outside the simulation.
 
-    What the person perceives waits here until somebody takes it; `called` is called when there
-    is something, or when it is time to `wake_at`. Whoever decides calls the person's `act`.
+    The person's percepts wait here until somebody takes them; `called` is called when there are
+    any, or when it is time to `wake_at`. Whoever decides calls the person's `act`.
     """
 
     def __init__(self, called: Callable[[], None] = lambda: None) -> None:
@@ -59,18 +58,18 @@ class Outside:
 
     @property
     def next_wakeup(self) -> float | None:
-        """When it wants to be called without anything new, in seconds."""
+        """Instant at which it wants to be called without a percept (seconds); None for never."""
         return self.wake_at
 
     def add_percept(self, percept: bdi.Literal) -> None:
-        """Something is perceived."""
+        """Keep `percept` until it is taken."""
         self._perceived.append(percept)
 
     def remove_percept(self, percept: bdi.Literal) -> None:
-        """What is perceived no longer needs no telling: whoever is outside has been told of it."""
+        """Do nothing: whoever is outside takes percepts as they begin, and not their end."""
 
     def advance(self, time: float) -> None:
-        """Tell that there is something to think about at `time` (seconds)."""
+        """Call `called` if there is something to think about at `time` (seconds)."""
         if self.wake_at is not None and self.wake_at <= time:
             self.wake_at = None
             self.called()
@@ -78,7 +77,7 @@ class Outside:
             self.called()
 
     def take(self) -> list[bdi.Literal]:
-        """What was perceived since the last time, in its order."""
+        """Return the percepts since the last time, in their order."""
         perceived, self._perceived = self._perceived, []
         return perceived
 
@@ -95,7 +94,7 @@ def make_agent(
     kept: Sequence[bdi.Literal] = (),
     live: bdi.LiveBeliefs | None = None,
 ) -> bdi.Agent:
-    """The agent that runs the program of a trial's person, with all that they know beforehand.
+    """Return the agent that runs the program of a trial's person, with their first beliefs.
 
     It begins at `start` (seconds), believes what is `kept` from a mind before it, and always what
     is `live` (see `live_beliefs`).
@@ -119,7 +118,7 @@ def make_agent(
 
 
 def live_beliefs(person: Body, stage: Stage) -> bdi.LiveBeliefs:
-    """Return where things are and how fast they move, whenever a person's program asks.
+    """Return live beliefs: where things are and how fast they move, whenever a program asks.
 
     `me(X, Y, V)`, `gantry(X, Y, V)` where there is one, `agv(Name, X, Y, V)` of every vehicle and
     `machine(Name, Kind, X, Y, V)` of every machine: metres and m/s.
@@ -143,14 +142,14 @@ def live_beliefs(person: Body, stage: Stage) -> bdi.LiveBeliefs:
 
 
 def kept_beliefs(mind: Mind | None) -> list[bdi.Literal]:
-    """What somebody whose personality changes goes on believing: where they are going."""
+    """Return the beliefs that a change of personality leaves: where the person is going."""
     if not isinstance(mind, bdi.Agent):
         return []
     return [belief for belief in mind.beliefs if belief.functor in KEPT]
 
 
 def first_beliefs(entry: PersonEntry, plan: Floorplan, rules: RuleSet) -> list[bdi.Literal | str]:
-    """What a person knows before the trial starts."""
+    """Return what a person believes before the trial starts: the stations, home, and pauses."""
     beliefs: list[bdi.Literal | str] = [
         bdi.Literal("station", (_name(station.name), *station.position))
         for station in plan.patrolled
@@ -167,10 +166,10 @@ def first_beliefs(entry: PersonEntry, plan: Floorplan, rules: RuleSet) -> list[b
 
 
 def _name(name: str) -> bdi.Term:
-    """A name as an AgentSpeak term: an atom where it can be one, else a string."""
+    """Return a name as an AgentSpeak term: an atom where it can be one, else a string."""
     return bdi.Literal(name) if re.fullmatch(r"[a-z][A-Za-z0-9_]*", name) else name
 
 
 def _seed_of(seed: int, name: str) -> int:
-    """The seed of one person's chances: their own, and the same whoever else is there."""
+    """Return the random seed of one person: their own, and the same whoever else is there."""
     return zlib.crc32(f"{seed} {name}".encode())

@@ -1,4 +1,4 @@
-"""Percepts: what happens around a person, as their mind is told of it."""
+"""Percepts: what happens around a person, as their mind gets to know it."""
 
 from __future__ import annotations
 
@@ -36,11 +36,15 @@ class Percepts:
         self.see(functor, float(n))
 
     def heard(self) -> None:
-        """The mind has thought about all of it."""
+        """Take note that the mind has thought about all of it."""
         self._unheard.clear()
 
     def pass_on(self, mind: Mind) -> Percepts:
-        """Tell another mind: how things are, what nobody has thought about, and count on."""
+        """Return the percepts of `mind`, which takes the place of the mind so far.
+
+        It perceives the present state of things and the happenings that nobody has thought about
+        yet; happenings are counted on.
+        """
         new = Percepts(mind)
         new._counts = self._counts
         for functor, percept in self._latest.items():

@@ -32,14 +32,14 @@ from .programs import find_program, load_program
 from .walker import Walker
 
 MOST_AT_ONCE = 1000
-"""How often a person may think or act at one instant before the program counts as endless."""
+"""Number of times a person may think or act at one instant; more count as an endless program."""
 
 
 class Person:
     """One person of a stage, as `entry` has them.
 
     `make_mind` makes a mind of theirs that runs the program of an entry; `thought` is called when
-    a mind of theirs has thought, so that others can hear what it said.
+    a mind of theirs has thought, so that others can hear the messages it sent.
     """
 
     def __init__(
@@ -80,7 +80,7 @@ class Person:
         self._instant = (stage.clock.now, 0)
         self._make_mind = partial(make_mind, self)
         self.mind = self._make_mind(entry)
-        """What decides for them."""
+        """The mind that decides for them."""
         self._senses.belong_to(self.mind)
         for machine in stage.machines.values():
             referee.watch(self, machine)
@@ -99,12 +99,12 @@ class Person:
 
     @property
     def body(self) -> Body:
-        """Where they are, and how they move."""
+        """Their body."""
         return self.walker.body
 
     @property
     def top_speed(self) -> float:
-        """How fast they may come (m/s)."""
+        """Speed at which they approach at most (m/s)."""
         return self.walker.human.max_speed
 
     @property
@@ -115,7 +115,7 @@ class Person:
     def change_personality(self, personality: str | Path | bdi.Program) -> None:
         """From this instant on, let another program decide: a name, an .asl file, or a program.
 
-        What was under way is dropped: the person stands, until the new mind wants something. It
+        The errand under way is dropped: the person stands until the new mind acts. It
         believes what every mind does at the start, and where the person is going; percepts count
         on. `TrialError` or `bdi.ProgramError` if there is no such program, `ValueError` if
         the person has no mind of their own.
@@ -137,7 +137,7 @@ class Person:
         self._senses.belong_to(self.mind)
 
     def start(self) -> None:
-        """The person begins; a second time does nothing."""
+        """Begin; a second time does nothing."""
         if self.started_at is None:
             self.started_at = self._clock.now
             self._stage.record(HumanStarted(person=self.name))
@@ -145,7 +145,11 @@ class Person:
             self._senses.see("human_start")
 
     def warn(self, percept: str, machine: Machine) -> None:
-        """Perceive what the referee says about `machine`. The safe zone is not optional."""
+        """Perceive `percept`, the referee's warning about `machine`.
+
+        After a violation the person is put home even if the mind does not do so by itself: that
+        is enforced once the mind has had its turn (`Turn.INSISTENCE`).
+        """
         is_robot = machine.shape.category == "robot"
         if is_robot:
             self._senses.see("gantry_at", *machine.body.at)
@@ -159,12 +163,12 @@ class Person:
         self._errand.floor_changed()
 
     def act(self, action: bdi.Literal) -> bool:
-        """Carry out an external action of the agent; whether it could be."""
+        """Carry out an external action of the agent; return True if it could be."""
         self._count_at_once()
         return self._actions.perform(action)
 
     def wake(self) -> None:
-        """See whether there is something to think about earlier than expected: a message."""
+        """Let the mind think earlier than expected, if a message gives it something to do."""
         if self.mind.next_wakeup is not None:
             self._senses.think_by(self.mind.next_wakeup)
 

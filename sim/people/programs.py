@@ -1,4 +1,4 @@
-"""Where the programs of personalities are."""
+"""Programs of personalities: finding, loading and naming them."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from floorplan import Problem, is_there, suggestion
 from ..core.scenario import TrialError
 
 EXTERNAL = "external"
-"""The personality of a person who runs no program, but is told from outside what to do; likewise
-the controller of a gantry."""
+"""The personality of a person who runs no program, but is commanded from outside; likewise the
+controller of a gantry."""
 
 
 def find_program(personality: str, folder: Path) -> str | Path:

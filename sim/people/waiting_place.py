@@ -1,4 +1,4 @@
-"""Where to wait beside a goal that a vehicle stands on."""
+"""Places to wait beside a goal that a vehicle stands on."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from ..core.stage import Stage
 from .walker import Place
 
 SPARE = 0.1
-"""Metres. How much farther away than needed people wait."""
+"""Metres. Distance beyond the needed one at which people wait."""
 
 _ZONE = "the zone that a vehicle needs to set out"
 
@@ -36,7 +36,7 @@ class WaitingPlaces:
         return None
 
     def beside(self, goal: Place, vehicle: Machine) -> Place | None:
-        """Return the place nearest to `goal` that is free, and out of the vehicle's way."""
+        """Return the free place nearest to `goal` that lets the vehicle set out, if any."""
         radius = self._human.radius
         kept = vehicle.zone(self._human.max_speed) + SPARE - radius
         zone = Disc(vehicle.centre, max(kept, SPARE))

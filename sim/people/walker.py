@@ -1,4 +1,4 @@
-"""A body that walks: from where it is to a goal, around what stands in the way now."""
+"""A body that walks: from where it is to a goal, around the obstacles of the moment."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ from ..core.stage import Stage
 REPORT_DELAY = 0.1
 """Seconds until somebody who is sent to where they are already says that they are there."""
 
-MOST_WAYS = 256
-"""How many ways somebody keeps in mind."""
+MOST_PATHS = 256
+"""Number of paths that somebody keeps in mind."""
 
 Place = tuple[float, float]
 
@@ -56,7 +56,7 @@ class Walker:
         self.replans = 0
         self._clock = stage.clock
         self._planner = planner
-        self._known_ways: dict[tuple[Place, Place], list[Place]] = {}
+        self._known_paths: dict[tuple[Place, Place], list[Place]] = {}
         self._floor_known = planner.world.changes
         self._record = stage.record
         self._arrived = arrived
@@ -64,15 +64,15 @@ class Walker:
 
     @property
     def heading(self) -> float:
-        """Where the person looks now, radians."""
+        """Direction in which the person looks now (radians)."""
         return self.body.state.position[2]
 
     def prepare(self) -> None:
-        """Work out beforehand what the first way would take its time for."""
+        """Compute beforehand what planning the first path would need."""
         self._planner.prepare()
 
     def go(self, goal: Place) -> None:
-        """Walk to `goal` from now on; `PlanningError` if there is no way (then nothing changes)."""
+        """Walk to `goal` from now on; `PlanningError`, and no change, if there is no path."""
         motion = self._motion_to(goal)
         self.goal = goal
         self._arrival.set(max(motion.end, self._clock.now + REPORT_DELAY))
@@ -96,13 +96,13 @@ class Walker:
         self._forget_goal()
         self.body.follow(standing(at, heading=heading, start=self._clock.now))
 
-    def check_way(self) -> PlanningError | None:
-        """Look whether the way is still free; if not, find another or stop and say why not."""
+    def check_path(self) -> PlanningError | None:
+        """Replan if the path is no longer free; where there is none, stop and return the reason."""
         if self.goal is None:
             return None
-        way = remaining_path(self.body.motion, self._clock.now)
+        path = remaining_path(self.body.motion, self._clock.now)
         radius = self.human.radius
-        if all(self._planner.world.segment_free(a, b, radius) for a, b in itertools.pairwise(way)):
+        if all(self._planner.world.segment_free(a, b, radius) for a, b in itertools.pairwise(path)):
             return None
         self._record(PathBlocked(person=self.body.name, goal=self.goal))
         try:
@@ -138,19 +138,19 @@ class Walker:
         return join([braking, onwards])
 
     def _path(self, start: Place, goal: Place) -> list[Place]:
-        """The way from here to there; one that they went before, if nothing has moved since."""
+        """Return the path from `start` to `goal`; a known one if nothing has moved since."""
         changes = self._planner.world.changes
         if changes != self._floor_known:
             self._floor_known = changes
-            self._known_ways.clear()
-        way = self._known_ways.get((start, goal))
-        if way is None:
-            way = self._known_ways[start, goal] = self._find_way(start, goal)
-            if len(self._known_ways) > MOST_WAYS:
-                del self._known_ways[next(iter(self._known_ways))]
-        return way
+            self._known_paths.clear()
+        path = self._known_paths.get((start, goal))
+        if path is None:
+            path = self._known_paths[start, goal] = self._plan(start, goal)
+            if len(self._known_paths) > MOST_PATHS:
+                del self._known_paths[next(iter(self._known_paths))]
+        return path
 
-    def _find_way(self, start: Place, goal: Place) -> list[Place]:
+    def _plan(self, start: Place, goal: Place) -> list[Place]:
         try:
             path = self._planner.plan(start, goal)
         except PlanningError as why:
@@ -160,7 +160,7 @@ class Walker:
         return [*map(tuple, path.points.tolist())]
 
     def _step_out(self, start: Place, goal: Place, blocked: PlanningError) -> list[Place]:
-        """Path to `goal` from the nearest place beside what has come too close to `start`."""
+        """Return a path to `goal` from the nearest place beside what blocks `start`."""
         failed: list[PlanningError] = []
         for place in self._planner.world.exits(start, self.human.radius):
             try:
@@ -170,7 +170,7 @@ class Walker:
         raise (failed or [blocked])[0]
 
     def braking(self) -> Motion:
-        """The motion that `stop` would make from here and now."""
+        """Return the motion that `stop` would make from here and now."""
         acceleration = self.human.max_acceleration
         return stop_walking(self.body.motion, self._clock.now, max_acceleration=acceleration)
 

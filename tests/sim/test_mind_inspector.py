@@ -22,7 +22,7 @@ def watched(source, **options):
     """An agent whose inspector writes into the list that comes with it."""
     thoughts = []
     inspector = MindInspector("me", thoughts.append)
-    agent = bdi.Agent(bdi.parse(source), on_event=inspector.heed, **options)
+    agent = bdi.Agent(bdi.parse(source), on_event=inspector.note, **options)
     return agent, inspector, thoughts
 
 
