@@ -67,7 +67,7 @@ class Stage:
     people: Sequence[Bystander] = ()
     machines: dict[str, Machine] = field(default_factory=dict)
     on_rest: list[Callable[[Machine], None]] = field(default_factory=list)
-    """Called whenever a machine has come to rest, before people and machines take note."""
+    """Called whenever a machine has come to rest, after people and before machines take note."""
 
     @property
     def vehicles(self) -> Iterable[Machine]:
