@@ -1,4 +1,4 @@
-"""A law of the user's own, found by name; what goes wrong in it is told by that name."""
+"""A law of the user's own, found by name; errors in it are reported by that name."""
 
 from __future__ import annotations
 
@@ -150,7 +150,7 @@ class OwnLaw:
             raise LawError(f"the law {self} failed{place}: {in_words(why)}") from why
 
     def _try(self) -> None:
-        """`LawError` if it is no law, or if trying it shows that it makes no sense."""
+        """Try the law; `LawError` if it is none, or if trying shows that it makes no sense."""
         person, machine = walk([(-3.0, 0.0), (3.0, 0.5)]), standing((0.0, 0.0))
         try:
             TooClose(self)

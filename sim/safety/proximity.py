@@ -1,4 +1,4 @@
-"""Tells when a person comes near a machine: once for each approach."""
+"""Notification that a person comes near a machine: once for each approach."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ..core.stage import Stage
 from .watches import Pair
 
 PARTING = 0.1
-"""Metres. By how much more than the distance the two have to part until it is told again."""
+"""Metres. Distance beyond the watched one to which the two have to part before another approach."""
 
 
 class ProximityWatch:

@@ -26,7 +26,7 @@ class Referee:
         self.rules = stage.rules
         self.penalties = 0
         self.violations: Counter[tuple[str, Cause]] = Counter()
-        """How many there were, by the person's name and the cause."""
+        """Number of violations, by the person's name and the cause."""
         self.agv_teleports = 0
         self.protective_stops = 0
         self.protective_stop_time = 0.0
@@ -63,13 +63,13 @@ class Referee:
                 body.on_change.append(notice.reconsider)
 
     def started(self, person: Bystander) -> None:
-        """A person starts."""
+        """Take note that a person starts: the silence of noticing begins anew."""
         for notice in self._notices.get(person, ()):
             notice.start_over()
             notice.reconsider()
 
     def close(self) -> None:
-        """The trial is over: so are violations and protective stops that still last."""
+        """End the violations and protective stops that still last: the trial is over."""
         for watch in self.watches:
             watch.close()
         for since, _ in self._stopped.values():
@@ -110,7 +110,7 @@ class Referee:
         pair.person.warn("gantry_detected", pair.machine)
 
     def _violated(self, watch: SeparationWatch) -> None:
-        """Record a violation, and see to what follows from it."""
+        """Record a violation, and apply its consequences."""
         pair, rules = watch.pair, self.rules
         person, machine = pair.person, pair.machine
         sanction = self._sanctions.get(machine)
@@ -185,7 +185,7 @@ class Referee:
 
 
 class _Sanction:
-    """What penalties do to one robot: the time it is disabled, and the grace after that."""
+    """Consequence of penalties for one robot: the time it is disabled, and the grace after that."""
 
     def __init__(self, referee: Referee, machine: Machine) -> None:
         self.grace_until = -math.inf
@@ -198,7 +198,7 @@ class _Sanction:
 
     @property
     def in_grace(self) -> bool:
-        """Whether violations are no penalties now."""
+        """True while violations are no penalties."""
         return self._disabled_until <= self._clock.now < self.grace_until
 
     def begin(self) -> None:
@@ -211,7 +211,7 @@ class _Sanction:
 
 
 def _figures(pair: Pair, law: AnyLaw) -> dict[str, float]:
-    """What a decision rests on: distance, required distance (m) and speeds (m/s)."""
+    """Return the figures of a decision: distance, required distance (m) and speeds (m/s)."""
     return {
         "distance": pair.distance(),
         "required": pair.required(law),

@@ -1,4 +1,4 @@
-"""What a law required of two bodies all through a run, as straight lines between points."""
+"""Distance that a law required of two bodies all through a run, as lines between points."""
 
 from __future__ import annotations
 
@@ -20,19 +20,22 @@ Curve = tuple[tuple[float, float], ...]
 """Points (seconds, metres) in order of time; two at one instant are a jump."""
 
 EXACT = 0.01
-"""Metres. How far off the lines may be."""
+"""Metres. Greatest error of the lines."""
 
 STRIDE = 0.5
-"""Seconds. What is shorter than this may be missed if it is over by its ends."""
+"""Seconds. A rise and fall of the curve that is shorter than this may be missed."""
 
 
 def is_plain(law: AnyLaw) -> bool:
-    """Whether two speeds and its terms are all that it takes to work out what `law` requires."""
+    """Return True if `law` computes the required distance from its terms and two speeds alone."""
     return type(law) in (SeparationLaw, ApproachLaw, FixedDistance)
 
 
 def requirement_curve(law: AnyLaw, person: Plans, machine: Plans, end: float) -> Curve:
-    """What `law` required until `end`, of what the two were about to do at each instant."""
+    """Return the distance that `law` required until `end` (seconds), at each instant of the plans.
+
+    `person` and `machine` are the motions that the two set out on, whatever came of them.
+    """
     changes = sorted({t for t in (*person.changes, *machine.changes) if t < end} | {end})
     points: list[tuple[float, float]] = []
     for begin, until in itertools.pairwise(changes):
@@ -62,7 +65,7 @@ def _lines(
 def _halved(
     required: Callable[[float], float], a: tuple[float, float], b: tuple[float, float]
 ) -> list[tuple[float, float]]:
-    """The points after `a` up to `b` between which the curve is straight."""
+    """Return the points after `a` up to `b` between which the curve is straight."""
     t = (a[0] + b[0]) / 2
     middle = (t, required(t))
     if abs(middle[1] - (a[1] + b[1]) / 2) <= EXACT / 2 or b[0] - a[0] < EXACT:
@@ -71,7 +74,7 @@ def _halved(
 
 
 def _without_needless(points: list[tuple[float, float]]) -> list[tuple[float, float]]:
-    """The same curve without points on the line between their neighbours."""
+    """Return the same curve without points on the line between their neighbours."""
     kept: list[tuple[float, float]] = []
     for point in points:
         if kept and point == kept[-1]:

@@ -64,37 +64,37 @@ class Pair:
 
     @property
     def motions(self) -> tuple[Motion, Motion]:
-        """What the person and the measured point of the machine do from now on."""
+        """Motions of the person and of the measured point of the machine from now on."""
         if self._translated[0] is not self.machine.body.motion:
             motion = self.machine.body.motion
             self._translated = (motion, motion.translated(*self._offset))
         return self.person.body.motion, self._translated[1]
 
     def first_time(self, condition: Condition, since: float = 0.0) -> float | None:
-        """The first instant from now and `since` on at which `condition` holds.
+        """Return the first instant from now and `since` (seconds) on at which `condition` holds.
 
-        If nobody changes course: None means that it never does.
+        It holds if nobody changes course; None if `condition` never does.
         """
         begin = max(self.clock.now, since)
         end = max(begin, self.horizon())
         return first_time(condition, *self.motions, begin, end)
 
     def next_interval(self, condition: Condition) -> tuple[float, float] | None:
-        """The first interval from now on in which `condition` holds."""
+        """Return the first interval from now on in which `condition` holds, if any."""
         return next(when(condition, *self.motions, self.clock.now, self.horizon()), None)
 
     def distance(self) -> float:
-        """The distance between the two now, metres."""
+        """Return the distance between the two now (metres)."""
         now = self.clock.now
         person, machine = self.motions
         return math.dist(person.state(now).at, machine.state(now).at)
 
     def required(self, law: AnyLaw) -> float:
-        """The distance that `law` requires now, metres."""
+        """Return the distance that `law` requires now (metres)."""
         return required_at(law, self.person.body.motion, self.machine.body.motion, self.clock.now)
 
     def remember_plans(self) -> tuple[Plans, Plans]:
-        """From now on, what the two were about to do at every instant."""
+        """Return the plans of the two, kept from now on."""
         return self.person.body.remember_plans(), self.machine.body.remember_plans()
 
     def cause(self) -> Cause:
@@ -102,7 +102,7 @@ class Pair:
         return self.machine.shape.kind if self.machine.body.state.speed > MOVES else PERSON
 
     def horizon(self) -> float:
-        """The instant from which on both stand, or the trial's end."""
+        """Return the instant from which on both stand, or the trial's end (seconds)."""
         last = max(self.clock.now, self.person.body.motion.end, self.machine.body.motion.end)
         return min(last, self.end)
 
@@ -125,7 +125,7 @@ class SeparationWatch:
         self.law = law = rules.law_of(shape)
         self.intervals: list[tuple[float, float]] = []
         self.plans = None if is_plain(law) else pair.remember_plans()
-        """What the two were about to do, where `law` asks for more than their speeds."""
+        """The plans of the two, where `law` asks for more than their speeds."""
         self._violated = violated
         self._since: float | None = None
         self._notified_at = -math.inf
@@ -135,7 +135,7 @@ class SeparationWatch:
         self.reconsider()
 
     def reconsider(self) -> None:
-        """Work out anew when something happens next; called whenever a motion changes."""
+        """Compute the next instant of change anew; called whenever a motion changes."""
         now, machine = self.pair.clock.now, self.pair.machine.body
         # A vehicle that stands never counts, and most stand most of the time.
         idle = self._needs_motion and machine.motion.end <= now
@@ -148,7 +148,7 @@ class SeparationWatch:
             self._alarm.set(coming[1] if coming[1] < self.pair.horizon() else None)
 
     def required_before(self, t: float, person: Motion, machine: Motion) -> float:
-        """The distance (m) that the law required just before `t` (seconds) of these tracks."""
+        """Return the distance (m) that the law required of these tracks just before `t` (s)."""
         if self.plans is None:
             return required_at_speeds(
                 self.law, person.state_before(t).speed, machine.state_before(t).speed
@@ -158,7 +158,7 @@ class SeparationWatch:
 
     @property
     def known(self) -> list[tuple[float, float]]:
-        """The intervals so far; one that still goes on lasts to the end, for all that is known."""
+        """The intervals so far; one that still lasts is taken to last to the trial's end."""
         lasting = [] if self._since is None else [(self._since, self.pair.end)]
         return [*self.intervals, *lasting]
 
@@ -168,7 +168,7 @@ class SeparationWatch:
             self._notify()
 
     def close(self) -> None:
-        """The trial is over: so is an interval that is still open."""
+        """End an interval that still lasts, now."""
         if self._since is not None:
             self.intervals.append((self._since, self.pair.clock.now))
             self._since = None
@@ -193,6 +193,15 @@ class NoticeWatch:
     parted by `rule.parting` metres from there (or `rule.every` seconds have gone by).
     """
 
+    # Three stages, of which each waits for the one instant that ends it:
+    # - alert: the noticing distance is reached while closing in;
+    # - closing: the distance no longer falls, which makes it the nearest of the approach so far;
+    # - parting: either the distance has grown by `parting`, which ends the approach, or it has
+    #   fallen below the nearest again, which goes on with the same approach.
+    # A person who lingers at the noticing distance, or whom a machine passes to and fro, is
+    # therefore notified once: the distance has to grow by `parting` in between, which no
+    # rounding at the threshold brings about. `rule.every` replaces the last two stages by a time.
+
     def __init__(self, pair: Pair, rule: Notice, noticed: Callable[[Pair, AnyLaw], None]) -> None:
         self.pair = pair
         self.rule = rule
@@ -205,7 +214,7 @@ class NoticeWatch:
         self.reconsider()
 
     def reconsider(self) -> None:
-        """Work out anew when something happens next; called whenever a motion changes."""
+        """Compute the next instant of change anew; called whenever a motion changes."""
         pair = self.pair
         if self._stage == "alert":
             self._alarm.set(pair.first_time(self._condition, self._silent_until))
@@ -213,6 +222,7 @@ class NoticeWatch:
             self._alarm.set(pair.first_time(Not(Approaching())))
         else:
             parted = pair.first_time(Apart(self._nearest + self.rule.parting))
+            # A millimetre less, or rounding at the nearest point would count as nearer.
             nearer = pair.first_time(TooClose(FixedDistance(max(self._nearest - 1e-3, 0.0))))
             self._alarm.set(min((t for t in (parted, nearer) if t is not None), default=None))
 
@@ -268,7 +278,7 @@ class Hold:
             self.begin()
 
     def reconsider(self) -> None:
-        """Work out anew when the machine may go on; called whenever a motion changes."""
+        """Compute anew when the machine may go on; called whenever a motion changes."""
         if self._holds:
             stands = self._pair.machine.body.motion.end
             self._alarm.set(self._pair.first_time(self._clear, since=stands))
@@ -280,11 +290,11 @@ class Hold:
 
 @dataclass(frozen=True)
 class _AtSpeed:
-    """What `law` requires of a machine at `speed` (m/s), and `CLEARANCE`."""
+    """Law that requires what `law` does of a machine at `speed` (m/s), and `CLEARANCE`."""
 
     law: AnyLaw
     speed: float
 
     def distance(self, human_speed: float, robot_speed: float) -> float:
-        """The required distance in metres; the robot's speed does not matter."""
+        """Return the required distance (metres); the robot's speed does not matter."""
         return required_at_speeds(self.law, human_speed, self.speed) + CLEARANCE
