@@ -33,7 +33,7 @@ NO_TIME = "must be more than 0; for violations that leave the machine alone say 
 
 @dataclass(frozen=True, kw_only=True)
 class Notice:
-    """When a person notices the gantry: inside `law` and approaching.
+    """Rule of noticing: a person notices the gantry inside `law` and approaching.
 
     A person notices once per approach. The approach is over when the two have parted by
     `parting` metres again, or, if `every` is given, that many seconds after the noticing. For

@@ -35,7 +35,7 @@ class Item:
 
 @dataclass(frozen=True)
 class Load:
-    """What is on an AGV: the id of its tray, and an item in each quadrant (1 to 4) that has one."""
+    """Load of an AGV: the id of its tray, and an item in each quadrant (1 to 4) that has one."""
 
     tray: int | None = None
     items: Mapping[int, Item] = field(default_factory=dict)

@@ -63,13 +63,13 @@ def models_of(scenario: Scenario, *, own: bool = True) -> dict[str, MachineModel
         except ValidationError as why:
             faults = [*misfits(why)]
         if faults:
-            told = "; ".join(f"{field_name(place)}: {message}" for message, place in faults)
-            raise MachineError(f"the machine {name!r}: {told}")
+            listed = "; ".join(f"{field_name(place)}: {message}" for message, place in faults)
+            raise MachineError(f"the machine {name!r}: {listed}")
     return models
 
 
 def on_floor(scenario: Scenario) -> dict[str, MachineModel]:
-    """Return the machines that the floor of a trial has, with what they do in it, by name."""
+    """Return the machines of a trial's floor, with their moves and jobs in the trial, by name."""
     return _on(scenario.floorplan, scenario.gantry, scenario.agvs, scenario.yielding)
 
 
@@ -85,7 +85,7 @@ def rails_under(machine: str, plan: Floorplan) -> Gantry | None:
 
 
 def is_own(entry: MachineEntry) -> bool:
-    """Whether the kind of a machine is code that stands beside the trial."""
+    """Return True if the kind of a machine is code that stands beside the trial."""
     return isinstance(entry.kind, str) and entry.kind not in KINDS
 
 
@@ -96,7 +96,7 @@ def kind_name(entry: MachineEntry) -> str:
 
 
 def machine_faults(scenario: Scenario) -> Iterator[Fault]:
-    """Yield what can't be about the `machines` of a trial; code of the user's own is not run."""
+    """Yield the faults of a trial's `machines`; code of the user's own is not run."""
     plan = scenario.floorplan
     taken = {GANTRY, *(lane.name for lane in plan.lanes)}
     vehicles = _vehicles(scenario)

@@ -19,7 +19,7 @@ _ROUNDING = 1e-9
 class ShortLaw:
     """A law that states a shorter stop than its machine may take, in seconds and metres.
 
-    `law` is its key in the rule set; `stopping` is None where the law works it out from `t2`.
+    `law` is its key in the rule set; `stopping` is None where the law computes it from `t2`.
     """
 
     machine: str
@@ -49,7 +49,7 @@ def short_laws(trial: Scenario) -> tuple[ShortLaw, ...]:
 
 
 def in_words(found: Iterable[ShortLaw]) -> str:
-    """Return what the laws state beside what the machines need, that rounded up to 0.01."""
+    """Return the stops that the laws state and those the machines need, rounded up to 0.01."""
     machines: dict[str, list[str]] = {}
     for short in found:
         stated = _stop(short.t2, short.stopping)

@@ -31,7 +31,7 @@ class Agv(Machine):
 
     One that `yields` looks where people are ten times a second, and stops on its
     lane while it still can before anybody comes too close, whatever they do. It drives on when
-    the way is clear.
+    its path is clear.
     """
 
     def __init__(
@@ -56,7 +56,7 @@ class Agv(Machine):
         self._foresight = Foresight(lane, self._law, stage.rules.agv_offset) if yields else None
         self._target: str | float | None = None
         self._under_way_to: str | float | None = None
-        self._has_said = False
+        self._has_recorded = False
         self._held = False
         self._arrival = Alarm(stage.clock, self._arrive, Turn.MOTION_ENDS)
         self._looking = Alarm(stage.clock, self._look, Turn.MOTION_ENDS)
@@ -80,16 +80,16 @@ class Agv(Machine):
 
     @property
     def lane_position(self) -> float:
-        """Where it is on its lane now, metres."""
+        """Position on the lane now (m)."""
         return lane_state(self.lane, self.body.state).position
 
     @property
     def stands(self) -> bool:
-        """Whether it is at rest, and nothing makes it set out."""
+        """True while it is at rest with no target to set out for."""
         return self.body.motion.end <= self._clock.now and self._target is None
 
     def look_out_for(self, person: Body, top_speed: float) -> None:
-        """If it yields, it does so to this person, who walks at `top_speed` (m/s) at most."""
+        """Yield to this person, who walks at `top_speed` (m/s) at most, if it yields at all."""
         if self._foresight is not None:
             self._foresight.watch(person, top_speed)
             person.on_jump.append(self._look)
@@ -107,7 +107,7 @@ class Agv(Machine):
         return kept + top_speed * (RESUME + stopping)
 
     def drive(self, to: str | float) -> None:
-        """Set out for a location or a lane position, from whatever it is doing now."""
+        """Set out for a location or a lane position (m), in place of the move under way."""
         self._target = to
         if self._held:
             return
@@ -126,7 +126,7 @@ class Agv(Machine):
             self.drive(self._target)
 
     def _try(self) -> Sighting | None:
-        """Set out for the target, or tell who is in the way."""
+        """Set out for the target, or return the person who makes that unsafe."""
         target, now = self._target, self._clock.now
         assert target is not None
         motion = agv_run(self.lane, lane_state(self.lane, self.body.state), target, now)
@@ -137,7 +137,7 @@ class Agv(Machine):
                 return hindered
             self._looking.set(now + LOOK)
         self._record(AgvMoved(agv=self.lane.name, to=target, arrives=motion.end))
-        self._under_way_to, self._has_said = target, False
+        self._under_way_to, self._has_recorded = target, False
         self.body.follow(motion)
         self._arrival.set(motion.end)
         return None
@@ -157,10 +157,10 @@ class Agv(Machine):
             self._wait(hindered)
 
     def _wait(self, hindered: Sighting) -> None:
-        """Stop, or go on standing, until the way is clear."""
+        """Stop, or go on standing, until the path is clear."""
         self._stop()
-        if not self._has_said:
-            self._has_said = True
+        if not self._has_recorded:
+            self._has_recorded = True
             self._record(
                 AgvYielded(
                     agv=self.lane.name,
@@ -189,7 +189,7 @@ class Agv(Machine):
 
 
 def agv_shape(lane: Lane) -> MachineShape:
-    """Return what others know of the AGV on `lane`."""
+    """Return the shape of the AGV on `lane`, as others see it."""
     return MachineShape(
         name=lane.name,
         kind="agv",

@@ -32,7 +32,7 @@ class AgvModel(MachineModel):
         return cls(given.lane(name), tuple(move.value() for move in given.moves), given.yields)
 
     def shape(self, name: str, plan: Floorplan) -> MachineShape:
-        """Return what others know of it."""
+        """Return its shape, as others see it."""
         return agv_shape(self.lane)
 
     def make(self, name: str, stage: Stage) -> Agv:

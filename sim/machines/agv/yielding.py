@@ -1,4 +1,4 @@
-"""AGVs that yield: whether one can still stop before a person comes too close."""
+"""AGVs that yield: the test that one can still stop before a person comes too close."""
 
 from __future__ import annotations
 
@@ -14,21 +14,21 @@ from navigation import AnyLaw, AxisState, Motion, lane_state, required_at_speeds
 from ...core.body import Body
 
 LOOK = 0.1
-"""Seconds. How often an AGV that yields looks where people are."""
+"""Seconds between two looks of an AGV that yields at where people are."""
 
 STRIDE = 0.05
-"""Seconds. How finely the way ahead is looked at; within a stride the worst is taken."""
+"""Seconds. Length of the strides into which the path ahead is cut; each is judged by its worst."""
 
 MARGIN = 0.02
-"""Metres. Kept on top, so that rounding can't decide."""
+"""Metres. Kept beyond the required distance, so that rounding can't decide."""
 
 SPEEDS = 40
-"""The required distance is worked out for so many speeds, and taken from the next higher one."""
+"""The required distance is computed for so many speeds, and taken from the next higher one."""
 
 
 @dataclass(frozen=True)
 class Sighting:
-    """Somebody an AGV yields to: how far from its centre, and how far they should be (metres)."""
+    """Somebody an AGV yields to: their distance from its centre, and the required one (metres)."""
 
     name: str
     distance: float
@@ -36,11 +36,19 @@ class Sighting:
 
 
 class Foresight:
-    """What an AGV on a lane must know to yield: where people are, and how fast they may come.
+    """Worst-case test of a motion on a lane, by people's positions and top speeds.
 
-    A way is safe if all along it nobody who walks straight at the AGV from now on, at top speed,
-    gets closer than the rules' law requires of somebody of that speed.
+    A motion is safe if all along it nobody who walks straight at the AGV from now on, at top
+    speed, gets closer than the rules' law requires of somebody of that speed.
     """
+
+    # A person of top speed v is within v t of their present place at t, whatever they do, so that
+    # their distance from the AGV is at least the present distance from its place at t, less v t.
+    # Over a stride of the motion each term takes its worst value: the nearest point of the
+    # stretch, the reach at the stride's end, the highest speed that the AGV has in it. The test
+    # therefore covers every instant and not samples of them, and errs on the safe side alone. As
+    # the stop at the end of the drive belongs to the motion, an AGV that passed the last look can
+    # still stop safely if it fails the next: no later look has to succeed.
 
     def __init__(self, lane: Lane, law: AnyLaw, offset: float) -> None:
         self._lane = lane
@@ -55,7 +63,7 @@ class Foresight:
         self._people.append((person, top_speed, required))
 
     def in_the_way(self, motion: Motion, now: float, seconds: float) -> Sighting | None:
-        """Who makes it unsafe to follow `motion` for `seconds` from `now` on and then to stop.
+        """Return who makes it unsafe to follow `motion` for `seconds` from `now` and then to stop.
 
         None if it is safe.
         """
@@ -71,7 +79,7 @@ class Foresight:
         return None
 
     def _strides(self, motion: Motion, now: float, drive: float) -> Iterator[_Stride]:
-        """The way of `motion` for `drive` seconds, and then of braking."""
+        """Yield the strides of `motion` for `drive` seconds, and then those of braking."""
         speed = max(
             motion.state(t).speed for t in (now, *(p.begin for p in motion.pieces_from(now)))
         )
@@ -87,7 +95,7 @@ class Foresight:
         return lane_state(self._lane, motion.state(t))
 
     def _on_lane(self, at: tuple[float, float]) -> tuple[float, float]:
-        """Return how far along the lane a place is, and how far from it (metres).
+        """Return the position of a place along the lane, and its distance from the lane (metres).
 
         Along the lane from where the AGV's measured point is at position 0.
         """
@@ -100,7 +108,7 @@ class Foresight:
 
 
 class _Stride(NamedTuple):
-    """A stretch of the way ahead: from lane position `begin` to `end`, over after `until` seconds.
+    """A stretch of the path ahead: from lane position `begin` to `end`, over after `until` seconds.
 
     `speed` (m/s) is the highest that counts for it.
     """
@@ -120,7 +128,7 @@ class _Stride(NamedTuple):
 
 
 def _braking(state: AxisState, deceleration: float) -> Iterator[_Stride]:
-    """The fastest stop from `state`."""
+    """Yield the strides of the fastest stop from `state`."""
     q, v = state.position, state.velocity
     duration = abs(v) / deceleration
     count = math.ceil(duration / STRIDE)

@@ -19,11 +19,11 @@ from ...core.recorder import Record
 from .tasks import Pose
 
 Steps = Generator[Event, Any, Any]
-"""What a controller is: a generator of events to wait for, in SimPy's manner."""
+"""Steps of a controller: a generator of events to wait for, in SimPy's manner."""
 
 
 class Drive:
-    """What moves the gantry. `disabled_or_enabled(reason)` is told when it is made to stand.
+    """Drive of the gantry, which passes "disabled" and "enabled" to `disabled_or_enabled`.
 
     It counts how long it was disabled, how long it was made to stand for that or for a protective
     stop, how much of that it braked, and how long it worked.
@@ -48,7 +48,7 @@ class Drive:
         self._gantry = gantry
         self._limits = gantry_limits(gantry)
         self._record = record
-        self._tell = disabled_or_enabled
+        self._notify = disabled_or_enabled
         self._enabled: Event | None = None
         self._disabled_at: float | None = None
         self._stands_since = 0.0
@@ -60,7 +60,7 @@ class Drive:
 
     @property
     def disabled(self) -> bool:
-        """Whether it is made to stand."""
+        """True while it is made to stand."""
         return self._enabled is not None
 
     @property
@@ -70,7 +70,7 @@ class Drive:
         return math.hypot(x.max_speed, y.max_speed)
 
     def preview(self, target: Pose, speed_share: float) -> Motion:
-        """The motion from here and now to `target`, at that share of the top speeds.
+        """Return the motion from here and now to `target`, at that share of the top speeds.
 
         `ValueError` if the target is out of range, or the share not in 0 … 1.
         """
@@ -82,18 +82,18 @@ class Drive:
         )
 
     def stopping(self, state: State, t: float) -> Motion:
-        """The fastest stop from `state` at `t` (seconds)."""
+        """Return the fastest stop from `state` at `t` (seconds)."""
         return gantry_stop(state, t, limits=self._limits)
 
     def begin(self) -> int:
-        """Begin a command, which takes the place of the one under way: its number."""
+        """Begin a command, which takes the place of the one under way; return its number."""
         self._commands += 1
         replaced, self._replaced = self._replaced, self._clock.event()
         replaced.succeed()
         return self._commands
 
     def is_under_way(self, command: int) -> bool:
-        """Return whether no other command has taken the place of the one of this number."""
+        """Return True while no other command has taken the place of the one of this number."""
         return command == self._commands
 
     def move(
@@ -140,7 +140,7 @@ class Drive:
         return self._enabled_for(seconds, None)
 
     def work(self, seconds: float, command: int) -> Steps:
-        """Work for `seconds` as a part of `command`; the value is whether it was not replaced."""
+        """Work for `seconds` as a part of `command`; the value is True unless it was replaced."""
         return self._enabled_for(seconds, command)
 
     def disable(
@@ -165,7 +165,7 @@ class Drive:
             self._go_on()
 
     def close(self) -> None:
-        """The trial is over: count the time it was disabled until now."""
+        """Count the time it was disabled until now: the trial is over."""
         if self._disabled_at is not None:
             self.disabled_time += self._clock.now - self._disabled_at
         if self._enabled is not None:
@@ -184,7 +184,7 @@ class Drive:
             self._stands_since = self._clock.now
             self._brake()
             self.braking_time += self.body.motion.end - self._clock.now
-            self._tell("disabled")
+            self._notify("disabled")
 
     def _go_on(self) -> None:
         """Be free to move, if neither disabled nor held."""
@@ -192,7 +192,7 @@ class Drive:
             enabled, self._enabled = self._enabled, None
             self.standing_time += self._clock.now - self._stands_since
             enabled.succeed()
-            self._tell("enabled")
+            self._notify("enabled")
 
     def _brake(self) -> None:
         self.body.follow(self.stopping(self.body.state, self._clock.now))
@@ -200,7 +200,7 @@ class Drive:
         braking.succeed()
 
     def _move(self, command: int, set_out: Callable[[], None], resume: bool) -> Steps:
-        """Wait for the end of a move, or of what became of it."""
+        """Wait for the end of a move, resumed after it was interrupted if it is to `resume`."""
         while command == self._commands:
             if self._enabled is not None:
                 yield self._enabled

@@ -1,4 +1,4 @@
-"""Interrupts of a gantry's controller: which it asked for, and when it gets them."""
+"""Interrupts of a gantry's controller: requested by reason, and delivered one at a time."""
 
 from __future__ import annotations
 
@@ -26,8 +26,15 @@ class Interrupts:
     From one interrupt on there is no other until the controller has given a command outside the
     `except` (or `finally`) in which it handles that one; then what happened meanwhile interrupts
     it, each reason once. A command that ends at the instant of an interrupt is answered first, so
-    that what was done is known to have been done.
+    that its outcome is not lost.
     """
+
+    # The masking is that of POSIX signals (`sigaction` with all of them in `sa_mask`): while a
+    # handler runs they are blocked, and one that arrives stays pending, once however often it came.
+    # Without that, a person who comes near while the controller backs off would break off the
+    # handler at its `yield`. A signal handler unmasks by its return; a generator does not say when
+    # it leaves its `except`. But Python has the exception at hand for as long as that runs, so that
+    # the first command given without it is given outside.
 
     def __init__(self) -> None:
         self.close_distance: float | None = None
@@ -71,7 +78,7 @@ class Interrupts:
             self._handled = None
 
     def _delivered_to(self, controller: Steps) -> Steps:
-        """The steps of `controller`, into which interrupts are thrown where they may be."""
+        """Yield the steps of `controller`, and throw interrupts into it where they may be."""
         go_on: Callable[[], Event] = partial(next, controller)
         while True:
             try:
@@ -81,7 +88,7 @@ class Interrupts:
             go_on = yield from self._waited_for(event, controller)
 
     def _waited_for(self, event: Event, controller: Steps) -> Steps:
-        """Wait for `event`, or for an interrupt; the value goes on with the controller."""
+        """Wait for `event`, or for an interrupt; the value resumes the controller."""
         while True:
             if self._pending and self._handled is None and not event.triggered:
                 self._handled = Interrupt(self._pending.pop(0))
@@ -89,7 +96,7 @@ class Interrupts:
             try:
                 answer: Any = yield event
             except Interrupt:
-                continue  # something has happened, which it may have to go on waiting with
+                continue  # a reason is pending; where it may not be thrown yet, wait on
             except Exception as why:
                 return partial(controller.throw, why)
             return partial(controller.send, answer)

@@ -38,7 +38,7 @@ class GantryModel(MachineModel):
         return cls(given.entry(), given.x, given.y)
 
     def shape(self, name: str, plan: Floorplan) -> MachineShape:
-        """Return what others know of it."""
+        """Return its shape, as others see it."""
         return gantry_shape(self._on(plan), name)
 
     def make(self, name: str, stage: Stage) -> GantryRobot:

@@ -1,4 +1,4 @@
-"""The gantry as its controller sees it: what it can be told, and what it can see."""
+"""The gantry as its controller sees it: its commands and its sensors."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ from .interruption import Interruption, Interrupts
 from .tasks import Handling, Pose, Step, Task, Tasks, fixed_places, tasks_of
 
 OBSERVATION_RATE = 10.0
-"""Hz. How often the gantry sees where people are."""
+"""Hz. Rate at which the gantry sees where people are."""
 
 REACH = 1e-3
-"""Metres. How near to a place the gantry's axis has to be to handle something there."""
+"""Metres. Distance of the gantry's axis from a place within which it can handle something there."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class Sighting:
 
 
 class GantryRobot(Machine):
-    """The gantry, to be told what to do.
+    """The gantry, to be commanded by a controller.
 
     A controller is a function or class of one argument, this robot, that yields what its
     methods return: `yield gantry.move_to(-2.5, 0.5)`. It does one thing at a time: moving,
@@ -101,30 +101,30 @@ class GantryRobot(Machine):
         self._proximity = ProximityWatch(self._stage, self, partial(self.interrupt, "person_close"))
         self.start(self._controller(self))
 
-    # What it sees.
+    # Its sensors.
 
     @property
     def now(self) -> float:
-        """The time, seconds."""
+        """Simulated time (seconds)."""
         return self._clock.now
 
     @property
     def state(self) -> State:
-        """Where it is and how it moves now."""
+        """Pose and velocity now."""
         return self.body.state
 
     @property
     def position(self) -> Pose:
-        """Where it is now: x, y (metres), rotation (radians)."""
+        """Pose now: x, y (metres), rotation (radians)."""
         return self.body.state.position
 
     @property
     def disabled(self) -> bool:
-        """Whether it stands because the referee disabled it."""
+        """True while it is made to stand: disabled, or in a protective stop."""
         return self.drive.disabled
 
     def look(self, after: float = 0.0) -> Process:
-        """The people around, as seen at the first observation `after` seconds from now or later.
+        """See the people around, at the first observation `after` seconds from now or later.
 
         The value is a tuple of `Sighting`s: `people = yield gantry.look()`.
         """
@@ -148,7 +148,7 @@ class GantryRobot(Machine):
         if self._proximity is not None:
             self._proximity.near(self._interrupts.close_distance)
 
-    # What it can be told.
+    # Its commands.
 
     def move_to(
         self,
@@ -171,7 +171,7 @@ class GantryRobot(Machine):
     def preview(
         self, x: float, y: float, rotation: float | None = None, *, speed_share: float = 1.0
     ) -> Motion:
-        """The motion that `move_to` would make from here and now; nothing moves by it."""
+        """Return the motion that `move_to` would make from here and now; nothing moves by it."""
         return self.drive.preview(self._target(x, y, rotation), speed_share)
 
     def follow(self, motion: Motion) -> Process:
@@ -187,7 +187,7 @@ class GantryRobot(Machine):
         return self._command(self.drive.stop())
 
     def stopping(self, state: State, t: float) -> Motion:
-        """The fastest stop from `state` at `t` (seconds); nothing moves by it."""
+        """Return the fastest stop from `state` at `t` (seconds); nothing moves by it."""
         return self.drive.stopping(state, t)
 
     def wait(self, seconds: float) -> Process:
@@ -197,7 +197,7 @@ class GantryRobot(Machine):
     def pick(self, place: str) -> Process:
         """Go to `place` (an obstacle, a station or an AGV by name) and take something there.
 
-        The value is whether it was done: not if another command took its place before the end.
+        The value is True if it was done, False if another command took its place before the end.
         """
         return self._visit("pick", self.handling.pick, place)
 
@@ -205,7 +205,7 @@ class GantryRobot(Machine):
         """Go to `place` and put down what was taken; the value is as that of `pick`."""
         return self._visit("place", self.handling.place, place)
 
-    # What there is to do.
+    # Its tasks.
 
     @property
     def open_tasks(self) -> tuple[Task, ...]:
@@ -213,27 +213,27 @@ class GantryRobot(Machine):
         return self.tasks.open
 
     def next_task(self) -> Event:
-        """The preferred open task, as soon as there is one; None when there won't be any."""
+        """Wait for the preferred open task, which is the value; None when there won't be any."""
         self._interrupts.command_given()
         return self.tasks.next()
 
     def do(self, task: Task) -> Process:
-        """Do what is left of a task, the straight way.
+        """Do the steps of a task that are left, on straight paths.
 
-        The value is whether it is done: not if another command took the place of this one. A step
-        that was broken off begins anew when it is done again.
+        The value is True if it is done, False if another command took the place of this one. A
+        step that was broken off begins anew when it is done again.
         """
         return self._command(self._do(task, self.drive.begin()))
 
     def where(self, task: Task) -> Pose | None:
-        """Where the task's next step is now: x, y, rotation; None if it can't be reached now.
+        """Return the pose (x, y, rotation) of the task's next step; None if out of reach now.
 
         A step at an AGV can't be while the AGV drives, or stands beyond the rails.
         """
         return self._pose(_next_step(task))
 
     def way(self, task: Task) -> tuple[Pose, ...]:
-        """Where the task's steps that are left would be now; nothing if one can't be reached."""
+        """Return the poses of the task's steps that are left; none if one can't be reached now."""
         rotation = self.position[2]
         poses = [self._pose(step, rotation) for step in task.steps_left]
         return () if None in poses else tuple(pose for pose in poses if pose is not None)
@@ -243,7 +243,7 @@ class GantryRobot(Machine):
         return self._command(self._find(task))
 
     def handle(self, task: Task) -> Process:
-        """Do what the task's next step needs, here. The value is whether it was done.
+        """Do the work of the task's next step, here. The value is True if it was done.
 
         It was not if this is not the place, or if another command took the place of this one: the
         step then begins anew when it is handled again. `ValueError` if the task is done already.
@@ -252,10 +252,10 @@ class GantryRobot(Machine):
             return self._command(_not_done())
         return self._command(self._handle(task, self.drive.begin()))
 
-    # What others do with it.
+    # The simulation's side of it.
 
     def start(self, controller: Steps) -> None:
-        """Let `controller` tell it what to do from now on."""
+        """Let `controller` command it from now on."""
         self._interrupts.start(self._clock, controller)
 
     def interrupt(self, reason: str) -> None:
@@ -275,7 +275,7 @@ class GantryRobot(Machine):
         self.drive.close()
 
     def figures(self, motion: Motion, now: float) -> dict[str, Any]:
-        """Return what it did; it is idle while it neither moves, handles nor is made to stand."""
+        """Return its figures; it is idle while it neither moves, handles nor is made to stand."""
         drive = self.drive
         moving = sum(
             piece.end - piece.begin
@@ -291,7 +291,7 @@ class GantryRobot(Machine):
         }
 
     def floor_changed(self) -> None:
-        """A machine has come to rest on the floor."""
+        """Take note that a machine has come to rest on the floor."""
         changed, self._floor_changed = self._floor_changed, self._clock.event()
         changed.succeed()
         self.tasks.reconsider()
@@ -313,7 +313,7 @@ class GantryRobot(Machine):
         )
 
     def _pose(self, step: Step, rotation: float | None = None) -> Pose | None:
-        """Where a step is now, if it can be reached now; `rotation` as it is if not given."""
+        """Return the pose of a step; None if out of reach now. `rotation` is kept if not given."""
         if step.target is not None:
             return step.target
         if step.place is None:
@@ -324,7 +324,7 @@ class GantryRobot(Machine):
         return self._target(at[0] + step.offset[0], at[1] + step.offset[1], rotation)
 
     def _locate(self, place: str) -> Point | None:
-        """Return where an obstacle, a station or a vehicle of that name is.
+        """Return the position of an obstacle, a station or a vehicle of that name.
 
         None for a vehicle that drives, or stands beyond the gantry's range.
         """
@@ -343,7 +343,7 @@ class GantryRobot(Machine):
         return (yield from self._reached(step))
 
     def _reached(self, step: Step) -> Steps:
-        """Wait until a step can be reached; the value is where it is then."""
+        """Wait until a step can be reached; the value is its pose then."""
         while (pose := self._pose(step)) is None:
             yield self._floor_changed
         return pose
@@ -359,7 +359,7 @@ class GantryRobot(Machine):
         return self._command(steps())
 
     def _is_at(self, step: Step) -> bool:
-        """Return whether the gantry stands where `step` can be handled."""
+        """Return True if the gantry stands where `step` can be handled."""
         pose = self._pose(step)
         moving = self.now < self.body.motion.end
         return not (pose is None or moving or math.dist(pose[:2], self.position[:2]) > REACH)
@@ -414,7 +414,7 @@ class GantryRobot(Machine):
 
 
 def gantry_shape(gantry: Gantry, name: str = "gantry") -> MachineShape:
-    """Return what others know of a gantry."""
+    """Return the shape of a gantry, as others see it."""
     length, width, bottom, top = gantry.torso
     return MachineShape(
         name=name,

@@ -1,4 +1,4 @@
-"""What the gantry has to do: tasks, made of steps, and which of them may be begun now."""
+"""Tasks of the gantry, made of steps, and those of them that may be begun now."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Pose = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class Handling:
-    """How long the gantry's hand takes, seconds (our choice; none are published)."""
+    """Times that the gantry's hand takes, seconds (our choice; none are published)."""
 
     pick: float = 2.0
     place: float = 2.0
@@ -34,7 +34,7 @@ class Handling:
 class Step:
     """One errand of a task: go somewhere, and handle something there for `seconds`.
 
-    Where it is: at the obstacle, station or AGV called `place`, `offset` metres (x, y) from its
+    It is at the obstacle, station or AGV named `place`, `offset` metres (x, y) from its
     middle; or at `target` (x, y, rotation); or, with neither, wherever the gantry is.
     """
 
@@ -48,8 +48,8 @@ class Step:
 class Task:
     """Something to be done in `steps`, one after the other.
 
-    `kind` and `fields` go into the events that tell of it. A task of a later `stage` waits for
-    those before it in its `group`; `ready()` tells whether it may be begun as things stand;
+    `kind` and `fields` go into its events. A task of a later `stage` waits for
+    those before it in its `group`; `ready()` is True while it may be begun as things stand;
     `done()` is called when its last step is done.
     """
 
@@ -80,31 +80,31 @@ class Task:
 
     @property
     def begun(self) -> bool:
-        """Whether a step of it has been done."""
+        """True once a step of it has been done."""
         return self._steps_done > 0
 
     @property
     def finished(self) -> bool:
-        """Whether all of it has been done."""
+        """True once all of it has been done."""
         return self._steps_done == len(self.steps)
 
     @property
     def steps_left(self) -> tuple[Step, ...]:
-        """What has to be done yet."""
+        """Steps that have to be done yet."""
         return self.steps[self._steps_done :]
 
     @property
     def next_step(self) -> Step | None:
-        """What has to be done next; None once it is finished."""
+        """Step that has to be done next; None once it is finished."""
         return None if self.finished else self.steps[self._steps_done]
 
     def advance(self) -> None:
-        """The next step has been done."""
+        """Take note that the next step has been done."""
         self._steps_done += 1
 
 
 class Tasks:
-    """All that there is to do, in groups; of a group, one stage at a time."""
+    """All tasks of the gantry, in groups; of a group, one stage at a time."""
 
     def __init__(self, clock: Clock) -> None:
         self.more_to_come = False
@@ -119,7 +119,7 @@ class Tasks:
         return tuple(task for _, group in self._groups for task in _current(group) if task.ready())
 
     def add(self, tasks: Iterable[Task], *, first: bool = False) -> None:
-        """A group of tasks more; `first` puts it before all others that were not put first."""
+        """Add a group of tasks; `first` puts it before all others that were not put first."""
         group = list(tasks)
         self._groups_added += 1
         for task in group:
@@ -130,9 +130,9 @@ class Tasks:
         self.reconsider()
 
     def next(self) -> Event:
-        """Happens when there is something to do: the preferred open task.
+        """Return an event that happens once a task is open; its value is the preferred one.
 
-        Its value is None when everything is done and nothing more will come.
+        The value is None when everything is done and nothing more will come.
         """
         event = self._clock.event()
         self._waiting.append(event)
@@ -140,7 +140,7 @@ class Tasks:
         return event
 
     def reconsider(self) -> None:
-        """Something has changed: answer those who wait for it."""
+        """Answer those who wait for a task: something has changed."""
         self._groups = [
             (first, group)
             for first, group in self._groups
@@ -157,14 +157,14 @@ class Tasks:
 
 
 def _current(group: list[Task]) -> Iterator[Task]:
-    """The unfinished tasks of the lowest stage, those that were begun first."""
+    """Return the unfinished tasks of the lowest stage, with those that were begun in front."""
     left = [task for task in group if not task.finished]
     stage = min((task.stage for task in left), default=0)
     return iter(sorted((t for t in left if t.stage == stage), key=lambda task: not task.begun))
 
 
 def tasks_of(jobs: Iterable[Job], handling: Handling) -> list[Task]:
-    """The jobs of a trial as tasks: one after the other, but neighbouring parts in any order."""
+    """Return the jobs of a trial as tasks: in their order, but neighbouring parts in any order."""
     tasks: list[Task] = []
     for job in jobs:
         stage = tasks[-1].stage if tasks else 0
@@ -194,7 +194,7 @@ def _steps(job: Job, handling: Handling) -> tuple[Step, ...]:
 
 
 def fixed_places(plan: Floorplan) -> dict[str, Point]:
-    """Where the gantry finds what doesn't move: stations, and the middles of obstacles."""
+    """Return the places (x, y) of stations, and the middles of obstacles, by name."""
     middles = ((o.name, o.footprint.centroid) for o in plan.obstacles)
     return {name: (middle.x, middle.y) for name, middle in middles} | {
         station.name: station.position for station in plan.stations

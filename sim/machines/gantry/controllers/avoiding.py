@@ -1,4 +1,4 @@
-"""Plans its ways round people, prefers tasks away from them, and steps aside for them."""
+"""Plans its paths round people, prefers tasks away from them, and steps aside for them."""
 
 from __future__ import annotations
 
@@ -17,29 +17,29 @@ from ..tasks import Pose, Task
 from .caution import Caution
 
 ROOM = 0.2
-"""Metres. How much more than the protective distance it keeps from people where it can."""
+"""Metres beyond the protective separation distance that it keeps from people where it can."""
 
 PACES = (1.0, 0.3, 0.1)
-"""m/s. A way round somebody keeps away so far that it can be gone at one of these, if possible."""
+"""m/s. A path round somebody leaves the distance that one of these speeds needs, if possible."""
 
 FORESIGHT = 5.0
-"""Seconds. How far ahead it takes people to go on as they do."""
+"""Seconds for which it expects people to go on at their present velocity."""
 
 GLANCE = 0.5
-"""Seconds. How finely it looks ahead."""
+"""Seconds between the instants ahead at which it compares positions."""
 
 SECOND_THOUGHTS = 1.0
-"""Seconds. How often it asks itself whether what it does is still the best."""
+"""Seconds after which it chooses its task and path anew."""
 
 PATIENCE = 6.0
-"""Seconds. For how long an order may be blocked until the tasks of the next are thought of."""
+"""Seconds for which an order may be blocked before the tasks of the next are considered."""
 
 REFUGES = 5
 """It steps aside to one of so many times so many places, spread over its range."""
 
 
 def avoiding(gantry: GantryRobot) -> Steps:
-    """The nearest task that is clear of people, one after the other; else out of their way."""
+    """Do the nearest task that is clear of people, one after the other; else keep clear of them."""
     caution = Caution(gantry)
     outlook = Outlook(gantry, caution)
     while (yield gantry.next_task()) is not None:
@@ -55,14 +55,14 @@ def avoiding(gantry: GantryRobot) -> Steps:
 
 
 class Outlook:
-    """Where the gantry can go without coming near people who go on as they do."""
+    """Choice of where to go without coming near people, if those keep their velocity."""
 
     def __init__(self, gantry: GantryRobot, caution: Caution) -> None:
         self._gantry = gantry
         self._zone = caution.required(0.0) + ROOM
         self._rooms = [caution.room_to_move(pace) + ROOM for pace in PACES]
         self._free_at = gantry.now
-        self._way: tuple[Pose, tuple[Pose, ...], float] = (gantry.position, (), 0.0)
+        self._path: tuple[Pose, tuple[Pose, ...], float] = (gantry.position, (), 0.0)
         self._planner = GantryPlanner(gantry.floorplan)
         x, y = (
             np.linspace(axis.low, axis.high, REFUGES).tolist()
@@ -71,25 +71,26 @@ class Outlook:
         self._refuges = tuple(itertools.product(x, y))
 
     def choose(self, people: Sequence[Sighting]) -> tuple[Task | None, Pose]:
-        """The task to go on with, and where to go for it now; None if none can be done now."""
+        """Return the task to go on with (None if none can be done now), and the pose to go to."""
         gantry = self._gantry
         tasks = [task for task in gantry.open_tasks if task.begun] or gantry.open_tasks
-        ways = [(task, way) for task in tasks for way in [gantry.way(task)] if way]
-        groups = list(dict.fromkeys(task.group for task, _ in ways))
+        paths = [(task, path) for task in tasks for path in [gantry.way(task)] if path]
+        groups = list(dict.fromkeys(task.group for task, _ in paths))
         for group in groups[:1] if gantry.now < self._free_at + PATIENCE else groups:
-            found = self._choose([(task, way) for task, way in ways if task.group == group], people)
+            of_group = [(task, path) for task, path in paths if task.group == group]
+            found = self._choose(of_group, people)
             if found is not None:
                 self._free_at = gantry.now
                 return found
         return None, gantry.position
 
     def _choose(
-        self, ways: Sequence[tuple[Task, tuple[Pose, ...]]], people: Sequence[Sighting]
+        self, paths: Sequence[tuple[Task, tuple[Pose, ...]]], people: Sequence[Sighting]
     ) -> tuple[Task, Pose] | None:
-        """The task with the shortest way that is clear, and where to go for it now."""
+        """Return the task with the shortest path that is clear, and the pose to go to for it."""
         here = self._gantry.position
         tried: set[Pose] = set()
-        for task, (pose, *_) in sorted(ways, key=lambda entry: _length((here, *entry[1]))):
+        for task, (pose, *_) in sorted(paths, key=lambda entry: _length((here, *entry[1]))):
             step = task.next_step
             if pose in tried or step is None:
                 continue
@@ -102,7 +103,10 @@ class Outlook:
         return None
 
     def refuge(self, people: Sequence[Sighting]) -> Pose:
-        """Where to step aside: of some places, the one on the way to which people are farthest."""
+        """Return the pose to step aside to: of some, that on the path to which people are farthest.
+
+        It is the present pose if nobody comes into the zone there.
+        """
         if not people:
             return self._gantry.position
         x, y, rotation = self._gantry.position
@@ -131,19 +135,19 @@ class Outlook:
             return (x, y, rotation)
         return (*max(((x, y), *self._refuges), key=nearest), rotation)
 
-    def _is_clear(self, way: Motion, people: Sequence[Sighting], seconds: float) -> bool:
-        """Whether it can keep moving on `way`, and stand at its end for `seconds`."""
+    def _is_clear(self, motion: Motion, people: Sequence[Sighting], seconds: float) -> bool:
+        """Return True if it can keep moving on `motion`, and stand at its end for `seconds`."""
         now = self._gantry.now
-        stay = max(way.end + seconds, now + FORESIGHT)
-        moving = self._clearance(way, people, now, way.end)
+        stay = max(motion.end + seconds, now + FORESIGHT)
+        moving = self._clearance(motion, people, now, motion.end)
         return moving >= self._rooms[-1] and (
-            self._clearance(way, people, way.end, stay) >= self._zone
+            self._clearance(motion, people, motion.end, stay) >= self._zone
         )
 
     def _clearance(
         self, motion: Motion, people: Sequence[Sighting], begin: float, end: float
     ) -> float:
-        """The least distance to anybody from `begin` to `end` (seconds), in metres."""
+        """Return the least distance (metres) to anybody from `begin` to `end` (seconds)."""
         times = np.append(np.arange(begin, end, GLANCE), end)
         after = np.minimum(times - self._gantry.now, FORESIGHT)[:, None]
         gantry = motion.position(times)
@@ -151,25 +155,28 @@ class Outlook:
         return min((float(np.hypot(*offset.T).min()) for offset in away), default=math.inf)
 
     def _detour(self, pose: Pose, people: Sequence[Sighting]) -> Pose | None:
-        """Where to go first to get to `pose` round everybody; None if there is no way."""
+        """Return the first waypoint of a path to `pose` round everybody; None if there is none."""
         places = [_expected(person, after) for person in people for after in (0.0, FORESIGHT)]
-        goal, way, radius = self._way
-        if goal == pose and way:
-            # A way once chosen is kept while it is clear, so that it does not waver between two.
+        goal, path, radius = self._path
+        if goal == pose and path:
+            # A path once chosen is kept while it is clear, so that it does not waver between two.
             here = self._gantry.position
-            way = way[1:] if math.dist(here[:2], way[0][:2]) < REACH else way
-            line = LineString([here[:2], *(point[:2] for point in (*way, pose))])
-            if way and all(line.distance(Point(place)) > radius - 2 * ROOM for place in places):
-                self._way = (pose, way, radius)
-                return way[0]
-        self._way = (pose, *self._plan(pose, places))
-        way = self._way[1]
-        return way[0] if way else None
+            path = path[1:] if math.dist(here[:2], path[0][:2]) < REACH else path
+            line = LineString([here[:2], *(point[:2] for point in (*path, pose))])
+            if path and all(line.distance(Point(place)) > radius - 2 * ROOM for place in places):
+                self._path = (pose, path, radius)
+                return path[0]
+        self._path = (pose, *self._plan(pose, places))
+        path = self._path[1]
+        return path[0] if path else None
 
     def _plan(
         self, pose: Pose, places: Sequence[tuple[float, float]]
     ) -> tuple[tuple[Pose, ...], float]:
-        """A way to `pose` that keeps away from `places`, and how far (metres)."""
+        """Return waypoints to `pose` that keep away from `places`, and the distance kept (metres).
+
+        Without waypoints, and 0, if there is no such path.
+        """
         nearest = min(math.dist(pose[:2], place) for place in places)
         for room in self._rooms:
             # The goal may be nearer than one would like to pass, but not so near as to stop there.
@@ -186,11 +193,11 @@ class Outlook:
 
 
 def _expected(person: Sighting, after: float) -> tuple[float, float]:
-    """Where somebody will be after so many seconds who goes on as now for a while."""
+    """Return the place where somebody will be after so many seconds, who keeps their velocity."""
     (x, y), (vx, vy) = person.at, person.velocity
     seconds = min(after, FORESIGHT)
     return (x + vx * seconds, y + vy * seconds)
 
 
-def _length(way: Sequence[Pose]) -> float:
-    return sum(math.dist(a[:2], b[:2]) for a, b in itertools.pairwise(way))
+def _length(path: Sequence[Pose]) -> float:
+    return sum(math.dist(a[:2], b[:2]) for a, b in itertools.pairwise(path))

@@ -1,4 +1,4 @@
-"""How the gantry may go beside people so that it can always stop in time."""
+"""Motions of the gantry beside people from which it can always stop in time."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ SHARES = (1.0, 0.5, 0.25, 0.1)
 """The shares of its top speeds that the gantry chooses from."""
 
 HORIZONS = (0.2, 1.0, 2.0)
-"""Seconds. For how long it may go on without looking again."""
+"""Seconds for which it may go on without looking again."""
 
 STRIDE = 0.2
-"""Seconds. How finely the motion ahead is looked at."""
+"""Seconds between the instants at which the motion ahead is tested."""
 
 ARRIVED = 1e-6
 """Metres and radians. Nearer than this is there."""
@@ -29,17 +29,23 @@ INSTANT = 1e-6
 """Seconds. Less than this is no time at all."""
 
 MARGIN = 0.05
-"""Metres. More than the distance can fall short between two looks at the motion ahead."""
+"""Metres. More than the distance can fall short between two tests of the motion ahead."""
 
 
 class Caution:
-    """What the protective distance allows the gantry, whatever people do.
+    """Motion that keeps the protective separation distance, whatever people do.
 
     A motion is safe for a while if all through it, and through a stop at its end, nobody who
     walks towards the gantry as fast as people can comes nearer than the law asks for. The law is
     asked for that speed, and for the gantry's own of the instant (speed and separation
     monitoring, ISO/TS 15066:2016, clause 5.5.4).
     """
+
+    # Each motion that it commands is safe until the next look, and so is a stop from there. If
+    # nothing is safe at that look, the stop is what it does; so safety holds from look to look by
+    # induction, and needs no forecast of people but their top speed. The law's distance covers what
+    # follows the instant for which it is asked (in the clause: the person's approach, the robot's
+    # reaction and its stop); what a person may have walked since they were seen is added to it.
 
     def __init__(self, gantry: GantryRobot) -> None:
         self._gantry = gantry
@@ -51,10 +57,10 @@ class Caution:
         self._under_way: tuple[Motion, Pose, float] | None = None
 
     def go(self, pose: Pose, *, seconds: float = math.inf) -> Steps:
-        """Go to `pose`, at any time as fast as is safe; the value is whether it is there.
+        """Go to `pose`, at any time as fast as is safe; the value is True once it is there.
 
         Where people leave no safe motion it stops, and waits until there is one. After `seconds`
-        it returns all the same, and leaves the gantry to what it is doing.
+        it returns all the same, with False, and leaves the motion under way as it is.
         """
         gantry = self._gantry
         end = gantry.now + seconds
@@ -76,7 +82,7 @@ class Caution:
         return True
 
     def safe_for(self, motion: Motion, people: Sequence[Sighting]) -> float:
-        """Seconds from now for which `motion` is safe: one of `HORIZONS`, or 0."""
+        """Return the seconds from now for which `motion` is safe: one of `HORIZONS`, or 0."""
         safe = 0.0
         for horizon in HORIZONS:
             if not self._is_safe_until(self._gantry.now + horizon, motion, people):
@@ -85,13 +91,13 @@ class Caution:
         return safe
 
     def room_to_move(self, speed: float) -> float:
-        """The distance in metres from people at which it may move on at this speed (m/s)."""
+        """Return the distance (metres) from people at which it may move on at this speed (m/s)."""
         state = State((0.0, 0.0, 0.0), (speed, 0.0, 0.0), (0.0, 0.0, 0.0))
         seconds, metres = self._longest_stop(state)
         return self.required(speed) + metres + self._human_speed * (seconds + HORIZONS[0])
 
     def required(self, robot_speed: float) -> float:
-        """The distance in metres from somebody who may walk, at this speed of the gantry's (m/s).
+        """Return the distance (metres) to keep from people at this speed of the gantry's (m/s).
 
         A law that looks ahead is asked for the gantry's top speed: it may be reached by then.
         """
@@ -100,16 +106,16 @@ class Caution:
         return self._at_top_speed + MARGIN
 
     def _share_to(self, pose: Pose) -> float:
-        """At what share of its speeds it is on the way to `pose`; 0 if it isn't."""
+        """Return the share of its speeds at which it moves to `pose`; 0 if it does not."""
         if self._under_way is None:
             return 0.0
         motion, target, share = self._under_way
         return share if motion is self._gantry.body.motion and target == pose else 0.0
 
     def _fastest(self, pose: Pose, share: float, people: Sequence[Sighting]) -> tuple[float, float]:
-        """The greatest safe share of the top speeds, and for how many seconds it is safe.
+        """Return the greatest safe share of the top speeds, and the seconds for which it is safe.
 
-        If none is: 0, and when to look again.
+        If none is safe: 0, and the seconds until the next look.
         """
         gantry = self._gantry
         if not gantry.disabled:
@@ -127,7 +133,7 @@ class Caution:
         return 0.0, max(HORIZONS[0], lacking / self._human_speed)
 
     def _is_safe_until(self, t: float, motion: Motion, people: Sequence[Sighting]) -> bool:
-        """Whether `motion` is safe until `t`, and a stop from there on."""
+        """Return True if `motion` is safe until `t` (seconds), and a stop from there on."""
         now = self._gantry.now
         if not self._keeps_away(motion, now, t, people):
             return False
@@ -141,9 +147,10 @@ class Caution:
         return self._keeps_away(stop, t, stop.end, people)
 
     def _longest_stop(self, state: State) -> tuple[float, float]:
-        """Seconds and metres that a stop takes at the most: along one axis, the slower one.
+        """Return the seconds and metres that a stop takes at the most.
 
-        The acceleration of the instant is taken back first; then it brakes as hard as it may.
+        That is along one axis, the slower one: the acceleration of the instant is taken back
+        first; then it brakes as hard as it may.
         """
         axes = (self._gantry.gantry.x, self._gantry.gantry.y)
         braking = min(axis.max_acceleration for axis in axes)
@@ -157,7 +164,7 @@ class Caution:
     def _keeps_away(
         self, motion: Motion, begin: float, end: float, people: Sequence[Sighting]
     ) -> bool:
-        """Whether nobody can come too near to `motion` between two instants."""
+        """Return True if nobody can come too near to `motion` between two instants (seconds)."""
         strides = max(1, math.ceil((end - begin) / STRIDE))
         for k in range(strides + 1):
             t = begin + (end - begin) * k / strides

@@ -1,4 +1,4 @@
-"""Leaves it to somebody outside what to do."""
+"""Leaves the commands to somebody outside."""
 
 from __future__ import annotations
 
@@ -7,6 +7,6 @@ from ..robot import GantryRobot
 
 
 def external(gantry: GantryRobot) -> Steps:
-    """Nothing of its own: whoever has the simulation tells the gantry."""
+    """Do nothing of its own: whoever has the simulation commands the gantry."""
     return
     yield

@@ -1,4 +1,4 @@
-"""From the name of a controller, as a trial gives it, to the controller."""
+"""Controllers by the names that a trial gives."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from .parked import parked
 from .pausing import pausing
 
 Controller = Callable[[GantryRobot], Steps]
-"""What runs the gantry: called once with it, gives a generator of things to wait for."""
+"""Program of the gantry: called once with it, gives a generator of events to wait for."""
 
 CONTROLLERS: dict[str, Controller] = {
     "parked": parked,

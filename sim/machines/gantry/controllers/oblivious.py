@@ -7,6 +7,6 @@ from ..robot import GantryRobot
 
 
 def oblivious(gantry: GantryRobot) -> Steps:
-    """One task after the other, straight to where it is."""
+    """Do one task after the other, on the straight path to it."""
     while (task := (yield gantry.next_task())) is not None:
         yield gantry.do(task)

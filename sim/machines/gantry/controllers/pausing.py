@@ -8,7 +8,7 @@ from .caution import Caution
 
 
 def pausing(gantry: GantryRobot) -> Steps:
-    """One task after the other, straight to where it is, at the speed that people allow."""
+    """Do one task after the other, on the straight path to it, at the speed that people allow."""
     caution = Caution(gantry)
     while (task := (yield gantry.next_task())) is not None:
         while task.next_step is not None:

@@ -1,4 +1,4 @@
-"""A controller under supervision: what goes wrong in it is told with its name and line."""
+"""A controller under supervision: errors in it are reported with its name and line."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from ..robot import GantryRobot
 from .finding import Controller, ControllerError
 
 MOST_AT_ONCE = 1000
-"""How often a controller may yield at one instant before it counts as endless."""
+"""Number of times a controller may yield at one instant; more count as endless."""
 
 
 def supervised(name: str, controller: Controller, gantry: GantryRobot) -> Steps:
-    """The steps of `controller`, which a trial calls `name`.
+    """Return the steps of `controller`, which a trial names `name`.
 
-    `ControllerError` says what it did wrong: raised something, yielded something that can't be
+    `ControllerError` names the fault: it raised something, yielded something that can't be
     waited for, or is no generator at all.
     """
     steps: Any = None
@@ -36,12 +36,12 @@ def supervised(name: str, controller: Controller, gantry: GantryRobot) -> Steps:
     except Exception as why:
         raise ControllerError(
             f"the gantry controller {name!r} failed at t = {gantry.now:g} s"
-            f"{_place(why, controller, steps)}: {_told(why)}"
+            f"{_place(why, controller, steps)}: {_fault(why)}"
         ) from why
 
 
-def _told(why: Exception) -> str:
-    """What went wrong, with its type; of an interrupt, what to do."""
+def _fault(why: Exception) -> str:
+    """Return the error's text with its type; of an interrupt, the remedy."""
     if isinstance(why, Interrupt):
         return f"it was interrupted by {why.cause!r} where no `except simpy.Interrupt` catches it"
     return in_words(why)
@@ -54,7 +54,7 @@ def _iterated(steps: Any) -> Steps:
 
 
 def _checked(steps: Steps, gantry: GantryRobot) -> Steps:
-    """The same steps, if each is something that can be waited for."""
+    """Yield the same steps, if each is something that can be waited for."""
     go_on: Callable[[], Event] = partial(next, steps)
     now, yields = gantry.now, 0
     while True:
@@ -75,7 +75,7 @@ def _checked(steps: Steps, gantry: GantryRobot) -> Steps:
 
 
 def _place(why: Exception, controller: Controller, steps: Any) -> str:
-    """The file and line of the controller at which it failed, in brackets, where they are known."""
+    """Return file and line of the controller at which it failed, in brackets, where known."""
     try:
         source = inspect.getsourcefile(controller)
     except TypeError:
