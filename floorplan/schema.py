@@ -40,6 +40,7 @@ def _rising(pair: tuple[float, float]) -> tuple[float, float]:
 
 
 Range = Annotated[Pair, AfterValidator(_rising)]
+"""A field of a file: [low, high] with low < high, from -1e9 to 1e9."""
 
 
 class Strictly(BaseModel):
