@@ -1,4 +1,4 @@
-"""What keys and types of an ARIAC trial file can't tell: whether the things it names are there."""
+"""Checks of an ARIAC trial file beyond its keys and types: the things it names are there."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from .schema import Condition, OrderEntry, TrialFile
 
 
 def problems(file: TrialFile, plan: Floorplan, document: Document) -> Iterator[Problem]:
-    """Everything that keeps the file from being run on this floor, each with its place.
+    """Return everything that keeps the file from being run on this floor, each with its place.
 
-    Entries of `file` that could not be read are None, and have been told.
+    Entries of `file` that could not be read are None, and have been reported.
     """
     orders = [(k, order) for k, order in enumerate(file.orders) if order]
     yield from _floor_problems(plan, document)
@@ -29,12 +29,12 @@ def problems(file: TrialFile, plan: Floorplan, document: Document) -> Iterator[P
 
 
 def agv_name(number: int) -> str:
-    """The AGV that a trial file knows by its number."""
+    """Return the AGV that a trial file knows by its number."""
     return f"agv{number}"
 
 
 def conditions(file: TrialFile) -> Iterator[tuple[Place, Condition]]:
-    """Every condition of the file, and its place."""
+    """Yield every condition of the file, and its place."""
     for k, order in enumerate(file.orders):
         if order:
             yield ("orders", k, "announcement"), order.announcement
@@ -88,17 +88,17 @@ def _supply_problems(file: TrialFile, plan: Floorplan, document: Document) -> It
 
 
 def _reach_problems(file: TrialFile, plan: Floorplan, document: Document) -> Iterator[Problem]:
-    """Things that orders are worked on with, and the gantry can't get to; each once."""
+    """Yield the things needed for orders that the gantry can't get to; each once."""
     if plan.gantry is None:
         return
     middles = {obstacle.name: obstacle.footprint.centroid for obstacle in plan.obstacles}
-    told: set[str] = set()
+    reported: set[str] = set()
     for name, (dx, dy) in layout.errands(plan, (file.parts and file.parts.bins) or {}):
-        if name not in middles or name in told:
+        if name not in middles or name in reported:
             continue
         target = (middles[name].x + dx, middles[name].y + dy, plan.gantry.start[2])
         for fault in plan.gantry.faults(target):
-            told.add(name)
+            reported.add(name)
             place = ("parts", "bins", name) if name.startswith("bin") else ()
             yield document.problem(f"the gantry can't get to {name!r}: {fault}", *place)
 
@@ -166,7 +166,7 @@ def _condition_problems(file: TrialFile, plan: Floorplan, document: Document) ->
 def _never_announced(
     orders: Sequence[tuple[int, OrderEntry]], document: Document
 ) -> Iterator[Problem]:
-    """Orders that wait for each other, or for themselves."""
+    """Yield the orders that wait for each other, or for themselves."""
     waits = {
         order.id: order.announcement.submission_condition.order_id
         for _, order in orders
@@ -199,7 +199,7 @@ def _agv_problems(
 def _twice(
     entries: Iterable[tuple[Place, object]], what: str, document: Document
 ) -> Iterator[Problem]:
-    """A problem for every value of `entries` that stood there before."""
+    """Yield a problem for every value of `entries` that stood there before."""
     seen: set[object] = set()
     for place, value in entries:
         if value in seen:

@@ -21,7 +21,7 @@ from .work import Cell, Work, when_all_are_done
 
 
 class _Progress:
-    """How far an order has come; times in seconds."""
+    """Progress of an order; times in seconds."""
 
     def __init__(self, order: Order) -> None:
         self.order = order
@@ -92,7 +92,7 @@ class Dispatcher:
 
     @property
     def figures(self) -> dict[str, Any]:
-        """What belongs into the summary: every order, and the points of all of them."""
+        """Figures for the summary: every order, and the points of all of them."""
         orders = {name: progress.figures for name, progress in self._orders.items()}
         return {
             "orders": orders,
@@ -101,7 +101,7 @@ class Dispatcher:
         }
 
     def _came_to_rest(self, machine: Machine) -> None:
-        """An AGV that has come to rest may have been waited for."""
+        """Take note that a machine has come to rest: an order may have waited for it."""
         if isinstance(machine, Agv):
             self._fleet.stopped(machine)
             self._submit_orders()
@@ -135,7 +135,7 @@ class Dispatcher:
         self._gantry.tasks.add(tasks, first=order.priority)
 
     def _work_on(self, order: Order, held: set[str]) -> Work | None:
-        """The work on an order, or None while something it needs is held."""
+        """Return the work on an order, or None while something it needs is held."""
         task = order.task
         if isinstance(task, CombinedTask):
             return self._combined_work(order, task, held)
@@ -146,7 +146,7 @@ class Dispatcher:
         return KittingWork(order, task, self._cell)
 
     def _combined_work(self, order: Order, task: CombinedTask, held: set[str]) -> Work | None:
-        """On the free AGV with the least on it."""
+        """Return the work on a combined order: on the free AGV with the least on it."""
         free = [agv for agv in self._fleet.serving(task.station) if agv not in held]
         if task.station in held or not free:
             return None
@@ -154,7 +154,7 @@ class Dispatcher:
         return CombinedWork(order, task, self._cell, agv, self._needed_trays)
 
     def _finish(self, work: Work) -> None:
-        """All tasks of an order are done: submit it once everything is where it has to be."""
+        """Submit an order, all tasks of which are done, once everything is where it has to be."""
         self._finished.append(work)
         self._clock.call_at(self._clock.now, self._submit_orders)
 
@@ -187,7 +187,7 @@ class Dispatcher:
             self._all_done()
 
     def _to_be_announced(self) -> bool:
-        """Whether an order will still be announced, as nothing is being worked on."""
+        """Return True if an order will still be announced although nothing is being worked on."""
         return any(
             progress.announced is None and progress.order.announcement.time is not None
             for progress in self._orders.values()
@@ -195,7 +195,7 @@ class Dispatcher:
 
 
 def _wanted(order: Order) -> tuple[str, ...]:
-    """The AGVs and stations that an order needs, as far as it says which."""
+    """Return the AGVs and stations that an order needs, as far as it names them."""
     task = order.task
     if isinstance(task, KittingTask):
         return (task.agv,)

@@ -1,4 +1,4 @@
-"""What lies where in the workcell while a trial runs."""
+"""Inventory of the workcell while a trial runs: the places of parts and trays."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .scoring import Inserted
 
 
 class Inventory:
-    """Bins, tray tables, AGVs and assembly stations, and what is in or on each of them now.
+    """Contents of bins, tray tables, AGVs and assembly stations now.
 
     What an order will need from a bin or a tray table is taken out of it as soon as the order is
     begun, so that no other order counts on it.
@@ -30,7 +30,7 @@ class Inventory:
         }
 
     def take(self, part: Part, near: Point) -> tuple[str, int, Item] | None:
-        """Take a part out of a bin: which bin, which slot, and the item.
+        """Take a part out of a bin; return the bin, the slot, and the item.
 
         The nearest bin is preferred, and before that parts that need not be turned over; None if
         there is no such part.
@@ -50,50 +50,50 @@ class Inventory:
         return name, slot, self._bins[name].pop(slot)
 
     def take_tray(self, tray: int) -> int | None:
-        """Take the tray with this id from its table: the slot it was in, None if there is none."""
+        """Take the tray with this id from its table; return its slot, None if there is none."""
         slot = min((slot for slot, one in self._trays.items() if one == tray), default=None)
         if slot is not None:
             del self._trays[slot]
         return slot
 
     def take_spare_tray(self, needed: Iterable[int]) -> tuple[int, int] | None:
-        """Take a tray that is not `needed`: its slot and id, None if there is none."""
+        """Take a tray that is not `needed`; return its slot and id, None if there is none."""
         spare = min(((slot, t) for slot, t in self._trays.items() if t not in needed), default=None)
         if spare is not None:
             del self._trays[spare[0]]
         return spare
 
     def load(self, agv: str) -> Load:
-        """What is on an AGV."""
+        """Return the load of an AGV."""
         return self._loads[agv]
 
     def lay_tray(self, agv: str, tray: int) -> None:
-        """A tray has been put on an AGV; what was there before has been taken off with its tray."""
+        """Put a tray on an AGV; the load before it is gone with its tray."""
         self._loads[agv] = Load(tray)
 
     def lay(self, agv: str, quadrant: int, item: Item) -> None:
-        """An item has been put on an AGV."""
+        """Put an item on an AGV."""
         load = self._loads[agv]
         self._loads[agv] = Load(load.tray, {**load.items, quadrant: item})
 
     def lift(self, agv: str, quadrant: int) -> None:
-        """The item of a quadrant has been taken off an AGV."""
+        """Take the item of a quadrant off an AGV."""
         load = self._loads[agv]
         left = {q: item for q, item in load.items.items() if q != quadrant}
         self._loads[agv] = Load(load.tray, left)
 
     def unload(self, agv: str) -> None:
-        """Tray and items have been taken off an AGV."""
+        """Take tray and items off an AGV."""
         self._loads[agv] = Load()
 
     def insert(self, station: str, part: Part) -> None:
-        """A part has been inserted at an assembly station."""
+        """Insert a part at an assembly station."""
         self._inserted.setdefault(station, {})[part.type] = Inserted(part)
 
     def inserted(self, station: str) -> dict[str, Inserted]:
-        """What has been inserted at an assembly station, by type."""
+        """Return the parts inserted at an assembly station, by type."""
         return self._inserted.get(station, {})
 
     def hand_over(self, station: str) -> None:
-        """What was inserted at a station is taken away, and an empty insert put there."""
+        """Take away the parts inserted at a station, and put an empty insert there."""
         self._inserted.pop(station, None)

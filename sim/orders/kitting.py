@@ -14,7 +14,7 @@ from .work import Cell, Work, when_all_are_done
 class KittingWork(Work):
     """Fetch the tray, put the parts on it in any order, and send the AGV off.
 
-    What already lies where it should stays; what lies where it should not is thrown away.
+    Parts that already lie where they should stay; others that are in the way are thrown away.
     """
 
     def __init__(self, order: Order, task: KittingTask, cell: Cell) -> None:
@@ -50,14 +50,14 @@ class KittingWork(Work):
         )
 
     def hand_over(self) -> None:
-        """A kit at an assembly station stays on its AGV for assembly; any other is taken away."""
+        """Take the kit off its AGV, unless it is at an assembly station: there it is needed."""
         lane = self._cell.fleet.lane(self._kit.agv)
         location = lane.serves.get(self._kit.destination, self._kit.destination)
         if location not in lane.serves.values():
             self._cell.inventory.unload(self._kit.agv)
 
     def _fill(self, quadrant: int, part: Part, there: Item | None) -> list[Task]:
-        """What gets `part` into a quadrant in which there is `there`."""
+        """Return the tasks that get `part` into a quadrant in which there is `there`."""
         agv, cell = self._kit.agv, self._cell
         if there == Item(part):
             return []
@@ -80,7 +80,7 @@ class KittingWork(Work):
         return self._task("pick_place", steps, done, fields, stage=2)
 
     def _clear(self, quadrant: int) -> Task:
-        """Throw away what lies in a quadrant."""
+        """Return the task of throwing away the part in a quadrant."""
         agv, cell = self._kit.agv, self._cell
         item = cell.inventory.load(agv).items[quadrant]
         bin = cell.nearest(DISPOSAL_BINS, cell.home(agv))

@@ -1,4 +1,4 @@
-"""Where slots, trays, quadrants and tool stands of the ARIAC workcell are.
+"""Places of slots, trays, quadrants and tool stands in the ARIAC workcell.
 
 The figures are those of the competition's own `environment_startup.py`, `object_poses.yaml` and
 `agv_macro.xacro` (2023), as offsets in metres from the middle of the thing they belong to.
@@ -34,44 +34,44 @@ _QUADRANT_ACROSS = 0.0925
 
 
 def assembly_table(station: str) -> str:
-    """The obstacle that is the table of an assembly station: as1 has assembly_table1."""
+    """Return the obstacle that is the table of an assembly station: as1 has assembly_table1."""
     return station.replace("as", "assembly_table", 1)
 
 
 def bin_slot(slot: int) -> Offset:
-    """Where a slot of a bin is: 1 to 9 in rows of three, from the bin's (-x, -y) corner."""
+    """Return the place of a bin's slot: 1 to 9 in rows of three, from its (-x, -y) corner."""
     row, column = divmod(slot - 1, 3)
     return (_SLOT_PITCH * (row - 1), _SLOT_PITCH * (column - 1))
 
 
 def tray_slot(slot: int) -> tuple[str, Offset]:
-    """The table on which a tray slot is, and where on it."""
+    """Return the table on which a tray slot is, and the slot's place on it."""
     table, k = divmod(slot - 1, 3)
     facing = _facing(TABLES[table])
     return TABLES[table], (facing * _TRAY_PITCH * (k - 1), facing * _TRAY_BEHIND)
 
 
 def tool_stand(table: str, tool: str) -> Offset:
-    """Where at a tray table the gripper for "parts" or for "trays" is taken up."""
+    """Return the place at a tray table where the gripper for "parts" or "trays" is taken up."""
     facing = _facing(table)
     aside = _STAND_ASIDE if tool == "trays" else -_STAND_ASIDE
     return (facing * aside, -facing * _STAND_AHEAD)
 
 
 def tray_on(lane: Lane) -> Offset:
-    """Where the tray lies on the AGV of `lane`."""
+    """Return the place of the tray on the AGV of `lane`."""
     return _turned(lane, _TRAY_ON_AGV, 0.0)
 
 
 def quadrant_on(lane: Lane, quadrant: int) -> Offset:
-    """Where a quadrant of the tray is on the AGV of `lane`."""
+    """Return the place of a quadrant of the tray on the AGV of `lane`."""
     along = _QUADRANT_ALONG if quadrant <= 2 else -_QUADRANT_ALONG
     across = _QUADRANT_ACROSS if quadrant % 2 else -_QUADRANT_ACROSS
     return _turned(lane, _TRAY_ON_AGV + along, across)
 
 
 def lacking(plan: Floorplan) -> list[str]:
-    """What a floor lacks to be worked on like the ARIAC workcell: names of obstacles."""
+    """Return the names of the obstacles that a floor lacks to be like the ARIAC workcell."""
     names = {obstacle.name for obstacle in plan.obstacles}
     stations = {station for lane in plan.lanes for station in lane.serves}
     needed = [*TABLES, *DISPOSAL_BINS, *sorted(assembly_table(station) for station in stations)]
@@ -79,7 +79,7 @@ def lacking(plan: Floorplan) -> list[str]:
 
 
 def errands(plan: Floorplan, bins: Iterable[str]) -> Iterator[tuple[str, Offset]]:
-    """Where the gantry may be sent on a floor with parts in these bins: obstacles and offsets."""
+    """Yield the places to which parts in these bins may send the gantry: obstacles, offsets."""
     for name in bins:
         yield from ((name, bin_slot(slot)) for slot in BIN_SLOTS)
     yield from map(tray_slot, TRAY_SLOTS)

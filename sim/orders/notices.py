@@ -1,4 +1,4 @@
-"""What an ARIAC trial file says that is not simulated, or that will not work out as it says."""
+"""Notices on an ARIAC trial file: entries that are not simulated, or that will not work out."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _NOT_SIMULATED = {
 
 
 def notices(file: TrialFile, workload: Workload, document: Document) -> Iterator[Problem]:
-    """Each with its place; what stands in several places is told of once."""
+    """Yield the notices, each with its place; one that applies to several places comes once."""
     yield from _not_simulated(file, document)
     yield from _angles(document.data, (), document)
     yield from _nowhere(workload, document)
@@ -62,7 +62,7 @@ def _is_of_floor_robot(challenge: Challenge) -> bool:
 
 
 def _angles(data: object, place: Place, document: Document) -> Iterator[Problem]:
-    """Slips of the pen in angles, wherever they stand."""
+    """Yield slips of the pen in angles, wherever they stand."""
     if isinstance(data, dict):
         for key, value in data.items():
             if key in ("rotation", "rpy"):
@@ -84,7 +84,7 @@ def _angle_slips(value: object, place: Place, document: Document) -> Iterator[Pr
 
 
 def _nowhere(workload: Workload, document: Document) -> Iterator[Problem]:
-    """Trays and parts that orders need and that are nowhere, as far as can be told beforehand."""
+    """Yield trays and parts that orders need and that are nowhere, as far as can be foreseen."""
     left = Counter(item.part for slots in workload.bins.values() for item in slots.values())
     on_agvs = {
         agv: {q: item.part for q, item in load.items.items()}
@@ -117,7 +117,7 @@ def _found(
     left: Counter[Part],
     on_agvs: dict[str, dict[int, Part]],
 ) -> bool:
-    """Whether product `k` can be had from the order's AGVs or the bins; it is taken from there."""
+    """Take product `k` from the order's AGVs or the bins; return False if it is in none."""
     task = order.task
     if isinstance(task, KittingTask):
         quadrant = list(task.products)[k]

@@ -1,4 +1,4 @@
-"""From an ARIAC trial file to a trial."""
+"""Trials read from ARIAC trial files."""
 
 from __future__ import annotations
 
@@ -58,18 +58,18 @@ _Made = TypeVar("_Made", bound=Scenario)
 
 
 def is_ariac(document: Document) -> bool:
-    """Whether a document is a trial file as the ARIAC competition writes them."""
+    """Return True if a document is a trial file as the ARIAC competition writes them."""
     data = document.data
     return isinstance(data, dict) and "floorplan" not in data and not _OWN_KEYS.isdisjoint(data)
 
 
 def build(form: type[_Made], document: Document, folder: Path) -> _Made:
-    """The trial in `document`: on the competition's floor, by its rules.
+    """Return the trial in `document`: on the competition's floor, by its rules.
 
     `TrialError` with everything that is wrong.
     """
     plan = floorplan.load(FLOOR)
-    workload, told = read_workload(document, plan)
+    workload, found = read_workload(document, plan)
     path = Path(document.file)
     return form(
         floorplan=plan,
@@ -82,12 +82,12 @@ def build(form: type[_Made], document: Document, folder: Path) -> _Made:
         gantry=GantryEntry(CONTROLLER),
         folder=folder,
         workload=workload,
-        notices=told,
+        notices=found,
     )
 
 
 def read_workload(document: Document, plan: Floorplan) -> tuple[Workload, tuple[Problem, ...]]:
-    """The work in `document`, to be done on the floor `plan`, and what there is to tell about it.
+    """Return the work in `document`, to be done on the floor `plan`, and the notices on it.
 
     `TrialError` with everything that is wrong.
     """
@@ -96,17 +96,17 @@ def read_workload(document: Document, plan: Floorplan) -> tuple[Workload, tuple[
     if found:
         raise TrialError(document.file, found)
     workload = _workload(file, Path(document.file).name)
-    told = notices(file, workload, document)
-    return workload, tuple(sorted(told, key=lambda notice: notice.line or 0))
+    by_line = sorted(notices(file, workload, document), key=lambda notice: notice.line or 0)
+    return workload, tuple(by_line)
 
 
 def duration_of(workload: Workload) -> float:
-    """The time limit of a trial, or the longest that it may take without one (seconds)."""
+    """Return the time limit of a trial, or the longest that it may take without one (seconds)."""
     return LONGEST if workload.time_limit is None else workload.time_limit
 
 
 def people_of(workload: Workload) -> tuple[PersonEntry, ...]:
-    """The people of the human challenge: the operator, and any others by number."""
+    """Return the people of the human challenge: the operator, and any others by number."""
     return tuple(
         PersonEntry(f"operator{k + 1}" if k else "operator", human.behavior, human.start)
         for k, human in enumerate(workload.humans)
@@ -114,7 +114,7 @@ def people_of(workload: Workload) -> tuple[PersonEntry, ...]:
 
 
 def _readable(document: Document) -> tuple[TrialFile, tuple[Problem, ...]]:
-    """The file, with None for every entry that can't be read, and the problems of those."""
+    """Return the file, with None for entries that can't be read, and the problems of those."""
     try:
         return document.checked(TrialFile, TrialError), ()
     except TrialError as why:

@@ -40,7 +40,7 @@ _ANGLE = re.compile(r"(-?)\s*(?:(\d+(?:\.\d+)?)\s*\*?\s*)?pi(?:\s*/\s*(\d+(?:\.\
 
 
 def angle(value: float | str) -> float | None:
-    """An angle in radians, or None for a text that is none."""
+    """Return an angle in radians, or None for a text that is none."""
     if not isinstance(value, str):
         return float(value)
     found = _ANGLE.fullmatch(value.strip())
@@ -64,7 +64,7 @@ TimeLimit = Annotated[Number, AfterValidator(_limit)]
 
 
 class KittingTrays(Strictly):
-    """Which trays are in which slots of the tray tables."""
+    """Trays and their slots on the tray tables."""
 
     tray_ids: list[TrayId] = []
     slots: list[TraySlot] = []
@@ -92,7 +92,7 @@ class AgvPart(Strictly):
 
 
 class AgvLoad(Strictly):
-    """What is on an AGV."""
+    """Load of an AGV."""
 
     tray_id: TrayId = 0
     parts: list[AgvPart] | None = []
@@ -110,7 +110,7 @@ class ConveyorPart(Strictly):
 
 
 class Conveyor(Strictly):
-    """What comes along the conveyor."""
+    """Parts that come along the conveyor."""
 
     active: Truth = False
     spawn_rate: Positive = 1.0
@@ -119,7 +119,7 @@ class Conveyor(Strictly):
 
 
 class Parts(Strictly):
-    """Where parts are."""
+    """Parts and their places."""
 
     bins: dict[str, list[Lot] | None] | None = {}
     agvs: dict[str, AgvLoad | None] | None = {}
@@ -141,7 +141,7 @@ class Submission(Strictly):
 
 
 class Condition(Strictly):
-    """What something waits for: one of the three."""
+    """Condition that something waits for: one of the three."""
 
     time_condition: NotNegative | None = None
     part_place_condition: PartPlace | None = None
@@ -231,7 +231,7 @@ class KitProduct(Strictly):
 
 
 class Pose(Strictly):
-    """Where a part belongs in the insert: metres, and roll, pitch, yaw."""
+    """Pose of a part in the insert: metres, and roll, pitch, yaw."""
 
     xyz: Vector
     rpy: tuple[Angle, Angle, Angle]

@@ -32,7 +32,7 @@ def kitting_score(
 ) -> int:
     """Points for a kit.
 
-    `arrived` tells whether the AGV stands at its destination, `faulty` in which quadrants the
+    `arrived` is True if the AGV stands at its destination, `faulty` has the quadrants in which the
     parts are faulty.
     """
     points = [
@@ -57,7 +57,7 @@ def assembly_score(task: AssemblyTask | CombinedTask, inserted: Mapping[str, Ins
 
 
 def best_score(task: KittingTask | AssemblyTask | CombinedTask) -> int:
-    """The points for a task that is done without a fault."""
+    """Return the points for a task that is done without a fault."""
     n = len(task.products)
     if isinstance(task, KittingTask):
         return TRAY_POINTS + n * KIT_PART_POINTS + n

@@ -1,4 +1,4 @@
-"""An order that is being worked on: what the gantry has to do for it, and its outcome."""
+"""An order that is being worked on: the gantry's tasks for it, and its outcome."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Action = Callable[[], None]
 
 @dataclass(frozen=True)
 class Cell:
-    """What orders are worked on with."""
+    """Workcell as orders use it: the floor, its inventory, the AGVs, and times of handling."""
 
     plan: Floorplan
     inventory: Inventory
@@ -30,17 +30,17 @@ class Cell:
     handling: Handling
 
     def place(self, obstacle: str) -> Point:
-        """The middle of an obstacle: x, y in metres."""
+        """Return the middle of an obstacle: x, y in metres."""
         middle = self.plan.obstacle(obstacle).footprint.centroid
         return (middle.x, middle.y)
 
     def home(self, agv: str) -> Point:
-        """Where kits are made on an AGV: x, y in metres."""
+        """Return the place where kits are made on an AGV: x, y in metres."""
         lane = self.fleet.lane(agv)
         return lane.position(lane.locations[lane.start])
 
     def nearest(self, obstacles: Iterable[str], point: Point) -> str:
-        """The obstacle whose middle is nearest to a point."""
+        """Return the obstacle whose middle is nearest to a point."""
         return min(obstacles, key=lambda name: math.dist(self.place(name), point))
 
 
@@ -59,19 +59,19 @@ class Work(ABC):
 
     @abstractmethod
     def begin(self) -> list[Task]:
-        """Set the AGVs going, and tell what the gantry has to do before the order is submitted."""
+        """Send the AGVs; return the gantry's tasks that come before the order is submitted."""
 
     @abstractmethod
     def ready(self) -> bool:
-        """Whether all is where it has to be for submission."""
+        """Return True if all is where it has to be for submission."""
 
     @abstractmethod
     def score(self) -> int:
-        """The points for the order as things stand."""
+        """Return the points for the order as things stand."""
 
     @abstractmethod
     def hand_over(self) -> None:
-        """The order has been submitted: what was made for it is taken away."""
+        """Take away the kit or assembly: the order has been submitted."""
 
     def _task(
         self,
