@@ -40,7 +40,6 @@ from .trials.comparison import Verdict
 from .trials.rules_file import RulesError, find_rules, load_rules
 from .trials.trial import Trial
 from .trials.trial_file import builtin_trials
-from .views import plots as plots
 
 __all__ = [
     "ARIAC2023",

@@ -28,6 +28,8 @@ def no_thread_stays():
     """See that a module leaves no thread behind: what it did then would disturb other tests."""
     before = {*threading.enumerate()}
     yield
+    if workers := sys.modules.get("joblib.externals.loky"):
+        workers.get_reusable_executor().shutdown(wait=True)  # joblib keeps them for later
     for thread in {*threading.enumerate()} - before:
         thread.join(10.0)
         assert not thread.is_alive(), f"{thread} is still running"

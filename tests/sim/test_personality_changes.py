@@ -109,7 +109,7 @@ def test_a_program_is_swapped_while_the_simulation_runs(tmp_path):
     assert goals == [[-15, -10], [-10.8, -3.75]]
     with pytest.raises(sim.TrialError, match="did you mean 'helpful'"):
         person.change_personality("helpfull")
-    with pytest.raises(ValueError, match="nobody is called 'oprator'; did you mean 'operator'"):
+    with pytest.raises(ValueError, match="'oprator'; did you mean 'operator'"):
         simulation.person("oprator")
 
 
