@@ -1,4 +1,4 @@
-"""The command `floorwalker`: what it can do, and how it ends."""
+"""The command `floorwalker`: its subcommands, and its end."""
 
 from __future__ import annotations
 
@@ -75,18 +75,18 @@ def main() -> None:
         with put_off_while_loading():
             app(prog_name="floorwalker")
     except Exception as why:
-        if not _is_told(why):
+        if not _is_for_user(why):
             raise
         say(f"floorwalker: {_sentence(why)}", err=True)
         sys.exit(1)
     finally:
-        _drop_what_nobody_reads()
+        _drop_unread_output()
 
 
-def _drop_what_nobody_reads() -> None:
+def _drop_unread_output() -> None:
     """Let Python have nothing left to write as it ends, if our output takes no more.
 
-    A reader may have seen enough; that there is no room is told, unless something else was.
+    A reader may have seen enough; a full disk is reported, unless another error was.
     """
     output, ended = sys.__stdout__, sys.exc_info()[1]
     try:
@@ -101,14 +101,14 @@ def _drop_what_nobody_reads() -> None:
 
 
 def _sentence(why: Exception) -> str:
-    """What the user is told: the system's errors without their number."""
+    """Return the error as the user reads it: the system's errors without their number."""
     if isinstance(why, OSError) and why.strerror:
         return f"{why.filename}: {why.strerror}" if why.filename else why.strerror
     return str(why)
 
 
-def _is_told(why: Exception) -> bool:
-    """Whether an error is for the user: bad input says so in one of these ways."""
+def _is_for_user(why: Exception) -> bool:
+    """Return True if an error is for the user: one of ours, or of a kind that bad input raises."""
     ours = type(why).__module__.partition(".")[0] in ("floorplan", "navigation", "bdi", "sim")
     return ours or isinstance(why, ValueError | OSError)
 

@@ -1,4 +1,4 @@
-"""A trial that is under way: everything that happens, from event to event."""
+"""Simulation of a trial, from event to event."""
 
 from __future__ import annotations
 
@@ -34,17 +34,17 @@ from .trials.checks import check
 from .trials.trial import Trial
 
 MOST_AT_ONCE, MOST_AT_ONCE_EACH = 3000, 100
-"""So many events may happen within a millisecond, and so many more for each body."""
+"""Number of events that may happen within a millisecond, and of those more for each body."""
 
 MOST_NAMED = 5
-"""So many kinds of events are named where simulated time stands still."""
+"""Number of kinds of events that are named where simulated time stands still."""
 
 
 class Simulation:
     """One trial, run step by step.
 
-    `listeners` are told of events and motions as they happen. `advance` as far as you like,
-    then `finish` for the `Run`; nothing happens, and no listener hears of anything, before
+    `listeners` are notified of events and motions as they happen. `advance` as far as you like,
+    then `finish` for the `Run`; nothing happens, and no listener is notified, before
     `start` or the first `advance`. `TrialError` if there is something in the trial that can't be,
     `LawError` or `ControllerError` if a law or controller of the user's own can't be imported.
     """
@@ -123,11 +123,11 @@ class Simulation:
 
     @property
     def over(self) -> bool:
-        """Whether the trial has come to its end."""
+        """True once the trial has come to its end."""
         return self._over.triggered or self.clock.now >= self.trial.duration
 
     def person(self, name: str) -> Person:
-        """The person of that name; `ValueError` that names those there are."""
+        """Return the person of that name; `ValueError` that names those there are."""
         for person in self.people:
             if person.name == name:
                 return person
@@ -146,7 +146,7 @@ class Simulation:
             self.clock.run(min(until, self.trial.duration))
 
     def finish(self) -> Run:
-        """The run as far as it went."""
+        """Return the run as far as it went."""
         self.start()
         interrupted = not self.over
         self.referee.close()
@@ -191,7 +191,7 @@ class Simulation:
         )
 
     def _busy(self) -> str:
-        """What happens in this moment, by what was recorded of it, the most frequent first."""
+        """Return the events recorded in this moment, in words, the most frequent first."""
         begin = rounded(self.clock.now - MOMENT)
         recent = takewhile(lambda event: event["t"] >= begin, reversed(self.events))
         kinds = Counter(_in_words(event) for event in recent)
@@ -222,7 +222,7 @@ class Simulation:
             self._over.succeed()
 
     def _scene(self) -> Scene:
-        """What stays the same during the run."""
+        """Return the scene, which stays the same during the run."""
         trial, human = self.trial, self.trial.floorplan.human
         return Scene(
             trial=trial.name,
@@ -239,7 +239,7 @@ class Simulation:
 
 
 def run(trial: Trial, *listeners: Listener) -> Run:
-    """Run `trial` to its end; `listeners` are told of events and motions as they happen.
+    """Run `trial` to its end; `listeners` are notified of events and motions as they happen.
 
     Raises `TrialError` if there is something in the trial that can't be, `ControllerError`,
     `LawError` or `MindError` when the user's own programs go wrong, `StandstillError` when things
@@ -251,13 +251,13 @@ def run(trial: Trial, *listeners: Listener) -> Run:
 
 
 def _fastest(trial: Trial) -> float:
-    """How fast people may come (m/s), those of the trial and anybody else."""
+    """Return the highest speed (m/s) of people, those of the trial and anybody else."""
     usual = trial.floorplan.human.max_speed
     return max([usual, *(entry.max_speed or usual for entry in trial.people)])
 
 
 def _in_words(event: Event) -> str:
-    """The kind of an event, and who took part."""
+    """Return the kind of an event, and who took part."""
     who = [str(event[key]) for key in ("person", "with", "by", "agv", "job") if key in event]
     return f"{event['kind']} ({', '.join(who)})" if who else str(event["kind"])
 
@@ -273,7 +273,7 @@ class _Keeper(Listener):
 
 
 class _Reactor(Listener):
-    """Lets events have their consequences, after everybody else has been told of them."""
+    """Lets events have their consequences, after every listener has been notified of them."""
 
     def __init__(self, triggers: Triggers) -> None:
         self._triggers = triggers

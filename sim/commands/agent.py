@@ -42,7 +42,7 @@ def agent(
     ] = None,
     seed: Annotated[int, typer.Option(min=0, help="Of the random numbers.")] = 0,
     trace: Annotated[
-        bool, typer.Option("--trace", help="Tell on stderr what happens inside.")
+        bool, typer.Option("--trace", help="Print on stderr what happens inside.")
     ] = False,
 ) -> None:
     """Run an AgentSpeak program alone and print its actions and what it says."""
@@ -103,7 +103,7 @@ def _run_out(person: bdi.Agent) -> None:
 
 
 def _instants(script: list[Change]) -> Iterator[tuple[float, list[Change]]]:
-    """What changes at each time of a script, in order."""
+    """Return the changes at each time of a script, in order."""
     from itertools import groupby
 
     for time, changes in groupby(script, key=lambda change: change.time):

@@ -42,7 +42,7 @@ def benchmark(
         Path | None, typer.Option(help="A folder for CSV, OMPL benchmark logs and plots.")
     ] = None,
 ) -> None:
-    """Measure planners: CPU time, checks, length against the shortest way, clearance, turning."""
+    """Measure planners: CPU time, checks, length against the shortest path, clearance, turning."""
     import floorplan as floors
     from navigation import planners
     from navigation.benchmark import summary
@@ -126,7 +126,7 @@ def _write(attempts: Sequence[Attempt], out: Path, seed: int) -> None:
 
 
 def _plot(attempts: Sequence[Attempt], path: Path) -> None:
-    """Box plots, where matplotlib is there."""
+    """Draw box plots, where matplotlib is there."""
     try:
         from matplotlib.figure import Figure
     except ImportError:

@@ -13,7 +13,7 @@ from . import completion
 from .arguments import Duration, NoOwnCode, RecordingFolder, Rules, Seed, TrialName
 from .consoles import say
 from .interrupts import leave_to_asyncio
-from .run import INTERRUPTED, changed, recording_of, tell_result
+from .run import INTERRUPTED, changed, print_result, recording_of
 
 if TYPE_CHECKING:
     import socket
@@ -49,7 +49,7 @@ def bridge(
         typer.Option(metavar="URL", help="Serve nothing; be the agent at this rosbridge instead."),
     ] = None,
     waypoints: Annotated[
-        bool, typer.Option("--waypoints", help="As the agent, plan ways and send their corners.")
+        bool, typer.Option("--waypoints", help="As the agent, plan paths and send their waypoints.")
     ] = False,
     personality: Annotated[
         str | None,
@@ -116,7 +116,7 @@ def _serve(
             recording.finish(finished)
     finally:
         recording.close()
-    tell_result(finished, recording.folder, interrupted=interrupted)
+    print_result(finished, recording.folder, interrupted=interrupted)
 
 
 async def _open_and_run(session: Session, at: socket.socket) -> None:

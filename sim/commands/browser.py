@@ -6,7 +6,7 @@ import webbrowser
 
 
 def open_in_browser(address: str) -> bool:
-    """Open a page there; whether there is a browser."""
+    """Open a page there; return True if there is a browser."""
     try:
         return webbrowser.open(address)
     except webbrowser.Error:

@@ -11,7 +11,7 @@ import typer
 from . import completion
 from .arguments import NoOwnCode
 from .consoles import say
-from .run import tell_notices
+from .run import print_notices
 
 if TYPE_CHECKING:
     from sim import Trial
@@ -41,7 +41,7 @@ def check(
 
 
 def _fault(file: str, own_code: bool) -> str:
-    """What is wrong with a file, or an empty text after saying what was read from it."""
+    """Return the faults of a file, or an empty text after printing its contents in words."""
     try:
         content = _read(file, own_code)
     except (ValueError, OSError) as why:
@@ -51,7 +51,7 @@ def _fault(file: str, own_code: bool) -> str:
 
 
 def _read(file: str, own_code: bool) -> str:
-    """What stands in a file or built-in of that name, in words."""
+    """Return the contents of a file or built-in of that name, in words."""
     import bdi
     import floorplan
     from sim import Study, Trial, load_rules
@@ -75,7 +75,7 @@ def _read(file: str, own_code: bool) -> str:
 
 
 def _built_in(name: str) -> Iterator[str]:
-    """What is built in by that name: a trial may be called after its floorplan, or its rules."""
+    """Return the built-ins of that name: a trial may share it with its floorplan, or its rules."""
     import floorplan
     from sim import RULE_SETS, Trial, builtin_trials
 
@@ -88,7 +88,7 @@ def _built_in(name: str) -> Iterator[str]:
 
 
 def _keys(path: Path) -> set[str]:
-    """The outermost keys of a YAML file, which tell what is in it."""
+    """Return the outermost keys of a YAML file, which show what is in it."""
     import floorplan
 
     data = floorplan.read_yaml(path, floorplan.FloorplanError).data
@@ -115,7 +115,7 @@ def _trial(trial: object, file: str) -> str:
     from sim import Trial
 
     assert isinstance(trial, Trial)
-    tell_notices(trial)
+    print_notices(trial)
     _warn_of_short_laws(trial, file)
     names = [f"{p.name} ({Path(p.personality_name).stem})" for p in trial.people]
     people = ", ".join(names) or "nobody"

@@ -1,4 +1,4 @@
-"""What the shell offers when somebody types half a word and presses Tab.
+"""Completions that the shell offers when somebody types half a word and presses Tab.
 
 Names are found without loading what they name: the shell asks on every Tab.
 """
@@ -57,7 +57,7 @@ def planner(incomplete: str) -> list[str]:
 
 
 def backend(incomplete: str) -> list[str]:
-    """Where the rows of a study can run."""
+    """A backend on which the rows of a study can run."""
     return _offer(incomplete, BACKENDS)
 
 
@@ -82,7 +82,7 @@ def _personalities() -> list[str]:
 
 
 def _data(package: str, pattern: str) -> list[str]:
-    """The names of a package's data files; the package is not imported for it."""
+    """Return the names of a package's data files; the package is not imported for it."""
     spec = find_spec(package)
     folders = spec.submodule_search_locations if spec is not None else None
     return sorted(file.stem for folder in folders or () for file in Path(folder).glob(pattern))
@@ -94,7 +94,7 @@ def _offer(incomplete: str, names: Iterable[str], endings: tuple[str, ...] = ())
 
 
 def _files(incomplete: str, endings: tuple[str, ...], *, deeper: bool = True) -> list[str]:
-    """The folders and the files with one of `endings` that `incomplete` is the beginning of.
+    """Return the folders, and files with one of `endings`, that `incomplete` is the beginning of.
 
     Where only one folder is left, what is in it is offered: shells would put a blank after the
     folder. For the same reason names with blanks are left to be typed.

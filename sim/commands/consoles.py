@@ -1,4 +1,4 @@
-"""What commands print: all text goes through here, so that none of it drives the terminal."""
+"""Output of commands: all text goes through here, so that none of it drives the terminal."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _CONTROL = re.compile("[\0-\x08\x0b-\x1f\x7f-\x9f]")
 
 
 def visible(text: str) -> str:
-    r"""`text` with its control characters as JSON writes them, `\u001b` for an escape.
+    r"""Return `text` with its control characters as JSON writes them, `\u001b` for an escape.
 
     Names, messages and recordings come from files: a terminal would obey what is in them.
     """

@@ -14,7 +14,7 @@ from .consoles import say
 
 
 class FormatName(str, Enum):
-    """What `--format` may be."""
+    """Formats that `--format` can name."""
 
     csv = "csv"
     parquet = "parquet"

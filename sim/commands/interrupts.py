@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from types import FrameType
 
 AGAIN = 0.02
-"""After so many seconds it is tried again."""
+"""Seconds after which it is tried again."""
 
 
 @contextmanager
@@ -39,7 +39,7 @@ def put_off_while_loading() -> Iterator[None]:
 
 
 def leave_to_asyncio() -> None:
-    """From now on Ctrl-C comes at once: asyncio ends its tasks well only if nobody has it."""
+    """Let Ctrl-C come at once from now on: asyncio ends its tasks well only if nobody has it."""
     if signal.getsignal(signal.SIGINT) is _interrupt:
         signal.signal(signal.SIGINT, signal.default_int_handler)
 

@@ -34,7 +34,7 @@ def list_all() -> None:
 
 
 def _opening(program: Path) -> str:
-    """The first sentence of the comment that a personality's file begins with."""
+    """Return the first sentence of the comment that a personality's file begins with."""
     lines = program.read_text(encoding="utf-8").splitlines()
     comment = " ".join(
         line.removeprefix("//").strip()

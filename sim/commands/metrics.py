@@ -33,7 +33,7 @@ def metrics(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
     no_own_code: NoOwnCode = False,
 ) -> None:
-    """Measure how a run went: ways, speeds, distances, and time in people's spaces."""
+    """Measure how a run went: paths, speeds, distances, and time in people's spaces."""
     import json
 
     import sim
@@ -62,7 +62,7 @@ def _radius(text: str) -> tuple[str, float]:
 
 
 def _movements(figures: dict[str, Any]) -> Table:
-    """How they moved: a column for each body."""
+    """Return the table of motions: a column for each body."""
     from rich.table import Table
 
     bodies = figures["people"] | figures["machines"]
@@ -75,7 +75,7 @@ def _movements(figures: dict[str, Any]) -> Table:
 
 
 def _distances(figures: dict[str, Any]) -> Table:
-    """How far apart they were: a row for each pair, and with several people for the nearest."""
+    """Return the table of distances: a row for each pair, and for the nearest of several people."""
     from rich.table import Table
 
     rows = {

@@ -1,4 +1,4 @@
-"""A script of percepts: what an agent that runs alone perceives, and when."""
+"""A script of percepts for an agent that runs alone, each with its time."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Change(NamedTuple):
 
 
 def read_percepts(path: Path) -> list[Change]:
-    """The script in the file at `path`, one `{"t": …, "add": …}` or `{"t": …, "remove": …}` a line.
+    """Read the script at `path`, one `{"t": …, "add": …}` or `{"t": …, "remove": …}` a line.
 
     `ValueError` names the line that is none.
     """
@@ -54,7 +54,7 @@ def _change(line: str, place: str, earliest: float) -> Change:
 
 
 def literal(text: str, place: str) -> bdi.Literal:
-    """The literal in `text`, which stands at `place`; `ValueError` if it is none."""
+    """Return the literal in `text`, which stands at `place`; `ValueError` if it is none."""
     try:
         return bdi.parse_literal(text)
     except bdi.ProgramError as error:

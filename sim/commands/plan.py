@@ -1,4 +1,4 @@
-"""`floorwalker plan`: the way from one place on a floor to another."""
+"""`floorwalker plan`: the path from one place on a floor to another."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .consoles import say
 
 if TYPE_CHECKING:
     from navigation import CollisionWorld
-    from navigation import Path as Way
+    from navigation import Path as PlannedPath
 
 
 def plan(
@@ -43,12 +43,12 @@ def plan(
         typer.Option(help="NAME=PLACE: an AGV's location or lane position; again for more."),
     ] = None,
     seed: Annotated[int, typer.Option(min=0, help="Of planners that draw samples.")] = 0,
-    json: Annotated[bool, typer.Option("--json", help="Print the way as JSON.")] = False,
+    json: Annotated[bool, typer.Option("--json", help="Print the path as JSON.")] = False,
     plot: Annotated[
-        Path | None, typer.Option(help="Draw floor and way into this PNG, SVG or PDF.")
+        Path | None, typer.Option(help="Draw floor and path into this PNG, SVG or PDF.")
     ] = None,
 ) -> None:
-    """Plan a person's way from (X0, Y0) to (X1, Y1), in metres."""
+    """Plan a person's path from (X0, Y0) to (X1, Y1), in metres."""
     import time
 
     import floorplan as floors
@@ -61,11 +61,11 @@ def plan(
     parameters = {name: _value(text) for name, text in _pairs(parameter or [], "--parameter")}
     seeker = navigation.PathPlanner(world, radius)
     begin = time.process_time()
-    way = seeker.plan((x0, y0), (x1, y1), **asked, parameters=parameters, seed=seed)
+    planned = seeker.plan((x0, y0), (x1, y1), **asked, parameters=parameters, seed=seed)
     cpu_seconds = time.process_time() - begin
     if plot is not None:
-        _draw(world, way, seeker.radius, plot)
-    say(_as_json(way, cpu_seconds) if json else _in_words(way, cpu_seconds))
+        _draw(world, planned, seeker.radius, plot)
+    say(_as_json(planned, cpu_seconds) if json else _in_words(planned, cpu_seconds))
 
 
 def _pairs(texts: list[str], option: str) -> list[tuple[str, str]]:
@@ -90,7 +90,7 @@ def _is_number(text: str) -> bool:
 
 
 def _value(text: str) -> float | int | bool | str:
-    """`text` as the number or yes/no that it spells, or as it is."""
+    """Return `text` as the number or yes/no that it spells, or as it is."""
     if text.lower() in ("true", "false"):
         return text.lower() == "true"
     for kind in (int, float):
@@ -101,31 +101,31 @@ def _value(text: str) -> float | int | bool | str:
     return text
 
 
-def _in_words(way: Way, cpu_seconds: float) -> str:
+def _in_words(planned: PlannedPath, cpu_seconds: float) -> str:
     lines = [
-        f"{way.length:.3f} m by {way.planner}, {way.clearance:.3f} m clear,"
-        f" {way.checks} checks, {1000 * cpu_seconds:.1f} ms"
+        f"{planned.length:.3f} m by {planned.planner}, {planned.clearance:.3f} m clear,"
+        f" {planned.checks} checks, {1000 * cpu_seconds:.1f} ms"
     ]
-    lines += [f"  {x:9.3f} {y:9.3f}" for x, y in way.points]
+    lines += [f"  {x:9.3f} {y:9.3f}" for x, y in planned.points]
     return "\n".join(lines)
 
 
-def _as_json(way: Way, cpu_seconds: float) -> str:
+def _as_json(planned: PlannedPath, cpu_seconds: float) -> str:
     import json
 
     return json.dumps(
         {
-            "points": way.points.tolist(),
-            "length": way.length,
-            "clearance": way.clearance,
-            "planner": way.planner,
-            "checks": way.checks,
+            "points": planned.points.tolist(),
+            "length": planned.length,
+            "clearance": planned.clearance,
+            "planner": planned.planner,
+            "checks": planned.checks,
             "cpu_seconds": cpu_seconds,
         }
     )
 
 
-def _draw(world: CollisionWorld, way: Way, radius: float, path: Path) -> None:
+def _draw(world: CollisionWorld, planned: PlannedPath, radius: float, path: Path) -> None:
     from sim.views import plots
 
-    plots.save(plots.path(world, way, radius=radius), path)
+    plots.save(plots.path(world, planned, radius=radius), path)

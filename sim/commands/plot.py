@@ -1,4 +1,4 @@
-"""`floorwalker plot`: pictures of floors, ways and runs."""
+"""`floorwalker plot`: pictures of floors, paths and runs."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 app = typer.Typer(
     name="plot",
-    help="Draw floors, ways and runs as PNG, SVG or PDF, ready to be printed.",
+    help="Draw floors, paths and runs as PNG, SVG or PDF, ready to be printed.",
     no_args_is_help=True,
     rich_markup_mode=None,
 )
@@ -60,7 +60,7 @@ def path(
     width: Columns = "double",
     no_own_code: NoOwnCode = False,
 ) -> None:
-    """A person's way across a floor, and how much room there is along it."""
+    """A person's path across a floor, and how much room there is along it."""
     from navigation import CollisionWorld, PathPlanner
     from sim.commands.sources import floorplan_from
     from sim.views import plots
@@ -68,8 +68,8 @@ def path(
     plots.require_savable(out)
     world = CollisionWorld(floorplan_from(floor, own_code=not no_own_code))
     wide = world.plan.human.radius if radius is None else radius
-    way = PathPlanner(world, wide).plan((x0, y0), (x1, y1))
-    _save(plots.path(world, way, radius=wide, width=width), out)
+    planned = PathPlanner(world, wide).plan((x0, y0), (x1, y1))
+    _save(plots.path(world, planned, radius=wide, width=width), out)
 
 
 @app.command()
@@ -81,7 +81,7 @@ def trails(
     width: Columns = "double",
     no_own_code: NoOwnCode = False,
 ) -> None:
-    """The ways that people and machines took, and where somebody came too close."""
+    """The paths that people and machines took, and where somebody came too close."""
     run = _run(source, out, own_code=not no_own_code)
     _save(run.plot.trails(within=_within(begin, end), width=width), out)
 
@@ -133,7 +133,7 @@ def heatmap(
     width: Columns = "double",
     no_own_code: NoOwnCode = False,
 ) -> None:
-    """Where people were, and for how long."""
+    """Time that people spent at each place."""
     from sim.commands.sources import run_from
     from sim.views import plots
 
@@ -143,7 +143,7 @@ def heatmap(
 
 
 def _run(source: str, out: Path, *, own_code: bool) -> Recorded:
-    """The run to be drawn into `out`, if that can be done at all."""
+    """Return the run to be drawn into `out`, if that can be done at all."""
     from sim.commands.sources import run_from
     from sim.views import plots
 

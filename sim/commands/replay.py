@@ -83,7 +83,7 @@ def _write(page: str, file: Path) -> None:
 
 
 def _page_file(run: Path) -> Path:
-    """The page of a run; it is written if the run was broken off before."""
+    """Return the page of a run; it is written if the run was broken off before."""
     if not run.is_dir():
         _recordings(run)
         return run
@@ -94,7 +94,7 @@ def _page_file(run: Path) -> Path:
 
 
 def _recordings(path: Path) -> list[dict[str, Any]]:
-    """What a page shows of a run, from its folder; or what a page has, of one run or of two."""
+    """Return the data of a run from its folder, or those of a page, of one run or two."""
     from floorplan import LARGEST_RECORDED, InputError, read_text
 
     from ..runs.run_folder import load_run

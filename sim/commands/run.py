@@ -1,4 +1,4 @@
-"""`floorwalker run`: simulate a trial and write down what happened."""
+"""`floorwalker run`: simulate a trial and record it."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ INTERRUPTED = 130
 """The exit code of a command stopped by Ctrl-C, as shells have it."""
 
 MOST_NOTICES = 20
-"""So many notices of a trial are shown."""
+"""Number of notices of a trial that are shown."""
 
 REPORTS = 200
-"""How often the progress bar moves in a run."""
+"""Number of moves of the progress bar in a run."""
 
 
 def run(
@@ -69,9 +69,9 @@ def run(
         raise typer.BadParameter(f"must be more than 0, not {speed:g}", param_hint="--speed")
     given = Trial.load(trial, own_code=not no_own_code)
     chosen = changed(given, personality, duration, seed, rules, controller)
-    tell_notices(chosen)
-    _tell_who_waits(chosen)
-    _tell_what_is_not_done(chosen)
+    print_notices(chosen)
+    _warn_of_external(chosen)
+    _warn_of_undone(chosen)
     recording = recording_of(chosen.name, out)
     try:
         if watch:
@@ -80,10 +80,10 @@ def run(
             finished, interrupted = _carried_out(chosen, recording)
     finally:
         recording.close()
-    tell_result(finished, recording.folder, interrupted=interrupted)
+    print_result(finished, recording.folder, interrupted=interrupted)
 
 
-def tell_result(finished: Run, folder: Path, *, interrupted: bool) -> None:
+def print_result(finished: Run, folder: Path, *, interrupted: bool) -> None:
     """Print how a run went; `typer.Exit` where it was interrupted, or not what was expected."""
     _report(finished, folder)
     if interrupted:
@@ -95,16 +95,16 @@ def tell_result(finished: Run, folder: Path, *, interrupted: bool) -> None:
         raise typer.Exit(1)
 
 
-def tell_notices(trial: Trial) -> None:
-    """Say what its file says that makes no difference, or may be meant otherwise."""
+def print_notices(trial: Trial) -> None:
+    """Print the notices on entries that make no difference, or may be meant otherwise."""
     for notice in trial.notices[:MOST_NOTICES]:
         say(f"{trial.name}: {notice}", err=True)
     if len(trial.notices) > MOST_NOTICES:
         say(f"{trial.name}: … and {len(trial.notices) - MOST_NOTICES} notices more", err=True)
 
 
-def _tell_who_waits(trial: Trial) -> None:
-    """Say who does nothing here because they are driven from outside."""
+def _warn_of_external(trial: Trial) -> None:
+    """Print who does nothing here because they are driven from outside."""
     from ..people.programs import EXTERNAL
 
     waiting = [person.name for person in trial.people if person.personality == EXTERNAL]
@@ -118,8 +118,8 @@ def _tell_who_waits(trial: Trial) -> None:
         )
 
 
-def _tell_what_is_not_done(trial: Trial) -> None:
-    """Say that jobs and orders are left undone because nothing does them."""
+def _warn_of_undone(trial: Trial) -> None:
+    """Print that jobs and orders are left undone because nothing does them."""
     if trial.gantry.controller == "parked" and (trial.gantry.jobs or trial.workload):
         say(f"{trial.name}: the gantry is parked and does no jobs; give it a controller", err=True)
 
@@ -132,7 +132,7 @@ def changed(
     rules: str | None,
     controller: str | None = None,
 ) -> Trial:
-    """The trial with what the options say instead; `TrialError` if it can't be run so."""
+    """Return the trial as the options change it; `TrialError` if it can't be run so."""
     from floorplan import is_there
     from sim import find_rules
     from sim.machines.gantry.controllers import controller_source
@@ -156,14 +156,14 @@ def changed(
 
 
 def recording_of(name: str, out: Path | None) -> Recording:
-    """The recording of a trial called `name` into `out`, or else into a new folder in `runs`."""
+    """Open the recording of the trial `name` in `out`, or else in a new folder in `runs`."""
     from sim import Recording
 
     return Recording(folder_for(name, "runs"), numbered=True) if out is None else Recording(out)
 
 
 def _carried_out(trial: Trial, recording: Recording) -> tuple[Run, bool]:
-    """The run, as far as it went, and whether Ctrl-C came before the end."""
+    """Return the run, as far as it went, and True if Ctrl-C came before the end."""
     from sim import Simulation
 
     simulation = Simulation(trial, recording)
@@ -177,7 +177,7 @@ def _carried_out(trial: Trial, recording: Recording) -> tuple[Run, bool]:
 
 
 def _watched(trial: Trial, recording: Recording, speed: float, *, opened: bool) -> tuple[Run, bool]:
-    """The same, shown in the browser meanwhile."""
+    """Return the same, and show the run in the browser meanwhile."""
     from sim import LiveRun, Simulation
 
     live = LiveRun(trial.duration, speed=speed)
@@ -200,7 +200,7 @@ def _watched(trial: Trial, recording: Recording, speed: float, *, opened: bool) 
 
 
 def _advance(simulation: Simulation) -> bool:
-    """Run to the end, with a progress bar on a terminal; whether Ctrl-C came before."""
+    """Run to the end, with a progress bar on a terminal; return True if Ctrl-C came before."""
     from sim.commands.bars import progress_bars
 
     duration = simulation.trial.duration

@@ -1,4 +1,4 @@
-"""What the user means by a word on the command line: a recording, a trial, or a floorplan."""
+"""Meaning of a word on the command line: a recording, a trial, or a floorplan."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from ..trials.trial_file import builtin_trials
 
 
 def run_from(source: str | Path, *, own_code: bool = True) -> Recorded:
-    """The run in the folder `source`, read back; or that of the trial `source`, which is run.
+    """Read back the run in the folder `source`, or run the trial `source`.
 
     `own_code` is as of `Trial.load`. Errors are those of `load_run`, `Trial.load` and `run`.
     """
@@ -25,7 +25,7 @@ def run_from(source: str | Path, *, own_code: bool = True) -> Recorded:
 
 
 def floorplan_from(source: str | Path, *, own_code: bool = True) -> Floorplan:
-    """The floor of that name, in that file, of that trial, or of the run in that folder.
+    """Return the floor of that name, in that file, of that trial, or of the run in that folder.
 
     A name that both a floorplan and a trial have means the floorplan. `own_code` is as of
     `Trial.load`.
@@ -39,7 +39,7 @@ def floorplan_from(source: str | Path, *, own_code: bool = True) -> Floorplan:
 
 
 def _is_trial(path: Path) -> bool:
-    """Whether a YAML file names a floorplan instead of being one."""
+    """Return True if a YAML file names a floorplan instead of being one."""
     if path.suffix.lower() not in (".yaml", ".yml") or not path.is_file():
         return False
     data = floorplan.read_yaml(path, floorplan.FloorplanError).data

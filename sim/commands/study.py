@@ -1,4 +1,4 @@
-"""`floorwalker study`: run many trials, and tell what came of them."""
+"""`floorwalker study`: run many trials, and print their outcome."""
 
 from __future__ import annotations
 
@@ -102,7 +102,7 @@ def _run(chosen: Study, folder: Path, jobs: int | None, backend: str) -> StudyRe
 
 
 def _report(results: StudyResults) -> None:
-    """The means of every combination as a table, and where to look on."""
+    """Print the means of every combination as a table, and the path of the report."""
     from rich.table import Table
 
     from sim.studies import figure
