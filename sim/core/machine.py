@@ -16,7 +16,7 @@ from .body import Body
 
 Category = Literal["robot", "vehicle"]
 """A robot works above people's heads or behind its own range, and is watched at all times. A
-vehicle drives on the floor, where it stands in people's way, and is watched while it moves."""
+vehicle drives on the floor, where it can block people's paths, and is watched while it moves."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -12,7 +12,7 @@ from .work import Cell, Work, when_all_are_done
 
 
 class _AtStation(Work):
-    """What assembly and combined orders share: parts are inserted at a station."""
+    """Common part of assembly and combined orders: parts are inserted at a station."""
 
     def __init__(
         self, order: Order, task: AssemblyTask | CombinedTask, cell: Cell, agvs: tuple[str, ...]

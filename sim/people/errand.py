@@ -1,4 +1,4 @@
-"""Errands: a person on the way to a goal, with what comes between."""
+"""Errands: a person walks to a goal, round whatever comes between."""
 
 from __future__ import annotations
 
