@@ -11,6 +11,7 @@ import itertools
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
@@ -288,11 +289,14 @@ def _fit(parameter: str, value: object, like: Any) -> Any:
         if isinstance(value, bool):
             return value
         raise ValueError(f"parameter {parameter!r} must be true or false, found {value!r}")
-    number = isinstance(value, (int, float)) and not isinstance(value, bool)
+    number = math.nan
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        with suppress(OverflowError):
+            number = float(value)
     if isinstance(like, int):
-        if number and value == int(value) and value > 0:  # type: ignore[call-overload,operator]
-            return int(value)  # type: ignore[call-overload]
+        if number > 0 and number.is_integer():
+            return int(number)
         raise ValueError(f"parameter {parameter!r} must be a whole number above 0, found {value!r}")
-    if number and 0 <= value < math.inf:  # type: ignore[operator]
-        return float(value)  # type: ignore[arg-type]
+    if 0 <= number < math.inf:
+        return number
     raise ValueError(f"parameter {parameter!r} must be a number, 0 or more, found {value!r}")

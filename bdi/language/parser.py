@@ -58,7 +58,7 @@ def parse_clause(tokens: Sequence[Token], file: str) -> Any:
     parser = grammar().parse_interactive()
     for token in tokens:
         parser.feed_token(token)
-    tree: Tree[Token] = parser.feed_eof(tokens[-1] if tokens else None)  # type: ignore[no-untyped-call]
+    tree: Tree[Token] = parser.feed_eof(tokens[-1] if tokens else None)
     return Builder(file).transform(tree)
 
 
@@ -95,7 +95,7 @@ def _acceptable(tokens: Sequence[Token], wrong: Token) -> Collection[str]:
         if token is wrong:
             break
         parser.feed_token(token)
-    accepts: Collection[str] = parser.accepts()  # type: ignore[no-untyped-call]
+    accepts: Collection[str] = parser.accepts()
     return accepts
 
 

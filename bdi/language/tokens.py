@@ -32,7 +32,7 @@ def tokenize(source: str, previous: str = "") -> Iterator[Token]:
     `previous` is the token before the text, empty at the beginning.
     """
     reading = grammar().parse_interactive(source)
-    tokens = reading.lexer_thread.lex(reading.parser_state)  # type: ignore[no-untyped-call]
+    tokens = reading.lexer_thread.lex(reading.parser_state)
     return _with_updates(list(tokens), previous)
 
 

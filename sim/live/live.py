@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import time
+from functools import partial
 from typing import Any
 
 from navigation import Motion, standing
@@ -77,7 +78,7 @@ class LiveRun(Listener):
         simulation.start()
         for body in simulation.bodies:
             self._plan(body, simulation)
-            body.on_change.append(lambda body=body: self._plan(body, simulation))  # type: ignore[misc]
+            body.on_change.append(partial(self._plan, body, simulation))
         begun = time.monotonic()
         while not simulation.over:
             time.sleep(PERIOD)

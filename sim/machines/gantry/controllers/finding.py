@@ -91,9 +91,10 @@ def find_controller(name: str | Controller, folder: Path, *, own_code: bool = Tr
     if source is None:
         return CONTROLLERS[name] if isinstance(name, str) else name
     try:
-        return import_own(source)  # type: ignore[no-any-return]
+        found: Controller = import_own(source)
     except OwnCodeError as why:
         raise ControllerError(f"the gantry controller {why}") from why
+    return found
 
 
 def controller_source(
