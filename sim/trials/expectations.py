@@ -16,7 +16,7 @@ from ..core.scenario import Scenario
 from ..record.outcome import Outcome
 from . import names
 from .comparison import Comparison, Verdict, in_words
-from .summary_fields import SummaryField, summary_fields
+from .summary_fields import SummaryField, machine_field, summary_fields
 from .timeline import read_statement
 
 TIMELINE = "timeline"
@@ -79,7 +79,7 @@ def _statement_check(written: Any, trial: Scenario) -> Check:
 def _field_check(
     key: str, wanted: Any, fields: Mapping[str, SummaryField], trial: Scenario
 ) -> Check:
-    field = fields.get(key)
+    field = fields.get(key) or machine_field(key, trial)
     if field is None:
         raise ValueError(f"a run has no such figure; {_hint(key, fields)}")
     if field.figure.form == "visits":

@@ -71,6 +71,17 @@ def summary_fields(trial: Scenario) -> dict[str, SummaryField]:
     return (alone | found) if len(trial.people) == 1 else found
 
 
+def machine_field(key: str, trial: Scenario) -> SummaryField | None:
+    """Return the figure `machines.NAME.FIGURE`, if `trial` has a machine of that name to add.
+
+    Which figures a machine has is up to its kind.
+    """
+    path = tuple(key.split("."))
+    if len(path) != 3 or path[0] != "machines" or path[1] not in trial.machines:
+        return None
+    return SummaryField(SummaryFigure(path=key), path, path[1])
+
+
 def _paths(path: str, trial: Scenario) -> Iterator[tuple[tuple[str, ...], str]]:
     """Yield each path that `path` stands for, with the name in it."""
     above, named, below = path.partition(".NAME")

@@ -53,6 +53,8 @@ def test_an_unknown_kind_is_watched_judged_and_expected(recorded):
         just_before = run.distance("operator", "train", t - 1e-9)
         assert just_before == pytest.approx(event["distance"], abs=1e-6)
         assert event["distance"] <= law.distance(event["human_speed"], event["robot_speed"]) + 1e-6
+    few = replace(run.trial, expect={"machines.train.rounds": "< 7", "machines.train.wheels": 4})
+    assert [verdict.met for verdict in sim.run(few).verdicts] == [False, False]
     wrong = replace(run.trial, expect={"timeline": [{"never": {"kind": "violation", "by": "x"}}]})
     with pytest.raises(sim.TrialError, match="no field 'by'"):
         sim.run(wrong)

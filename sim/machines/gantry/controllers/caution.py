@@ -49,7 +49,7 @@ class Caution:
 
     def __init__(self, gantry: GantryRobot) -> None:
         self._gantry = gantry
-        self._law = gantry.rules.gantry_law
+        self._law = gantry.law
         self._human_speed = gantry.human_speed
         top = math.hypot(gantry.gantry.x.max_speed, gantry.gantry.y.max_speed)
         self._at_top_speed = required_at_speeds(self._law, self._human_speed, top)
