@@ -68,6 +68,8 @@ class CollisionWorld:
 
         `KeyError` for an unknown AGV, `ValueError` for a place that isn't on its lane.
         """
+        if self._agvs.get(name) == to:
+            return
         lane = self.plan.lane(name)
         q = lane.lane_position(to)
         if self._agvs.get(name) == q:

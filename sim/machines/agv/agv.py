@@ -53,6 +53,7 @@ class Agv(Machine):
         self._law = stage.rules.law_of(self.shape)
         self._offset = abs(stage.rules.agv_offset)
         self._moves = moves
+        self._is_on_floor = any(lane is known for known in stage.floorplan.lanes)
         self._foresight = Foresight(lane, self._law, stage.rules.agv_offset) if yields else None
         self._target: str | float | None = None
         self._under_way_to: str | float | None = None
@@ -68,7 +69,7 @@ class Agv(Machine):
 
     def stand_in(self, world: CollisionWorld) -> None:
         """Put it into `world` where it is now."""
-        if self.lane in world.plan.lanes:
+        if self._is_on_floor:
             world.move_agv(self.name, self.lane_position)
         else:
             super().stand_in(world)
