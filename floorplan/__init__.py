@@ -23,6 +23,7 @@ from .model import (
     Point,
     SafeZone,
     Station,
+    rectangle,
 )
 from .named import Named
 from .problems import FloorplanError, InputError, Problem, suggestion
@@ -73,6 +74,7 @@ __all__ = [
     "read_lines",
     "read_text",
     "read_yaml",
+    "rectangle",
     "refuse",
     "require",
     "require_fields",

@@ -21,6 +21,24 @@ Point = tuple[float, float]
 """A place on the floor: x, y in metres."""
 
 
+def rectangle(centre: Point, direction: Point, length: float, width: float) -> Polygon:
+    """Return the rectangle around `centre`, `length` along the unit vector `direction`.
+
+    And `width` across; all in metres.
+    """
+    (x, y), (c, s) = centre, direction
+    corners = [
+        (x + u * c - v * s, y + u * s + v * c)
+        for u, v in (
+            (-length / 2, -width / 2),
+            (length / 2, -width / 2),
+            (length / 2, width / 2),
+            (-length / 2, width / 2),
+        )
+    ]
+    return Polygon(corners)
+
+
 @dataclass(frozen=True)
 class Obstacle:
     """Something that stands on or hangs over the floor: a footprint from `bottom` up to `top`."""
@@ -113,17 +131,7 @@ class Lane:
 
     def footprint(self, q: float) -> Polygon:
         """Return the rectangle that the AGV covers at lane position `q` (metres)."""
-        (x, y), (c, s) = self.position(q), self.direction
-        corners = [
-            (x + u * c - v * s, y + u * s + v * c)
-            for u, v in (
-                (-self.length / 2, -self.width / 2),
-                (self.length / 2, -self.width / 2),
-                (self.length / 2, self.width / 2),
-                (-self.length / 2, self.width / 2),
-            )
-        ]
-        return Polygon(corners)
+        return rectangle(self.position(q), self.direction, self.length, self.width)
 
 
 @dataclass(frozen=True)

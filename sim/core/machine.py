@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 from shapely.geometry import Polygon
 
-from floorplan import Point
+from floorplan import Point, rectangle
 from navigation import Box, CollisionWorld, Motion
 
 from .body import Body
@@ -49,15 +49,8 @@ class MachineShape:
 
     def footprint(self, at: Point, rotation: float) -> Polygon:
         """Return the rectangle that it covers at `at` (x, y), turned by `rotation` (radians)."""
-        c, s = math.cos(rotation), math.sin(rotation)
-        half = ((-1, -1), (1, -1), (1, 1), (-1, 1))
-        return Polygon(
-            (
-                at[0] + (i * self.length * c - j * self.width * s) / 2,
-                at[1] + (i * self.length * s + j * self.width * c) / 2,
-            )
-            for i, j in half
-        )
+        direction = (math.cos(rotation), math.sin(rotation))
+        return rectangle(at, direction, self.length, self.width)
 
 
 class Machine(ABC):

@@ -31,11 +31,6 @@ class Bystander(Protocol):
         """Their body."""
         ...
 
-    @property
-    def top_speed(self) -> float:
-        """Speed at which they approach at most (m/s)."""
-        ...
-
     def warn(self, percept: str, machine: Machine) -> None:
         """Perceive `percept` about a machine, and go home for a violation."""
         ...

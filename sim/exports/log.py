@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from ..core.recorder import Event
-from ..machines.kinds import GANTRY
+from ..machines.gantry.robot import GANTRY
 
 Level = Literal["info", "warning", "error"]
 

@@ -18,12 +18,10 @@ from ..core.own_source import REFUSED, Definition, Kind, OwnCodeError, Source, f
 from ..core.scenario import AgvMove, GantryEntry, Scenario
 from .agv.model import AgvModel
 from .gantry.model import GantryModel
+from .gantry.robot import GANTRY
 
 KINDS: dict[str, type[MachineModel]] = {"gantry": GantryModel, "agv": AgvModel}
 """The kinds of machines by name. A package adds its own by `KINDS["tugger"] = TuggerModel`."""
-
-GANTRY = "gantry"
-"""The name of the floor's own gantry."""
 
 
 class MachineError(ValueError):
@@ -114,9 +112,6 @@ def machine_faults(scenario: Scenario) -> Iterator[Fault]:
             for message, place in misfits(why):
                 yield message, (name, *place)
         else:
-            if isinstance(model, GantryModel) and plan.gantry is None:
-                yield "the floorplan has no gantry, whose rails it could run on", (name,)
-                continue
             for message, place in model.faults(plan, vehicles):
                 yield message, (name, *place)
 

@@ -58,10 +58,9 @@ class Company:
             self._planners[radius] = PathPlanner(self._stage.world, radius)
         return self._planners[radius]
 
-    def _make_mind(self, person: Person, entry: PersonEntry) -> Mind:
+    def _make_mind(self, person: Person, entry: PersonEntry, before: Mind | None) -> Mind:
         if entry.personality == EXTERNAL:
             return Outside()
-        before: Mind | None = getattr(person, "mind", None)
         if before is not None:
             self._society.leave(entry.name)
         record = self._stage.record

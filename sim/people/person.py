@@ -50,7 +50,7 @@ class Person:
         planner: PathPlanner,
         *,
         referee: Referee,
-        make_mind: Callable[[Person, PersonEntry], Mind],
+        make_mind: Callable[[Person, PersonEntry, Mind | None], Mind],
         thought: Callable[[Person], None],
     ) -> None:
         home = entry.home_on(stage.floorplan)
@@ -79,7 +79,7 @@ class Person:
         self._reason = "gantry"
         self._instant = (stage.clock.now, 0)
         self._make_mind = partial(make_mind, self)
-        self.mind = self._make_mind(entry)
+        self.mind = self._make_mind(entry, None)
         """The mind that decides for them."""
         self._senses.belong_to(self.mind)
         for machine in stage.machines.values():
@@ -101,11 +101,6 @@ class Person:
     def body(self) -> Body:
         """Their body."""
         return self.walker.body
-
-    @property
-    def top_speed(self) -> float:
-        """Speed at which they approach at most (m/s)."""
-        return self.walker.human.max_speed
 
     @property
     def visits(self) -> list[str]:
@@ -133,7 +128,7 @@ class Person:
         self._errand.give_up()
         self.walker.stop()
         self.walker.speed_share = 1.0
-        self.mind = self._make_mind(replace(self._entry, personality=program))
+        self.mind = self._make_mind(replace(self._entry, personality=program), self.mind)
         self._senses.belong_to(self.mind)
 
     def start(self) -> None:

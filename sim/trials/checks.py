@@ -23,7 +23,8 @@ from ..core.rules import NO_TIME, MachineMeasure, PersonMeasure, RuleSet
 from ..core.scenario import PersonalityChange, PersonEntry, Scenario, TrialError
 from ..core.start import Start
 from ..machines.gantry.model import GantryModel
-from ..machines.kinds import GANTRY, machine_faults, on_floor
+from ..machines.gantry.robot import GANTRY
+from ..machines.kinds import machine_faults, on_floor
 from ..people.programs import EXTERNAL, find_program
 from .expectations import expectation_problems
 from .names import agvs, checked_name, orders, parts, people

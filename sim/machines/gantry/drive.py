@@ -35,7 +35,7 @@ class Drive:
         gantry: Gantry,
         at: Pose,
         *,
-        name: str = "gantry",
+        name: str,
         record: Record,
         disabled_or_enabled: Callable[[str], None],
     ) -> None:
@@ -62,12 +62,6 @@ class Drive:
     def disabled(self) -> bool:
         """True while it is made to stand."""
         return self._enabled is not None
-
-    @property
-    def top_speed(self) -> float:
-        """The highest speed over the floor, both axes at theirs, m/s."""
-        x, y, _ = self._limits
-        return math.hypot(x.max_speed, y.max_speed)
 
     def preview(self, target: Pose, speed_share: float) -> Motion:
         """Return the motion from here and now to `target`, at that share of the top speeds.

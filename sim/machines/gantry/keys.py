@@ -44,21 +44,14 @@ class GantryKeys(Keys):
     repeat: Flag = False
 
     def value(self) -> GantryEntry:
-        """Return the gantry."""
-        return GantryEntry(**self.fields())
-
-
-class BridgeKeys(Keys):
-    """One more gantry on the rails of the floor, within ranges of its own."""
-
-    controller: str = "parked"
-    at: Pose
-    jobs: list[_Job] = []
-    repeat: Flag = False
-    x: Range | None = None
-    y: Range | None = None
-
-    def entry(self) -> GantryEntry:
-        """Return the gantry, but for its ranges."""
+        """Return the gantry, but for ranges of its own."""
         fields = self.fields()
         return GantryEntry(**{name: fields[name] for name in GantryKeys.model_fields})
+
+
+class BridgeKeys(GantryKeys):
+    """One more gantry on the rails of the floor, within ranges of its own."""
+
+    at: Pose
+    x: Range | None = None
+    y: Range | None = None

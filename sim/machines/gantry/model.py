@@ -35,7 +35,7 @@ class GantryModel(MachineModel):
     def read(cls, name: str, keys: Mapping[str, Any]) -> GantryModel:
         """Return the model with these keys of a trial file."""
         given = BridgeKeys.model_validate(keys)
-        return cls(given.entry(), given.x, given.y)
+        return cls(given.value(), given.x, given.y)
 
     def shape(self, name: str, plan: Floorplan) -> MachineShape:
         """Return its shape, as others see it."""

@@ -23,6 +23,9 @@ from .drive import Drive, Steps
 from .interruption import Interruption, Interrupts
 from .tasks import Handling, Pose, Step, Task, Tasks, fixed_places, tasks_of
 
+GANTRY = "gantry"
+"""The name of the floor's own gantry, which events leave out."""
+
 OBSERVATION_RATE = 10.0
 """Hz. Rate at which the gantry sees where people are."""
 
@@ -59,7 +62,7 @@ class GantryRobot(Machine):
         stage: Stage,
         gantry: Gantry,
         entry: GantryEntry,
-        name: str = "gantry",
+        name: str,
         *,
         controller: Callable[[GantryRobot], Steps],
     ) -> None:
@@ -72,7 +75,7 @@ class GantryRobot(Machine):
         self.jobs_done = 0
         self.shape = gantry_shape(gantry, name)
         self.law = stage.rules.law_of(self.shape)
-        self.record = stage.record if name == "gantry" else self._record_by_name
+        self.record = stage.record if name == GANTRY else self._record_by_name
         self.drive = Drive(
             stage.clock,
             gantry,
@@ -413,7 +416,7 @@ class GantryRobot(Machine):
         self.tasks.add(self._round)
 
 
-def gantry_shape(gantry: Gantry, name: str = "gantry") -> MachineShape:
+def gantry_shape(gantry: Gantry, name: str) -> MachineShape:
     """Return the shape of a gantry, as others see it."""
     length, width, bottom, top = gantry.torso
     return MachineShape(

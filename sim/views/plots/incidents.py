@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 
 from floorplan import Point
 
-from ...machines.kinds import GANTRY
+from ...machines.gantry.robot import GANTRY
 from ...record.outcome import Outcome
 from .curves import Span
 from .style import VERMILION
