@@ -145,6 +145,18 @@ class Simulation:
         if until > self.clock.now and not self.over:
             self.clock.run(min(until, self.trial.duration))
 
+    def stop(self) -> None:
+        """Leave it at what has happened, and `over` as it is; at any time, from any thread.
+
+        Whatever happens just now comes to its end; nothing happens after it.
+        """
+        self.clock.stop()
+
+    @property
+    def stopped(self) -> bool:
+        """True once it was told to stop."""
+        return self.clock.stopped
+
     def finish(self) -> Run:
         """Return the run as far as it went."""
         self.start()

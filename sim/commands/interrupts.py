@@ -7,7 +7,7 @@ missing.
 from __future__ import annotations
 
 import signal
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
 
@@ -26,7 +26,7 @@ def put_off_while_loading() -> Iterator[None]:
     if usual is not signal.default_int_handler or not hasattr(signal, "setitimer"):
         yield
         return
-    alarm = signal.signal(signal.SIGALRM, _interrupt)
+    alarm = signal.signal(signal.SIGALRM, _as_interrupt)
     signal.signal(signal.SIGINT, _interrupt)
     terminate = signal.signal(signal.SIGTERM, _as_interrupt)
     try:
@@ -36,6 +36,28 @@ def put_off_while_loading() -> Iterator[None]:
         signal.signal(signal.SIGTERM, terminate)
         signal.setitimer(signal.ITIMER_REAL, 0)
         signal.signal(signal.SIGALRM, alarm)
+
+
+@contextmanager
+def taken_by(stop: Callable[[], None]) -> Iterator[None]:
+    """In this context the first Ctrl-C calls `stop`, in the middle of whatever happens.
+
+    The second one raises `KeyboardInterrupt`, if what happens does not come to its end.
+    """
+    usual = signal.getsignal(signal.SIGINT)
+    if usual not in (_interrupt, signal.default_int_handler):
+        yield
+        return
+
+    def first(_number: int, _frame: FrameType | None) -> None:
+        signal.signal(signal.SIGINT, usual)
+        stop()
+
+    signal.signal(signal.SIGINT, first)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, usual)
 
 
 def leave_to_asyncio() -> None:

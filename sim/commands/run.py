@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -14,9 +15,10 @@ from . import completion
 from .arguments import Duration, NoOwnCode, RecordingFolder, Rules, Seed, TrialName
 from .browser import open_in_browser
 from .consoles import plain_console, say
+from .interrupts import taken_by
 
 if TYPE_CHECKING:
-    from sim import Recording, Run, Simulation, Trial
+    from sim import LiveRun, Recording, Run, Simulation, Trial
 
 INTERRUPTED = 130
 """The exit code of a command stopped by Ctrl-C, as shells have it."""
@@ -75,12 +77,12 @@ def run(
     recording = recording_of(chosen.name, out)
     try:
         if watch:
-            finished, interrupted = _watched(chosen, recording, speed or 1.0, opened=not no_open)
+            finished = _watched(chosen, recording, speed or 1.0, opened=not no_open)
         else:
-            finished, interrupted = _carried_out(chosen, recording)
+            finished = _carried_out(chosen, recording)
     finally:
         recording.close()
-    print_result(finished, recording.folder, interrupted=interrupted)
+    print_result(finished, recording.folder, interrupted=finished.summary["interrupted"])
 
 
 def print_result(finished: Run, folder: Path, *, interrupted: bool) -> None:
@@ -162,57 +164,63 @@ def recording_of(name: str, out: Path | None) -> Recording:
     return Recording(folder_for(name, "runs"), numbered=True) if out is None else Recording(out)
 
 
-def _carried_out(trial: Trial, recording: Recording) -> tuple[Run, bool]:
-    """Return the run, as far as it went, and True if Ctrl-C came before the end."""
+def _carried_out(trial: Trial, recording: Recording) -> Run:
+    """Return the run, which went on until its end or Ctrl-C."""
     from sim import Simulation
 
     simulation = Simulation(trial, recording)
-    try:
-        interrupted = _advance(simulation)
-    finally:
-        # Also when the user's controller or program fails: what happened until then is kept.
-        finished = simulation.finish()
-        recording.finish(finished)
-    return finished, interrupted
+    return _kept(simulation, _advance, recording)
 
 
-def _watched(trial: Trial, recording: Recording, speed: float, *, opened: bool) -> tuple[Run, bool]:
+def _watched(trial: Trial, recording: Recording, speed: float, *, opened: bool) -> Run:
     """Return the same, and show the run in the browser meanwhile."""
     from sim import LiveRun, Simulation
 
     live = LiveRun(trial.duration, speed=speed)
     simulation = Simulation(trial, recording, live)
-    simulation.start()
-    interrupted = False
+    with taken_by(simulation.stop):
+        simulation.start()
     with live.server as server:
         say(f"{server.url} shows it while it goes on", err=True)
         if opened and open_in_browser(server.url):
             live.wait_for_viewer()
-        try:
-            live.advance(simulation)
-        except KeyboardInterrupt:
-            interrupted = True
-        finally:
-            finished = simulation.finish()
-            recording.finish(finished)
-            live.finish(finished)
-    return finished, interrupted
+        return _kept(simulation, live.advance, recording, live)
 
 
-def _advance(simulation: Simulation) -> bool:
-    """Run to the end, with a progress bar on a terminal; return True if Ctrl-C came before."""
+def _kept(
+    simulation: Simulation,
+    advance: Callable[[Simulation], None],
+    *listeners: Recording | LiveRun,
+) -> Run:
+    """Return the run as far as it went; listeners get it also where the user's own code fails."""
+
+    def finish() -> Run:
+        finished = simulation.finish()
+        for listener in listeners:
+            listener.finish(finished)
+        return finished
+
+    try:
+        with taken_by(simulation.stop):
+            advance(simulation)
+    except Exception:
+        finish()
+        raise
+    return finish()
+
+
+def _advance(simulation: Simulation) -> None:
+    """Run to the end, or until it is stopped, with a progress bar on a terminal."""
     from sim.commands.bars import progress_bars
 
     duration = simulation.trial.duration
-    try:
-        with progress_bars() as progress:
-            bar = progress.add_task("simulating", total=duration)
-            for k in range(1, REPORTS + 1):
-                simulation.advance(duration * k / REPORTS)
-                progress.update(bar, completed=simulation.clock.now)
-    except KeyboardInterrupt:
-        return True
-    return False
+    with progress_bars() as progress:
+        bar = progress.add_task("simulating", total=duration)
+        for k in range(1, REPORTS + 1):
+            if simulation.stopped:
+                break
+            simulation.advance(duration * k / REPORTS)
+            progress.update(bar, completed=simulation.clock.now)
 
 
 def _report(run: Run, folder: Path) -> None:

@@ -56,6 +56,7 @@ class Clock(simpy.Environment):
     ) -> None:
         super().__init__(initial_time)
         self.most = most
+        self.stopped = False
         self._busy = busy
         self.begin_moment()
 
@@ -64,8 +65,14 @@ class Clock(simpy.Environment):
         self._moment_ends = self.now + MOMENT
         self._happened = 0
 
+    def stop(self) -> None:
+        """Stop for good, between two events. A signal handler or another thread may say so."""
+        self.stopped = True
+
     def step(self) -> None:
         """Let the next event happen."""
+        if self.stopped:
+            raise StopSimulation(None)
         super().step()
         if self.now >= self._moment_ends:
             self.begin_moment()

@@ -74,13 +74,13 @@ class LiveRun(Listener):
         self._send(thought=thought)
 
     def advance(self, simulation: Simulation) -> None:
-        """Run to the end at `speed`."""
+        """Run to the end at `speed`, or until it is stopped."""
         simulation.start()
         for body in simulation.bodies:
             self._plan(body, simulation)
             body.on_change.append(partial(self._plan, body, simulation))
         begun = time.monotonic()
-        while not simulation.over:
+        while not (simulation.over or simulation.stopped):
             time.sleep(PERIOD)
             simulation.advance((time.monotonic() - begun) * self.speed)
             self._send_changes(simulation)

@@ -196,7 +196,8 @@ try:
 except KeyboardInterrupt:
     print("it came inside of an import", file=sys.stderr)
 def stands(gantry):
-    yield gantry.wait(1.0)
+    while True:
+        yield gantry.wait(1.0)
 """
 
 

@@ -206,6 +206,7 @@ def test_looking_back_while_it_goes_on(open_address):
         assert offered == sorted({*offered, 8.0, 10.0, 16.0})
         viewer.page.keyboard.press("Home")
         viewer.page.keyboard.press("Space")
+        viewer.settle()
         stopped = viewer.time
         assert stopped < 5.0
         assert viewer.page.locator("#live").get_attribute("aria-pressed") == "false"

@@ -56,3 +56,43 @@ def test_a_terminated_run_is_kept_whole(tmp_path, command):
     assert process.returncode == 130
     assert b"what happened is kept" in said and b"Traceback" not in said
     assert sim.load_run(tmp_path / "out").summary["interrupted"]
+
+
+STOPS_ITSELF = """
+import signal
+from pathlib import Path
+def stops(gantry):
+    yield gantry.wait(1.0)
+    signal.raise_signal(signal.SIGINT)
+    Path("gone-on").touch()
+    while True:
+        yield gantry.wait(1.0)
+"""
+
+
+def test_what_ctrl_c_falls_into_comes_to_its_end(tmp_path, floorwalker):
+    (tmp_path / "own.py").write_text(STOPS_ITSELF)
+    (tmp_path / "own.trial.yaml").write_text(
+        "floorplan: ariac2023\nduration: 1.0e+6\ngantry: {controller: 'own:stops'}\n"
+    )
+    done = floorwalker("run", "own.trial.yaml", "--out", "out", cwd=tmp_path)
+    assert done.returncode == 130
+    assert (tmp_path / "gone-on").exists()
+    run = sim.load_run(tmp_path / "out")
+    assert run.duration == 1.0
+    assert run.events[-1] == {"t": 1.0, "kind": "trial_ended", "interrupted": True}
+
+
+def test_a_simulation_can_be_stopped_from_within():
+    class Impatient(sim.Listener):
+        def event(self, event):
+            if event["t"] > 10.0:
+                simulation.stop()
+
+    simulation = sim.Simulation(sim.Trial.load("scene_antagonistic"), Impatient())
+    simulation.advance(100.0)
+    stood = simulation.clock.now
+    assert 10.0 < stood < 100.0
+    simulation.advance(100.0)
+    assert simulation.clock.now == stood and simulation.stopped and not simulation.over
+    assert simulation.finish().summary["interrupted"]
