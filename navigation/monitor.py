@@ -18,7 +18,7 @@ from floorplan import require
 from .conditions import Condition, TooClose, margin_bounds
 from .encounter import Encounter, encounters
 from .motion import Motion
-from .separation import AnyLaw, MotionLaw, Scaled, require_sense, requirement
+from .separation import AnyLaw, Scaled, is_of_motions, require_sense, requirement
 from .surfaces import Shapes
 
 RESOLUTION = 1e-7
@@ -182,7 +182,7 @@ def minimum_margin(
     judged = law
     while isinstance(judged, Scaled):
         judged = judged.law
-    return _least(bounds, meetings, EXACT if isinstance(judged, MotionLaw) else PLAIN)
+    return _least(bounds, meetings, EXACT if is_of_motions(judged) else PLAIN)
 
 
 _Bounds = Callable[[Encounter, float, float], tuple[float, float, float]]

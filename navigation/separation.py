@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, fields
-from typing import Protocol, TypeAlias, TypeGuard, runtime_checkable
+from typing import Protocol, TypeAlias, TypeGuard
 
 from .encounter import Encounter, encounters
 from .machines import Machine, longest_stop
@@ -34,7 +34,6 @@ class Law(Protocol):
         ...
 
 
-@runtime_checkable
 class MotionLaw(Protocol):
     """A rule on the motions of the two, not only on their speeds at an instant.
 
@@ -235,13 +234,19 @@ def is_of_speeds(law: AnyLaw) -> TypeGuard[Law]:
     return hasattr(law, "distance")
 
 
+def is_of_motions(law: AnyLaw) -> TypeGuard[MotionLaw]:
+    """Return whether `law` judges motions."""
+    return hasattr(law, "required")
+
+
 def requirement(law: AnyLaw, encounter: Encounter, begin: float, end: float) -> Enclosure:
     """Return the distance in metres that any law requires in `encounter` from `begin` to `end`.
 
     See `MotionLaw`.
     """
-    if isinstance(law, MotionLaw):
+    if is_of_motions(law):
         return law.required(encounter, begin, end)
+    assert is_of_speeds(law)  # a law is of one kind or the other
     b = encounter.bounds(begin, end)
     least = law.distance(b.human_low, b.robot_low)
     return Enclosure.between(least, law.distance(b.human_high, b.robot_high))
@@ -283,7 +288,7 @@ def require_sense(law: AnyLaw) -> None:
 
     Only a few speeds are tried: a law that asks for less at others is not found out.
     """
-    if not (hasattr(law, "distance") or isinstance(law, MotionLaw)):
+    if not (hasattr(law, "distance") or is_of_motions(law)):
         raise ValueError(f"a law has a method distance or required, {law!r} has neither")
     if not is_of_speeds(law):
         return

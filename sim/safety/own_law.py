@@ -12,9 +12,9 @@ from typing import Any, TypeVar
 from navigation import (
     Enclosure,
     Encounter,
-    MotionLaw,
     Scaled,
     TooClose,
+    is_of_motions,
     minimum_margin,
     standing,
     walk,
@@ -154,7 +154,7 @@ class OwnLaw:
         person, machine = walk([(-3.0, 0.0), (3.0, 0.5)]), standing((0.0, 0.0))
         try:
             TooClose(self)
-            if isinstance(self, MotionLaw):
+            if is_of_motions(self):
                 minimum_margin(person, machine, self, 0.0, 8.0)
         except LawError:
             raise

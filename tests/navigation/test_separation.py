@@ -15,11 +15,11 @@ from navigation import (
     FixedDistance,
     IntegralLaw,
     Motion,
-    MotionLaw,
     Odometer,
     Piece,
     Scaled,
     SeparationLaw,
+    is_of_motions,
 )
 from navigation.encounter import encounters
 
@@ -145,7 +145,7 @@ def test_what_a_law_says_of_an_interval_holds_throughout(person, machine, t1, t2
         FixedDistance(t2),
     ]
     for law in laws:
-        assert isinstance(law, MotionLaw)
+        assert is_of_motions(law)
         for encounter in encounters(person, machine, 0.0, 6.0):
             length = encounter.end - encounter.begin
             begin = encounter.begin + length * min(low, high)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from functools import partial
 
 from floorplan import Lane, Point
 from navigation import (
     AxisState,
     CollisionWorld,
+    Motion,
     agv_run,
     agv_stop,
     lane_state,
@@ -20,7 +22,10 @@ from ...core.events import AgvMoved, AgvYielded
 from ...core.machine import Machine, MachineShape
 from ...core.scenario import AgvMove
 from ...core.stage import Stage
-from .yielding import LOOK, Foresight, Sighting
+from ...safety.foresight import Foresight, Plan, Walker
+
+LOOK = 0.1
+"""Seconds. An AGV that yields looks where people are no sooner than that after the last time."""
 
 RESUME = 1.0
 """Seconds. An AGV that yields sets out if it may drive for so long; else it would creep."""
@@ -29,9 +34,9 @@ RESUME = 1.0
 class Agv(Machine):
     """One AGV on its lane.
 
-    One that `yields` looks where people are ten times a second, and stops on its
-    lane while it still can before anybody comes too close, whatever they do. It drives on when
-    its path is clear.
+    One that `yields` looks where people are whenever they might matter, and stops on its lane
+    while it still can before anybody comes too close, whatever they do. It drives on when its path
+    is clear.
     """
 
     def __init__(
@@ -54,7 +59,8 @@ class Agv(Machine):
         self._offset = abs(stage.rules.agv_offset)
         self._moves = moves
         self._is_on_floor = any(lane is known for known in stage.floorplan.lanes)
-        self._foresight = Foresight(lane, self._law, stage.rules.agv_offset) if yields else None
+        self._foresight = Foresight(self._law, lane.max_speed) if yields else None
+        self._people: list[tuple[Body, float]] = []
         self._target: str | float | None = None
         self._under_way_to: str | float | None = None
         self._has_recorded = False
@@ -92,7 +98,7 @@ class Agv(Machine):
     def look_out_for(self, person: Body, top_speed: float) -> None:
         """Yield to this person, who walks at `top_speed` (m/s) at most, if it yields at all."""
         if self._foresight is not None:
-            self._foresight.watch(person, top_speed)
+            self._people.append((person, top_speed))
             person.on_jump.append(self._look)
 
     def zone(self, top_speed: float) -> float:
@@ -126,17 +132,16 @@ class Agv(Machine):
         elif self._target is not None:
             self.drive(self._target)
 
-    def _try(self) -> Sighting | None:
+    def _try(self) -> Walker | None:
         """Set out for the target, or return the person who makes that unsafe."""
         target, now = self._target, self._clock.now
         assert target is not None
         motion = agv_run(self.lane, lane_state(self.lane, self.body.state), target, now)
         if self._foresight is not None:
             drives = self._under_way_to is not None
-            hindered = self._foresight.in_the_way(motion, now, LOOK if drives else RESUME)
+            hindered = self._look_ahead(self._foresight, motion, LOOK if drives else RESUME)
             if hindered is not None:
                 return hindered
-            self._looking.set(now + LOOK)
         self._record(AgvMoved(agv=self.lane.name, to=target, arrives=motion.end))
         self._under_way_to, self._has_recorded = target, False
         self.body.follow(motion)
@@ -145,32 +150,63 @@ class Agv(Machine):
 
     def _look(self) -> None:
         """Go on, stop, or set out again, as people allow."""
-        now, motion = self._clock.now, self.body.motion
         if self._foresight is None or self._target is None or self._held:
             return
         if self._under_way_to == self._target:
-            hindered = self._foresight.in_the_way(motion, now, LOOK)
+            hindered = self._look_ahead(self._foresight, self.body.motion, LOOK)
         else:
             hindered = self._try()
-        if hindered is None:
-            self._looking.set(now + LOOK)
-        else:
+        if hindered is not None:
             self._wait(hindered)
 
-    def _wait(self, hindered: Sighting) -> None:
+    def _look_ahead(self, foresight: Foresight, motion: Motion, least: float) -> Walker | None:
+        """Return who makes it unsafe to follow `motion` for `least` seconds from now.
+
+        None if it is safe; it then looks again when it may be no longer.
+        """
+        now = self._clock.now
+        plan, people = self._plan(motion), self._seen()
+        until, who = foresight.safe_until(plan, people, now, least)
+        if until == now and who is not None:
+            return who
+        self._looking.set(until if who is not None else None)
+        return None
+
+    def _plan(self, motion: Motion) -> Plan:
+        def stop(t: float) -> Motion:
+            return agv_stop(self.lane, lane_state(self.lane, motion.state(t)), t)
+
+        return Plan(motion, stop)
+
+    def _seen(self) -> list[Walker]:
+        """Return the people it looks out for, from the point at which distances are measured."""
+        (c, s), offset = self.lane.direction, self._stage.rules.agv_offset
+        return [
+            Walker(body.name, (body.at[0] - offset * c, body.at[1] - offset * s), top_speed)
+            for body, top_speed in self._people
+        ]
+
+    def _wait(self, hindered: Walker) -> None:
         """Stop, or go on standing, until the path is clear."""
+        now, foresight, target = self._clock.now, self._foresight, self._target
+        assert foresight is not None and target is not None
         self._stop()
+        state = self.body.state
         if not self._has_recorded:
             self._has_recorded = True
             self._record(
                 AgvYielded(
                     agv=self.lane.name,
                     person=hindered.name,
-                    distance=hindered.distance,
-                    required=hindered.required,
+                    distance=math.dist(state.at, hindered.at),
+                    required=foresight.required(hindered.top_speed, state.speed),
                 )
             )
-        self._looking.set(self._clock.now + LOOK)
+        wait = LOOK
+        if state.speed == 0.0:
+            motion = agv_run(self.lane, lane_state(self.lane, state), target, now)
+            wait = max(wait, foresight.hindered_for(self._plan(motion), hindered, now, RESUME))
+        self._looking.set(now + wait)
 
     def _stop(self) -> None:
         """Brake, if it drives."""

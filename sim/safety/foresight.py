@@ -1,0 +1,157 @@
+"""Worst-case test of a machine's motion: can it still stop, whatever people do?
+
+Somebody of top speed v is within v t of where they were seen for t seconds, in whatever direction
+they set out. A motion is safe if all along it, and along a stop from its end, the machine keeps
+the distance that the law asks for from somebody of that speed, and v t in addition (speed and
+separation monitoring, ISO/TS 15066:2016, clause 5.5.4). It is solved for, not sampled.
+"""
+
+# A machine that commands only motions that are safe until its next look is safe for good, by
+# induction: if nothing is safe at that look, the stop that was tested with the motion is what it
+# does. No forecast of people is needed but their top speed. The law's distance covers what follows
+# the instant for which it is asked (the person's approach, the machine's reaction and its stop).
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from navigation import (
+    AnyLaw,
+    Enclosure,
+    Encounter,
+    Motion,
+    Odometer,
+    State,
+    first_violation,
+    is_of_speeds,
+    required_at_speeds,
+    standing,
+)
+
+MARGIN = 0.01
+"""Metres. Kept beyond the required distance, so that rounding can't decide."""
+
+
+class Plan(NamedTuple):
+    """A motion, and the fastest `stop` from it at an instant (seconds)."""
+
+    motion: Motion
+    stop: Callable[[float], Motion]
+
+    @property
+    def end(self) -> float:
+        """The end of the motion (seconds)."""
+        return self.motion.end
+
+
+class Walker(NamedTuple):
+    """Somebody seen at a place (x, y in metres) who walks at `top_speed` (m/s) at most."""
+
+    name: str
+    at: tuple[float, float]
+    top_speed: float
+
+
+@dataclass(frozen=True)
+class Approach:
+    """What `law` asks for if somebody walks straight at the machine at `speed` (m/s) since `since`.
+
+    It is a law on the distance from where they stood at `since` (seconds). A law that looks ahead
+    is asked for the machine's `top_speed` (m/s): it may be reached by then.
+    """
+
+    law: AnyLaw
+    speed: float
+    since: float
+    top_speed: float
+
+    def required(self, encounter: Encounter, begin: float, end: float) -> Enclosure:
+        """See `navigation.MotionLaw`."""
+        half = (end - begin) / 2
+        walked = Enclosure(self.speed * (begin + half - self.since), self.speed)
+        if not is_of_speeds(self.law):
+            return walked + (required_at_speeds(self.law, self.speed, self.top_speed) + MARGIN)
+        low, high = encounter.robot_speed(begin, end).range(half)
+        least = self.law.distance(self.speed, max(low, 0.0))
+        most = self.law.distance(self.speed, high)
+        return walked + Enclosure.between(least, most) + MARGIN
+
+
+@dataclass(frozen=True)
+class Foresight:
+    """The test for one machine, to which `law` applies and which is no faster than `top_speed`."""
+
+    law: AnyLaw
+    top_speed: float
+
+    def required(self, human_speed: float, robot_speed: float) -> float:
+        """Return the distance (metres) to keep from somebody at these speeds (m/s)."""
+        speed = robot_speed if is_of_speeds(self.law) else self.top_speed
+        return required_at_speeds(self.law, human_speed, speed) + MARGIN
+
+    def safe_until(
+        self, plan: Plan, people: Sequence[Walker], now: float, least: float
+    ) -> tuple[float, Walker | None]:
+        """Return an instant (seconds) until which `plan` may be followed, and who ends it.
+
+        It is found by doubling the time, from `least` seconds on; `now` if not even those are safe.
+        None if nobody ends it before the end of the motion.
+        """
+        near = [(person, self._approach(person, now)) for person in people]
+        near = [(p, law) for p, law in near if self._in_reach(p, law, plan.motion, now, plan.end)]
+        until, ahead = now, least
+        while near and until < plan.end:
+            then = min(now + ahead, plan.end)
+            stop = plan.stop(then)
+            for person, law in near:
+                if self._hinders(person, law, plan.motion, until, then) or self._hinders(
+                    person, law, stop, then, stop.end
+                ):
+                    return until, person
+            until, ahead = then, 2 * ahead
+        return plan.end, None
+
+    def hindered_for(self, plan: Plan, person: Walker, now: float, least: float) -> float:
+        """Return seconds for which `person` hinders `plan` for certain, begun at rest.
+
+        They need them to walk as far as the machine would come too close, at two instants: after
+        `least` seconds of it, and at the end of the stop from there.
+        """
+        until = min(now + least, plan.end)
+        stopping = plan.stop(until)
+        lacking = [
+            -self._room(person, plan.motion.state(until), until - now),
+            -self._room(person, stopping.state(stopping.end), stopping.end - now),
+        ]
+        return max(lacking) / person.top_speed
+
+    def _approach(self, person: Walker, now: float) -> Approach:
+        return Approach(self.law, person.top_speed, now, self.top_speed)
+
+    def _hinders(
+        self, person: Walker, law: Approach, motion: Motion, begin: float, end: float
+    ) -> bool:
+        """Return True if `person` may come too close to `motion` between two instants (seconds)."""
+        if self._room(person, motion.state(end), end - law.since) < 0.0:
+            return True
+        return (
+            self._in_reach(person, law, motion, begin, end)
+            and first_violation(standing(person.at), motion, law, begin, end) is not None
+        )
+
+    def _in_reach(
+        self, person: Walker, law: Approach, motion: Motion, begin: float, end: float
+    ) -> bool:
+        """Return False if the two are too far apart for that, whatever they do on the way."""
+        fastest = Odometer(motion).speed(begin, end).range((end - begin) / 2)[1]
+        walked = person.top_speed * (end - law.since)
+        reach = fastest * (end - begin) + walked + self.required(person.top_speed, fastest)
+        return math.dist(person.at, motion.state(begin).at) < reach
+
+    def _room(self, person: Walker, state: State, seconds: float) -> float:
+        """Return the metres left beyond what is asked for in `state`, `seconds` from the sight."""
+        required = self.required(person.top_speed, state.speed) + person.top_speed * seconds
+        return math.dist(person.at, state.at) - required
