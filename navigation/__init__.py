@@ -1,6 +1,8 @@
 """How bodies move: collision, paths, motions in continuous time, and separation."""
 
 from .bodies import Disc
+from .catalog import planners
+from .choice import PlannerChoice
 from .conditions import (
     STANDING_SPEED,
     Apart,
@@ -38,8 +40,8 @@ from .monitor import (
 )
 from .motion import Cubic, Motion, Piece, State, join, standing
 from .odometer import Enclosure, Odometer
-from .path import Path, PlannerInfo, PlanningError
-from .planner import PathPlanner, planners
+from .path import Path, PlannerInfo, PlanningError, Watch
+from .planner import PathPlanner
 from .profiles import AxisLimits, AxisState
 from .separation import (
     AnyLaw,
@@ -97,6 +99,7 @@ __all__ = [
     "Path",
     "PathPlanner",
     "Piece",
+    "PlannerChoice",
     "PlannerInfo",
     "PlanningError",
     "Scaled",
@@ -106,6 +109,7 @@ __all__ = [
     "Stop",
     "TooClose",
     "Track",
+    "Watch",
     "agv_box",
     "agv_run",
     "agv_stop",

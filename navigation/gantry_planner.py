@@ -11,8 +11,10 @@ import shapely
 from floorplan import Floorplan
 
 from .bodies import Disc
+from .catalog import ROADMAP, Setting
+from .choice import PlannerChoice
 from .path import Path
-from .planner import ROADMAP, PathPlanner
+from .planner import PathPlanner
 from .roadmap import HAIR
 from .world import CollisionWorld
 
@@ -71,8 +73,8 @@ class GantryPlanner:
         goal: Pose,
         *,
         keep_out: Sequence[tuple[float, float, float]] = (),
-        planner: str = ROADMAP,
-        parameters: Mapping[str, object] | None = None,
+        planner: PlannerChoice | str = ROADMAP,
+        parameters: Mapping[str, Setting] | None = None,
         seed: int = 0,
     ) -> GantryPath:
         """Return a path of the axis from `start` to `goal` (x, y in metres, rotation in radians).

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -75,3 +75,17 @@ class PlannerInfo:
     """Its budget where no other is given."""
     parameters: tuple[str, ...] = ()
     """The names of what can be set."""
+
+
+class Watch:
+    """Watches a search, of one of OMPL's planners, while it goes on. This one does nothing.
+
+    A budget of time, or a curve of cost over time, is a subclass.
+    """
+
+    def iteration(self, planner: Any) -> bool:
+        """Return True to end the search here; called before each iteration of `planner`, OMPL's."""
+        return False
+
+    def solved(self) -> None:
+        """Called when a path was found, before it is simplified."""

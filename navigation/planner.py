@@ -5,22 +5,23 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Collection, Mapping
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from floorplan import Point, require, suggestion
+from floorplan import Point, require
 
 from .bodies import Body
+from .catalog import ROADMAP, Setting
+from .choice import PlannerChoice
 from .freespace import STEP
 from .obstruction import blocked_place, explain_cut_off
-from .path import Path, PlannerInfo, PlanningError, Reason
+from .path import Path, PlanningError, Reason, Watch
 from .roadmap import HAIR, Roadmap
+from .sampling import Question, sample_path
 from .search import shortest_path
 from .world import CollisionWorld
-
-ROADMAP = "Roadmap"
-"""The name of the default planner."""
 
 COARSE = math.radians(15.0)
 """Radians. Default size of the bends in a path."""
@@ -43,7 +44,8 @@ class PathPlanner:
 
     The world is read as it is when a path is asked for. `ignore` names bodies that are no
     obstacle, above all the person for whom the planner plans. Paths go round corners in bends of
-    `step` radians at most: smaller ones hug the corners closer, and are more.
+    `step` radians at most: smaller ones hug the corners closer, and are more. `planner` is the one
+    to ask: see `PlannerChoice.of`.
     """
 
     def __init__(
@@ -53,6 +55,7 @@ class PathPlanner:
         ignore: Collection[str] = (),
         *,
         step: float = COARSE,
+        planner: PlannerChoice | str | Mapping[str, Any] | type = ROADMAP,
     ) -> None:
         require(world, CollisionWorld)
         self.world = world
@@ -63,6 +66,9 @@ class PathPlanner:
             raise ValueError(f"bends must be from {STEP:.3g} to 1.57 radians, found {step:g}")
         self.ignore = frozenset(ignore)
         self.step = step
+        self.choice = PlannerChoice.of(planner)
+        """The planner that is asked where a question names no other."""
+        self.choice.check()
 
     def __repr__(self) -> str:
         return f"<PathPlanner for a radius of {self.radius:g} m in {self.world!r}>"
@@ -72,33 +78,34 @@ class PathPlanner:
         start: ArrayLike,
         goal: ArrayLike,
         *,
-        planner: str = ROADMAP,
-        parameters: Mapping[str, object] | None = None,
+        planner: PlannerChoice | str | Mapping[str, Any] | type | None = None,
+        parameters: Mapping[str, Setting] | None = None,
         seed: int = 0,
+        watch: Watch | None = None,
     ) -> Path:
         """Return a path from `start` to `goal` (x, y in metres) that keeps the radius clear.
 
         The default planner's paths are the shortest there are, to within 0.6 % of the arcs around
         corners. Others are OMPL's, by name (see `planners`), with OMPL's `parameters` by name;
-        the same `seed` gives the same path. `PlanningError` says why there is none; `ValueError`
-        if a place, the planner or a parameter makes no sense.
+        the same `seed` gives the same path. `watch` is told how a search of OMPL's goes on.
+        `PlanningError` says why there is none; `ValueError` if a place, the planner or a parameter
+        makes no sense.
         """
+        choice = self._choice(planner, parameters)
         if away := self.ignore & {body.name for body in self.world.bodies}:
             without = PathPlanner(self.world.as_if(away=away), self.radius, step=self.step)
-            return without.plan(start, goal, planner=planner, parameters=parameters, seed=seed)
+            return without.plan(start, goal, planner=choice, seed=seed, watch=watch)
         a, b = _place(start, "start"), _place(goal, "goal")
         before = self.world.checks
         leave = self._footing(a, "start", TOO_CLOSE)
         arrive = self._footing(b, "goal", 0.0)
-        if planner == ROADMAP:
-            if parameters:
-                raise ValueError(f"{ROADMAP} has no parameters, found {', '.join(parameters)}")
+        if choice.name == ROADMAP:
             found = self._shortest(leave, arrive)
         else:
-            found = self._sampled(leave, arrive, planner, parameters or {}, seed)
+            found = self._sampled(leave, arrive, choice, seed, watch)
         points = np.array(_distinct([a, leave, *found, arrive, b]), dtype=float)
         clearance = self.world.clearance(points)
-        return Path(points, clearance, planner, self.world.checks - before)
+        return Path(points, clearance, choice.name, self.world.checks - before)
 
     def roadmap(self, step: float | None = None) -> Roadmap:
         """Return the network of paths between the fixed things, made when first needed."""
@@ -109,12 +116,23 @@ class PathPlanner:
         self.world.fixed_space(self.radius + HAIR)
         self.roadmap()
 
-    def _sampled(
-        self, start: Point, goal: Point, name: str, parameters: Mapping[str, object], seed: int
-    ) -> list[Point]:
-        from .sampling import Question, sample_path
+    def _choice(
+        self,
+        planner: PlannerChoice | str | Mapping[str, Any] | type | None,
+        parameters: Mapping[str, Setting] | None,
+    ) -> PlannerChoice:
+        """Return the planner of one question, checked."""
+        if planner is None and not parameters:
+            return self.choice
+        choice = self.choice if planner is None else PlannerChoice.of(planner)
+        if parameters:
+            choice = choice.with_parameters(parameters)
+        choice.check()
+        return choice
 
-        info = _planner(name)
+    def _sampled(
+        self, start: Point, goal: Point, choice: PlannerChoice, seed: int, watch: Watch | None
+    ) -> list[Point]:
         keep = self.radius + _SLACK
         low_x, low_y, high_x, high_y = self.world.plan.boundary.bounds
 
@@ -122,12 +140,12 @@ class PathPlanner:
             return self.world.segment_free(a, b, keep)
 
         question = Question(start, goal, (low_x, low_y), (high_x, high_y), free)
-        points = sample_path(question, info, parameters, seed)
+        points = sample_path(question, choice, seed, watch)
         if points is not None:
             return points
         if not self._connected(start, goal):
             raise self._unreachable(start, goal)
-        message = f"{name} found no path within its budget; give it more iterations"
+        message = f"{choice.name} found no path within its budget; give it more iterations"
         raise PlanningError("not_found", message)
 
     def _shortest(self, start: Point, goal: Point) -> list[Point]:
@@ -208,21 +226,6 @@ def _distinct(points: list[Point]) -> list[Point]:
         if math.dist(place, kept[-1]) > _STEP and math.dist(place, points[-1]) > _STEP:
             kept.append(place)
     return [*kept, points[-1]]
-
-
-def planners() -> tuple[PlannerInfo, ...]:
-    """Return every planner that `PathPlanner.plan` knows by name, the default one first."""
-    from .sampling import sampling_planners
-
-    default = PlannerInfo(ROADMAP, "the shortest path along the corners of what stands there", True)
-    return (default, *sampling_planners())
-
-
-def _planner(name: str) -> PlannerInfo:
-    known = {info.name: info for info in planners()}
-    if name not in known:
-        raise ValueError(f"no planner is called {name!r}; {suggestion(name, known)}")
-    return known[name]
 
 
 def _place(at: ArrayLike, end: str) -> Point:

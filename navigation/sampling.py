@@ -9,9 +9,7 @@ from __future__ import annotations
 import heapq
 import itertools
 import math
-import re
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,7 +19,9 @@ import ompl.util as ou
 
 from floorplan import Point
 
-from .path import PlannerInfo
+from .catalog import ITERATIONS, Setting, fit, planner_info, set_parameter
+from .choice import PlannerChoice
+from .path import Watch
 
 Free = Callable[[Point, Point], bool]
 """Function that returns whether the segment between two places is free."""
@@ -30,47 +30,13 @@ MOST_CHECKS = 200
 """Collision checks per iteration, on average, after which a planner that won't stop is stopped."""
 
 
-_KNOWN = {
-    "AORRTC": ("RRTConnect again and again, each time for a shorter path", True, 2_000),
-    "BFMT": ("fast marching trees from both ends over one batch of samples", True, 100_000),
-    "BITstar": ("batches of samples, searched in order of promise", True, 4_000),
-    "BKPIECE1": ("trees from both ends into the least covered cells", False, 20_000),
-    "FMT": ("a fast marching tree over one batch of samples", True, 100_000),
-    "InformedRRTstar": ("RRT* that samples only where a shorter path may be", True, 2_000),
-    "KPIECE1": ("a tree into the least covered cells", False, 20_000),
-    "LBKPIECE1": ("BKPIECE that checks links only when needed", False, 100_000),
-    "PRM": ("a roadmap of samples, linked to their neighbours", False, 1_000),
-    "PRMstar": ("a roadmap of samples with links enough to be optimal", True, 1_000),
-    "RRT": ("a tree of random steps from the start", False, 20_000),
-    "RRTConnect": ("trees from both ends that reach for each other", False, 20_000),
-    "RRTstar": ("RRT that rewires its tree for shorter paths", True, 2_000),
-    "SORRTstar": ("Informed RRT* that takes its samples in order", True, 2_000),
-}
-"""Summary, whether it is optimal, and iterations, of the planners of OMPL 2."""
-
 _LOST_IF_STRAIGHT = ("AORRTC", "SORRTstar")
 """Planners of OMPL 2.0.1 that fail where the start sees the goal: the first answers with a path of
 no length, the second never."""
 
-_OWN = ("iterations", "simplify")
-"""The parameters that all of them have on top of OMPL's."""
-
-_NOT_A_NUMBER = ("ProjectionEvaluator", "DefaultConnectionStrategy")
-
 
 class _TooManyChecksError(Exception):
     """Ends a search from inside when it exceeds its budget."""
-
-
-def sampling_planners() -> tuple[PlannerInfo, ...]:
-    """Return the geometric planners of the OMPL that is installed, by name."""
-    found = []
-    for name in sorted(dir(og)):
-        kind = getattr(og, name)
-        if isinstance(kind, type) and issubclass(kind, ob.Planner):
-            known = _KNOWN.get(name, (f"OMPL's {name}", False, 2_000))
-            found.append(PlannerInfo(name, *known, (*_OWN, *_setters(kind))))
-    return tuple(found)
 
 
 @dataclass(frozen=True)
@@ -85,31 +51,28 @@ class Question:
 
 
 def sample_path(
-    question: Question, info: PlannerInfo, parameters: Mapping[str, object], seed: int
+    question: Question, choice: PlannerChoice, seed: int, watch: Watch | None = None
 ) -> list[Point] | None:
-    """Return a path by the planner `info`, or None if its budget ran out.
+    """Return a path by the planner of `choice`, or None if its budget ran out.
 
     `ValueError` names a parameter that it does not have or a value that does not fit.
     """
-    unknown = [name for name in parameters if name not in info.parameters]
-    if unknown:
-        raise ValueError(
-            f"{info.name} has no parameter {unknown[0]!r} (there are: {', '.join(info.parameters)})"
-        )
+    choice.check()
     if not 0 <= seed < 2**32 - 1:
         raise ValueError(f"a seed must be a whole number from 0 to 4294967294, found {seed}")
-    if info.name in _LOST_IF_STRAIGHT and question.free(question.start, question.goal):
+    if choice.name in _LOST_IF_STRAIGHT and question.free(question.start, question.goal):
         return [question.start, question.goal]
-    settings = dict(parameters)
-    iterations = _fit("iterations", settings.pop("iterations", info.iterations), 1)
-    simplify = _fit("simplify", settings.pop("simplify", True), True)
+    usual = planner_info(choice.name).iterations if choice.kind is None else ITERATIONS
+    settings = dict(choice.parameters)
+    iterations = fit("iterations", settings.pop("iterations", usual), 1)
+    simplify = fit("simplify", settings.pop("simplify", True), True)
     level = ou.getLogLevel()
     ou.setLogLevel(ou.LOG_NONE)
     # OMPL takes this as the first seed of all that follows only if it is not 0.
     ou.RNG.setSeed(seed + 1)
-    search = _OmplSearch(question, iterations)
+    search = _OmplSearch(question, iterations, watch or Watch())
     try:
-        return search.run(info.name, settings, simplify)
+        return search.run(choice, settings, simplify)
     except _TooManyChecksError:
         return None
     finally:
@@ -151,8 +114,9 @@ class _Places(ob.StateValidityChecker):  # type: ignore[misc]
 class _OmplSearch:
     """One question to OMPL, with objects of its own: nothing is left over for the next."""
 
-    def __init__(self, question: Question, iterations: int) -> None:
+    def __init__(self, question: Question, iterations: int, watch: Watch) -> None:
         self._question = question
+        self._watch = watch
         self._iterations = iterations
         bounds = ob.RealVectorBounds(2)
         for axis in (0, 1):
@@ -179,13 +143,18 @@ class _OmplSearch:
         self._information = None
         self._space = None
 
-    def run(self, name: str, settings: Mapping[str, object], simplify: bool) -> list[Point] | None:
-        self._planner = getattr(og, name)(self._information)
-        for parameter, value in settings.items():
-            _set(self._planner, parameter, value)
+    def run(
+        self, choice: PlannerChoice, settings: Mapping[str, Setting], simplify: bool
+    ) -> list[Point] | None:
+        if choice.kind is not None:
+            self._planner = choice.kind(self._information, **settings)
+        else:
+            self._planner = getattr(og, choice.name)(self._information)
+            for parameter, value in settings.items():
+                set_parameter(self._planner, parameter, value)
         self._setup.setPlanner(self._planner)
         self._setup.setup()
-        if name in ("PRM", "PRMstar"):
+        if choice.name in ("PRM", "PRMstar"):
             points = self._through_roadmap()
             return points and self._simplified(points, simplify)
         self._setup.solve(self._budget())
@@ -195,7 +164,12 @@ class _OmplSearch:
 
     def _budget(self) -> Any:
         count = itertools.count(1)
-        return ob.PlannerTerminationCondition(lambda: next(count) > self._iterations)
+        planner, watch, most = self._planner, self._watch, self._iterations
+
+        def spent() -> bool:
+            return next(count) > most or watch.iteration(planner)
+
+        return ob.PlannerTerminationCondition(spent)
 
     def _through_roadmap(self) -> list[Point] | None:
         """Return a path over the samples of a PRM.
@@ -217,6 +191,7 @@ class _OmplSearch:
         return self._finished(path, simplify)
 
     def _finished(self, path: Any, simplify: bool) -> list[Point]:
+        self._watch.solved()
         if simplify:
             og.PathSimplifier(self._information).simplifyMax(path)
         points = [_place(state) for state in path.getStates()]
@@ -265,38 +240,3 @@ def _over_samples(
                 left = math.dist(places[there], places[goal])
                 heapq.heappush(queue, (then + left, then, there))
     return None
-
-
-def _setters(kind: type) -> tuple[str, ...]:
-    """Return the names of the parameters of an OMPL planner class, from its setters."""
-    own = [m[3:] for m in dir(kind) if m.startswith("set") and not hasattr(ob.Planner, m)]
-    return tuple(_snake(name) for name in own if name not in _NOT_A_NUMBER)
-
-
-def _snake(name: str) -> str:
-    return re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name).lower()
-
-
-def _set(planner: Any, parameter: str, value: object) -> None:
-    (camel,) = (m[3:] for m in dir(planner) if m[:3] == "set" and _snake(m[3:]) == parameter)
-    now = getattr(planner, f"get{camel}")()
-    getattr(planner, f"set{camel}")(_fit(parameter, value, now))
-
-
-def _fit(parameter: str, value: object, like: Any) -> Any:
-    """Return `value` as the kind of number that `like` is; `ValueError` if it isn't one."""
-    if isinstance(like, bool):
-        if isinstance(value, bool):
-            return value
-        raise ValueError(f"parameter {parameter!r} must be true or false, found {value!r}")
-    number = math.nan
-    if isinstance(value, int | float) and not isinstance(value, bool):
-        with suppress(OverflowError):
-            number = float(value)
-    if isinstance(like, int):
-        if number > 0 and number.is_integer():
-            return int(number)
-        raise ValueError(f"parameter {parameter!r} must be a whole number above 0, found {value!r}")
-    if 0 <= number < math.inf:
-        return number
-    raise ValueError(f"parameter {parameter!r} must be a number, 0 or more, found {value!r}")

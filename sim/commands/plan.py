@@ -27,7 +27,7 @@ def plan(
     planner: Annotated[
         str | None,
         typer.Option(
-            help="Its name; `floorwalker list` has them all.",
+            help='Its name, or "BITstar: {samples_per_batch: 50}"; `floorwalker list` has all.',
             autocompletion=completion.planner,
         ),
     ] = None,
@@ -57,11 +57,10 @@ def plan(
     world = navigation.CollisionWorld(floors.load(floorplan))
     for name, place in _pairs(agv or [], "--agv"):
         _move(world, name, place)
-    asked = {"planner": planner} if planner else {}
     parameters = {name: _value(text) for name, text in _pairs(parameter or [], "--parameter")}
-    seeker = navigation.PathPlanner(world, radius)
+    seeker = navigation.PathPlanner(world, radius, planner=planner or navigation.PlannerChoice())
     begin = time.process_time()
-    planned = seeker.plan((x0, y0), (x1, y1), **asked, parameters=parameters, seed=seed)
+    planned = seeker.plan((x0, y0), (x1, y1), parameters=parameters, seed=seed)
     cpu_seconds = time.process_time() - begin
     if plot is not None:
         _draw(world, planned, seeker.radius, plot)

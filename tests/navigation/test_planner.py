@@ -305,7 +305,7 @@ def test_parameters_by_name(world):
 
     assert ask(range=0.5).points.tolist() != ask(range=5.0).points.tolist()
     assert len(ask(range=0.5, simplify=False).points) > len(ask(range=0.5).points)
-    with pytest.raises(ValueError, match=r"RRT has no parameter 'rnage' .*range"):
+    with pytest.raises(ValueError, match=r"RRT has no parameter 'rnage'; did you mean 'range'"):
         ask(rnage=0.5)
     with pytest.raises(ValueError, match="'range' must be a number, 0 or more, found -1"):
         ask(range=-1.0)
