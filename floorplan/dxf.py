@@ -1,8 +1,9 @@
-"""Floors from DXF drawings: closed polylines and circles, sorted by their layers.
+"""Floors from DXF drawings, sorted by their layers.
 
-The one on the layer "boundary" bounds the floor; those on other layers are obstacles, called after
-their layer. Their elevation and thickness are their heights. Layers that are off or frozen, and
-what can't bound anything (texts, dimensions, points, hatches), are left out.
+Closed outlines bound areas, and so do lines, arcs and splines that meet. The area on the layer (or
+in the group of layers) "boundary" bounds the floor, those on others are obstacles, called after
+their layer or group. Elevation and thickness are their heights. Layers that are off or frozen, and
+what is no shape (texts, dimensions, points), are left out.
 """
 
 from __future__ import annotations
@@ -10,29 +11,28 @@ from __future__ import annotations
 import io
 import itertools
 from collections import Counter
+from collections.abc import Iterator
 from contextlib import redirect_stdout
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+import shapely
 from shapely.geometry import Polygon
 
+from .cad import Reader, Shape, Unread
 from .checks import polygon_fault
+from .layers import AS_IT_IS, BOUNDARY, Drawn
 from .model import DEFAULT_HEIGHT, Floorplan, Obstacle
+from .outlines import Loose, enclosed, opened, pieces_of
 from .problems import FloorplanError, Problem
 from .reading import require_readable
 
 if TYPE_CHECKING:
     from ezdxf.document import Drawing
 
-BOUNDARY = "boundary"
-"""The layer of the outline of the floor, in any case."""
-
-LARGEST_FILE = 32_000_000
+LARGEST_FILE = 64_000_000
 """Bytes: a hall that is drawn in all detail takes a few million."""
-
-SAGITTA = 1e-3
-"""Metres. How far a drawn arc may be from the corners that stand for it."""
 
 DAMAGED = (
     *(ArithmeticError, AttributeError, LookupError, RuntimeError, StopIteration),
@@ -40,57 +40,52 @@ DAMAGED = (
 )
 """Exceptions that ezdxf raises, besides its own, at a drawing that is damaged."""
 
-_OUTLINES = ("LWPOLYLINE", "POLYLINE", "CIRCLE")
-_SILENT = ("TEXT", "MTEXT", "DIMENSION", "LEADER", "MULTILEADER", "POINT", "HATCH", "VIEWPORT")
-
 
 @dataclass(frozen=True)
-class _Outline:
-    layer: str
-    handle: str
-    shape: Polygon
+class _Area:
+    group: str
+    polygon: Polygon
     bottom: float
     top: float
 
 
-def load_dxf(path: Path) -> Floorplan:
+def load_dxf(path: Path, drawn: Drawn = AS_IT_IS) -> Floorplan:
     """The floorplan in the DXF file at `path`; `FloorplanError` with all that is wrong with it."""
     file = str(path)
     drawing = _drawing(path)
-    metre = _metre(drawing, file)
-    outlines: list[_Outline] = []
+    notices: list[Problem] = []
+    metre = _metre(drawing, drawn, file, notices)
+    reader = Reader(drawing, metre, drawn)
+    shapes: dict[str, list[Shape]] = {}
     problems: list[Problem] = []
-    others: Counter[tuple[str, str]] = Counter()
-    for entity in drawing.modelspace():
-        name = _layer_name(entity)
-        layer = drawing.layers.get(name) if drawing.layers.has_entry(name) else None
-        kind = entity.dxftype()
-        if kind in _SILENT or (layer is not None and (layer.is_off() or layer.is_frozen())):
-            continue
-        if kind not in _OUTLINES:
-            others[name, kind] += 1
-            continue
-        found = _outline(entity, metre)
-        if isinstance(found, _Outline):
-            outlines.append(found)
-        else:
-            problems.append(Problem(found, _place(entity)))
-    for (name, kind), count in sorted(others.items()):
-        message = (
-            f"{count} {kind} can't be read as outlines: draw closed polylines or circles,"
-            " or turn the layer off"
-        )
-        problems.append(Problem(message, f"layer {name!r}"))
-    bounding = [o for o in outlines if o.layer.lower() == BOUNDARY]
-    if len(bounding) != 1 and not problems:
-        problems.append(_boundary_problem(len(bounding), outlines))
+    try:
+        for found in reader.shapes():
+            if isinstance(found, Shape):
+                shapes.setdefault(str(drawn.group_of(found.layer)), []).append(found)
+            else:
+                to = problems if found.wanted else notices
+                to.append(Problem(found.why, _place(found)))
+    except DAMAGED as why:
+        raise FloorplanError.of(path, f"has a damaged entity: {why}") from None
+    areas: list[_Area] = []
+    for name, held in shapes.items():
+        for area in _areas(name, held, drawn):
+            if isinstance(area, Problem):
+                problems.append(area)
+            else:
+                areas.append(area)
+    problems += drawn.unmatched(reader.layers)
+    bounding = [area for area in areas if area.group == BOUNDARY]
+    if drawn.boundary is None and len(bounding) != 1 and not problems:
+        problems.append(_boundary_problem(len(bounding), areas, drawn))
     if problems:
         raise FloorplanError(file, problems)
     return Floorplan(
         name=path.stem,
         source=f"{path.name} (DXF)",
-        boundary=bounding[0].shape,
-        obstacles=_obstacles([o for o in outlines if o.layer.lower() != BOUNDARY]),
+        boundary=bounding[0].polygon if drawn.boundary is None else drawn.boundary,
+        obstacles=_obstacles([area for area in areas if area.group != BOUNDARY]),
+        notices=tuple(notices),
     )
 
 
@@ -114,83 +109,112 @@ def _drawing(path: Path) -> Drawing:
         raise FloorplanError.of(path, message) from None
 
 
-def _metre(drawing: Drawing, file: str) -> float:
-    """Return the length of a unit of the drawing in metres; 1 where it does not say."""
+def _metre(drawing: Drawing, drawn: Drawn, file: str, notices: list[Problem]) -> float:
+    """Return the length of a unit of the drawing in metres; notice where there is a doubt."""
     from ezdxf.enums import InsertUnits
     from ezdxf.units import conversion_factor
 
     try:
         unit = InsertUnits(drawing.units)
-        known = unit == InsertUnits.Unitless
-        return 1.0 if known else float(conversion_factor(unit, InsertUnits.Meters))
+        named = unit != InsertUnits.Unitless
+        own = float(conversion_factor(unit, InsertUnits.Meters)) if named else 1.0
     except (ValueError, TypeError):
+        if drawn.metre is not None:
+            return drawn.metre
         message = f"its unit ($INSUNITS = {drawing.units}) is not known; use metres"
         raise FloorplanError.of(file, message) from None
+    if drawn.metre is None:
+        if not named:
+            message = "the drawing gives no unit ($INSUNITS), metres are assumed"
+            notices.append(Problem(f"{message}; a floor on top of it can give `units`"))
+        return own
+    if named and abs(own - drawn.metre) > 1e-9:
+        message = f"the drawing gives {unit.name.lower()} as its unit ($INSUNITS)"
+        notices.append(Problem(f"{message}; the `units` of the floor on top of it count"))
+    return drawn.metre
 
 
-def _layer_name(entity: Any) -> str:
-    """Return the layer of `entity`; "0" for kinds that ezdxf does not know."""
-    known = entity.dxf.is_supported("layer")
-    return str(entity.dxf.get("layer", "0")) if known else "0"
+def _place(found: Shape | Unread) -> str:
+    return f"layer {found.layer!r}, {found.place}"
 
 
-def _place(entity: Any) -> str:
-    return f"layer {_layer_name(entity)!r}, {entity.dxftype()} {entity.dxf.handle}"
+def _areas(name: str, shapes: list[Shape], drawn: Drawn) -> Iterator[_Area | Problem]:
+    """Yield the areas of a group, closed outlines first, in the order of the drawing."""
+    group = drawn.group(name)
+    levels: dict[tuple[float, float], list[Polygon]] = {}
+    lines: dict[tuple[float, float], list[Shape]] = {}
+    filled: list[tuple[tuple[float, float], Polygon]] = []
+    for shape in shapes:
+        at = group.z or _heights(shape)
+        if group.line_width is not None and not shape.filled:
+            ring = [*shape.corners, shape.corners[0]] if shape.closed else shape.corners
+            wall = shapely.LineString(ring).buffer(
+                group.line_width / 2, cap_style="square", join_style="mitre"
+            )
+            filled += [(at, piece) for piece in pieces_of(wall)]
+        elif not shape.closed:
+            lines.setdefault(at, []).append(shape)
+        else:
+            polygon = Polygon(shape.corners)
+            if fault := polygon_fault(polygon):
+                yield Problem(fault, _place(shape))
+            elif shape.filled:
+                hatched = polygon if shape.holes is None else polygon.difference(shape.holes)
+                filled += [(at, piece) for piece in pieces_of(hatched)]
+            elif group.hollow:
+                levels.setdefault(at, []).append(polygon)
+            else:
+                yield _Area(name, polygon, *at)
+    for at, loose_lines in lines.items():
+        polygons, loose = enclosed([shape.corners for shape in loose_lines], drawn.snap)
+        levels.setdefault(at, []).extend(polygons)
+        for one in loose:
+            yield Problem(_open(one, drawn), _place(loose_lines[one.index]))
+    for at, polygons in levels.items():
+        for polygon in opened(polygons) if group.hollow else polygons:
+            yield _Area(name, polygon, *at)
+    for at, polygon in filled:
+        yield _Area(name, polygon, *at)
 
 
-def _outline(entity: Any, metre: float) -> _Outline | str:
-    """Return the outline of `entity`, or the reason why it has none."""
-    from ezdxf import path
-
-    kind = entity.dxftype()
-    if kind == "POLYLINE" and not (entity.is_2d_polyline or entity.is_3d_polyline):
-        return "is a mesh; only plain outlines can be read"
-    outline = path.make_path(entity)
-    closed = kind == "CIRCLE" or entity.is_closed
-    if not closed and not (len(outline) > 2 and outline.is_closed):
-        return "is open; close it"
-    corners = [(v.x * metre, v.y * metre) for v in outline.flattening(SAGITTA / metre)]
-    if len(corners) < 3:
-        return "has fewer than three corners"
-    shape = Polygon(corners)
-    if fault := polygon_fault(shape):
-        return fault
-    bottom = _elevation(entity) * metre
-    thickness = entity.dxf.get("thickness", 0.0) * metre
-    heights = sorted((bottom, bottom + (thickness or DEFAULT_HEIGHT)))
-    return _Outline(_layer_name(entity), entity.dxf.handle, shape, heights[0], heights[1])
+def _heights(shape: Shape) -> tuple[float, float]:
+    low, high = sorted((shape.bottom, shape.bottom + (shape.thickness or DEFAULT_HEIGHT)))
+    return low, high
 
 
-def _elevation(entity: Any) -> float:
-    if entity.dxftype() == "LWPOLYLINE":
-        return float(entity.dxf.elevation)
-    if entity.dxftype() == "CIRCLE":
-        return float(entity.dxf.center.z)
-    return float(entity.dxf.get("elevation", (0.0, 0.0, 0.0))[2])
+def _open(loose: Loose, drawn: Drawn) -> str:
+    x, y = loose.end
+    if loose.gap is None:
+        return "is open; it encloses nothing together with the lines that it meets"
+    near = f"is open; close it: no line meets its end at ({x:.3f}, {y:.3f}) m"
+    if loose.gap < 0.1:
+        return f"{near}, the nearest is {loose.gap:.4f} m away; a `snap` of that closes it"
+    return near
 
 
-def _boundary_problem(count: int, outlines: list[_Outline]) -> Problem:
-    layers = ", ".join(sorted({o.layer for o in outlines})) or "none"
-    return Problem(
-        f"expected one outline on the layer {BOUNDARY!r}, found {count}"
-        f" (layers with outlines: {layers})"
-    )
+def _boundary_problem(count: int, areas: list[_Area], drawn: Drawn) -> Problem:
+    groups = ", ".join(sorted({area.group for area in areas})) or "none"
+    if drawn.groups is None:
+        where = f"on the layer {BOUNDARY!r}, found {count} (layers with outlines: {groups})"
+    else:
+        where = f"in the group {BOUNDARY!r} of `layers`, found {count} (with outlines: {groups})"
+    return Problem(f"expected one outline {where}")
 
 
-def _obstacles(outlines: list[_Outline]) -> tuple[Obstacle, ...]:
-    """Return the outlines as obstacles, named by layer and numbered where it has several.
+def _obstacles(areas: list[_Area]) -> tuple[Obstacle, ...]:
+    """Return the areas as obstacles, named by group and numbered where it has several.
 
-    A number is left out where another layer has that name.
+    A number is left out where another group has that name.
     """
-    several = Counter(o.layer for o in outlines)
-    numbers = {layer: itertools.count(1) for layer in several}
-    taken = {layer for layer, count in several.items() if count == 1}
+    several = Counter(area.group for area in areas)
+    numbers = {group: itertools.count(1) for group in several}
+    taken = {group for group, count in several.items() if count == 1}
     found = []
-    for o in outlines:
-        name = o.layer
-        if several[o.layer] > 1:
-            numbered = (f"{o.layer}{k}" for k in numbers[o.layer])
+    for area in areas:
+        name = area.group
+        if several[area.group] > 1:
+            numbered = (f"{area.group}{k}" for k in numbers[area.group])
             name = next(one for one in numbered if one not in taken)
             taken.add(name)
-        found.append(Obstacle(name, o.shape, o.bottom, o.top))
+        found.append(Obstacle(name, area.polygon, area.bottom, area.top))
     return tuple(found)

@@ -2,24 +2,32 @@
 
 from __future__ import annotations
 
-import math
+from dataclasses import replace
 from importlib import resources
 from pathlib import Path
 
-from shapely.geometry import Polygon, box
+from shapely.geometry import Polygon
 
+from . import building
 from .checks import check, faults
-from .document import Document, parse_yaml, read_yaml
+from .document import Document, Place, parse_yaml, read_yaml
 from .dxf import load_dxf
-from .model import Axis, Floorplan, Gantry, Human, Lane, Obstacle, SafeZone, Station
-from .problems import FloorplanError, suggestion
+from .geojson import load_geojson
+from .layers import AS_IT_IS, Drawn, Group
+from .model import Floorplan
+from .overlay import corrected, correction_faults, laid_over
+from .placing import put, scaled
+from .problems import FloorplanError, Problem, suggestion
 from .reading import is_there
 from .ros_map import build_ros_map, is_ros_map
-from .schema import AgvsSchema, AxisSchema, FloorplanSchema, GantrySchema, ObstacleSchema
+from .schema import METRE, OF_DRAWINGS, FloorplanSchema
 from .wkt import load_wkt
 
 YAML_SUFFIXES = (".yaml", ".yml")
-OTHER_SUFFIXES = {".wkt": load_wkt, ".dxf": load_dxf}
+LAYERED = {".dxf": load_dxf, ".geojson": load_geojson, ".json": load_geojson}
+"""Formats of drawings with layers, by suffix."""
+DRAWINGS = {**LAYERED, ".wkt": load_wkt}
+"""Formats whose unit may be left open, by suffix."""
 
 
 def builtin() -> tuple[str, ...]:
@@ -38,19 +46,10 @@ def load(source: str | Path) -> Floorplan:
         data = resources.files(__package__).joinpath("data", f"{text}.yaml")
         return parse(data.read_text(encoding="utf-8"), file=text)
     path = Path(source)
-    suffix = path.suffix.lower()
-    if suffix in YAML_SUFFIXES:
-        document = read_yaml(path, FloorplanError)
-        return build_ros_map(document) if is_ros_map(document) else build(document)
-    if suffix in OTHER_SUFFIXES:
-        plan = OTHER_SUFFIXES[suffix](path)
+    plan = _read(path, AS_IT_IS, ())
+    if path.suffix.lower() not in YAML_SUFFIXES:  # those are checked, with the lines of faults
         check(plan, file=text)
-        return plan
-    if is_there(path):
-        known = ", ".join((*YAML_SUFFIXES, *OTHER_SUFFIXES))
-        raise FloorplanError.of(text, f"the name of a floorplan's file ends in one of {known}")
-    hint = suggestion(text, builtin())
-    raise FloorplanError.of(text, f"no such file, nor a built-in floorplan; {hint}")
+    return plan
 
 
 def parse(text: str, *, file: str = "<text>") -> Floorplan:
@@ -58,86 +57,113 @@ def parse(text: str, *, file: str = "<text>") -> Floorplan:
     return build(parse_yaml(text, file, FloorplanError))
 
 
-def build(document: Document) -> Floorplan:
-    """Return the floorplan in `document`; `FloorplanError` with all that is wrong with it."""
+def build(document: Document, folder: Path | None = None) -> Floorplan:
+    """Return the floorplan in `document`; `FloorplanError` with all that is wrong with it.
+
+    A base of it is looked up from `folder`, that of the document's file by default.
+    """
+    return _build(document, Path(document.file).parent if folder is None else folder, ())
+
+
+def _read(path: Path, drawn: Drawn, above: tuple[Path, ...]) -> Floorplan:
+    """Return the floor in the file at `path`, below the files `above`; it need not be sound."""
+    suffix = path.suffix.lower()
+    if suffix in YAML_SUFFIXES:
+        document = read_yaml(path, FloorplanError)
+        if is_ros_map(document):
+            return build_ros_map(document)
+        return _build(document, path.parent, (*above, path.resolve()))
+    if suffix in DRAWINGS:
+        return DRAWINGS[suffix](path, drawn)
+    if is_there(path):
+        known = ", ".join((*YAML_SUFFIXES, *DRAWINGS))
+        raise FloorplanError.of(path, f"the name of a floorplan's file ends in one of {known}")
+    hint = suggestion(str(path), builtin())
+    raise FloorplanError.of(path, f"no such file, nor a built-in floorplan; {hint}")
+
+
+def _build(document: Document, folder: Path, above: tuple[Path, ...]) -> Floorplan:
     schema = document.checked(FloorplanSchema, FloorplanError)
-    zone = schema.safe_zone
+    boundary = Polygon(schema.boundary or ())
     plan = Floorplan(
         name=schema.name or Path(document.file).stem,
         title=schema.title,
         source=schema.source,
-        boundary=Polygon(schema.boundary),
-        obstacles=tuple(
-            Obstacle(name, _footprint(entry), *entry.z) for name, entry in schema.obstacles.items()
-        ),
-        stations=tuple(Station(name, at) for name, at in schema.stations.items()),
+        boundary=boundary,
+        obstacles=building.obstacles(schema),
+        stations=building.stations(schema),
         patrol=None if schema.patrol is None else tuple(schema.patrol),
-        safe_zone=SafeZone(zone.at, zone.heading) if zone else None,
-        human=Human(**schema.human.model_dump()),
-        lanes=_lanes(schema.agvs) if schema.agvs else (),
-        gantry=_gantry(schema.gantry) if schema.gantry else None,
+        safe_zone=building.safe_zone(schema),
+        human=building.human(schema),
+        lanes=building.lanes(schema.agvs) if schema.agvs else (),
+        gantry=building.gantry(schema.gantry) if schema.gantry else None,
     )
-    problems = [document.problem(message, *place) for message, place in faults(plan)]
+    plan = scaled(plan, schema.metre)
+    problems: list[Problem] = []
+    if schema.base is not None:
+        base = _base(schema, plan.boundary if schema.boundary else None, document, folder, above)
+        problems += [_problem(document, *one) for one in correction_faults(base, schema)]
+        base = corrected(base, schema, schema.metre)
+        plan = laid_over(base, plan, schema.model_fields_set)
+    try:
+        x, y = schema.origin
+        plan = put(plan, (x * schema.metre, y * schema.metre), schema.rotation)
+    except ValueError as why:
+        problems.append(document.problem(str(why), "rotation"))
+    problems += [_problem(document, *fault) for fault in faults(plan)]
     if problems:
         raise FloorplanError(document.file, problems)
     return plan
 
 
-def _footprint(entry: ObstacleSchema) -> Polygon:
-    if entry.polygon is not None:
-        return Polygon(entry.polygon)
-    if entry.x is not None and entry.y is not None:
-        return box(entry.x[0], entry.y[0], entry.x[1], entry.y[1])
-    assert entry.center is not None  # the schema has seen to it
-    cx, cy = entry.center
-    if entry.size is not None:
-        half_x, half_y = entry.size[0] / 2, entry.size[1] / 2
-        return box(cx - half_x, cy - half_y, cx + half_x, cy + half_y)
-    assert entry.radius is not None
-    return _round(cx, cy, entry.radius)
-
-
-def _round(x: float, y: float, radius: float, corners: int = 32) -> Polygon:
-    """Return the regular polygon around a disc: it covers all of the disc."""
-    outer = radius / math.cos(math.pi / corners)
-    angles = [2 * math.pi * (k + 0.5) / corners for k in range(corners)]
-    return Polygon([(x + outer * math.cos(a), y + outer * math.sin(a)) for a in angles])
-
-
-def _lanes(agvs: AgvsSchema) -> tuple[Lane, ...]:
-    return tuple(
-        Lane(
-            name=name,
-            origin=lane.origin,
-            heading=lane.heading,
-            limits=agvs.limits,
-            locations=dict(agvs.locations),
-            start=lane.start or agvs.start,
-            length=agvs.size[0],
-            width=agvs.size[1],
-            height=agvs.height,
-            max_speed=agvs.max_speed,
-            max_acceleration=agvs.max_acceleration,
-            serves=dict(lane.serves),
-        )
-        for name, lane in agvs.lanes.items()
+def _base(
+    schema: FloorplanSchema,
+    boundary: Polygon | None,
+    document: Document,
+    folder: Path,
+    above: tuple[Path, ...],
+) -> Floorplan:
+    """Return the floor below, in metres; with this `boundary` if there is one."""
+    assert schema.base is not None
+    name, path = schema.base, folder / schema.base
+    given = [key for key in OF_DRAWINGS if key in schema.model_fields_set]
+    if given and path.suffix.lower() not in LAYERED:
+        message = f"only a drawing ({', '.join(LAYERED)}) has layers, and {name!r} is none"
+        raise FloorplanError(document.file, [document.problem(message, key) for key in given])
+    if name in builtin():
+        return load(name)
+    if not is_there(path):
+        message = f"no such file, nor a built-in floorplan: {name!r}"
+        message = f"{message}; {suggestion(name, builtin())}"
+        raise FloorplanError(document.file, [document.problem(message, "base")])
+    if path.resolve() in above:
+        message = f"{name!r} lies below itself"
+        raise FloorplanError(document.file, [document.problem(message, "base")])
+    groups = None
+    if schema.layers is not None:
+        groups = {
+            group: Group(
+                tuple(keys.layers),
+                None if keys.z is None else (keys.z[0] * schema.metre, keys.z[1] * schema.metre),
+                keys.line_width,
+                keys.hollow,
+            )
+            for group, keys in schema.layers.items()
+        }
+    drawn = Drawn(
+        metre=None if schema.units is None else METRE[schema.units],
+        groups=groups,
+        leave_out=frozenset(schema.leave_out),
+        boundary=boundary,
     )
+    if schema.snap is not None:
+        drawn = replace(drawn, snap=schema.snap)
+    return _read(path, drawn, above)
 
 
-def _gantry(entry: GantrySchema) -> Gantry:
-    return Gantry(
-        x=_axis(entry.x),
-        y=_axis(entry.y),
-        rotation=_axis(entry.rotation),
-        start=entry.start,
-        torso=(*entry.torso.size, *entry.torso.z),
-        arm_mount=entry.arm.mount,
-        arm_reach=entry.arm.reach,
-        arm_bottom=entry.arm.bottom,
-        rail_height=entry.rail_height,
-        tray_height=entry.tray_height,
-    )
-
-
-def _axis(entry: AxisSchema) -> Axis:
-    return Axis(*entry.range, entry.max_speed, entry.max_acceleration, entry.max_jerk)
+def _problem(document: Document, message: str, place: Place) -> Problem:
+    """Return a problem at its line, or that of the `base` that it comes from."""
+    problem = document.problem(message, *place)
+    if place and place[:2] not in document.lines and ("base",) in document.lines:
+        return replace(problem, line=document.lines["base",])
+    return problem

@@ -13,6 +13,7 @@ import shapely
 from shapely.geometry import Polygon
 
 from .named import NamedField
+from .problems import Problem
 
 DEFAULT_HEIGHT = 3.0
 """Metres. Height of obstacles from formats that have no heights."""
@@ -188,6 +189,7 @@ class Floorplan:
 
     Obstacles, stations and lanes are tuples that also answer to names: `stations["dock"]`.
     `patrol` names the stations that people go to, in their order; None stands for all of them.
+    `notices` are what was left out of the drawing it was read from, or taken for granted there.
     """
 
     name: str
@@ -201,6 +203,7 @@ class Floorplan:
     gantry: Gantry | None = None
     title: str = ""
     source: str = ""
+    notices: tuple[Problem, ...] = field(default=(), compare=False)
 
     @classmethod
     def of_area(cls, name: str, source: str, area: Polygon) -> Floorplan:

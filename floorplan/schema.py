@@ -3,9 +3,20 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated
+from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, Strict, model_validator
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    Strict,
+    ValidationInfo,
+    field_validator,
+    model_validator,
+)
+from pydantic_core import PydanticCustomError
 
 from .checks import LARGEST, size_fault
 
@@ -150,13 +161,54 @@ class GantrySchema(Strictly):
     tray_height: Positive
 
 
+METRE = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048}
+"""Length in metres of each unit that a file may give."""
+
+Unit = Literal["m", "cm", "mm", "in", "ft"]
+
+Name = Annotated[str, Field(min_length=1)]
+
+
+class GroupSchema(Strictly):
+    """The layers of one group of shapes, by patterns, and how they are drawn there."""
+
+    layers: Annotated[list[Name], Field(min_length=1)]
+    z: Range | None = None
+    line_width: Positive | None = None
+    hollow: Annotated[bool, Strict()] = False
+
+
+def _as_group(value: Any) -> Any:
+    return {"layers": value} if isinstance(value, list) else value
+
+
+Group = Annotated[GroupSchema, BeforeValidator(_as_group)]
+"""A group as keys, or only the list of its layers."""
+
+OF_DRAWINGS = ("layers", "snap", "leave_out")
+"""Keys of a floor that only say how the drawing below it is read."""
+
+OF_BASES = (*OF_DRAWINGS, "remove", "move", "rename")
+"""Keys of a floor that are about what lies below it."""
+
+
 class FloorplanSchema(Strictly):
     """A whole floorplan file."""
 
     name: str | None = None
     title: str = ""
     source: str = ""
-    boundary: Annotated[list[Pair], Field(min_length=3)]
+    base: Name | None = None
+    units: Unit | None = None
+    origin: Pair = (0.0, 0.0)
+    rotation: Number = 0.0
+    layers: Annotated[dict[str, Group], Field(min_length=1)] | None = None
+    snap: Positive | None = None
+    leave_out: list[str] = []
+    remove: list[str] = []
+    move: dict[str, Pair] = {}
+    rename: dict[str, Name] = {}
+    boundary: Annotated[list[Pair], Field(min_length=3)] | None = Field(None, validate_default=True)
     obstacles: dict[str, ObstacleSchema] = {}
     stations: dict[str, Pair] = {}
     patrol: list[str] | None = None
@@ -164,3 +216,23 @@ class FloorplanSchema(Strictly):
     human: HumanSchema = HumanSchema()
     agvs: AgvsSchema | None = None
     gantry: GantrySchema | None = None
+
+    @field_validator("boundary")
+    @classmethod
+    def _there(cls, value: Any, info: ValidationInfo) -> Any:
+        # Where `base` itself is unfit, it is not in the data.
+        if value is None and info.data.get("base", "") is None:
+            raise PydanticCustomError("missing", "is missing")
+        return value
+
+    @field_validator(*OF_BASES)
+    @classmethod
+    def _of_a_base(cls, value: Any, info: ValidationInfo) -> Any:
+        if info.data.get("base", "") is None:
+            raise ValueError("belongs to a floor on top of another; give its base")
+        return value
+
+    @property
+    def metre(self) -> float:
+        """The length in metres of the unit of this file."""
+        return METRE[self.units or "m"]

@@ -12,27 +12,35 @@ from pathlib import Path
 
 import numpy as np
 import shapely
+from shapely.geometry import Polygon
 
 from .checks import LARGEST, polygon_fault
+from .layers import AS_IT_IS, Drawn
 from .model import Floorplan
 from .problems import FloorplanError, Problem
 from .reading import read_text
 
 
-def load_wkt(path: Path) -> Floorplan:
+def load_wkt(path: Path, drawn: Drawn = AS_IT_IS) -> Floorplan:
     """The floorplan in the WKT file at `path`; `FloorplanError` with all that is wrong with it."""
-    return parse_wkt(read_text(path, FloorplanError), file=str(path))
+    return parse_wkt(read_text(path, FloorplanError), file=str(path), metre=drawn.metre or 1.0)
 
 
-def parse_wkt(text: str, *, file: str = "<text>") -> Floorplan:
-    """Return the floorplan in `text`; errors call it `file`."""
+def parse_wkt(text: str, *, file: str = "<text>", metre: float = 1.0) -> Floorplan:
+    """Return the floorplan in `text`, in a unit of `metre` metres; errors call it `file`."""
     try:
         with np.errstate(invalid="ignore", over="ignore"):  # too large figures are refused below
             geometry = shapely.from_wkt(text.strip())
     except shapely.GEOSException as why:
         reason = re.sub(r"^ParseException: ", "", str(why)).strip()
         raise FloorplanError.of(file, f"is not well-known text: {reason}") from None
-    geometry = shapely.force_2d(geometry)
+    geometry = shapely.transform(shapely.force_2d(geometry), lambda at: at * metre)
+    area = joined(geometry, file)
+    return Floorplan.of_area(Path(file).stem, f"{Path(file).name} (WKT)", area)
+
+
+def joined(geometry: shapely.Geometry, file: str) -> Polygon:
+    """Return the one area that the polygons of `geometry` make up; `FloorplanError` if none."""
     problems = list(_problems(geometry))
     if problems:
         raise FloorplanError(file, problems)
@@ -41,7 +49,7 @@ def parse_wkt(text: str, *, file: str = "<text>") -> Floorplan:
         count = len(area.geoms)
         message = f"its polygons make up {count} separate areas; a floor is one: join or split them"
         raise FloorplanError.of(file, message)
-    return Floorplan.of_area(Path(file).stem, f"{Path(file).name} (WKT)", area)
+    return area
 
 
 def _polygons(geometry: shapely.Geometry) -> Iterator[shapely.Geometry]:

@@ -11,7 +11,7 @@ import typer
 from . import completion
 from .arguments import NoOwnCode
 from .consoles import say
-from .run import print_notices
+from .notices import print_floor_notices, print_notices
 
 if TYPE_CHECKING:
     from sim import Trial
@@ -66,7 +66,7 @@ def _read(file: str, own_code: bool) -> str:
         keys = _keys(path)
         if "trials" in keys:
             return _study(Study.load(path, own_code=own_code))
-        if {"boundary", "image"} & keys:
+        if {"boundary", "base", "image"} & keys:
             return _floor(floorplan.load(path))
         if keys & {*RuleKeys.model_fields} - {"name", "source"} and "floorplan" not in keys:
             return f"the rule set {load_rules(path, own_code=own_code).name}"
@@ -148,6 +148,7 @@ def _floor(plan: object) -> str:
     from floorplan import Floorplan
 
     assert isinstance(plan, Floorplan)
+    print_floor_notices(plan)
     west, south, east, north = plan.boundary.bounds
     things = [
         _number(len(plan.obstacles), "obstacle"),

@@ -16,15 +16,13 @@ from .arguments import Duration, NoOwnCode, RecordingFolder, Rules, Seed, TrialN
 from .browser import open_in_browser
 from .consoles import plain_console, say
 from .interrupts import taken_by
+from .notices import print_notices
 
 if TYPE_CHECKING:
     from sim import LiveRun, Recording, Run, Simulation, Trial
 
 INTERRUPTED = 130
 """The exit code of a command stopped by Ctrl-C, as shells have it."""
-
-MOST_NOTICES = 20
-"""Number of notices of a trial that are shown."""
 
 REPORTS = 200
 """Number of moves of the progress bar in a run."""
@@ -95,14 +93,6 @@ def print_result(finished: Run, folder: Path, *, interrupted: bool) -> None:
         for sentence in finished.unmet:
             say(f"floorwalker: {sentence}", err=True)
         raise typer.Exit(1)
-
-
-def print_notices(trial: Trial) -> None:
-    """Print the notices on entries that make no difference, or may be meant otherwise."""
-    for notice in trial.notices[:MOST_NOTICES]:
-        say(f"{trial.name}: {notice}", err=True)
-    if len(trial.notices) > MOST_NOTICES:
-        say(f"{trial.name}: … and {len(trial.notices) - MOST_NOTICES} notices more", err=True)
 
 
 def _warn_of_external(trial: Trial) -> None:

@@ -1,0 +1,95 @@
+"""Values of the parts of a floor from their keys in a file."""
+
+from __future__ import annotations
+
+import math
+
+from shapely.geometry import Polygon, box
+
+from .model import Axis, Gantry, Human, Lane, Obstacle, SafeZone, Station
+from .schema import AgvsSchema, AxisSchema, FloorplanSchema, GantrySchema, ObstacleSchema
+
+
+def obstacles(schema: FloorplanSchema) -> tuple[Obstacle, ...]:
+    """Return the obstacles of a file."""
+    return tuple(
+        Obstacle(name, _footprint(entry), *entry.z) for name, entry in schema.obstacles.items()
+    )
+
+
+def stations(schema: FloorplanSchema) -> tuple[Station, ...]:
+    """Return the stations of a file."""
+    return tuple(Station(name, at) for name, at in schema.stations.items())
+
+
+def safe_zone(schema: FloorplanSchema) -> SafeZone | None:
+    """Return the safe zone of a file, if it has one."""
+    zone = schema.safe_zone
+    return SafeZone(zone.at, zone.heading) if zone else None
+
+
+def human(schema: FloorplanSchema) -> Human:
+    """Return the measures of people of a file."""
+    return Human(**schema.human.model_dump())
+
+
+def lanes(agvs: AgvsSchema) -> tuple[Lane, ...]:
+    """Return the lanes of the AGVs of a file."""
+    return tuple(
+        Lane(
+            name=name,
+            origin=lane.origin,
+            heading=lane.heading,
+            limits=agvs.limits,
+            locations=dict(agvs.locations),
+            start=lane.start or agvs.start,
+            length=agvs.size[0],
+            width=agvs.size[1],
+            height=agvs.height,
+            max_speed=agvs.max_speed,
+            max_acceleration=agvs.max_acceleration,
+            serves=dict(lane.serves),
+        )
+        for name, lane in agvs.lanes.items()
+    )
+
+
+def gantry(entry: GantrySchema) -> Gantry:
+    """Return the gantry of a file."""
+    return Gantry(
+        x=_axis(entry.x),
+        y=_axis(entry.y),
+        rotation=_axis(entry.rotation),
+        start=entry.start,
+        torso=(*entry.torso.size, *entry.torso.z),
+        arm_mount=entry.arm.mount,
+        arm_reach=entry.arm.reach,
+        arm_bottom=entry.arm.bottom,
+        rail_height=entry.rail_height,
+        tray_height=entry.tray_height,
+    )
+
+
+def _footprint(entry: ObstacleSchema) -> Polygon:
+    if entry.polygon is not None:
+        return Polygon(entry.polygon)
+    if entry.x is not None and entry.y is not None:
+        return box(entry.x[0], entry.y[0], entry.x[1], entry.y[1])
+    assert entry.center is not None  # the schema has seen to it
+    cx, cy = entry.center
+    if entry.size is not None:
+        half_x, half_y = entry.size[0] / 2, entry.size[1] / 2
+        return box(cx - half_x, cy - half_y, cx + half_x, cy + half_y)
+    assert entry.radius is not None
+    return _round(cx, cy, entry.radius)
+
+
+def _round(x: float, y: float, radius: float, corners: int = 32) -> Polygon:
+    """Return the regular polygon around a disc: it covers all of the disc."""
+    outer = radius / math.cos(math.pi / corners)
+    angles = [2 * math.pi * (k + 0.5) / corners for k in range(corners)]
+    return Polygon([(x + outer * math.cos(a), y + outer * math.sin(a)) for a in angles])
+
+
+def _axis(entry: AxisSchema) -> Axis:
+    return Axis(*entry.range, entry.max_speed, entry.max_acceleration, entry.max_jerk)
