@@ -15,7 +15,6 @@ from .kinds import require, require_fields
 from .loading import build, builtin, load, parse
 from .model import (
     Axis,
-    Floorplan,
     Gantry,
     Human,
     Lane,
@@ -26,6 +25,7 @@ from .model import (
     rectangle,
 )
 from .named import Named
+from .plan import Floorplan
 from .problems import FloorplanError, InputError, Problem, suggestion
 from .reading import (
     LARGEST_RECORDED,
@@ -35,6 +35,8 @@ from .reading import (
     read_text,
 )
 from .schema import NotNegative, Number, Pair, Positive, Range, Strictly
+from .writing import floor_keys, lost
+from .yaml_writing import yaml_text
 
 __all__ = [
     "LARGEST",
@@ -65,8 +67,10 @@ __all__ = [
     "builtin",
     "check",
     "field_name",
+    "floor_keys",
     "is_there",
     "load",
+    "lost",
     "misfits",
     "parse",
     "parse_yaml",
@@ -82,4 +86,5 @@ __all__ = [
     "standing_fault",
     "starting_fault",
     "suggestion",
+    "yaml_text",
 ]

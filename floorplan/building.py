@@ -7,7 +7,14 @@ import math
 from shapely.geometry import Polygon, box
 
 from .model import Axis, Gantry, Human, Lane, Obstacle, SafeZone, Station
-from .schema import AgvsSchema, AxisSchema, FloorplanSchema, GantrySchema, ObstacleSchema
+from .schema import (
+    AgvsSchema,
+    AxisSchema,
+    FloorplanSchema,
+    GantrySchema,
+    LaneSchema,
+    ObstacleSchema,
+)
 
 
 def obstacles(schema: FloorplanSchema) -> tuple[Obstacle, ...]:
@@ -35,22 +42,24 @@ def human(schema: FloorplanSchema) -> Human:
 
 def lanes(agvs: AgvsSchema) -> tuple[Lane, ...]:
     """Return the lanes of the AGVs of a file."""
-    return tuple(
-        Lane(
-            name=name,
-            origin=lane.origin,
-            heading=lane.heading,
-            limits=agvs.limits,
-            locations=dict(agvs.locations),
-            start=lane.start or agvs.start,
-            length=agvs.size[0],
-            width=agvs.size[1],
-            height=agvs.height,
-            max_speed=agvs.max_speed,
-            max_acceleration=agvs.max_acceleration,
-            serves=dict(lane.serves),
-        )
-        for name, lane in agvs.lanes.items()
+    return tuple(_lane(name, lane, agvs) for name, lane in agvs.lanes.items())
+
+
+def _lane(name: str, lane: LaneSchema, agvs: AgvsSchema) -> Lane:
+    length, width = lane.size or agvs.size
+    return Lane(
+        name=name,
+        origin=lane.origin,
+        heading=lane.heading,
+        limits=lane.limits or agvs.limits,
+        locations=dict(agvs.locations if lane.locations is None else lane.locations),
+        start=lane.start or agvs.start,
+        length=length,
+        width=width,
+        height=lane.height or agvs.height,
+        max_speed=lane.max_speed or agvs.max_speed,
+        max_acceleration=lane.max_acceleration or agvs.max_acceleration,
+        serves=dict(lane.serves),
     )
 
 
@@ -72,7 +81,7 @@ def gantry(entry: GantrySchema) -> Gantry:
 
 def _footprint(entry: ObstacleSchema) -> Polygon:
     if entry.polygon is not None:
-        return Polygon(entry.polygon)
+        return Polygon(entry.polygon, entry.holes)
     if entry.x is not None and entry.y is not None:
         return box(entry.x[0], entry.y[0], entry.x[1], entry.y[1])
     assert entry.center is not None  # the schema has seen to it

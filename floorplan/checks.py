@@ -12,7 +12,7 @@ from shapely.validation import explain_validity
 
 from .document import Fault, Place, refuse
 from .kinds import require, require_fields
-from .model import Floorplan, Lane
+from .model import Floor, Lane
 from .problems import FloorplanError
 
 LARGEST = 1e9
@@ -37,13 +37,13 @@ _SOUND = "_sound"
 """Mark of a plan that was checked: it never changes, so once is enough."""
 
 
-def check(plan: Floorplan, *, file: str = "") -> None:
+def check(plan: Floor, *, file: str = "") -> None:
     """Check that `plan` is sound: `FloorplanError` lists everything about it that is not.
 
     The error names `file`, or else the plan. `TypeError` if it is no floorplan, or a field of it
     is not of its type.
     """
-    require(plan, Floorplan, "floorplan.load")
+    require(plan, Floor, "floorplan.load", "a Floorplan")
     if _SOUND in vars(plan):
         return
     require_fields(plan)
@@ -51,7 +51,7 @@ def check(plan: Floorplan, *, file: str = "") -> None:
     vars(plan)[_SOUND] = True
 
 
-def faults(plan: Floorplan) -> Iterator[Fault]:
+def faults(plan: Floor) -> Iterator[Fault]:
     """Yield everything about `plan` that is not sound."""
     fault = polygon_fault(plan.boundary)
     if fault:
@@ -96,7 +96,7 @@ def polygon_fault(polygon: Polygon) -> str:
     return ""
 
 
-def starting_fault(plan: Floorplan, at: tuple[float, float], radius: float | None = None) -> str:
+def starting_fault(plan: Floor, at: tuple[float, float], radius: float | None = None) -> str:
     """Return the reason why a person can't start at `at` on `plan`, or an empty text.
 
     As `standing_fault` with this `radius`; besides, there must be no AGV.
@@ -110,7 +110,7 @@ def starting_fault(plan: Floorplan, at: tuple[float, float], radius: float | Non
     return ""
 
 
-def standing_fault(plan: Floorplan, at: tuple[float, float], radius: float | None = None) -> str:
+def standing_fault(plan: Floor, at: tuple[float, float], radius: float | None = None) -> str:
     """Return the reason why a person can't stand at `at` (x, y in metres), or an empty text.
 
     The person has `radius` metres, that of the plan's people if None.
@@ -140,7 +140,7 @@ def size_fault(value: float) -> str:
     return f"must be more than 0 and at most {LARGEST:g}, not {value!r}"
 
 
-def _name_faults(plan: Floorplan) -> Iterator[Fault]:
+def _name_faults(plan: Floor) -> Iterator[Fault]:
     names: dict[Place, list[str]] = {
         ("obstacles",): [obstacle.name for obstacle in plan.obstacles],
         ("stations",): [station.name for station in plan.stations],
@@ -168,7 +168,7 @@ def _lane_faults(lane: Lane) -> Iterator[Fault]:
             yield message, ("agvs", "lanes", lane.name, "serves", alias)
 
 
-def _sweep_faults(lane: Lane, plan: Floorplan) -> Iterator[Fault]:
+def _sweep_faults(lane: Lane, plan: Floor) -> Iterator[Fault]:
     """Yield the obstacles that the AGV of `lane` would drive through."""
     there = [o for o in plan.obstacles if o.overlaps(0.0, lane.height)]
     swept = shapely.MultiPolygon([lane.footprint(q) for q in lane.limits]).convex_hull
@@ -182,7 +182,7 @@ def _sweep_faults(lane: Lane, plan: Floorplan) -> Iterator[Fault]:
         yield message, ("agvs", "lanes", lane.name)
 
 
-def _figure_faults(plan: Floorplan) -> Iterator[Fault]:
+def _figure_faults(plan: Floor) -> Iterator[Fault]:
     """Yield every figure of `plan` that is too small or too large to work with."""
     west, south, east, north = plan.boundary.bounds
     if max(east - west, north - south) > WIDEST:

@@ -67,13 +67,20 @@ class Document:
     file: str
     data: Any = field(repr=False)
     lines: dict[Place, int] = field(repr=False)
+    at: Place = ()
+    """Place of the values in the file, if they are not all of it."""
+
+    def part(self, key: str) -> Document:
+        """Return the values of an outermost key as a document of their own."""
+        lines = {place[1:]: line for place, line in self.lines.items() if place[:1] == (key,)}
+        return Document(self.file, self.data[key], lines, (*self.at, key))
 
     def problem(self, message: str, *place: str | int) -> Problem:
         """Return a problem at the value that `place` leads to, or the nearest value around it."""
         known = place
         while known and known not in self.lines:
             known = known[:-1]
-        return Problem(message, field_name(place), self.lines.get(known))
+        return Problem(message, field_name((*self.at, *place)), self.lines.get(known))
 
     def checked(self, schema: type[_Schema], error: type[InputError]) -> _Schema:
         """Return the values as `schema`; every misfit at once in one `error`."""

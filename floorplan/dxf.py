@@ -23,8 +23,9 @@ from shapely.geometry import Polygon
 from .cad import Reader, Shape, Unread
 from .checks import polygon_fault
 from .layers import AS_IT_IS, BOUNDARY, Drawn
-from .model import DEFAULT_HEIGHT, Floorplan, Obstacle
+from .model import DEFAULT_HEIGHT, Obstacle
 from .outlines import Loose, enclosed, opened, pieces_of
+from .plan import Floorplan
 from .problems import FloorplanError, Problem
 from .reading import require_readable
 

@@ -23,8 +23,9 @@ from shapely.geometry import shape as shape_of
 from .checks import LARGEST, polygon_fault
 from .document import field_name, misfits
 from .layers import AS_IT_IS, BOUNDARY, Drawn
-from .model import DEFAULT_HEIGHT, Floorplan, Obstacle, SafeZone, Station
+from .model import DEFAULT_HEIGHT, Obstacle, SafeZone, Station
 from .outlines import pieces_of
+from .plan import Floorplan
 from .problems import FloorplanError, Problem, shown
 from .reading import read_text
 from .schema import Number

@@ -28,13 +28,14 @@ _PLAIN: dict[Any, tuple[Any, str]] = {
 _HINTS = "__annotations__"
 
 
-def require(value: object, kind: type, reader: str = "") -> None:
+def require(value: object, kind: type, reader: str = "", name: str = "") -> None:
     """Check that `value` is a `kind`; `TypeError` says what it is instead.
 
-    It also names the `reader` of such values where `value` may be the name of a file.
+    It also names the `reader` of such values where `value` may be the name of a file. The kind is
+    called by its `name` where that is not the one its users know.
     """
     if not isinstance(value, kind):
-        message = f"expected {_article(kind)}, found {shown(value)}"
+        message = f"expected {name or _article(kind)}, found {shown(value)}"
         if reader and isinstance(value, str | Path):
             message += f"; {reader}({str(value)!r}) reads one"
         raise TypeError(message)

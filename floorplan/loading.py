@@ -14,9 +14,9 @@ from .document import Document, Place, parse_yaml, read_yaml
 from .dxf import load_dxf
 from .geojson import load_geojson
 from .layers import AS_IT_IS, Drawn, Group
-from .model import Floorplan
 from .overlay import corrected, correction_faults, laid_over
 from .placing import put, scaled
+from .plan import Floorplan
 from .problems import FloorplanError, Problem, suggestion
 from .reading import is_there
 from .ros_map import build_ros_map, is_ros_map
@@ -84,7 +84,7 @@ def _read(path: Path, drawn: Drawn, above: tuple[Path, ...]) -> Floorplan:
 
 def _build(document: Document, folder: Path, above: tuple[Path, ...]) -> Floorplan:
     schema = document.checked(FloorplanSchema, FloorplanError)
-    boundary = Polygon(schema.boundary or ())
+    boundary = Polygon(schema.boundary or (), schema.holes)
     plan = Floorplan(
         name=schema.name or Path(document.file).stem,
         title=schema.title,

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 
 import shapely
 from shapely.geometry import Polygon
+from typing_extensions import Self
 
 from .named import NamedField
 from .problems import Problem
@@ -184,8 +185,8 @@ class Gantry:
 
 
 @dataclass(frozen=True)
-class Floorplan:
-    """A floor: its boundary and what stands on it. Compare with `==`, share freely.
+class Floor:
+    """A floor as data: its boundary and what stands on it. Compare with `==`, share freely.
 
     Obstacles, stations and lanes are tuples that also answer to names: `stations["dock"]`.
     `patrol` names the stations that people go to, in their order; None stands for all of them.
@@ -206,7 +207,7 @@ class Floorplan:
     notices: tuple[Problem, ...] = field(default=(), compare=False)
 
     @classmethod
-    def of_area(cls, name: str, source: str, area: Polygon) -> Floorplan:
+    def of_area(cls, name: str, source: str, area: Polygon) -> Self:
         """Return the floor bounded by `area` (metres), with its holes as obstacles."""
         holes = [Polygon(ring) for ring in area.interiors]
         return cls(
@@ -224,7 +225,7 @@ class Floorplan:
         held = [f"{east - west:g} x {north - south:g} m", f"{len(self.obstacles)} obstacles"]
         held += [f"{len(self.stations)} stations", f"{len(self.lanes)} lanes"]
         held += ["a gantry"] if self.gantry is not None else []
-        return f"<Floorplan {self.name!r}: {', '.join(held)}>"
+        return f"<{type(self).__name__} {self.name!r}: {', '.join(held)}>"
 
     @property
     def patrolled(self) -> tuple[Station, ...]:

@@ -10,7 +10,8 @@ from typing import TypeVar
 import shapely
 
 from .document import Fault
-from .model import Floorplan, Obstacle, Station
+from .model import Obstacle, Station
+from .plan import Floorplan
 from .problems import suggestion
 from .schema import FloorplanSchema
 

@@ -10,7 +10,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from .model import Axis, Floorplan, Gantry, Lane, Point
+from .model import Axis, Gantry, Lane, Point
+from .plan import Floorplan
 
 _Floats = NDArray[np.float64]
 

@@ -20,7 +20,7 @@ from shapely.geometry import Polygon
 
 from .document import Document
 from .image import GreyImage, read_image
-from .model import Floorplan
+from .plan import Floorplan
 from .problems import FloorplanError
 from .schema import Number
 from .trace import IntricateError, trace

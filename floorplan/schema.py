@@ -60,6 +60,9 @@ class Strictly(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, str_strip_whitespace=True)
 
 
+Ring = Annotated[list[Pair], Field(min_length=3)]
+
+
 class ObstacleSchema(Strictly):
     """A footprint, in one of four forms, and its heights."""
 
@@ -69,7 +72,8 @@ class ObstacleSchema(Strictly):
     center: Pair | None = None
     size: Size | None = None
     radius: Positive | None = None
-    polygon: Annotated[list[Pair], Field(min_length=3)] | None = None
+    polygon: Ring | None = None
+    holes: list[Ring] = []
 
     @model_validator(mode="after")
     def _one_footprint(self) -> ObstacleSchema:
@@ -80,6 +84,8 @@ class ObstacleSchema(Strictly):
                 "give the footprint as x and y ranges, as center and size, as center and radius,"
                 f" or as polygon; found {', '.join(sorted(given)) or 'none of them'}"
             )
+        if self.holes and self.polygon is None:
+            raise ValueError("only a polygon has holes")
         return self
 
 
@@ -101,12 +107,18 @@ class SafeZoneSchema(Strictly):
 
 
 class LaneSchema(Strictly):
-    """Keys of a single AGV."""
+    """Keys of a single AGV; those that all AGVs share count where it has none of its own."""
 
     origin: Pair
     heading: Number = 0.0
     start: str | None = None
     serves: dict[str, str] = {}
+    size: Size | None = None
+    height: Positive | None = None
+    max_speed: Positive | None = None
+    max_acceleration: Positive | None = None
+    limits: Range | None = None
+    locations: dict[str, Number] | None = None
 
 
 class AgvsSchema(Strictly):
@@ -208,7 +220,8 @@ class FloorplanSchema(Strictly):
     remove: list[str] = []
     move: dict[str, Pair] = {}
     rename: dict[str, Name] = {}
-    boundary: Annotated[list[Pair], Field(min_length=3)] | None = Field(None, validate_default=True)
+    boundary: Ring | None = Field(None, validate_default=True)
+    holes: list[Ring] = []
     obstacles: dict[str, ObstacleSchema] = {}
     stations: dict[str, Pair] = {}
     patrol: list[str] | None = None

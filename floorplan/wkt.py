@@ -16,7 +16,7 @@ from shapely.geometry import Polygon
 
 from .checks import LARGEST, polygon_fault
 from .layers import AS_IT_IS, Drawn
-from .model import Floorplan
+from .plan import Floorplan
 from .problems import FloorplanError, Problem
 from .reading import read_text
 

@@ -14,6 +14,7 @@ from .commands.benchmark import benchmark
 from .commands.bridge import bridge
 from .commands.check import check
 from .commands.consoles import say
+from .commands.convert import convert
 from .commands.export import export
 from .commands.interrupts import put_off_while_loading
 from .commands.list import list_all
@@ -58,6 +59,7 @@ app.command(context_settings={"ignore_unknown_options": True})(plan)
 app.add_typer(plot)
 app.command()(render)
 app.command()(check)
+app.command()(convert)
 app.command()(agent)
 app.command()(benchmark)
 app.command()(study)

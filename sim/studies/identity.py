@@ -45,7 +45,8 @@ def _definition(study: Study) -> str:
 def _parts(trial: Trial) -> Iterator[tuple[str, str]]:
     """Return what a trial names and doesn't contain: floorplan, programs, orders, controller."""
     plan = trial.floorplan
-    yield f"the floorplan {plan.name}", _digest(json.dumps(asdict(plan), default=_wkt))
+    facts = {key: value for key, value in asdict(plan).items() if key != "notices"}
+    yield f"the floorplan {plan.name}", _digest(json.dumps(facts, default=_wkt))
     for person in trial.people:
         named: list[PersonEntry | PersonalityChange] = [person, *person.changes]
         for one in named:

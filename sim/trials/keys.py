@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Annotated, Any
 
-from pydantic import Field, Strict, model_validator
+from pydantic import BeforeValidator, Field, Strict, model_validator
+from pydantic_core import PydanticCustomError
 
 from floorplan import NotNegative, Pair, Positive, Strictly
 
@@ -74,11 +75,17 @@ class PersonKeys(Keys):
         return PersonEntry(**self.fields())
 
 
+def _name_or_keys(value: Any) -> Any:
+    if not isinstance(value, str | dict):
+        raise PydanticCustomError("floor", "expected a name, a file or the keys of a floor")
+    return value
+
+
 class TrialKeys(Strictly):
     """A whole trial."""
 
     name: str | None = None
-    floorplan: str
+    floorplan: Annotated[Any, BeforeValidator(_name_or_keys)]
     folder: str = "."
     duration: Positive = 275.0
     seed: Annotated[int, Strict(), Field(ge=0, le=LARGEST_SEED)] = 0

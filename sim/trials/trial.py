@@ -47,8 +47,9 @@ class Trial(Scenario):
     def to_yaml(self, folder: str | Path = ".") -> str:
         """The text of a trial file that stands in `folder`, to be read as the same trial.
 
-        `ValueError` if its floorplan, its orders, a law or a program came from no file, or if it
-        names code of the user's own that stands neither in `folder` nor above it.
+        A floor that came from no file is written into it. `ValueError` if its orders, a law or a
+        program came from no file, if the floor is not sound, or if it names code of the user's own
+        that stands neither in `folder` nor above it.
         """
         return to_yaml(self, Path(folder))
 

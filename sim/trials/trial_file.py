@@ -70,7 +70,7 @@ def build(form: type[_Made], document: Document, folder: Path, own_code: bool) -
         machines={name: _machine(keys) for name, keys in schema.machines.items()},
         expect=schema.expect,
         folder=folder,
-        floorplan_source=schema.floorplan,
+        floorplan_source=schema.floorplan if isinstance(schema.floorplan, str) else "",
         until_submitted=bool(schema.until_submitted),
         own_code=own_code,
     )
@@ -121,7 +121,9 @@ def _machine(keys: dict[str, Any]) -> MachineEntry:
     return MachineEntry(str(keys.get("kind", "")), {k: v for k, v in keys.items() if k != "kind"})
 
 
-def _floorplan(name: str, folder: Path, document: Document) -> Floorplan:
+def _floorplan(name: str | dict[str, Any], folder: Path, document: Document) -> Floorplan:
+    if not isinstance(name, str):
+        return floorplan.build(document.part("floorplan"), folder)
     if name in floorplan.builtin():
         return floorplan.load(name)
     path = folder / name

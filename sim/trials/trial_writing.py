@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 
 import floorplan
 
@@ -35,10 +34,7 @@ def to_yaml(trial: Scenario, folder: Path) -> str:
         raise ValueError(f"the trial {trial.name!r} can't be written into {folder}: {fault}")
     if trial.folder.resolve() != folder.resolve():
         data["folder"] = Path(os.path.relpath(trial.folder, folder)).as_posix()
-    text: str = yaml.dump(
-        data, Dumper=_Dumper, sort_keys=False, allow_unicode=True, default_flow_style=None
-    )
-    return text
+    return floorplan.yaml_text(data)
 
 
 def _trial(trial: Scenario) -> Data:
@@ -76,16 +72,15 @@ def _orders(trial: Scenario, workload: Workload) -> Data:
     }
 
 
-def _floorplan(trial: Scenario) -> str:
+def _floorplan(trial: Scenario) -> str | Data:
+    """The name or the file of the floor, or its keys if it came from no file."""
     if trial.floorplan_source:
         return trial.floorplan_source
-    name = trial.floorplan.name
-    if name in floorplan.builtin() and floorplan.load(name) == trial.floorplan:
-        return name
-    raise ValueError(
-        f"the trial {trial.name!r} can't be written: its floorplan {name!r} came from no file;"
-        " give floorplan_source"
-    )
+    plan = trial.floorplan
+    if plan.name in floorplan.builtin() and floorplan.load(plan.name) == plan:
+        return plan.name
+    floorplan.check(plan)
+    return floorplan.floor_keys(plan)
 
 
 def _personality(one: PersonEntry | PersonalityChange, trial: Scenario) -> str:
@@ -180,17 +175,3 @@ def _plain(value: Any) -> Any:
     if isinstance(value, list | tuple):
         return [_plain(inner) for inner in value]
     return value
-
-
-class _Dumper(yaml.SafeDumper):
-    """Writes every value where it stands: files without anchors and aliases are easier to read."""
-
-    def ignore_aliases(self, data: Any) -> bool:
-        """Write `data` out even if it has been before."""
-        return True
-
-    def represent(self, data: Any) -> None:
-        """Write `data`: the outermost keys on lines of their own, innermost values on one line."""
-        node: Any = self.represent_data(data)
-        node.flow_style = False
-        self.serialize(node)

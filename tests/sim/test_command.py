@@ -365,3 +365,12 @@ def test_help_and_version(tmp_path):
     assert done.returncode == 0
     for command in ("run", "plan", "check", "agent", "benchmark", "export", "list"):
         assert command in done.stdout
+
+
+def test_convert_says_what_there_is_no_room_for(tmp_path, floorwalker):
+    done = floorwalker("convert", "ariac2023", tmp_path / "hall.wkt")
+    assert done.returncode == 0
+    assert "has no room for: AGVs, the gantry" in done.stderr
+    back = floorwalker("convert", tmp_path / "hall.wkt", tmp_path / "hall.yaml")
+    assert (back.returncode, back.stderr) == (0, "")
+    assert floorplan.load(tmp_path / "hall.yaml") == floorplan.load(tmp_path / "hall.wkt")

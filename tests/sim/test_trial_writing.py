@@ -192,11 +192,23 @@ def test_a_trial_saved_elsewhere_finds_its_files(path, tmp_path):
     assert sim.run(short[0]).events == sim.run(short[1]).events
 
 
-def test_a_trial_on_a_floor_of_no_file_is_refused():
+def test_a_floor_of_no_file_stands_in_the_trial(tmp_path):
     floor = replace(FLOOR, name="mine")
-    with pytest.raises(ValueError, match="floorplan 'mine' came from no file"):
-        sim.Trial(floor).to_yaml()
+    trial = sim.Trial(floor, people=(sim.PersonEntry("operator"),))
+    trial.save(tmp_path / "trial.yaml")
+    again = sim.Trial.load(tmp_path / "trial.yaml")
+    assert replace(again, folder=trial.folder) == trial
     assert "floorplan: ariac2023\n" in sim.Trial(FLOOR).to_yaml()
+
+
+def test_faults_of_a_floor_in_a_trial_have_their_lines():
+    text = "floorplan:\n  boundary: [[0, 0], [9, 0], [9, 9]]\n  stations: {gate: [0, 9]}\n"
+    with pytest.raises(floorplan.FloorplanError) as wrong:
+        sim.Trial.parse(text)
+    (problem,) = wrong.value.problems
+    assert (problem.line, problem.field) == (3, "floorplan.stations.gate")
+    with pytest.raises(sim.TrialError, match="line 1, floorplan: expected a name, a file or"):
+        sim.Trial.parse("floorplan: 5\n")
 
 
 def test_a_name_may_be_empty():

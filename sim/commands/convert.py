@@ -1,0 +1,40 @@
+"""`floorwalker convert`: write a floor in another format."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from . import completion
+from .consoles import say
+from .notices import print_floor_notices
+
+
+def convert(
+    source: Annotated[
+        str,
+        typer.Argument(
+            metavar="IN", help="A built-in name, or a file.", autocompletion=completion.floor
+        ),
+    ],
+    target: Annotated[
+        Path,
+        typer.Argument(metavar="OUT", help="Ends in .yaml, .wkt, .geojson, or .pgm (a ROS map)."),
+    ],
+    resolution: Annotated[
+        float | None,
+        typer.Option(help="Of a ROS map: metres per cell, 0.05 if it is not given."),
+    ] = None,
+) -> None:
+    """Write the floor IN in the format of OUT; a --resolution makes a .yaml a ROS map."""
+    import floorplan
+
+    plan = floorplan.load(source)
+    print_floor_notices(plan)
+    plan.save(target, resolution=resolution)
+    lost = floorplan.lost(plan, ".pgm" if resolution is not None else target.suffix.lower())
+    if lost:
+        say(f"{target} has no room for: {', '.join(lost)}", err=True)
+    say(f"Wrote {target}")
