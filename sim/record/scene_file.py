@@ -121,7 +121,9 @@ def _plain(value: Any) -> Any:
 
 
 def _fields(value: Any) -> dict[str, Any]:
-    return {field.name: _plain(getattr(value, field.name)) for field in fields(value)}
+    """Return the fields by which a value is compared: others say nothing about it."""
+    compared = (field.name for field in fields(value) if field.compare)
+    return {name: _plain(getattr(value, name)) for name in compared}
 
 
 def _with_polygons(data: Any) -> Any:
