@@ -121,9 +121,10 @@ def _plain(value: Any) -> Any:
 
 
 def _fields(value: Any) -> dict[str, Any]:
-    """Return the fields by which a value is compared: others say nothing about it."""
-    compared = (field.name for field in fields(value) if field.compare)
-    return {name: _plain(getattr(value, name)) for name in compared}
+    """Return the fields of a value, but for the notices on the file of a floor."""
+    left_out = {"notices"} if isinstance(value, Floorplan) else set()
+    names = (field.name for field in fields(value) if field.name not in left_out)
+    return {name: _plain(getattr(value, name)) for name in names}
 
 
 def _with_polygons(data: Any) -> Any:
