@@ -24,6 +24,7 @@ from .model import (
     Station,
     rectangle,
 )
+from .movingai import CELL, load_movingai
 from .named import Named
 from .plan import Floorplan
 from .problems import FloorplanError, InputError, Problem, suggestion
@@ -39,6 +40,7 @@ from .writing import floor_keys, lost
 from .yaml_writing import yaml_text
 
 __all__ = [
+    "CELL",
     "LARGEST",
     "LARGEST_RECORDED",
     "Axis",
@@ -70,6 +72,7 @@ __all__ = [
     "floor_keys",
     "is_there",
     "load",
+    "load_movingai",
     "lost",
     "misfits",
     "parse",

@@ -14,6 +14,7 @@ from .document import Document, Place, parse_yaml, read_yaml
 from .dxf import load_dxf
 from .geojson import load_geojson
 from .layers import AS_IT_IS, Drawn, Group
+from .movingai import load_drawn_map
 from .overlay import corrected, correction_faults, laid_over
 from .placing import put, scaled
 from .plan import Floorplan
@@ -26,7 +27,7 @@ from .wkt import load_wkt
 YAML_SUFFIXES = (".yaml", ".yml")
 LAYERED = {".dxf": load_dxf, ".geojson": load_geojson, ".json": load_geojson}
 """Formats of drawings with layers, by suffix."""
-DRAWINGS = {**LAYERED, ".wkt": load_wkt}
+DRAWINGS = {**LAYERED, ".wkt": load_wkt, ".map": load_drawn_map}
 """Formats whose unit may be left open, by suffix."""
 
 

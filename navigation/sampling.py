@@ -164,10 +164,11 @@ class _OmplSearch:
 
     def _budget(self) -> Any:
         count = itertools.count(1)
-        planner, watch, most = self._planner, self._watch, self._iterations
+        watch, most = self._watch, self._iterations
 
         def spent() -> bool:
-            return next(count) > most or watch.iteration(planner)
+            # Some planners keep their budget: one that held them in turn would never be freed.
+            return next(count) > most or watch.iteration(self._planner)
 
         return ob.PlannerTerminationCondition(spent)
 

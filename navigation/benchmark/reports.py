@@ -1,143 +1,157 @@
-"""A benchmark's answers as files: CSV, and the log that OMPL's benchmark tools read."""
+"""A benchmark's answers as tables: a row for each planner, and CSV of rows and answers."""
 
 from __future__ import annotations
 
 import csv
 import math
-import platform
-from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass, fields
-from datetime import datetime
-from importlib.metadata import version
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, fields
 from pathlib import Path
 
 import numpy as np
 
-from .measuring import Attempt
+from .attempts import Asked, Attempt
+from .statistics import Estimate, by_question, median, share
 
 
 @dataclass(frozen=True)
 class Row:
-    """Results of one planner on one floor: milliseconds of CPU, metres."""
+    """Results of one planner on one floor: milliseconds of CPU, metres.
+
+    Of what a question's runs differ in, their median (or share) is taken first; see `statistics`.
+    """
 
     floorplan: str
     planner: str
     queries: int
-    solved: float
-    """A share of 1, of questions that all have an answer."""
-    cpu_median: float
+    runs: int
+    solved: Estimate
+    """A share of 1, of the questions that have an answer, by a path that nothing is wrong with."""
+    wrong: int
+    """Answers."""
+    faults: str
+    """What is wrong with these, and how many times."""
+    cpu: Estimate
+    """The median."""
     cpu_99: float
+    scene: float
+    """Median of what it takes to look at where the AGVs stand."""
+    planning: float
+    """The median of the time before simplification."""
+    simplification: float
+    memory: float
+    """MB, the most that the process grew by in one answer."""
     checks: float
     """The median."""
-    ratio_median: float
-    """Length over that of the shortest path."""
+    length: Estimate
+    """The median."""
+    ratio: Estimate
+    """The median of length over that of the shortest path."""
     ratio_most: float
+    listed_ratio: Estimate
+    """The median of length over that which a scenario lists; NaN without one."""
     clearance_least: float
     turning: float
     """The median of the radians that a path turns by."""
+    ompl_clearance: float
+    """The median."""
+    ompl_smoothness: float
+    """The median."""
 
 
 def summary(attempts: Sequence[Attempt]) -> list[Row]:
     """Return one row for each floor and planner, in the order they were asked."""
-    groups: dict[tuple[str, str], list[Attempt]] = {}
+    return [_row(group) for group in groups(attempts)]
+
+
+def groups(attempts: Sequence[Attempt]) -> list[list[Attempt]]:
+    """Return the attempts of each planner on each floor, in the order they were asked."""
+    found: dict[tuple[str, str], list[Attempt]] = {}
     for attempt in attempts:
-        groups.setdefault((attempt.floorplan, attempt.planner), []).append(attempt)
-    return [_row(group) for group in groups.values()]
+        found.setdefault((attempt.asked.floorplan, attempt.asked.planner), []).append(attempt)
+    return list(found.values())
 
 
 def _row(group: Sequence[Attempt]) -> Row:
-    solved = [attempt for attempt in group if attempt.solved]
-    cpu = 1000 * np.array([attempt.cpu_seconds for attempt in group])
-    ratios = [attempt.ratio for attempt in solved] or [math.nan]
+    found = [attempt for attempt in group if attempt.solved]
+    solvable = [attempt for attempt in group if attempt.asked.shortest != math.inf]
+    faults = Counter(attempt.wrong for attempt in group if attempt.wrong)
+    cpu = [1000 * attempt.cpu_seconds for attempt in group]
+    right = by_question(solvable, [float(attempt.right) for attempt in solvable])
+
+    def middle(of: Callable[[Attempt], float], among: Sequence[Attempt] = found) -> Estimate:
+        values = by_question(among, [of(attempt) for attempt in among])
+        return median([float(np.median(runs)) for runs in values])
+
     return Row(
-        floorplan=group[0].floorplan,
-        planner=group[0].planner,
-        queries=len(group),
-        solved=len(solved) / len(group),
-        cpu_median=float(np.median(cpu)),
+        floorplan=group[0].asked.floorplan,
+        planner=group[0].asked.planner,
+        queries=len({attempt.asked.query for attempt in group}),
+        runs=len({attempt.asked.run for attempt in group}),
+        solved=share([sum(runs) / len(runs) for runs in right]),
+        wrong=faults.total(),
+        faults=", ".join(f"{fault} {count}" for fault, count in faults.items()),
+        cpu=middle(lambda a: 1000 * a.cpu_seconds, group),
         cpu_99=float(np.percentile(cpu, 99)),
-        checks=float(np.median([attempt.checks for attempt in group])),
-        ratio_median=float(np.median(ratios)),
-        ratio_most=max(ratios),
-        clearance_least=min([attempt.clearance for attempt in solved], default=math.nan),
-        turning=float(np.median([attempt.turning for attempt in solved] or [math.nan])),
+        scene=float(np.median([1000 * attempt.scene_seconds for attempt in group])),
+        planning=middle(lambda a: 1000 * a.planning_seconds, group).value,
+        simplification=middle(lambda a: 1000 * a.simplification_seconds, group).value,
+        memory=float(max(attempt.memory for attempt in group)),
+        checks=middle(lambda a: a.checks, group).value,
+        length=middle(lambda a: a.length),
+        ratio=middle(lambda a: a.ratio),
+        ratio_most=max([attempt.ratio for attempt in found], default=math.nan),
+        listed_ratio=middle(lambda a: a.listed_ratio),
+        clearance_least=min([attempt.clearance for attempt in found], default=math.nan),
+        turning=middle(lambda a: a.turning).value,
+        ompl_clearance=middle(lambda a: a.ompl_clearance).value,
+        ompl_smoothness=middle(lambda a: a.ompl_smoothness).value,
     )
 
 
+_ASKED = ("floorplan", "planner", "query", "run", "seed")
+_KNOWN = ("shortest", "listed")
+_INNER = ("asked", "points", "progress")
+"""Fields of an attempt that have columns of their own, or none."""
+
+
 def write_csv(attempts: Sequence[Attempt], path: Path) -> None:
-    """Write every answer as a line of `path`; lengths in metres, times in seconds."""
+    """Write every answer as a line of `path`; lengths in metres, times in seconds of CPU."""
+    own = [field.name for field in fields(Attempt) if field.name not in _INNER]
+    header = [*_ASKED, "x0", "y0", "x1", "y1", *own, *_KNOWN, "ratio"]
+    _write(path, header, (_line(attempt, own) for attempt in attempts))
+
+
+def _line(attempt: Attempt, own: Sequence[str]) -> list[object]:
+    asked: Asked = attempt.asked
+    return [
+        *(getattr(asked, name) for name in _ASKED),
+        *asked.start,
+        *asked.goal,
+        *(getattr(attempt, name) for name in own),
+        *(getattr(asked, name) for name in _KNOWN),
+        attempt.ratio,
+    ]
+
+
+def write_summary(rows: Sequence[Row], path: Path) -> None:
+    """Write every row as a line of `path`; `_low` and `_high` end columns of an interval."""
+    header: list[str] = []
+    lines: list[list[object]] = [[] for _ in rows]
+    for field in fields(Row):
+        values = [getattr(row, field.name) for row in rows]
+        interval = bool(values) and isinstance(values[0], Estimate)
+        header += [field.name, *([f"{field.name}_low", f"{field.name}_high"] if interval else [])]
+        for line, value in zip(lines, values, strict=True):
+            line += [value.value, value.low, value.high] if interval else [value]
+    _write(path, header, lines)
+
+
+def _write(
+    path: Path, header: Sequence[str], lines: Iterator[list[object]] | list[list[object]]
+) -> None:
     with path.open("w", encoding="utf-8", newline="") as file:
-        names = [field.name for field in fields(Attempt)]
-        writer = csv.DictWriter(file, names, lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(asdict(attempt) for attempt in attempts)
-
-
-def write_ompl_log(attempts: Sequence[Attempt], path: Path, *, seed: int) -> None:
-    """Write the answers on one floor as OMPL's benchmark log.
-
-    `ompl_benchmark_statistics.py` and Planner Arena read it. What bears the name of one of
-    OMPL's properties is that property, but for the time, which is CPU time; the others are
-    this benchmark's own.
-    """
-    path.write_text("".join(f"{line}\n" for line in _log(attempts, seed)), encoding="utf-8")
-
-
-_PROPERTIES = (
-    "time REAL",
-    "solved BOOLEAN",
-    "solution length REAL",
-    "solution clearance REAL",
-    "solution smoothness REAL",
-    "solution segments INTEGER",
-    "least clearance REAL",
-    "turning REAL",
-    "shortest length REAL",
-    "length ratio REAL",
-    "collision checks INTEGER",
-)
-
-
-def _log(attempts: Sequence[Attempt], seed: int) -> Iterator[str]:
-    planners = list(dict.fromkeys(attempt.planner for attempt in attempts))
-    most = max(attempt.cpu_seconds for attempt in attempts)
-    yield f"OMPL version {version('ompl')}"
-    yield f"Experiment {attempts[0].floorplan}"
-    yield "0 experiment properties"
-    yield f"Running on {platform.node() or 'UNKNOWN'}"
-    yield f"Starting at {datetime.now().isoformat(timespec='seconds')}"
-    yield "<<<|"
-    yield "Floorwalker's planner benchmark. Every run is another query; times are of the CPU."
-    yield "|>>>"
-    yield "<<<|"
-    yield platform.processor() or platform.machine()
-    yield "|>>>"
-    yield f"{seed} is the random seed"
-    # Budgets are counts, and memory is not measured: these are no limits.
-    yield f"{most:.6f} seconds per run"
-    yield "0 MB per run"
-    yield f"{len(attempts) // len(planners)} runs per planner"
-    spent = sum(attempt.cpu_seconds for attempt in attempts)
-    yield f"{spent:.6f} seconds spent to collect the data"
-    yield "0 enum types"
-    yield f"{len(planners)} planners"
-    for planner in planners:
-        runs = [attempt for attempt in attempts if attempt.planner == planner]
-        yield f"geometric_{planner}"
-        yield "0 common properties"
-        yield f"{len(_PROPERTIES)} properties for each run"
-        yield from _PROPERTIES
-        yield f"{len(runs)} runs"
-        yield from (_run(attempt) for attempt in runs)
-        yield "."
-
-
-def _run(attempt: Attempt) -> str:
-    values: list[float | str] = [attempt.cpu_seconds, int(attempt.solved)]
-    if attempt.solved:
-        values += [attempt.length, attempt.ompl_clearance, attempt.ompl_smoothness]
-        values += [attempt.bends + 1, attempt.clearance, attempt.turning]
-        values += [attempt.shortest, attempt.ratio]
-    else:
-        values += ["", "", "", "", "", "", attempt.shortest, ""]
-    return "".join(f"{value}; " for value in [*values, attempt.checks])
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(header)
+        writer.writerows(lines)

@@ -32,6 +32,9 @@ _EDGE = 1e-7
 
 _ROWS = 512
 
+MOST_CORNERS = 20_000
+"""Linking as many takes about a minute; on floors with more, nobody knows the shortest paths."""
+
 Floats = NDArray[np.float64]
 Links = list[list[tuple[int, float]]]
 
@@ -46,13 +49,19 @@ class ShortestPaths:
         shapely.prepare(self._wide)
         shapely.prepare(self.room)
         self._corner, self._before, self._after = _corners(self.room)
-        self._links = self._between_corners()
+        known = len(self._corner) <= MOST_CORNERS
+        self._links = self._between_corners() if known else None
 
     def length(self, start: Point, goal: Point) -> float:
-        """Return the metres from `start` to `goal`; infinity where there is no path."""
+        """Return the metres from `start` to `goal`; infinity where there is no path.
+
+        NaN where that would take too long to find out.
+        """
         ends = np.array([start, goal])
         if self._see(ends[:1], ends[1:])[0]:
             return math.dist(start, goal)
+        if self._links is None:
+            return math.nan
         from_start, to_goal = (dict(self._from(end)) for end in ends)
         best = dict(from_start)
         queue = [(far, k) for k, far in from_start.items()]

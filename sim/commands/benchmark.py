@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -17,67 +18,156 @@ if TYPE_CHECKING:
     from floorplan import Floorplan
     from navigation.benchmark import Attempt, Row
 
+QUERIES = 20
+"""Number of seeded questions where none is given."""
+
 
 def benchmark(
     floorplan: Annotated[
         list[str] | None,
         typer.Option(
-            help="A built-in name or a file; again for more. All built-in by default.",
+            help="A built-in name or a file; again for more. All built-in by default, or the map"
+            " that the questions are about.",
             autocompletion=completion.floor,
         ),
     ] = None,
     planner: Annotated[
         list[str] | None,
         typer.Option(
-            help="A planner's name; again for more. All by default.",
-            autocompletion=completion.planner,
+            help="A planner's name, or 'NAME: {parameter: value}'; again for more. All by default."
+            " Peers where installed: JuPedSim, extremitypathfinder, pyastar2d, scikit-image.",
+            autocompletion=completion.contender,
         ),
     ] = None,
-    queries: Annotated[int, typer.Option(min=1, help="Questions on each floor.")] = 20,
+    queries: Annotated[
+        int | None,
+        typer.Option(min=1, help="Questions on each floor: 20 by default, or all of the file."),
+    ] = None,
+    questions: Annotated[
+        Path | None,
+        typer.Option(
+            help="A CSV file (x0, y0, x1, y1, and AGVs), or a MovingAI .scen.",
+            autocompletion=completion.questions,
+        ),
+    ] = None,
+    runs: Annotated[int, typer.Option(min=1, help="Times that each question is asked.")] = 1,
+    iterations: Annotated[
+        int | None, typer.Option(min=1, help="Budget of OMPL's planners; each its own by default.")
+    ] = None,
+    seconds: Annotated[
+        float | None,
+        typer.Option(help="Budget of CPU time for each answer of OMPL's; depends on the machine."),
+    ] = None,
+    longest: Annotated[
+        float | None,
+        typer.Option(help="Paths of more than so many times the shortest count as wrong."),
+    ] = None,
     seed: Annotated[int, typer.Option(min=0, help="Of the questions and the planners.")] = 0,
     radius: Annotated[
         float | None, typer.Option(help="Of the person, in metres; the floor's own by default.")
     ] = None,
+    cell: Annotated[
+        float | None, typer.Option(help="Metres of a cell of a MovingAI map: 1 by default.")
+    ] = None,
     out: Annotated[
-        Path | None, typer.Option(help="A folder for CSV, OMPL benchmark logs and plots.")
+        Path | None, typer.Option(help="A folder for CSV, OMPL benchmark logs and a report.")
     ] = None,
 ) -> None:
-    """Measure planners: CPU time, checks, length against the shortest path, clearance, turning."""
-    import floorplan as floors
+    """Measure planners: success, CPU time, length against the shortest path, clearance, memory."""
     from navigation import planners
-    from navigation.benchmark import summary
+    from navigation.benchmark import benchmark as measure
+    from navigation.benchmark import known, summary
+    from sim.commands.bars import progress_bars
 
-    known = [info.name for info in planners()]
-    names = list(dict.fromkeys(planner or known))
-    unknown = [name for name in names if name not in known]
-    if unknown:
-        raise ValueError(f"no planner is called {unknown[0]!r}; there are: {', '.join(known)}")
-    plans = [floors.load(source) for source in floorplan or floors.builtin()]
+    for name, figure in (("--seconds", seconds), ("--longest", longest), ("--radius", radius)):
+        least = 1.0 if name == "--longest" else 0.0
+        if figure is not None and not (least < figure < math.inf):
+            wrong = f"must be above {least:g} and finite, found {figure:g}"
+            raise typer.BadParameter(wrong, param_hint=name)
+    names = list(dict.fromkeys(map(known, planner or [info.name for info in planners()])))
+    plans = _floors(floorplan, questions, cell)
+    if questions is None:
+        queries = queries or QUERIES
     if out is not None:
         with writing(out):
             out.mkdir(parents=True, exist_ok=True)
-    attempts = _measure(plans, names, queries, seed, radius)
-    _print_table(summary(attempts))
-    if out is not None:
-        with writing(out):
-            _write(attempts, out, seed)
-
-
-def _measure(
-    plans: Sequence[Floorplan], names: list[str], queries: int, seed: int, radius: float | None
-) -> list[Attempt]:
-    from rich.markup import escape
-
-    from navigation.benchmark import benchmark as measure
-    from sim.commands.bars import progress_bars
-
+    total = None if queries is None else len(plans) * len(names) * queries * runs
     with progress_bars() as bar:
-        task = bar.add_task("", total=len(plans) * len(names) * queries)
+        from rich.markup import escape
+
+        task = bar.add_task("", total=total)
 
         def progress(floor: str, name: str) -> None:
             bar.update(task, advance=1, description=escape(f"{floor}: {name}"))
 
-        return measure(plans, names, queries=queries, seed=seed, radius=radius, progress=progress)
+        attempts = measure(
+            plans,
+            names,
+            queries=queries,
+            runs=runs,
+            seed=seed,
+            radius=radius,
+            questions=questions,
+            iterations=iterations,
+            seconds=seconds,
+            longest=longest,
+            progress=progress,
+        )
+    rows = summary(attempts)
+    _print_table(rows)
+    if seconds is not None:
+        say("Budgets of time: the results depend on the machine.", err=True)
+    if out is None:
+        return
+    terms = {
+        "planners": ", ".join(names),
+        "questions": _in_words(rows, questions, seed),
+        "runs": f"{runs} of each question",
+        "radius": ", ".join(
+            f"{plan.human.radius if radius is None else radius:g} m on {plan.name}"
+            for plan in plans
+        ),
+        "budget": _budget(iterations, seconds),
+        "longest allowed": "any" if longest is None else f"{longest:g} times the shortest",
+    }
+    with writing(out):
+        _write(attempts, rows, plans, out, seed, seconds, terms)
+
+
+def _floors(
+    floorplan: list[str] | None, questions: Path | None, cell: float | None
+) -> list[Floorplan]:
+    """Return the floors to ask on: of a scenario without a floor, its map."""
+    import floorplan as floors
+    from navigation.benchmark import map_of
+
+    sources: list[str] = list(floorplan or [])
+    if questions is not None and not sources:
+        if questions.suffix.lower() != ".scen":
+            raise ValueError(f"--questions {questions} needs --floorplan: the floor they are about")
+        sources = [str(map_of(questions))]
+    maps = [source for source in sources if source.lower().endswith(".map")]
+    if cell is not None and not maps:
+        raise ValueError(f"--cell {cell:g} is of a MovingAI map, and there is none")
+    return [
+        floors.load_movingai(Path(source), floors.CELL if cell is None else cell)
+        if source in maps
+        else floors.load(source)
+        for source in sources or floors.builtin()
+    ]
+
+
+def _in_words(rows: Sequence[Row], questions: Path | None, seed: int) -> str:
+    counts = ", ".join(
+        f"{count} on {floor}" for floor, count in {r.floorplan: r.queries for r in rows}.items()
+    )
+    return f"{counts}; {f'of {questions.name}' if questions else 'drawn'}, seed {seed}"
+
+
+def _budget(iterations: int | None, seconds: float | None) -> str:
+    words = [] if iterations is None else [f"{iterations:,} iterations"]
+    words += [] if seconds is None else [f"{seconds:g} s of CPU time"]
+    return " or ".join(words) or "of iterations, each planner's own"
 
 
 def _print_table(rows: Sequence[Row]) -> None:
@@ -85,7 +175,8 @@ def _print_table(rows: Sequence[Row]) -> None:
 
     table = Table("floor", "planner")
     for title in (
-        "solved",
+        "solved\n95 %",
+        "wrong",
         "CPU ms\nmedian",
         "CPU ms\n99 %",
         "checks\nmedian",
@@ -99,11 +190,12 @@ def _print_table(rows: Sequence[Row]) -> None:
         table.add_row(
             row.floorplan,
             row.planner,
-            f"{row.solved:.0%}",
-            f"{row.cpu_median:.2f}",
+            f"{row.solved.value:.0%}\n{row.solved.low:.0%}–{row.solved.high:.0%}",
+            str(row.wrong),
+            f"{row.cpu.value:.2f}{_spread(row)}",
             f"{row.cpu_99:.2f}",
             f"{row.checks:.0f}",
-            f"{row.ratio_median:.4f}",
+            f"{row.ratio.value:.4f}",
             f"{row.ratio_most:.4f}",
             f"{row.clearance_least:.4f}",
             f"{row.turning:.2f}",
@@ -111,33 +203,29 @@ def _print_table(rows: Sequence[Row]) -> None:
     plain_console(120).print(table)
 
 
-def _write(attempts: Sequence[Attempt], out: Path, seed: int) -> None:
-    from navigation.benchmark import write_csv, write_ompl_log
+def _spread(row: Row) -> str:
+    return f"\n{row.cpu.low:.2f}–{row.cpu.high:.2f}" if math.isfinite(row.cpu.low) else ""
+
+
+def _write(
+    attempts: Sequence[Attempt],
+    rows: Sequence[Row],
+    plans: Sequence[Floorplan],
+    out: Path,
+    seed: int,
+    seconds: float | None,
+    terms: dict[str, str],
+) -> None:
+    from navigation.benchmark import write_csv, write_ompl_log, write_summary
+    from sim.views.benchmark import write_page
 
     with replacing(out / "benchmark.csv") as unfinished:
         write_csv(attempts, unfinished)
-    floors = list(dict.fromkeys(attempt.floorplan for attempt in attempts))
-    for floor in floors:
-        there = [attempt for attempt in attempts if attempt.floorplan == floor]
-        with replacing(out / f"{floor}.log") as unfinished:
-            write_ompl_log(there, unfinished, seed=seed)
-        _plot(there, out / f"{floor}.png")
-    say(f"wrote {out}/benchmark.csv and a log for each floor", err=True)
-
-
-def _plot(attempts: Sequence[Attempt], path: Path) -> None:
-    """Draw box plots, where matplotlib is there."""
-    try:
-        from matplotlib.figure import Figure
-    except ImportError:
-        return
-    names = list(dict.fromkeys(attempt.planner for attempt in attempts))
-    figure = Figure(figsize=(9, 8), layout="constrained")
-    above, below = figure.subplots(2, 1, sharex=True)
-    above.boxplot([[1000 * a.cpu_seconds for a in attempts if a.planner == n] for n in names])
-    above.set(yscale="log", ylabel="CPU time (ms)", title=attempts[0].floorplan)
-    below.boxplot([[a.ratio for a in attempts if a.planner == n and a.solved] for n in names])
-    below.set(ylabel="length ÷ shortest", xticks=range(1, len(names) + 1))
-    below.set_xticklabels(names, rotation=45, ha="right")
-    with replacing(path) as unfinished:
-        figure.savefig(unfinished)
+    with replacing(out / "summary.csv") as unfinished:
+        write_summary(rows, unfinished)
+    for plan in plans:
+        there = [attempt for attempt in attempts if attempt.asked.floorplan == plan.name]
+        with replacing(out / f"{plan.name}.log") as unfinished:
+            write_ompl_log(there, unfinished, seed=seed, seconds=seconds)
+    write_page(attempts, plans, out / "report.html", terms=terms, on_the_clock=seconds is not None)
+    say(f"wrote {out}/report.html, CSV of all answers and an OMPL log for each floor", err=True)

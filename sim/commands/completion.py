@@ -16,9 +16,10 @@ PLANNERS = (
     *("Roadmap", "AORRTC", "BFMT", "BITstar", "BKPIECE1", "FMT", "InformedRRTstar", "KPIECE1"),
     *("LBKPIECE1", "PRM", "PRMstar", "RRT", "RRTConnect", "RRTstar", "SORRTstar"),
 )
+PEERS = ("JuPedSim", "extremitypathfinder", "pyastar2d", "scikit-image")
 BACKENDS = ("loky", "dask", "threading", "sequential")
 YAML = (".yaml", ".yml")
-FLOORS = (*YAML, ".wkt", ".dxf")
+FLOORS = (*YAML, ".wkt", ".dxf", ".map")
 
 
 def trial(incomplete: str) -> list[str]:
@@ -54,6 +55,16 @@ def controller(incomplete: str) -> list[str]:
 def planner(incomplete: str) -> list[str]:
     """A planner that every supported OMPL has, or our own."""
     return _offer(incomplete, PLANNERS)
+
+
+def contender(incomplete: str) -> list[str]:
+    """A planner, or one of another package."""
+    return _offer(incomplete, (*PLANNERS, *PEERS))
+
+
+def questions(incomplete: str) -> list[str]:
+    """A file with questions for planners."""
+    return _offer(incomplete, (), (".csv", ".scen"))
 
 
 def backend(incomplete: str) -> list[str]:

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import io
-import re
 from collections import Counter
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..views.page_charts import COLOURS, INK, page_chart
 from .comparison import Group, Measure, Spread
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 WIDTH, ROW_HEIGHT, MARGIN = 5.6, 0.3, 0.75
 """Inches: a chart's width, the height of one group, and what is added for the axis."""
@@ -21,40 +21,19 @@ WIDTH, ROW_HEIGHT, MARGIN = 5.6, 0.3, 0.75
 MOST_COUNTS = 40
 """Up to so many different whole numbers are drawn as counts, others as boxes."""
 
-INK = "#123456"
-"""Stands for the page's colour of text, and is replaced by it."""
-
-COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8a6d3b")
-"""Those of M. Okabe and K. Ito, which people with colour blindness can distinguish."""
-
 
 def chart(
     measure: Measure, groups: Sequence[Group], spreads: Sequence[Spread | None]
 ) -> str | None:
     """The chart of one measure as an SVG element; None if matplotlib is not there."""
-    try:
-        import matplotlib as mpl
-        from matplotlib.figure import Figure
-    except ImportError:
-        return None
     height = MARGIN + ROW_HEIGHT * len(groups)
-    settings: Any = {"svg.fonttype": "none", "svg.hashsalt": measure.column, "font.size": 10}
-    settings |= dict.fromkeys(("text.color", "axes.edgecolor", "axes.labelcolor"), INK)
-    settings |= {"xtick.color": INK, "ytick.color": INK, "font.family": "sans-serif"}
-    with mpl.rc_context(settings):
-        figure = Figure(figsize=(WIDTH, height), layout="constrained")
+
+    def draw(figure: Figure) -> None:
         axes = figure.subplots()
         _draw(axes, groups, spreads)
         axes.set_xlabel(measure.label)
-        text = io.StringIO()
-        figure.savefig(text, format="svg", transparent=True, metadata={"Date": None})
-    return _for_a_page(text.getvalue())
 
-
-def _for_a_page(drawn: str) -> str:
-    """The SVG element alone, without what is said about it, in the page's colour of text."""
-    element = re.sub(r"(?s)^.*?(?=<svg)|<metadata>.*?</metadata>", "", drawn)
-    return element.replace(INK, "currentColor")
+    return page_chart(measure.column, (WIDTH, height), draw)
 
 
 def _draw(axes: Axes, groups: Sequence[Group], spreads: Sequence[Spread | None]) -> None:

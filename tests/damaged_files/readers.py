@@ -13,6 +13,7 @@ from zlib import crc32
 import bdi
 import floorplan
 import sim
+from navigation.benchmark import map_of, scenes_of
 from sim.bridge import Connection, Exchange, Workcell
 from sim.bridge.client import Client
 from sim.bridge.ledger import Account, Ledger
@@ -174,6 +175,12 @@ def to_agent(path):
     asyncio.run(take())
 
 
+def questions(path):
+    """Ask what a file of questions asks, of the map that it names or of the sample's floor."""
+    floor = path.with_name("floor.yaml") if path.suffix == ".csv" else map_of(path)
+    scenes_of(path, floorplan.load(floor), radius=0.3)
+
+
 READERS = {
     "work.trial.yaml": trial,
     "expectations.yaml": trial,
@@ -186,6 +193,9 @@ READERS = {
     "holes.wkt": floorplan.load,
     "parts.wkt": floorplan.load,
     "floor.dxf": floorplan.load,
+    "rooms.map": floorplan.load,
+    "rooms.map.scen": questions,
+    "questions.csv": questions,
     "map.yaml": floorplan.load,
     "map.pgm": lambda path: floorplan.load(path.with_name("map.yaml")),
     "map.png": lambda path: floorplan.load(path.with_name("picture.yaml")),

@@ -1,5 +1,8 @@
 import csv
 import math
+import sqlite3
+from contextlib import closing
+from dataclasses import replace
 
 import numpy as np
 import ompl.base as ob
@@ -12,7 +15,9 @@ import floorplan
 from floorplan import Floorplan, Obstacle
 from navigation import CollisionWorld
 from navigation.benchmark import (
+    PEERS,
     SHORTFALL,
+    Asked,
     ShortestPaths,
     benchmark,
     scenes,
@@ -20,7 +25,9 @@ from navigation.benchmark import (
     write_csv,
     write_ompl_log,
 )
-from navigation.benchmark.measuring import ompl_clearance, ompl_smoothness
+from navigation.benchmark.attempts import Judge, Spent
+from navigation.benchmark.contenders import Answer
+from navigation.benchmark.geometry import ompl_clearance, ompl_smoothness
 
 
 @pytest.fixture(scope="module")
@@ -30,7 +37,15 @@ def attempts():
 
 
 def without_times(attempts):
-    return [repr({**vars(a), "cpu_seconds": None}) for a in attempts]
+    """What must be the same again: all but times and memory."""
+    return [
+        (
+            *(a.asked, a.reason, a.wrong, a.checks, a.length, a.clearance, a.turning),
+            a.points.tolist(),
+            [(one.iterations, one.length) for one in a.progress],
+        )
+        for a in attempts
+    ]
 
 
 def test_answers_are_measured(attempts):
@@ -42,7 +57,12 @@ def test_answers_are_measured(attempts):
         assert a.clearance >= 0.25 - 1e-9
         assert a.ratio >= 1 - 1e-9
         assert (a.turning == 0) == (a.bends == 0)
-        if a.planner == "Roadmap":
+        assert a.right
+        assert [one.length for one in a.progress] == sorted(
+            {one.length for one in a.progress}, reverse=True
+        )
+        assert a.progress[-1].length == pytest.approx(a.length)
+        if a.asked.planner == "Roadmap":
             assert a.ratio <= 1.01
 
 
@@ -56,10 +76,10 @@ def test_the_same_seed_measures_the_same(attempts):
         seed=1,
         progress=lambda floor, planner: seen.append((floor, planner)),
     )
-    assert without_times(again) == without_times(attempts)
+    assert str(without_times(again)) == str(without_times(attempts))
     assert len(seen) == len(again)
     other = benchmark(plans[:1], ["Roadmap"], queries=6, seed=2)
-    assert without_times(other) != without_times(attempts[:6])
+    assert str(without_times(other)) != str(without_times(attempts[:6]))
 
 
 def test_questions_have_answers():
@@ -114,10 +134,10 @@ def test_summary_has_a_row_for_each_floor_and_planner(attempts):
         ("machine_shop", "Roadmap"),
         ("machine_shop", "RRTConnect"),
     ]
-    first = [a for a in attempts if (a.floorplan, a.planner) == names[0]]
+    first = [a for a in attempts if (a.asked.floorplan, a.asked.planner) == names[0]]
     assert rows[0].queries == 6
-    assert rows[0].solved == 1.0
-    assert rows[0].cpu_median == pytest.approx(1000 * np.median([a.cpu_seconds for a in first]))
+    assert rows[0].solved.value == 1.0
+    assert rows[0].cpu.value == pytest.approx(1000 * np.median([a.cpu_seconds for a in first]))
     assert rows[0].ratio_most == max(a.ratio for a in first)
 
 
@@ -127,50 +147,40 @@ def test_csv_has_every_answer(attempts, tmp_path):
         lines = list(csv.DictReader(file))
     assert len(lines) == len(attempts)
     assert float(lines[3]["length"]) == attempts[3].length
-    assert lines[3]["planner"] == attempts[3].planner
+    assert lines[3]["planner"] == attempts[3].asked.planner
+    assert float(lines[3]["x1"]) == attempts[3].asked.goal[0]
 
 
-def test_ompl_log_reads_as_its_tools_read_it(attempts, tmp_path):
-    """The lines, one after the other, that ompl_benchmark_statistics.py asks for."""
-    there = [a for a in attempts if a.floorplan == "ariac2023"]
+def test_ompl_makes_a_database_of_the_log(attempts, tmp_path):
+    """With its own script, whose database Planner Arena takes."""
+    statistics = pytest.importorskip("ompl.tools")
+    there = [a for a in attempts if a.asked.floorplan == "ariac2023"]
     write_ompl_log(there, tmp_path / "b.log", seed=1)
-    lines = iter((tmp_path / "b.log").read_text().splitlines())
-    assert next(lines).split()[:2] == ["OMPL", "version"]
-    assert next(lines) == "Experiment ariac2023"
-    assert next(lines) == "0 experiment properties"
-    assert next(lines).startswith("Running on ")
-    assert next(lines).startswith("Starting at 2")
-    for _ in range(2):
-        assert next(lines) == "<<<|"
-        while next(lines) != "|>>>":
-            pass
-    assert next(lines) == "1 is the random seed"
-    assert next(lines).endswith(" seconds per run")
-    assert next(lines).endswith(" MB per run")
-    assert next(lines) == "6 runs per planner"
-    assert next(lines).endswith(" seconds spent to collect the data")
-    assert next(lines) == "0 enum types"
-    assert next(lines) == "2 planners"
-    for name in ("Roadmap", "RRTConnect"):
-        assert next(lines) == f"geometric_{name}"
-        assert next(lines) == "0 common properties"
-        count = int(next(lines).removesuffix(" properties for each run"))
-        names = [next(lines) for _ in range(count)]
-        assert {one.split()[-1] for one in names} <= {"REAL", "INTEGER", "BOOLEAN"}
-        runs = [a for a in there if a.planner == name]
-        assert next(lines) == f"{len(runs)} runs"
-        for run in runs:
-            values = next(lines).split("; ")
-            assert values.pop() == ""
-            logged = dict(zip(names, map(float, values), strict=True))
-            assert logged["time REAL"] == run.cpu_seconds
-            assert logged["solution length REAL"] == run.length
-            assert logged["solution smoothness REAL"] == run.ompl_smoothness
-            assert logged["solution clearance REAL"] == run.ompl_clearance
-            assert logged["least clearance REAL"] == run.clearance
-            assert run.clearance - 0.3 <= run.ompl_clearance + 1e-9
-        assert next(lines) == "."
-    assert next(lines, None) is None
+    database = tmp_path / "b.db"
+    statistics.readBenchmarkLog(str(database), [str(tmp_path / "b.log")], False)
+    statistics.computeViews(str(database), False)
+    with closing(sqlite3.connect(database)) as found:
+        found.row_factory = sqlite3.Row
+        (experiment,) = found.execute("SELECT * FROM experiments")
+        assert (experiment["name"], experiment["seed"], experiment["runcount"]) == (
+            "ariac2023",
+            "1",
+            6,
+        )
+        planners = [row["name"] for row in found.execute("SELECT name FROM plannerConfigs")]
+        assert planners == ["geometric_Roadmap", "geometric_RRTConnect"]
+        runs = found.execute("SELECT * FROM runs ORDER BY id").fetchall()
+        for run, attempt in zip(runs, there, strict=True):
+            assert run["time"] == attempt.planning_seconds
+            assert run["simplification_time"] == attempt.simplification_seconds
+            assert run["solution_length"] == attempt.length
+            assert run["solution_smoothness"] == attempt.ompl_smoothness
+            assert run["solution_clearance"] == attempt.ompl_clearance
+            assert run["least_clearance"] == attempt.clearance
+            curve = "SELECT time, best_cost FROM progress WHERE runid = ? ORDER BY time"
+            assert [tuple(row) for row in found.execute(curve, [run["id"]])] == [
+                (one.cpu_seconds, one.length) for one in attempt.progress
+            ]
 
 
 def by_ompl(points, clear):
@@ -228,3 +238,77 @@ def test_a_floor_without_obstacles():
     (one,) = benchmark([plan], ["Roadmap"], queries=1)
     assert one.ratio == 1.0
     assert one.turning == 0.0
+
+
+BARRED = Floorplan("barred", box(0, 0, 10, 10), (Obstacle("wall", box(4, -1, 6, 6), 0.0, 3.0),))
+
+
+def test_budgets_and_parameters_reach_the_planner():
+    """RRT* gets a shorter path the longer it may search; each run has a seed of its own."""
+    few, many = (
+        benchmark([BARRED], ["RRTstar: {simplify: false}"], queries=3, runs=2, iterations=count)
+        for count in (200, 1000)
+    )
+    assert [a.asked.run for a in few] == [0, 1, 0, 1, 0, 1]
+    assert len({a.asked.seed for a in few}) == 6
+    assert sum(a.length for a in many) < sum(a.length for a in few)
+    assert max(one.iterations for a in many for one in a.progress) <= 1001
+    assert all(a.simplification_seconds < a.planning_seconds for a in many)
+    (timed,) = benchmark([BARRED], ["RRTstar: {simplify: false}"], queries=1, seconds=0.02)
+    assert timed.progress
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"planners": ["RRTConect"]}, "did you mean 'RRTConnect'"),
+        ({"planners": ["BITstar: {samples_per_bath: 50}"]}, "no parameter 'samples_per_bath'"),
+        ({"iterations": 0}, "iterations must be 1 or more, found 0"),
+        ({"seconds": 0.0}, "seconds must be above 0 and finite, found 0"),
+        ({"seconds": math.nan}, "seconds must be above 0 and finite, found nan"),
+        ({"radius": math.nan}, "radius must be above 0 and finite, found nan"),
+        ({"runs": 0}, "runs must be 1 or more"),
+    ],
+)
+def test_senseless_terms_are_refused(options, words):
+    terms = {"planners": ["Roadmap"], "queries": 1, **options}
+    with pytest.raises(ValueError, match=words):
+        benchmark([BARRED], **terms)
+
+
+def test_wrong_answers_are_noticed():
+    asked = Asked("barred", "somebody", 0, 0, 0, (1, 2), (9, 2), (), 14.0, math.nan)
+    judge = Judge(CollisionWorld(BARRED), 0.3, longest=1.5)
+
+    def fault(points, reason="", **other):
+        line = None if points is None else np.array(points, dtype=float)
+        answer = Answer(line, reason)
+        return judge.attempt(replace(asked, **other), answer, Spent(0.0, 0.0, 0)).wrong
+
+    over = [(1, 2), (3.7, 6.3), (6.3, 6.3), (9, 2)]
+    assert fault(over) == ""
+    assert fault([(1, 2), (3.8, 6.2), (6.2, 6.2), (9, 2)]) == "touches"
+    assert fault([(1, 2), (9, 2)]) == "touches"
+    assert fault(over[1:]) == "elsewhere"
+    assert fault([*over[:2], (1, 9), (9, 9), over[3]]) == "too long"
+    assert fault(None, "unreachable") == "none"
+    assert fault(None, "unreachable", shortest=math.inf) == ""
+    assert fault(None, "not_found") == ""
+    assert not judge.attempt(asked, Answer(np.full((3, 2), math.nan)), Spent(0.0, 0.0, 0)).solved
+
+
+@pytest.mark.parametrize("peer", PEERS, ids=lambda peer: peer.name)
+def test_peers_answer_the_same_questions(peer):
+    """Each with the radius, round the wall, and none of them into it."""
+    if not peer.installed:
+        with pytest.raises(ValueError, match=f"{peer.name} is not installed: pip install"):
+            benchmark([BARRED], [peer.name], queries=1)
+        pytest.skip(f"{peer.name} is not installed")
+    ours, *theirs = (
+        benchmark([BARRED], [name], queries=8, seed=4) for name in ("Roadmap", peer.name)
+    )
+    for one, other in zip(ours, *theirs, strict=True):
+        assert (one.asked.start, one.asked.goal) == (other.asked.start, other.asked.goal)
+        assert other.right, other.reason
+        assert 1 - 2 * SHORTFALL <= other.ratio < 1.5
+        assert other.clearance > 0.3 - 0.002

@@ -1,4 +1,3 @@
-import csv
 import json
 
 import pytest
@@ -79,20 +78,3 @@ def test_a_plot(tmp_path, floorwalker):
     )
     assert wrong.returncode == 1
     assert "way.txt2" in wrong.stderr
-
-
-def test_benchmark_writes_tables_logs_and_plots(tmp_path, floorwalker):
-    done = floorwalker(
-        *("benchmark", "--floorplan", "ariac2023", "--queries", 4, "--out", tmp_path),
-        *("--planner", "Roadmap", "--planner", "RRTConnect"),
-    )
-    assert "Roadmap" in done.stdout
-    assert "100%" in done.stdout
-    with (tmp_path / "benchmark.csv").open() as file:
-        assert len(list(csv.DictReader(file))) == 8
-    assert (tmp_path / "ariac2023.log").read_text().startswith("OMPL version")
-    # No progress bar where nobody looks.
-    assert done.stderr.count("\n") == 1
-    wrong = floorwalker("benchmark", "--planner", "Dijkstra", ok=False)
-    assert wrong.returncode == 1
-    assert "no planner is called 'Dijkstra'" in wrong.stderr

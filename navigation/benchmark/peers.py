@@ -1,0 +1,240 @@
+"""Planners of other packages, where they are installed, on the same questions.
+
+They know no radius. Those among polygons get the floor shrunk by it, those on a grid only cells
+whose steps all keep it. Ends that lie in the last few millimetres beside a wall, which such floors
+lack, are linked to the nearest place that they have.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from importlib import import_module
+from importlib.util import find_spec
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from floorplan import Point
+
+from ..world import CollisionWorld
+from .contenders import Answer, Progress
+
+CELL = 0.05
+"""Metres. Side of the cells of grid planners."""
+
+COARSENED = 0.002
+"""Metres. How far extremitypathfinder's corners may be off: it takes minutes to look at finer."""
+
+
+class Peer(ABC):
+    """Planner of another package, in `world`, for a disc of `radius` metres."""
+
+    def __init__(self, world: CollisionWorld, radius: float) -> None:
+        self._world, self._radius = world, radius
+
+    @abstractmethod
+    def look(self) -> None:
+        """Take in where things stand now."""
+
+    @abstractmethod
+    def between(self, start: Point, goal: Point) -> Sequence[Point] | None:
+        """Return the path from `start` to `goal`, or None where there is none."""
+
+    def answer(self, start: Point, goal: Point, seed: int) -> Answer:
+        """Return the path from `start` to `goal` (metres); `seed` makes no difference."""
+        begin = time.process_time()
+        try:
+            points = self.between(start, goal)
+        except Exception as why:  # a peer's own failure, whatever it is, is its answer
+            return Answer(None, f"failed: {type(why).__name__}", time.process_time() - begin)
+        taken = time.process_time() - begin
+        if points is None:
+            return Answer(None, "unreachable", taken)
+        path = np.array([start, *points, goal], dtype=float)
+        moves = np.append(True, np.any(np.diff(path, axis=0) != 0, axis=1))
+        length = float(np.hypot(*np.diff(path, axis=0).T).sum())
+        return Answer(path[moves], "", taken, progress=(Progress(0, taken, length),))
+
+
+class _AmongPolygons(Peer):
+    """Planner that searches a polygon with holes: the piece of the free space with both ends."""
+
+    def look(self) -> None:
+        """Make a search for each piece of the free space."""
+        pieces = self._world.free_space(self._radius).pieces
+        self._pieces = [self._coarsened(piece) for piece in pieces]
+        shapely.prepare(self._pieces)
+        self._searches = [self._search(piece) for piece in self._pieces]
+
+    def between(self, start: Point, goal: Point) -> Sequence[Point] | None:
+        """Return the path from `start` to `goal`, or None where they are in different pieces."""
+        one, a = self._inside(start)
+        other, b = self._inside(goal)
+        return self._searches[one](a, b) if one == other else None
+
+    def _inside(self, place: Point) -> tuple[int, Point]:
+        """Return the index of the piece at `place`, and the place in it that is nearest."""
+        inside = np.flatnonzero(shapely.intersects_xy(self._pieces, *place))
+        if len(inside):
+            return int(inside[0]), place
+        at = shapely.Point(place)
+        nearest = int(np.argmin(shapely.distance(self._pieces, at)))
+        link = shapely.shortest_line(self._pieces[nearest], at)
+        x, y = shapely.get_coordinates(link)[0].tolist()
+        return nearest, (x, y)
+
+    def _coarsened(self, piece: shapely.Polygon) -> shapely.Polygon:
+        return piece
+
+    @abstractmethod
+    def _search(self, piece: shapely.Polygon) -> Callable[[Point, Point], Sequence[Point] | None]:
+        """Return a function that searches `piece`."""
+
+
+class JuPedSim(_AmongPolygons):
+    """JuPedSim's routing engine: A* over a triangulation, and the funnel through it."""
+
+    def _search(self, piece: shapely.Polygon) -> Callable[[Point, Point], Sequence[Point] | None]:
+        engine = import_module("jupedsim").RoutingEngine(piece)
+        return lambda start, goal: list(engine.compute_waypoints(start, goal))
+
+
+class Extremity(_AmongPolygons):
+    """extremitypathfinder: A* over the visibility graph of the corners."""
+
+    def _coarsened(self, piece: shapely.Polygon) -> shapely.Polygon:
+        return shapely.orient_polygons(piece.simplify(COARSENED))
+
+    def _search(self, piece: shapely.Polygon) -> Callable[[Point, Point], Sequence[Point] | None]:
+        environment = import_module("extremitypathfinder").PolygonEnvironment()
+        rings = [shapely.get_coordinates(ring)[:-1] for ring in (piece.exterior, *piece.interiors)]
+        environment.store(rings[0], rings[1:], validate=False)
+
+        def search(start: Point, goal: Point) -> Sequence[Point] | None:
+            points, _ = environment.find_shortest_path(start, goal, verify=False)
+            return list(points) or None
+
+        return search
+
+
+class _OnGrid(Peer):
+    """Planner over the cells from whose centres every step to a neighbour keeps the radius."""
+
+    def __init__(self, world: CollisionWorld, radius: float) -> None:
+        super().__init__(world, radius)
+        low_x, low_y, high_x, high_y = world.plan.boundary.bounds
+        self._x = np.arange(low_x, high_x, CELL) + CELL / 2
+        self._y = np.arange(low_y, high_y, CELL) + CELL / 2
+
+    def look(self) -> None:
+        """Draw the free space as cells."""
+        # Half of a diagonal step is from a place at this distance no nearer than the radius.
+        keep = math.hypot(self._radius, CELL * math.sqrt(0.5))
+        x, y = np.meshgrid(self._x, self._y)
+        free = np.zeros(x.shape, bool)
+        for piece in self._world.free_space(keep).pieces:
+            shapely.prepare(piece)
+            free |= shapely.contains_xy(piece, x, y)
+        self._free = free
+        self._take(free)
+
+    def between(self, start: Point, goal: Point) -> Sequence[Point] | None:
+        """Return the centres of cells from `start` to `goal`, or None where they don't lead on."""
+        a, b = self._cell(start), self._cell(goal)
+        cells = None if a is None or b is None else self._search(a, b)
+        if cells is None:
+            return None
+        return [(float(self._x[column]), float(self._y[row])) for row, column in cells]
+
+    def _cell(self, at: Point) -> tuple[int, int] | None:
+        """Return row and column of the free cell nearest to `at`, up to three cells away."""
+        row = int((at[1] - self._y[0]) / CELL + 0.5)
+        column = int((at[0] - self._x[0]) / CELL + 0.5)
+        first_row, first_column = max(row - 3, 0), max(column - 3, 0)
+        near = self._free[first_row : row + 4, first_column : column + 4]
+        rows, columns = np.nonzero(near)
+        if not len(rows):
+            return None
+        rows, columns = rows + first_row, columns + first_column
+        nearest = int(np.argmin(np.hypot(self._x[columns] - at[0], self._y[rows] - at[1])))
+        return int(rows[nearest]), int(columns[nearest])
+
+    @abstractmethod
+    def _take(self, free: NDArray[np.bool_]) -> None:
+        """Make of the free cells what the search needs."""
+
+    @abstractmethod
+    def _search(self, start: tuple[int, int], goal: tuple[int, int]) -> Any:
+        """Return rows and columns of the cells from `start` to `goal`, or None."""
+
+
+class PyAStar2D(_OnGrid):
+    """pyastar2d: A* in C++, for which a diagonal step is no longer than a straight one."""
+
+    def _take(self, free: NDArray[np.bool_]) -> None:
+        self._weights = np.where(free, 1.0, np.inf).astype(np.float32)
+
+    def _search(self, start: tuple[int, int], goal: tuple[int, int]) -> Any:
+        return import_module("pyastar2d").astar_path(
+            self._weights, start, goal, allow_diagonal=True
+        )
+
+
+class ScikitImage(_OnGrid):
+    """scikit-image's minimum cost paths: Dijkstra's search, with diagonal steps at their length."""
+
+    def _take(self, free: NDArray[np.bool_]) -> None:
+        self._costs = np.where(free, 1.0, -1.0)
+
+    def _search(self, start: tuple[int, int], goal: tuple[int, int]) -> Any:
+        graph = import_module("skimage.graph").MCP_Geometric(self._costs)
+        costs, _ = graph.find_costs([start], [goal])
+        return graph.traceback(goal) if np.isfinite(costs[goal]) else None
+
+
+@dataclass(frozen=True)
+class PeerInfo:
+    """A peer that one can ask for by name."""
+
+    name: str
+    """That of its package."""
+    summary: str
+    kind: type[Peer]
+    module: str
+
+    @property
+    def installed(self) -> bool:
+        """True if its package is there."""
+        return find_spec(self.module) is not None
+
+
+PEERS = (
+    PeerInfo("JuPedSim", "its routing engine, on the floor shrunk", JuPedSim, "jupedsim"),
+    PeerInfo(
+        "extremitypathfinder",
+        f"on the floor shrunk, corners up to {1000 * COARSENED:g} mm off",
+        Extremity,
+        "extremitypathfinder",
+    ),
+    PeerInfo("pyastar2d", f"A* on cells of {100 * CELL:g} cm", PyAStar2D, "pyastar2d"),
+    PeerInfo("scikit-image", f"Dijkstra on cells of {100 * CELL:g} cm", ScikitImage, "skimage"),
+)
+"""All peers, by the names that they are asked for."""
+
+
+def peer_named(name: str) -> PeerInfo | None:
+    """Return the peer called `name`, None if there is none; `ValueError` if it isn't installed."""
+    for peer in PEERS:
+        if peer.name == name:
+            if not peer.installed:
+                raise ValueError(
+                    f"{name} is not installed: pip install 'floorwalker[peers]', or {name} alone"
+                )
+            return peer
+    return None

@@ -1,0 +1,44 @@
+"""Matplotlib's figures as elements of a page: SVG in the page's colour of text."""
+
+from __future__ import annotations
+
+import io
+import re
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+INK = "#123456"
+"""Stands for the page's colour of text, and is replaced by it."""
+
+COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8a6d3b")
+"""Those of M. Okabe and K. Ito, which people with colour blindness can distinguish."""
+
+
+def page_chart(name: str, size: tuple[float, float], draw: Callable[[Figure], None]) -> str | None:
+    """Return what `draw` draws, `size` inches wide and high, as an SVG element.
+
+    `name` is that of no other chart on the page. None if matplotlib is not there.
+    """
+    try:
+        import matplotlib as mpl
+        from matplotlib.figure import Figure
+    except ImportError:
+        return None
+    settings: Any = {"svg.fonttype": "none", "svg.hashsalt": name, "font.size": 10}
+    settings |= dict.fromkeys(("text.color", "axes.edgecolor", "axes.labelcolor"), INK)
+    settings |= {"xtick.color": INK, "ytick.color": INK, "font.family": "sans-serif"}
+    with mpl.rc_context(settings):
+        figure = Figure(figsize=size, layout="constrained")
+        draw(figure)
+        text = io.StringIO()
+        figure.savefig(text, format="svg", transparent=True, metadata={"Date": None})
+    return _for_a_page(text.getvalue())
+
+
+def _for_a_page(drawn: str) -> str:
+    """The SVG element alone, without what is said about it, in the page's colour of text."""
+    element = re.sub(r"(?s)^.*?(?=<svg)|<metadata>.*?</metadata>", "", drawn)
+    return element.replace(INK, "currentColor")

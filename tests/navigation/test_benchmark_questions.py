@@ -1,0 +1,145 @@
+import heapq
+import math
+from pathlib import Path
+
+import pytest
+
+import floorplan
+from navigation.benchmark import QuestionsError, benchmark, map_of, scenes_of
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+MAP = """type octile
+height 4
+width 6
+map
+......
+.@@@..
+..T...
+......
+"""
+
+
+@pytest.fixture
+def hall(tmp_path):
+    (tmp_path / "hall.map").write_text(MAP)
+    return tmp_path
+
+
+def ask(path, plan, text, **options):
+    path.write_text(text)
+    return scenes_of(path, plan, radius=0.3, **options)
+
+
+def test_a_table_asks_with_agvs_where_it_says(tmp_path):
+    plan = floorplan.load("ariac2023")
+    text = "x0, y0, x1, y1, agv1\n-15,-10,-5,3.75,as1\n\n-15,-10,-5,3.75,\n-14,-9,-5,3.75,\n"
+    first, second = ask(tmp_path / "q.csv", plan, text)
+    assert dict(first.agvs)["agv1"] == plan.lane("agv1").lane_position("as1")
+    assert dict(second.agvs)["agv1"] == plan.lane("agv1").lane_position(plan.lane("agv1").start)
+    assert first.questions == (((-15.0, -10.0), (-5.0, 3.75)),)
+    assert len(second.questions) == 2
+    (some,) = ask(tmp_path / "q.csv", plan, text.replace("as1", ""), queries=2, seed=1)
+    assert len(some.questions) == 2
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", "line 1: has no column x0"),
+        ("x0,y0,x1,y1\n", "asks no question"),
+        ("x0,y0,x1\n1,2,3\n", "line 1: has no column y1"),
+        ("x0,y0,x1,y1,agv9\n", r"line 1: 'agv9' is no column.*did you mean 'agv[1-4]'"),
+        ("x0,y0,x1,y1\n-15,-10,nan,3\n", "line 2, x1: must be a finite number, found 'nan'"),
+        ("x0,y0,x1,y1\n-15,-10,,3\n", "line 2, x1: must be a finite number, found ''"),
+        ("x0,y0,x1,y1\n-15,-10,3\n", "line 2: has 3 fields; the first line names 4"),
+        ("x0,y0,x1,y1,agv1\n-15,-10,-5,3.75,mars\n", "line 2, agv1: agv1 has no location 'mars'"),
+        ("x0,y0,x1,y1\n-15,-10,99,0\n", r"line 2: the goal \(99, 0\) is outside the boundary"),
+    ],
+)
+def test_what_is_wrong_with_a_table_is_said(tmp_path, text, words):
+    with pytest.raises(QuestionsError, match=words):
+        ask(tmp_path / "q.csv", floorplan.load("ariac2023"), text)
+
+
+def test_a_question_that_has_no_answer_is_one(hall):
+    walls = MAP.replace("..T...", "@@@@@@")
+    (hall / "hall.map").write_text(walls)
+    plan = floorplan.load(hall / "hall.map")
+    (scene,) = ask(hall / "q.csv", plan, "x0,y0,x1,y1\n0.5,0.5,0.5,3.5\n")
+    assert scene.shortest == (math.inf,)
+    (hall / "q.csv").write_text("x0,y0,x1,y1\n0.5,0.5,0.5,3.5\n")
+    (one,) = benchmark([plan], ["Roadmap"], questions=hall / "q.csv")
+    assert (one.solved, one.reason, one.wrong, one.right) == (False, "unreachable", "", True)
+
+
+def test_a_scenario_asks_in_cells_from_the_top(hall):
+    plan = floorplan.load(hall / "hall.map")
+    line = "0\tmaps/hall.map\t6\t4\t0\t0\t3\t3\t5.41421356\n"
+    (scene,) = ask(hall / "hall.map.scen", plan, f"version 1\n{line}")
+    assert map_of(hall / "hall.map.scen") == hall / "hall.map"
+    assert scene.questions == (((0.5, 3.5), (3.5, 0.5)),)
+    assert scene.listed == (5.41421356,)
+    assert scene.shortest[0] < 5.41421356
+    half = floorplan.load_movingai(hall / "hall.map", 0.5)
+    (scene,) = scenes_of(hall / "hall.map.scen", half, radius=0.1)
+    assert scene.questions == (((0.25, 1.75), (1.75, 0.25)),)
+    assert scene.listed == pytest.approx((2.70710678,))
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ("0 other.map 6 4 0 0 3 3 5", "line 2: is about the map other.map, not about the floor"),
+        ("0 hall.map 6 5 0 0 3 3 5", "line 2: is about a map of 6 × 5 cells, which hall is not"),
+        ("0 hall.map 6 4 0 0 3 3", "line 2: has 8 columns"),
+        ("0 hall.map 6 4 0 0 6 3 5", "line 2: a cell is outside the map of 6 × 4"),
+        ("0 hall.map 6 4 0 0 nan 3 5", "line 2: must be a finite number, found 'nan'"),
+        ("0 hall.map 6 4 0 0 1 1 5", r"line 2: the goal \(1\.5, 2\.5\) is inside obstacle1"),
+    ],
+)
+def test_what_is_wrong_with_a_scenario_is_said(hall, line, words):
+    plan = floorplan.load(hall / "hall.map")
+    with pytest.raises(QuestionsError, match=words):
+        ask(hall / "hall.map.scen", plan, f"version 1\n{line}\n")
+
+
+def test_a_scenario_without_its_map_says_so(hall):
+    (hall / "a.scen").write_text("version 1\n0 attic.map 6 4 0 0 3 3 5\n")
+    with pytest.raises(QuestionsError, match=r"line 2: is about attic\.map, but there is no file"):
+        map_of(hall / "a.scen")
+
+
+def over_cells(rows, start, goal):
+    """Length of the shortest path over cells, with diagonal steps that cut no corner (Dijkstra)."""
+    free = {(x, y) for y, row in enumerate(rows) for x, cell in enumerate(row) if cell in ".GS"}
+    best, queue = {start: 0.0}, [(0.0, start)]
+    while queue:
+        far, (x, y) = heapq.heappop(queue)
+        if (x, y) == goal:
+            return far
+        for dx in (-1, 0, 1):
+            for dy in (-1, 0, 1):
+                there, step = (x + dx, y + dy), math.hypot(dx, dy)
+                open_ = {there, (x + dx, y), (x, y + dy)} <= free
+                if open_ and far + step < best.get(there, math.inf):
+                    best[there] = far + step
+                    heapq.heappush(queue, (far + step, there))
+    return math.inf
+
+
+def test_the_example_s_lengths_are_those_over_cells_and_paths_that_may_turn_are_shorter():
+    if not EXAMPLES.is_dir():
+        pytest.skip("the examples are not there")
+    scenario = EXAMPLES / "rooms.map.scen"
+    rows = (EXAMPLES / "rooms.map").read_text().splitlines()[4:]
+    attempts = benchmark([floorplan.load(map_of(scenario))], ["Roadmap"], questions=scenario)
+    assert len(attempts) == 24
+    for attempt in attempts:
+        cells = [
+            (int(x), len(rows) - 1 - int(y)) for x, y in (attempt.asked.start, attempt.asked.goal)
+        ]
+        assert attempt.asked.listed == pytest.approx(over_cells(rows, *cells), abs=1e-6)
+        assert attempt.right
+        assert attempt.ratio <= 1.006
+        # In the open at most 1 - cos(22.5°) shorter; cells go round corners farther out, too.
+        assert 0.85 < attempt.listed_ratio <= 1.001

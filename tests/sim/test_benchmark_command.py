@@ -1,0 +1,94 @@
+import csv
+import math
+from pathlib import Path
+
+import pytest
+import typer
+
+import floorplan
+from navigation.benchmark import benchmark
+from sim.commands.benchmark import benchmark as command
+from sim.views.benchmark import write_page
+
+ROWS = ["........", "..@@@...", "..@.....", "....@@..", "........", "........"]
+MAP = "\n".join(["type octile", "height 6", "width 8", "map", *ROWS])
+SCENARIO = (
+    "version 1\n0\thall.map\t8\t6\t0\t0\t5\t2\t6.24264069\n0\thall.map\t8\t6\t7\t5\t1\t1\t7.65\n"
+)
+
+
+@pytest.fixture
+def hall(tmp_path):
+    (tmp_path / "hall.map").write_text(MAP)
+    (tmp_path / "hall.map.scen").write_text(SCENARIO)
+    return tmp_path
+
+
+def test_a_scenario_is_asked_and_everything_written(hall, floorwalker):
+    done = floorwalker(
+        *("benchmark", "--questions", hall / "hall.map.scen", "--runs", 2, "--out", hall / "out"),
+        *("--planner", "Roadmap", "--planner", "BITstar: {samples_per_batch: 50}"),
+        *("--iterations", 300, "--longest", 1.5),
+    )
+    assert done.returncode == 0, done.stderr
+    assert "BITstar:" in done.stdout
+    assert done.stderr.count("\n") == 1
+    with (hall / "out" / "benchmark.csv").open() as file:
+        answers = list(csv.DictReader(file))
+    assert len(answers) == 2 * 2 * 2
+    assert {answer["listed"] for answer in answers} == {"6.24264069", "7.65"}
+    with (hall / "out" / "summary.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert [row["planner"] for row in rows] == ["Roadmap", "BITstar: {samples_per_batch: 50}"]
+    assert rows[0]["solved"] == "1.0"
+    assert (hall / "out" / "hall.log").read_text().startswith("OMPL version")
+    assert "<h2>hall</h2>" in (hall / "out" / "report.html").read_text()
+
+
+@pytest.mark.parametrize(
+    ("options", "why"),
+    [
+        ({"planner": ["Dijkstra"]}, "no planner is called 'Dijkstra'"),
+        ({"planner": ["RRTConnect: {rang: 1}"]}, "no parameter 'rang'; did you mean 'range'?"),
+        ({"seconds": 0.0}, "--seconds: must be above 0 and finite, found 0"),
+        ({"seconds": math.nan}, "--seconds: must be above 0 and finite, found nan"),
+        ({"radius": math.nan}, "--radius: must be above 0 and finite, found nan"),
+        ({"longest": 0.5}, "--longest: must be above 1 and finite, found 0.5"),
+        ({"cell": 1.0}, "--cell 1 is of a MovingAI map, and there is none"),
+        ({"questions": Path("none.csv")}, "--questions none.csv needs --floorplan"),
+        ({"questions": Path("none.scen")}, "none.scen: there is no such file"),
+    ],
+)
+def test_senseless_options_are_named(options, why):
+    with pytest.raises((ValueError, typer.BadParameter)) as found:
+        command(**options)
+    hint = getattr(found.value, "param_hint", None)
+    assert why in (f"{hint}: {found.value}" if hint else str(found.value))
+
+
+def test_senseless_options_are_one_message(floorwalker):
+    for words, code in ((["--planner", "Dijkstra"], 1), (["--runs", 0], 2)):
+        done = floorwalker("benchmark", *words)
+        assert done.returncode == code
+        assert words[0].strip("-") in done.stderr
+        assert "Traceback" not in done.stderr
+
+
+def test_the_report_shows_every_planner_and_can_be_read(tmp_path, open_address):
+    """Also a planner that found nothing: in light and dark, wide and narrow."""
+    plan = floorplan.load("machine_shop")
+    planners = ["Roadmap", "RRTConnect", "RRTstar: {iterations: 2}"]
+    attempts = benchmark([plan], planners, queries=7, seed=2)
+    assert {a.solved for a in attempts} == {True, False}
+    assert all(math.isnan(a.length) for a in attempts if not a.solved)
+    page = tmp_path / "report.html"
+    write_page(attempts, [plan], page, terms={"seed": "2"}, on_the_clock=True)
+    viewer = open_address(page.as_uri())
+    shown = viewer.page.inner_text("body")
+    assert all(name in shown for name in planners)
+    assert "depends on this machine" in shown
+    assert viewer.page.locator("polyline.path").count() == 2
+    viewer.page.get_by_role("checkbox").first.uncheck()
+    assert viewer.page.locator("polyline.path:visible").count() == 1
+    viewer.page.set_viewport_size({"width": 420, "height": 900})
+    assert viewer.page.evaluate("document.documentElement.scrollWidth") <= 420
