@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import itertools
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Hashable, Mapping
 from typing import Any
 
 import numpy as np
@@ -12,15 +11,15 @@ from numpy.typing import ArrayLike
 
 from floorplan import Point, require
 
-from .bodies import Body
 from .catalog import ROADMAP, Setting
 from .choice import PlannerChoice
 from .freespace import STEP
 from .obstruction import blocked_place, explain_cut_off
+from .ompl_setup import Question
 from .path import Path, PlanningError, Reason, Watch
 from .roadmap import HAIR, Roadmap
-from .sampling import Question, sample_path
-from .search import shortest_path
+from .roadmap_planner import SLACK, roadmap_path
+from .sampling import sample_path
 from .world import CollisionWorld
 
 COARSE = math.radians(15.0)
@@ -29,14 +28,8 @@ COARSE = math.radians(15.0)
 TOO_CLOSE = 1e-3
 """Metres. A start may be this much too close to something."""
 
-_MANY = 3
-"""Once a path meets this many bodies, it pays to find out first whether there is one at all."""
-
 _STEP = HAIR / 100
 """Metres. Shorter steps are left out of a path: their direction is mostly rounding."""
-
-_SLACK = HAIR / 2
-"""Metres. Clearance asked of a path beyond the radius, so that rounding can't take it away."""
 
 
 class PathPlanner:
@@ -45,7 +38,8 @@ class PathPlanner:
     The world is read as it is when a path is asked for. `ignore` names bodies that are no
     obstacle, above all the person for whom the planner plans. Paths go round corners in bends of
     `step` radians at most: smaller ones hug the corners closer, and are more. `planner` is the one
-    to ask: see `PlannerChoice.of`.
+    to ask: see `PlannerChoice.of`. Of the paths found since anything on the floor moved, the last
+    `keep` are kept, and are the answer to the same question.
     """
 
     def __init__(
@@ -56,6 +50,7 @@ class PathPlanner:
         *,
         step: float = COARSE,
         planner: PlannerChoice | str | Mapping[str, Any] | type = ROADMAP,
+        keep: int = 0,
     ) -> None:
         require(world, CollisionWorld)
         self.world = world
@@ -69,6 +64,9 @@ class PathPlanner:
         self.choice = PlannerChoice.of(planner)
         """The planner that is asked where a question names no other."""
         self.choice.check()
+        self._keep = keep
+        self._kept: dict[Hashable, Path] = {}
+        self._kept_at = world.changes
 
     def __repr__(self) -> str:
         return f"<PathPlanner for a radius of {self.radius:g} m in {self.world!r}>"
@@ -92,10 +90,27 @@ class PathPlanner:
         makes no sense.
         """
         choice = self._choice(planner, parameters)
+        a, b = _place(start, "start"), _place(goal, "goal")
+        if not self._keep:
+            return self._found(a, b, choice, seed, watch)
+        if self._kept_at != self.world.changes:
+            self._kept_at = self.world.changes
+            self._kept.clear()
+        question = (a, b, choice, seed)
+        path = self._kept.get(question)
+        if path is None:
+            path = self._kept[question] = self._found(a, b, choice, seed, watch)
+            if len(self._kept) > self._keep:
+                del self._kept[next(iter(self._kept))]
+        return path
+
+    def _found(
+        self, a: Point, b: Point, choice: PlannerChoice, seed: int, watch: Watch | None
+    ) -> Path:
+        """Return the path from `a` to `b` that is found now."""
         if away := self.ignore & {body.name for body in self.world.bodies}:
             without = PathPlanner(self.world.as_if(away=away), self.radius, step=self.step)
-            return without.plan(start, goal, planner=choice, seed=seed, watch=watch)
-        a, b = _place(start, "start"), _place(goal, "goal")
+            return without.plan(a, b, planner=choice, seed=seed, watch=watch)
         before = self.world.checks
         leave = self._footing(a, "start", TOO_CLOSE)
         arrive = self._footing(b, "goal", 0.0)
@@ -133,7 +148,7 @@ class PathPlanner:
     def _sampled(
         self, start: Point, goal: Point, choice: PlannerChoice, seed: int, watch: Watch | None
     ) -> list[Point]:
-        keep = self.radius + _SLACK
+        keep = self.radius + SLACK
         low_x, low_y, high_x, high_y = self.world.plan.boundary.bounds
 
         def free(a: Point, b: Point) -> bool:
@@ -149,16 +164,11 @@ class PathPlanner:
         raise PlanningError("not_found", message)
 
     def _shortest(self, start: Point, goal: Point) -> list[Point]:
-        if self.world.segment_free(start, goal, self.radius + _SLACK):
-            return [start, goal]
-        if not self.world.fixed_space(self.radius + HAIR).together(start, goal):
+        points = roadmap_path(self.world, start, goal, self.radius, self.step)
+        if points is not None:
+            return points
+        if not self._connected(start, goal):
             raise self._unreachable(start, goal)
-        for step in (self.step, STEP):
-            points = self._around_bodies(self.roadmap(step), start, goal)
-            if points is not None:
-                return points
-            if not self._connected(start, goal):
-                raise self._unreachable(start, goal)
         raise PlanningError("not_found", "no path was found, though there should be one")
 
     def _connected(self, start: Point, goal: Point) -> bool:
@@ -168,45 +178,13 @@ class PathPlanner:
         explain = explain_cut_off(self.world, start, goal, self.radius)
         return PlanningError("unreachable", explain)
 
-    def _around_bodies(self, roadmap: Roadmap, start: Point, goal: Point) -> list[Point] | None:
-        """Return the shortest path on `roadmap` round the bodies that it meets.
-
-        Bodies are taken in only when a path runs into them. That is enough: a shortest path round
-        some of the bodies that is clear of all others is the shortest path round all.
-        """
-        keep = self.radius + _SLACK
-        met: list[Body] = []
-
-        def hit(a: Point, b: Point) -> bool:
-            return any(body in met for body in self.world.hits(a, b, keep))
-
-        def hopeless() -> bool:
-            return not self._connected(start, goal)
-
-        ends = roadmap.ends(start, goal)
-        while True:
-            points = shortest_path(roadmap, ends, met, hit, hopeless)
-            if points is None:
-                return None
-            fresh = [
-                body
-                for a, b in itertools.pairwise(points)
-                for body in self.world.hits(a, b, keep)
-                if body not in met
-            ]
-            if not fresh:
-                return points
-            met += dict.fromkeys(fresh)
-            if len(met) >= _MANY and hopeless():
-                return None
-
     def _footing(self, place: Point, end: str, tolerance: float) -> Point:
         """Return `place`, or where to go first from there if it is a hair too close to something.
 
         `PlanningError` if it is more than `tolerance` metres too close.
         """
         world = self.world
-        if world.free(place, self.radius + _SLACK):
+        if world.free(place, self.radius + SLACK):
             return place
         reason: Reason = "start_blocked" if end == "start" else "goal_blocked"
         gap = world.distance(place)

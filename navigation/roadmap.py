@@ -76,6 +76,8 @@ class Roadmap:
         shapely.prepare(self._edges)
         edges = edges_of_room(floor)
         self.bends = self._standing_bends(corners(edges))
+        self.asked: dict[tuple[int, int], bool] = {}
+        """FCL's answers about links between bends, by the numbers of both, the lower first."""
         self._links: dict[int, list[Link]] = {}
         self._between: Floats | None = None
         self._sight: Sight | None = None

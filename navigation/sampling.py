@@ -9,8 +9,7 @@ from __future__ import annotations
 import heapq
 import itertools
 import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
 from typing import Any
 
 import ompl.base as ob
@@ -21,10 +20,8 @@ from floorplan import Point
 
 from .catalog import ITERATIONS, Setting, fit, planner_info, set_parameter
 from .choice import PlannerChoice
+from .ompl_setup import OmplSetup, Question, TooManyChecksError, no_log
 from .path import Watch
-
-Free = Callable[[Point, Point], bool]
-"""Function that returns whether the segment between two places is free."""
 
 MOST_CHECKS = 200
 """Collision checks per iteration, on average, after which a planner that won't stop is stopped."""
@@ -33,21 +30,6 @@ MOST_CHECKS = 200
 _LOST_IF_STRAIGHT = ("AORRTC", "SORRTstar")
 """Planners of OMPL 2.0.1 that fail where the start sees the goal: the first answers with a path of
 no length, the second never."""
-
-
-class _TooManyChecksError(Exception):
-    """Ends a search from inside when it exceeds its budget."""
-
-
-@dataclass(frozen=True)
-class Question:
-    """A path to be found from `start` to `goal` between `low` and `high` corners (metres)."""
-
-    start: Point
-    goal: Point
-    low: Point
-    high: Point
-    free: Free
 
 
 def sample_path(
@@ -66,109 +48,52 @@ def sample_path(
     settings = dict(choice.parameters)
     iterations = fit("iterations", settings.pop("iterations", usual), 1)
     simplify = fit("simplify", settings.pop("simplify", True), True)
-    level = ou.getLogLevel()
-    ou.setLogLevel(ou.LOG_NONE)
     # OMPL takes this as the first seed of all that follows only if it is not 0.
-    ou.RNG.setSeed(seed + 1)
-    search = _OmplSearch(question, iterations, watch or Watch())
-    try:
-        return search.run(choice, settings, simplify)
-    except _TooManyChecksError:
-        return None
-    finally:
-        search.release()
-        ou.setLogLevel(level)
+    with no_log():
+        ou.RNG.setSeed(seed + 1)
+        search = _Search(question, iterations, watch or Watch())
+        try:
+            return search.run(choice, settings, simplify)
+        except TooManyChecksError:
+            return None
+        finally:
+            search.release()
 
 
-class _Motions(ob.MotionValidator):  # type: ignore[misc]
-    """Answers OMPL which segments are free, each as one sweep."""
-
-    def __init__(self, information: Any, free: Free, most: int) -> None:
-        super().__init__(information)
-        self._free = free
-        self._left = most
-
-    def checkMotion(self, a: Any, b: Any, *_: Any) -> bool:
-        self._left -= 1
-        if self._left < 0:
-            raise _TooManyChecksError
-        return self._free((a[0], a[1]), (b[0], b[1]))
-
-
-class _Places(ob.StateValidityChecker):  # type: ignore[misc]
-    """Answers OMPL which places are free."""
-
-    def __init__(self, information: Any, free: Free, most: int) -> None:
-        super().__init__(information)
-        self._free = free
-        self._left = most
-
-    def isValid(self, at: Any) -> bool:
-        self._left -= 1
-        if self._left < 0:
-            raise _TooManyChecksError
-        place = (at[0], at[1])
-        return self._free(place, place)
-
-
-class _OmplSearch:
-    """One question to OMPL, with objects of its own: nothing is left over for the next."""
+class _Search:
+    """One question to a planner of OMPL's, with a budget of iterations."""
 
     def __init__(self, question: Question, iterations: int, watch: Watch) -> None:
         self._question = question
         self._watch = watch
         self._iterations = iterations
-        bounds = ob.RealVectorBounds(2)
-        for axis in (0, 1):
-            bounds.setLow(axis, question.low[axis])
-            bounds.setHigh(axis, question.high[axis])
-        self._space: Any = ob.RealVectorStateSpace(2)
-        self._space.setBounds(bounds)
-        self._setup: Any = og.SimpleSetup(self._space)
-        self._information: Any = self._setup.getSpaceInformation()
-        most = MOST_CHECKS * iterations
-        self._motions: Any = _Motions(self._information, question.free, most)
-        self._places: Any = _Places(self._information, question.free, most)
-        self._information.setMotionValidator(self._motions)
-        self._setup.setStateValidityChecker(self._places)
-        self._setup.setStartAndGoalStates(self._state(question.start), self._state(question.goal))
-        self._planner: Any = None
-
-    def release(self) -> None:
-        """Release OMPL's objects in an order that it survives."""
-        self._planner = None
-        self._setup = None
-        self._motions = None
-        self._places = None
-        self._information = None
-        self._space = None
+        self._setup = OmplSetup(question, MOST_CHECKS * iterations)
+        self.release = self._setup.release
 
     def run(
         self, choice: PlannerChoice, settings: Mapping[str, Setting], simplify: bool
     ) -> list[Point] | None:
+        """Return the path that the planner of `choice` finds, or None."""
         if choice.kind is not None:
-            self._planner = choice.kind(self._information, **settings)
+            planner = choice.kind(self._setup.information, **settings)
         else:
-            self._planner = getattr(og, choice.name)(self._information)
+            planner = getattr(og, choice.name)(self._setup.information)
             for parameter, value in settings.items():
-                set_parameter(self._planner, parameter, value)
-        self._setup.setPlanner(self._planner)
-        self._setup.setup()
+                set_parameter(planner, parameter, value)
+        self._setup.use(planner)
         if choice.name in ("PRM", "PRMstar"):
             points = self._through_roadmap()
-            return points and self._simplified(points, simplify)
-        self._setup.solve(self._budget())
-        if not self._setup.haveExactSolutionPath():
-            return None
-        return self._finished(self._setup.getSolutionPath(), simplify)
+            return points and self._finished(self._setup.path(points), simplify)
+        path = self._setup.solve(self._budget())
+        return None if path is None else self._finished(path, simplify)
 
     def _budget(self) -> Any:
         count = itertools.count(1)
-        watch, most = self._watch, self._iterations
+        setup, watch, most = self._setup, self._watch, self._iterations
 
+        # AORRTC keeps this function: it must not keep the planner in turn, but `setup` lets go.
         def spent() -> bool:
-            # Some planners keep their budget: one that held them in turn would never be freed.
-            return next(count) > most or watch.iteration(self._planner)
+            return next(count) > most or watch.iteration(setup.planner)
 
         return ob.PlannerTerminationCondition(spent)
 
@@ -178,32 +103,18 @@ class _OmplSearch:
         Its own search runs in a thread that never gets to ask a Python budget, so only the
         samples and links are OMPL's, and the search is done here.
         """
-        self._planner.growRoadmapPtc(self._budget())
-        data = ob.PlannerData(self._information)
-        self._planner.getPlannerData(data)
+        self._setup.planner.growRoadmapPtc(self._budget())
+        data = ob.PlannerData(self._setup.information)
+        self._setup.planner.getPlannerData(data)
         places = [_place(data.getVertex(k).getState()) for k in range(data.numVertices())]
         links: list[list[int]] = [sorted(data.getEdges(k)) for k in range(data.numVertices())]
         return _over_samples(places, links, self._question)
 
-    def _simplified(self, points: Sequence[Point], simplify: bool) -> list[Point]:
-        path = og.PathGeometric(self._information)
-        for place in points:
-            path.append(self._state(place))
-        return self._finished(path, simplify)
-
     def _finished(self, path: Any, simplify: bool) -> list[Point]:
         self._watch.solved()
         if simplify:
-            og.PathSimplifier(self._information).simplifyMax(path)
-        points = [_place(state) for state in path.getStates()]
-        points[0], points[-1] = self._question.start, self._question.goal
-        return [points[0], *(b for a, b in itertools.pairwise(points) if a != b)]
-
-    def _state(self, place: Point) -> Any:
-        # Unlike those of the space, the information's states are freed when Python lets go.
-        state = self._information.allocState()
-        state[0], state[1] = place
-        return state
+            og.PathSimplifier(self._setup.information).simplifyMax(path)
+        return self._setup.points(path)
 
 
 def _place(state: Any) -> Point:

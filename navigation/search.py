@@ -22,6 +22,12 @@ from .roadmap import BodyBends, Ends, Link, Roadmap
 _Entry = tuple[float, float, int, int]
 """Lower bound of a path's length, length up to its last link, and that link."""
 
+Free = Callable[[int, int, Point, Point], bool]
+"""Function that returns whether the link between two places is free, by their numbers and points.
+
+Numbers below that of the roadmap's bends are those of bends.
+"""
+
 PATIENCE = 200
 """Number of links after which a search asks whether there is a path at all."""
 
@@ -34,19 +40,19 @@ def shortest_path(
     roadmap: Roadmap,
     ends: Ends,
     bodies: Sequence[Body],
-    hit: Callable[[Point, Point], bool],
+    free: Free,
     hopeless: Callable[[], bool],
 ) -> list[Point] | None:
     """Return the shortest path on `roadmap` round `bodies`, or None where there is none.
 
-    `hit(a, b)` returns whether a straight link that is free of the floor's obstacles runs into
-    a body. `hopeless()` is asked once if the search takes long, and ends it if it is true.
+    `free` decides about each link that the search takes. `hopeless()` is asked once if the search
+    takes long, and ends it if it is true.
     """
-    return _Search(roadmap, ends, [roadmap.around(body) for body in bodies], hit).run(hopeless)
+    return _Search(roadmap, ends, [roadmap.around(body) for body in bodies], free).run(hopeless)
 
 
 class _Search:
-    """One A* search. Links are checked against bodies only when the search takes them.
+    """One A* search. Links are checked only when the search takes them.
 
     The floor's bends have the numbers below N; those of bodies, then the start and the goal
     follow.
@@ -57,9 +63,9 @@ class _Search:
         roadmap: Roadmap,
         ends: Ends,
         around: Sequence[BodyBends],
-        hit: Callable[[Point, Point], bool],
+        free: Free,
     ) -> None:
-        self._hit = hit
+        self._free = free
         self._fixed = len(roadmap.bends)
         extra = np.array(
             [*itertools.chain(*(part.bends.point for part in around)), ends.start, ends.goal]
@@ -132,7 +138,7 @@ class _Search:
             _, so_far, here, there = heapq.heappop(queue)
             if so_far >= best.get(there, math.inf):
                 continue
-            if self._hit(self._point(here), self._point(there)):
+            if not self._free(here, there, self._point(here), self._point(there)):
                 continue
             best[there] = so_far
             before[there] = here

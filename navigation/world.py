@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 
 import numpy as np
 import shapely
@@ -178,14 +178,20 @@ class CollisionWorld:
         """Return whether a disc of `radius` metres around `point` touches nothing."""
         return self.segment_free(point, point, radius)
 
-    def segment_free(self, a: Point, b: Point, radius: float) -> bool:
-        """Return whether a disc of `radius` metres touches nothing on the segment from a to b."""
+    def segment_free(
+        self, a: Point, b: Point, radius: float, among: Iterable[Body] | None = None
+    ) -> bool:
+        """Return whether a disc of `radius` metres touches nothing on the segment from a to b.
+
+        Of the bodies only those `among` the given ones count, by default all.
+        """
         self.checks += 1
+        bodies = self._bodies.values() if among is None else among
         if not (self._within(a, radius) and self._within(b, radius)):
             return False
         sweep = self._sweep.between(a, b, radius)
         return not touch(sweep, self._solid) and not any(
-            touch(sweep, body.solid) for body in self._bodies.values() if body.near(a, b, radius)
+            touch(sweep, body.solid) for body in bodies if body.near(a, b, radius)
         )
 
     def hits(self, a: Point, b: Point, radius: float) -> list[Body]:

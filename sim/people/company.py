@@ -19,6 +19,9 @@ from .minds import Mind, Outside, kept_beliefs, live_beliefs, make_agent
 from .person import Person
 from .programs import EXTERNAL
 
+MOST_PATHS = 256
+"""Number of paths that people of a size keep in mind: patrols ask for the same ones all day."""
+
 
 class Company:
     """The people of a scenario on a stage: they share planners by size, and can hear each other.
@@ -55,7 +58,7 @@ class Company:
     def _planner(self, radius: float) -> PathPlanner:
         """Return the one planner for all people of a size: its roadmap is worth sharing."""
         if radius not in self._planners:
-            self._planners[radius] = PathPlanner(self._stage.world, radius)
+            self._planners[radius] = PathPlanner(self._stage.world, radius, keep=MOST_PATHS)
         return self._planners[radius]
 
     def _make_mind(self, person: Person, entry: PersonEntry, before: Mind | None) -> Mind:

@@ -27,9 +27,6 @@ from ..core.stage import Stage
 REPORT_DELAY = 0.1
 """Seconds until somebody who is sent to where they are already says that they are there."""
 
-MOST_PATHS = 256
-"""Number of paths that somebody keeps in mind."""
-
 Place = tuple[float, float]
 
 
@@ -56,8 +53,6 @@ class Walker:
         self.replans = 0
         self._clock = stage.clock
         self._planner = planner
-        self._known_paths: dict[tuple[Place, Place], list[Place]] = {}
-        self._floor_known = planner.world.changes
         self._record = stage.record
         self._arrived = arrived
         self._arrival = Alarm(stage.clock, self._arrive, Turn.MOTION_ENDS)
@@ -138,19 +133,6 @@ class Walker:
         return join([braking, onwards])
 
     def _path(self, start: Place, goal: Place) -> list[Place]:
-        """Return the path from `start` to `goal`; a known one if nothing has moved since."""
-        changes = self._planner.world.changes
-        if changes != self._floor_known:
-            self._floor_known = changes
-            self._known_paths.clear()
-        path = self._known_paths.get((start, goal))
-        if path is None:
-            path = self._known_paths[start, goal] = self._plan(start, goal)
-            if len(self._known_paths) > MOST_PATHS:
-                del self._known_paths[next(iter(self._known_paths))]
-        return path
-
-    def _plan(self, start: Place, goal: Place) -> list[Place]:
         try:
             path = self._planner.plan(start, goal)
         except PlanningError as why:

@@ -289,6 +289,34 @@ def test_sampling_planners_prove_nothing_but_the_world_does(name):
     assert cut.value.reason == "unreachable"
 
 
+def test_links_are_what_fcl_says_is_free(world, monkeypatch):
+    start, goal = (-15.0, -10.0), (-19.0, 0.0)
+    ask, asked = CollisionWorld.segment_free, []
+
+    def noting(self, a, b, radius, among=None):
+        asked.append({a, b})
+        return ask(self, a, b, radius, among)
+
+    monkeypatch.setattr(CollisionWorld, "segment_free", noting)
+    # A radius of its own: what was asked for others is remembered with the floor.
+    path = PathPlanner(world, 0.3 + 1e-9).plan(start, goal)
+    points = [*map(tuple, path.points.tolist())]
+    assert len(points) > 2
+    assert all({a, b} in asked for a, b in itertools.pairwise(points))
+
+
+def test_kept_paths_are_those_of_the_floor_as_it_is(world):
+    planner = PathPlanner(world, 0.3, keep=2)
+    question = ((-11.3, 6.0), (-11.3, 3.5))
+    path = planner.plan(*question)
+    assert planner.plan(*question) is path
+    assert planner.plan(*question, planner="RRT") is not path
+    world.move_agv("agv1", 9.0)
+    assert len(planner.plan(*question).points) > 2
+    world.move_agv("agv1", "kitting")
+    assert planner.plan(*question).points.tolist() == path.points.tolist()
+
+
 def test_a_budget_that_is_too_small(world):
     with pytest.raises(PlanningError, match="RRT found no") as spent:
         PathPlanner(world, 0.3).plan(
@@ -325,7 +353,7 @@ def test_nothing_is_printed_at_exit():
         "import floorplan, navigation\n"
         "world = navigation.CollisionWorld(floorplan.load('ariac2023'))\n"
         "planner = navigation.PathPlanner(world, 0.3)\n"
-        "for name in ('RRTConnect', 'PRM', 'BITstar'):\n"
+        "for name in ('Roadmap', 'RRTConnect', 'PRM', 'BITstar', 'AORRTC'):\n"
         "    planner.plan((-15, -10), (-19, 0), planner=name)\n"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
