@@ -40,7 +40,7 @@ from .monitor import (
 )
 from .motion import Cubic, Motion, Piece, State, join, standing
 from .odometer import Enclosure, Odometer
-from .path import Path, PlannerInfo, PlanningError, Watch
+from .path import Path, PlannerError, PlannerInfo, PlanningError, Watch
 from .planner import PathPlanner
 from .profiles import AxisLimits, AxisState
 from .separation import (
@@ -100,6 +100,7 @@ __all__ = [
     "PathPlanner",
     "Piece",
     "PlannerChoice",
+    "PlannerError",
     "PlannerInfo",
     "PlanningError",
     "Scaled",

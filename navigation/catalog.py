@@ -84,7 +84,7 @@ def check_parameters(info: PlannerInfo, parameters: Mapping[str, Setting]) -> No
         if name not in info.parameters:
             hint = suggestion(name, info.parameters)
             raise ValueError(f"{info.name} has no parameter {name!r}; {hint}")
-    settings = _without_every(parameters)
+    settings = without_every(parameters)
     if settings:
         space = ob.RealVectorStateSpace(2)
         planner = getattr(og, info.name)(ob.SpaceInformation(space))
@@ -98,7 +98,7 @@ def check_own(kind: type, parameters: Mapping[str, Setting]) -> None:
         signature = inspect.signature(kind)
     except (TypeError, ValueError):  # written in C++
         return
-    given = _without_every(parameters)
+    given = without_every(parameters)
     try:
         signature.bind(None, **given)
     except TypeError as why:
@@ -108,7 +108,7 @@ def check_own(kind: type, parameters: Mapping[str, Setting]) -> None:
         raise ValueError(f"{kind.__qualname__}: {why}{hint}") from None
 
 
-def _without_every(parameters: Mapping[str, Setting]) -> dict[str, Setting]:
+def without_every(parameters: Mapping[str, Setting]) -> dict[str, Setting]:
     """Return `parameters` without those that all planners have; `ValueError` if one is unfit."""
     rest = dict(parameters)
     fit("iterations", rest.pop("iterations", 1), 1)

@@ -8,7 +8,15 @@ from typing import Any
 
 from floorplan import InputError, field_name, parse_yaml
 
-from .catalog import ROADMAP, Setting, check_own, check_parameters, planner_info
+from .catalog import (
+    EVERY,
+    ROADMAP,
+    Setting,
+    check_own,
+    check_parameters,
+    planner_info,
+    without_every,
+)
 
 _FORMS = "a name, or {name: RRTConnect, range: 1.0}"
 
@@ -35,6 +43,11 @@ class PlannerChoice:
     def is_own(self) -> bool:
         """True if it is code of the user's own."""
         return self.kind is not None or ":" in self.name
+
+    @property
+    def own_parameters(self) -> dict[str, Setting]:
+        """The parameters but for those that every planner has."""
+        return {name: value for name, value in self.parameters if name not in EVERY}
 
     @staticmethod
     def of(given: PlannerChoice | str | Mapping[str, Any] | type) -> PlannerChoice:
@@ -69,7 +82,9 @@ class PlannerChoice:
         """
         if self.kind is not None:
             check_own(self.kind, dict(self.parameters))
-        elif not self.is_own:
+        elif self.is_own:
+            without_every(dict(self.parameters))
+        else:
             check_parameters(planner_info(self.name), dict(self.parameters))
 
 

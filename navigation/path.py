@@ -63,6 +63,10 @@ class PlanningError(Exception):
         return (type(self), (self.reason, self.message))
 
 
+class PlannerError(ValueError):
+    """A planner that can't be found, or that failed: its path may be no answer."""
+
+
 @dataclass(frozen=True)
 class PlannerInfo:
     """A planner that one can ask for by name."""

@@ -38,8 +38,8 @@ class PathPlanner:
     The world is read as it is when a path is asked for. `ignore` names bodies that are no
     obstacle, above all the person for whom the planner plans. Paths go round corners in bends of
     `step` radians at most: smaller ones hug the corners closer, and are more. `planner` is the one
-    to ask: see `PlannerChoice.of`. Of the paths found since anything on the floor moved, the last
-    `keep` are kept, and are the answer to the same question.
+    to ask: see `PlannerChoice.of`; `seed` is that of its samples. Of the paths found since anything
+    on the floor moved, the last `keep` are kept, and are the answer to the same question.
     """
 
     def __init__(
@@ -50,6 +50,7 @@ class PathPlanner:
         *,
         step: float = COARSE,
         planner: PlannerChoice | str | Mapping[str, Any] | type = ROADMAP,
+        seed: int = 0,
         keep: int = 0,
     ) -> None:
         require(world, CollisionWorld)
@@ -64,6 +65,7 @@ class PathPlanner:
         self.choice = PlannerChoice.of(planner)
         """The planner that is asked where a question names no other."""
         self.choice.check()
+        self.seed = seed
         self._keep = keep
         self._kept: dict[Hashable, Path] = {}
         self._kept_at = world.changes
@@ -78,7 +80,7 @@ class PathPlanner:
         *,
         planner: PlannerChoice | str | Mapping[str, Any] | type | None = None,
         parameters: Mapping[str, Setting] | None = None,
-        seed: int = 0,
+        seed: int | None = None,
         watch: Watch | None = None,
     ) -> Path:
         """Return a path from `start` to `goal` (x, y in metres) that keeps the radius clear.
@@ -90,6 +92,7 @@ class PathPlanner:
         makes no sense.
         """
         choice = self._choice(planner, parameters)
+        seed = self.seed if seed is None else seed
         a, b = _place(start, "start"), _place(goal, "goal")
         if not self._keep:
             return self._found(a, b, choice, seed, watch)

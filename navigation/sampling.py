@@ -9,7 +9,9 @@ from __future__ import annotations
 import heapq
 import itertools
 import math
+import traceback
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import ompl.base as ob
@@ -21,11 +23,14 @@ from floorplan import Point
 from .catalog import ITERATIONS, Setting, fit, planner_info, set_parameter
 from .choice import PlannerChoice
 from .ompl_setup import OmplSetup, Question, TooManyChecksError, no_log
-from .path import Watch
+from .path import PlannerError, Watch
 
 MOST_CHECKS = 200
 """Collision checks per iteration, on average, after which a planner that won't stop is stopped."""
 
+
+_SAME = 1e-6
+"""Metres. A path that begins or ends this much beside its question is an answer to it."""
 
 _LOST_IF_STRAIGHT = ("AORRTC", "SORRTstar")
 """Planners of OMPL 2.0.1 that fail where the start sees the goal: the first answers with a path of
@@ -54,8 +59,14 @@ def sample_path(
         search = _Search(question, iterations, watch or Watch())
         try:
             return search.run(choice, settings, simplify)
-        except TooManyChecksError:
+        except (TooManyChecksError, PlannerError) as why:
+            if isinstance(why, PlannerError):
+                raise
             return None
+        except Exception as why:
+            if choice.kind is None:
+                raise
+            raise PlannerError(f"the planner {choice.name} failed{_line_of(why)}") from why
         finally:
             search.release()
 
@@ -85,7 +96,30 @@ class _Search:
             points = self._through_roadmap()
             return points and self._finished(self._setup.path(points), simplify)
         path = self._setup.solve(self._budget())
-        return None if path is None else self._finished(path, simplify)
+        if path is None:
+            return None
+        if choice.kind is not None:
+            self._require_answer(choice, path)
+        return self._finished(path, simplify)
+
+    def _require_answer(self, choice: PlannerChoice, path: Any) -> None:
+        """Raise `PlannerError` unless the path of a planner of one's own answers the question."""
+        question, points = self._question, [_place(state) for state in path.getStates()]
+        for end, asked, found in (
+            ("starts", question.start, points[0]),
+            ("ends", question.goal, points[-1]),
+        ):
+            if not math.dist(asked, found) <= _SAME:
+                raise PlannerError(
+                    f"the planner {choice.name} found a path that {end} at {_shown(found)},"
+                    f" not at {_shown(asked)}"
+                )
+        for a, b in itertools.pairwise(points):
+            if not question.free(a, b):
+                raise PlannerError(
+                    f"the planner {choice.name} found a path that is not free from {_shown(a)}"
+                    f" to {_shown(b)}; ask checkMotion of its space information about each segment"
+                )
 
     def _budget(self) -> Any:
         count = itertools.count(1)
@@ -115,6 +149,17 @@ class _Search:
         if simplify:
             og.PathSimplifier(self._setup.information).simplifyMax(path)
         return self._setup.points(path)
+
+
+def _line_of(why: Exception) -> str:
+    """Return an error's words and the line that it arose in."""
+    last = traceback.extract_tb(why.__traceback__)[-1]
+    words = f"{type(why).__name__}: {why}".removesuffix(": ")
+    return f" ({Path(last.filename).name}, line {last.lineno}): {words}"
+
+
+def _shown(place: Point) -> str:
+    return f"({place[0]:.3f}, {place[1]:.3f})"
 
 
 def _place(state: Any) -> Point:

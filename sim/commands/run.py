@@ -44,6 +44,13 @@ def run(
             autocompletion=completion.controller,
         ),
     ] = None,
+    planner: Annotated[
+        str | None,
+        typer.Option(
+            help='Of everybody\'s paths: its name, or "BITstar: {samples_per_batch: 50}".',
+            autocompletion=completion.planner,
+        ),
+    ] = None,
     duration: Duration = None,
     seed: Seed = None,
     rules: Rules = None,
@@ -68,7 +75,7 @@ def run(
     if speed is not None and not (math.isfinite(speed) and speed > 0):
         raise typer.BadParameter(f"must be more than 0, not {speed:g}", param_hint="--speed")
     given = Trial.load(trial, own_code=not no_own_code)
-    chosen = changed(given, personality, duration, seed, rules, controller)
+    chosen = changed(given, personality, duration, seed, rules, controller, planner)
     print_notices(chosen)
     _warn_of_external(chosen)
     _warn_of_undone(chosen)
@@ -123,11 +130,13 @@ def changed(
     seed: int | None,
     rules: str | None,
     controller: str | None = None,
+    planner: str | None = None,
 ) -> Trial:
     """Return the trial as the options change it; `TrialError` if it can't be run so."""
     from floorplan import is_there
     from sim import find_rules
     from sim.machines.gantry.controllers import controller_source
+    from sim.people.planners import with_planner
     from sim.trials.checks import check
 
     if personality is not None:
@@ -137,6 +146,8 @@ def changed(
     if controller is not None:
         controller_source(controller, trial.folder, own_code=trial.own_code)
         trial = replace(trial, gantry=replace(trial.gantry, controller=controller))
+    if planner is not None:
+        trial = with_planner(trial, planner)
     if duration is not None:
         trial = replace(trial, duration=duration, until_submitted=False)
     if seed is not None:

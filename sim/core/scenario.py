@@ -9,11 +9,15 @@ from typing import Any, Literal
 
 import bdi
 from floorplan import Floorplan, InputError, Problem, SafeZone
+from navigation import PlannerChoice
 
 from .machine_model import MachineEntry
 from .rules import PAPER, RuleSet
 from .start import AT_ONCE, Start
 from .workload import Workload
+
+USUAL_PLANNER = PlannerChoice()
+"""The planner of people's paths where a trial names none."""
 
 
 class TrialError(InputError):
@@ -35,7 +39,7 @@ class PersonalityChange:
 
 @dataclass(frozen=True)
 class PersonEntry:
-    """One person of a trial. Figures that are None are the floorplan's.
+    """One person of a trial. Figures that are None are the floorplan's, the planner the trial's.
 
     `personality` is a built-in name, an .asl file, "external", or a program itself. A file is read
     when the trial is run. `changes` are what it changes to, and when.
@@ -51,6 +55,7 @@ class PersonEntry:
     max_acceleration: float | None = None
     changes: tuple[PersonalityChange, ...] = ()
     home: tuple[float, float] | None = None
+    planner: PlannerChoice | None = None
 
     @property
     def personality_name(self) -> str:
@@ -119,14 +124,15 @@ class AgvMove:
 class Scenario:
     """Everything that decides a run. The same scenario gives the same run, byte for byte.
 
+    `planner` finds the paths of people that have none of their own.
     `machines` are those beside the floorplan's own gantry and AGVs. The AGVs named in `yielding`
     yield to people. Files are looked up from `folder`;
     `floorplan_source` is the name or file that the floorplan was read from, or empty if it came
     from no file. `workload` are the orders of an ARIAC trial; `until_submitted` ends the run as
     soon as they are all submitted, or without a workload those of the gantry's jobs. `notices` are
     what the file says that makes no difference, or may mean something else than its author thought.
-    Without `own_code` a controller or a law of the user's own is refused that it, or whatever
-    changes it, names.
+    Without `own_code` a controller, a law or a planner of the user's own is refused that it, or
+    whatever changes it, names.
     """
 
     floorplan: Floorplan
@@ -134,6 +140,7 @@ class Scenario:
     duration: float = 275.0
     seed: int = 0
     rules: RuleSet = PAPER
+    planner: PlannerChoice = USUAL_PLANNER
     people: tuple[PersonEntry, ...] = ()
     gantry: GantryEntry = GantryEntry()
     agvs: dict[str, tuple[AgvMove, ...]] = field(default_factory=dict)

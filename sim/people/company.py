@@ -7,7 +7,7 @@ from pathlib import Path
 
 import bdi
 from floorplan import Human
-from navigation import PathPlanner
+from navigation import PathPlanner, PlannerChoice
 
 from ..core.events import Said, Warning
 from ..core.recorder import Listener, Thought, rounded
@@ -17,10 +17,14 @@ from ..safety.referee import Referee
 from .mind_inspector import MindInspector
 from .minds import Mind, Outside, kept_beliefs, live_beliefs, make_agent
 from .person import Person
+from .planners import find_planner, planner_of
 from .programs import EXTERNAL
 
 MOST_PATHS = 256
 """Number of paths that people of a size keep in mind: patrols ask for the same ones all day."""
+
+SEEDS = 2**32 - 1
+"""Number of seeds that OMPL tells apart."""
 
 
 class Company:
@@ -36,7 +40,7 @@ class Company:
         self._stage = stage
         self._scenario = scenario
         self._listener = listener
-        self._planners: dict[float, PathPlanner] = {}
+        self._planners: dict[tuple[float, PlannerChoice], PathPlanner] = {}
         self._society = bdi.Society()
         self._inspectors: dict[str, MindInspector] = {}
         self.people: list[Person] = []
@@ -48,18 +52,22 @@ class Company:
                 stage,
                 entry,
                 human,
-                self._planner(human.radius),
+                self._planner(human.radius, planner_of(entry, scenario)),
                 referee=referee,
                 make_mind=self._make_mind,
                 thought=self._thought,
             )
             self.people.append(person)
 
-    def _planner(self, radius: float) -> PathPlanner:
-        """Return the one planner for all people of a size: its roadmap is worth sharing."""
-        if radius not in self._planners:
-            self._planners[radius] = PathPlanner(self._stage.world, radius, keep=MOST_PATHS)
-        return self._planners[radius]
+    def _planner(self, radius: float, choice: PlannerChoice) -> PathPlanner:
+        """Return the one planner for all people of a size who plan alike: to share its paths."""
+        known = self._planners.get((radius, choice))
+        if known is None:
+            stage, seed = self._stage, self._scenario.seed % SEEDS
+            found = find_planner(choice, stage.folder, own_code=stage.own_code)
+            known = PathPlanner(stage.world, radius, planner=found, seed=seed, keep=MOST_PATHS)
+            self._planners[radius, choice] = known
+        return known
 
     def _make_mind(self, person: Person, entry: PersonEntry, before: Mind | None) -> Mind:
         if entry.personality == EXTERNAL:

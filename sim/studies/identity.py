@@ -15,6 +15,7 @@ from shapely.geometry.base import BaseGeometry
 from ..core.scenario import PersonalityChange, PersonEntry
 from ..machines.gantry.controllers import controller_source, find_controller
 from ..machines.kinds import is_own, own_kind
+from ..people.planners import planner_of, planner_source
 from ..people.programs import load_program
 from ..trials.trial import Trial
 from .study import Study
@@ -52,6 +53,10 @@ def _parts(trial: Trial) -> Iterator[tuple[str, str]]:
         for one in named:
             program = load_program(one.personality, trial.folder)
             yield f"the program {one.personality_name}", _digest(str(program))
+        choice = planner_of(person, trial)
+        source = planner_source(choice, trial.folder)
+        if source is not None:
+            yield f"the planner {choice.name}", _digest(source.file.read_text(encoding="utf-8"))
     if trial.workload is not None:
         yield f"the orders of {trial.name}", _digest(repr(trial.workload))
     controller = trial.gantry.controller

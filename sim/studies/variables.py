@@ -9,10 +9,12 @@ from pathlib import Path
 from typing import Any
 
 from floorplan import is_there, suggestion
+from navigation import PlannerChoice
 
 from ..core.scenario import AgvMove, Job, PersonEntry
 from ..core.start import Start
 from ..machines.gantry.controllers import controller_source
+from ..people.planners import planner_source
 from ..trials.comparison import is_number
 from ..trials.rules_file import find_rules
 from ..trials.trial import Trial
@@ -64,6 +66,12 @@ def _personality(trial: Trial, value: Any, whose: str, folder: Path) -> Trial:
     name = _seen_from(trial.folder, folder, _text(value))
     everybody = trial.with_personality(name).people
     return _people(trial, whose, lambda person: everybody[trial.people.index(person)])
+
+
+def _planner(trial: Trial, value: Any, whose: str, folder: Path) -> Trial:
+    choice = PlannerChoice.of(_text(value))
+    planner_source(choice, trial.folder, own_code=trial.own_code)
+    return _people(trial, whose, lambda person: replace(person, planner=choice))
 
 
 def _max_speed(trial: Trial, value: Any, whose: str, folder: Path) -> Trial:
@@ -133,6 +141,7 @@ def _duration(trial: Trial, value: Any, whose: str, folder: Path) -> Trial:
 
 _CHANGES: dict[str, Change] = {
     "personality": _personality,
+    "planner": _planner,
     "max_speed": _max_speed,
     "start_time": _start_time,
     "controller": _controller,
@@ -146,7 +155,7 @@ KINDS = {kind: kind for kind in _CHANGES}
 """Variables of a whole trial, by name."""
 
 _PARTS = {
-    "people": {kind: kind for kind in ("personality", "max_speed", "start_time")},
+    "people": {kind: kind for kind in ("personality", "planner", "max_speed", "start_time")},
     "agvs": {"delay": "agv_delay"},
 }
 

@@ -17,6 +17,7 @@ from floorplan import (
     starting_fault,
     suggestion,
 )
+from navigation import PlannerChoice, PlannerError
 
 from ..core.events import EVENT_KINDS
 from ..core.rules import NO_TIME, MachineMeasure, PersonMeasure, RuleSet
@@ -25,6 +26,7 @@ from ..core.start import Start
 from ..machines.gantry.model import GantryModel
 from ..machines.gantry.robot import GANTRY
 from ..machines.kinds import machine_faults, on_floor
+from ..people.planners import planner_source
 from ..people.programs import EXTERNAL, find_program
 from .expectations import expectation_problems
 from .names import agvs, checked_name, orders, parts, people
@@ -58,6 +60,7 @@ def faults(trial: Scenario) -> Iterator[Fault]:
         found = "a larger one" if larger else repr(trial.seed)
         yield f"must be a whole number from 0 to 2**63 - 1, not {found}", ("seed",)
     yield from _below(_rule_faults(trial.rules), "rules")
+    yield from _planner_faults(trial.planner, trial, "planner")
     taken = {GANTRY, *(lane.name for lane in trial.floorplan.lanes), *trial.machines}
     for k, person in enumerate(trial.people):
         yield from _below(_person_faults(person, trial), "people", k)
@@ -127,6 +130,8 @@ def _person_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:
     for name in ("radius", "max_speed", "max_acceleration"):
         yield from _size(getattr(person, name), name)
     yield from _place_faults(person, trial)
+    if person.planner is not None:
+        yield from _planner_faults(person.planner, trial, "planner")
     for k, belief in enumerate(person.beliefs):
         try:
             bdi.parse_literal(belief)
@@ -189,6 +194,13 @@ def _place_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:
         fault = starting_fault(plan, zone.position, person.radius)
         if fault:
             yield f"in the safe zone, {fault}; give home: [x, y]", ()
+
+
+def _planner_faults(choice: PlannerChoice, trial: Scenario, *place: str) -> Iterator[Fault]:
+    try:
+        planner_source(choice, trial.folder, own_code=trial.own_code)
+    except PlannerError as why:
+        yield str(why), place
 
 
 # ---- machines

@@ -4,19 +4,23 @@ from __future__ import annotations
 
 from typing import Annotated, Any
 
-from pydantic import BeforeValidator, Field, Strict, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, Strict, model_validator
 from pydantic_core import PydanticCustomError
 
 from floorplan import NotNegative, Pair, Positive, Strictly
+from navigation import PlannerChoice
 
 from ..core.keys import Flag, Keys
 from ..core.rules import PAPER
-from ..core.scenario import PersonalityChange, PersonEntry
+from ..core.scenario import USUAL_PLANNER, PersonalityChange, PersonEntry
 from ..core.start import Start
 from ..machines.agv.keys import AgvKeys
 from ..machines.gantry.keys import GantryKeys
 from .checks import CONDITIONS, LARGEST_SEED, NAME
 from .rules_file import RuleKeys
+
+_Planner = Annotated[Any, AfterValidator(PlannerChoice.of)]
+"""A planner: its name, or `{name: RRTConnect, range: 1.0}`."""
 
 
 class _PartPlaced(Keys):
@@ -69,6 +73,7 @@ class PersonKeys(Keys):
     max_speed: Positive | None = None
     max_acceleration: Positive | None = None
     changes: list[_Change] = []
+    planner: _Planner | None = None
 
     def value(self) -> PersonEntry:
         """Return the person."""
@@ -90,6 +95,7 @@ class TrialKeys(Strictly):
     duration: Positive = 275.0
     seed: Annotated[int, Strict(), Field(ge=0, le=LARGEST_SEED)] = 0
     rules: RuleKeys = RuleKeys.model_validate(PAPER.name)
+    planner: _Planner = USUAL_PLANNER
     people: list[PersonKeys] = []
     gantry: GantryKeys = GantryKeys()
     agvs: dict[str, AgvKeys] = {}

@@ -63,6 +63,7 @@ def build(form: type[_Made], document: Document, folder: Path, own_code: bool) -
         duration=schema.duration,
         seed=schema.seed,
         rules=rules,
+        planner=schema.planner,
         people=people_of(schema.people, folder),
         gantry=schema.gantry.value(),
         agvs={name: tuple(move.value() for move in agv.moves) for name, agv in schema.agvs.items()},

@@ -12,9 +12,10 @@ from typing import Any
 import numpy as np
 
 import floorplan
+from navigation import PlannerChoice
 
 from ..core.machine_model import MachineEntry
-from ..core.scenario import AgvMove, Job, PersonalityChange, PersonEntry, Scenario
+from ..core.scenario import USUAL_PLANNER, AgvMove, Job, PersonalityChange, PersonEntry, Scenario
 from ..core.start import Start
 from ..machines.gantry.controllers import CONTROLLERS
 from ..machines.kinds import KINDS
@@ -44,6 +45,7 @@ def _trial(trial: Scenario) -> Data:
         "duration": trial.duration,
         "seed": trial.seed,
         "rules": written_rules(trial.rules),
+        "planner": None if trial.planner == USUAL_PLANNER else _value(trial.planner, trial),
         "people": _value(trial.people, trial),
         "gantry": _value(replace(trial.gantry, controller=_controller(trial)), trial),
         "agvs": {
@@ -107,6 +109,8 @@ def _value(value: Any, trial: Scenario) -> Any:
             return _fields(value, trial) if value.time is None else {"time": value.time}
         case PersonEntry() | PersonalityChange():
             return _fields(replace(value, personality=_personality(value, trial)), trial)
+        case PlannerChoice():
+            return _planner(value, trial)
         case tuple():
             return [_value(one, trial) for one in value]
         case _ if is_dataclass(value):
@@ -136,6 +140,13 @@ def _machine(name: str, entry: MachineEntry) -> Data:
     return {"kind": known[0] if known else entry.kind, **entry.keys}
 
 
+def _planner(choice: PlannerChoice, trial: Scenario) -> Any:
+    name = choice.name
+    if choice.kind is not None:
+        name = _found_again(choice.kind, choice.kind.__qualname__, "planner", trial)
+    return {"name": name, **dict(choice.parameters)} if choice.parameters else name
+
+
 def _controller(trial: Scenario) -> str:
     """The name by which the trial's controller is found again; `ValueError` if there is none."""
     controller = trial.gantry.controller
@@ -144,18 +155,23 @@ def _controller(trial: Scenario) -> str:
     builtin = [name for name, known in CONTROLLERS.items() if known is controller]
     if builtin:
         return builtin[0]
-    name, folder = trial.gantry.controller_name, trial.folder.resolve()
-    module = sys.modules.get(getattr(controller, "__module__", ""))
+    return _found_again(controller, trial.gantry.controller_name, "gantry controller", trial)
+
+
+def _found_again(made: Any, name: str, kind: str, trial: Scenario) -> str:
+    """Return the name by which a function or class in the trial's folder is found again."""
+    folder = trial.folder.resolve()
+    module = sys.modules.get(getattr(made, "__module__", ""))
     file = getattr(module, "__file__", None)
     # A script would be run again, and not as what it is now, if it was imported by its name.
     is_script = module is sys.modules["__main__"]
-    if file and not is_script and getattr(module, name, None) is controller:
+    if file and not is_script and getattr(module, name, None) is made:
         path = Path(file).resolve().with_suffix("")
         path = path.parent if path.name == "__init__" else path
         if path.is_relative_to(folder):
             return f"{'.'.join(path.relative_to(folder).parts)}:{name}"
     raise ValueError(
-        f"the trial {trial.name!r} can't be written: its gantry controller {name} is in no module"
+        f"the trial {trial.name!r} can't be written: its {kind} {name} is in no module"
         f" in its folder, {folder}; put it into a file there, and give its name, as in"
         " 'mine:shy' for the function shy in mine.py"
     )

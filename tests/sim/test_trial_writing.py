@@ -103,6 +103,7 @@ floorplan: ariac2023
 duration: 31.5
 seed: 7
 rules: ariac2023
+planner: {name: RRTConnect, range: 1.0}
 people:
 - name: ada
   personality: helpful
@@ -114,6 +115,7 @@ people:
   max_speed: 1.5
   max_acceleration: 2.0
   changes: [{when: {event: arrived, count: 2, person: ada}, personality: curious}]
+  planner: BITstar
 - name: bo
   start: {part_placed: {part: pump, agv: agv1}}
 - name: cy
