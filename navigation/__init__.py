@@ -3,6 +3,7 @@
 from .bodies import Disc
 from .catalog import planners
 from .choice import PlannerChoice
+from .clearance import Swath, first_conflict, swath
 from .conditions import (
     STANDING_SPEED,
     Apart,
@@ -40,6 +41,7 @@ from .monitor import (
 )
 from .motion import Cubic, Motion, Piece, State, join, standing
 from .odometer import Enclosure, Odometer
+from .pace import paced
 from .path import Path, PlannerError, PlannerInfo, PlanningError, Watch
 from .planner import PathPlanner
 from .profiles import AxisLimits, AxisState
@@ -108,6 +110,7 @@ __all__ = [
     "Shapes",
     "State",
     "Stop",
+    "Swath",
     "TooClose",
     "Track",
     "Watch",
@@ -116,6 +119,7 @@ __all__ = [
     "agv_stop",
     "can_go_on",
     "corner_speed",
+    "first_conflict",
     "first_time",
     "first_violation",
     "folded_arm",
@@ -129,6 +133,7 @@ __all__ = [
     "longest_stop",
     "minimum_margin",
     "minimum_separation",
+    "paced",
     "planners",
     "remaining_path",
     "required_at",
@@ -136,6 +141,7 @@ __all__ = [
     "requirement",
     "standing",
     "stop_walking",
+    "swath",
     "torso_box",
     "violations",
     "walk",

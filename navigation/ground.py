@@ -16,6 +16,7 @@ import shapely
 
 from .bodies import region
 from .freespace import FreeSpace, shrunk
+from .narrows import narrows
 from .roadmap import Roadmap
 
 MOST_KEPT = 8
@@ -63,3 +64,9 @@ def fixed_space(floor: shapely.Geometry, radius: float) -> FreeSpace:
 def roadmap(floor: shapely.Geometry, radius: float, step: float) -> Roadmap:
     """Return the network of `floor` for discs of `radius` metres, bends at most `step` radians."""
     return Roadmap(floor, radius, step)
+
+
+@_kept
+def narrow_places(floor: shapely.Geometry, radius: float) -> shapely.Geometry:
+    """Return where discs of `radius` metres can't pass each other on `floor`, and around it."""
+    return narrows(fixed_space(floor, radius), radius)

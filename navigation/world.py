@@ -162,6 +162,13 @@ class CollisionWorld:
             known = self._fixed_space[radius] = ground.fixed_space(self.floor, radius)
         return known
 
+    def narrows(self, radius: float) -> shapely.Geometry:
+        """Return where discs of `radius` metres can't pass each other, and 0.35 m around it.
+
+        On a floor without bodies, computed once for each radius.
+        """
+        return ground.narrow_places(self.floor, radius)
+
     def roadmap(self, radius: float, step: float) -> Roadmap:
         """Return the network of paths between the fixed things for discs of `radius` metres.
 

@@ -336,6 +336,27 @@ class Replanned(EventKind):
     goal: Point
 
 
+class Met(EventKind):
+    """A person first sees that somebody else will come in their way."""
+
+    person: _Person
+    other: _Person
+
+
+class GaveWay(EventKind):
+    """A person steps aside because somebody asks `to` be let past."""
+
+    person: _Person
+    to: _Person
+
+
+class Blocked(EventKind):
+    """A person could not go on for as long as their patience lasts, because of somebody else."""
+
+    person: _Person
+    by: _Person
+
+
 class Said(EventKind):
     """A program prints something."""
 

@@ -13,6 +13,7 @@ from ..core.events import Teleport
 from ..core.machine import Machine
 from ..core.stage import Stage
 from .errand import Errand
+from .steering.crowd import Crowd
 from .walker import Place, Walker
 
 GLANCE_AHEAD = 2.0
@@ -32,13 +33,16 @@ class Actions:
     `home` is where they are put after a violation. Of several robots, "the gantry" is the nearest.
     """
 
-    def __init__(self, stage: Stage, walker: Walker, errand: Errand, home: SafeZone) -> None:
+    def __init__(
+        self, stage: Stage, walker: Walker, errand: Errand, home: SafeZone, crowd: Crowd | None
+    ) -> None:
         self.put_home_at: float | None = None
         """Instant at which they were last put home (seconds)."""
         self._stage = stage
         self._walker = walker
         self._errand = errand
         self._home = home
+        self._crowd = crowd
         self._actions: dict[str, Callable[..., bool]] = {
             "move": self._move,
             "stop_movement": self._stop_movement,
@@ -89,6 +93,8 @@ class Actions:
         """Return home, or the nearest free place beside the vehicle that stands there, if any."""
         self._stage.place_machines()
         home, radius, world = self._home.position, self._walker.human.radius, self._stage.world
+        if self._crowd is not None:
+            return self._crowd.room(home, radius, self._walker.traveller)
         if not world.hits(home, home, radius):
             return home
         return next(iter(world.exits(home, radius)), None)

@@ -19,6 +19,8 @@ from .minds import Mind, Outside, kept_beliefs, live_beliefs, make_agent
 from .person import Person
 from .planners import find_planner, planner_of
 from .programs import EXTERNAL
+from .steering.crowd import Crowd
+from .walker import Place
 
 MOST_PATHS = 256
 """Number of paths that people of a size keep in mind: patrols ask for the same ones all day."""
@@ -44,7 +46,9 @@ class Company:
         self._society = bdi.Society()
         self._inspectors: dict[str, MindInspector] = {}
         self.people: list[Person] = []
-        for entry in scenario.people:
+        crowd = Crowd(stage) if len(scenario.people) > 1 else None
+        starts = self._starts(crowd)
+        for index, entry in enumerate(scenario.people):
             human = _human(entry, stage.floorplan.human)
             if listener.wants_thoughts:
                 self._inspectors[entry.name] = MindInspector(entry.name, self._keep)
@@ -53,11 +57,28 @@ class Company:
                 entry,
                 human,
                 self._planner(human.radius, planner_of(entry, scenario)),
+                at=starts[index],
+                crowd=crowd,
+                index=index,
                 referee=referee,
                 make_mind=self._make_mind,
                 thought=self._thought,
             )
             self.people.append(person)
+
+    def _starts(self, crowd: Crowd | None) -> list[Place]:
+        """Return where people start; those who start at home stand beside each other there."""
+        plan, people = self._stage.floorplan, self._scenario.people
+        radii = [_human(entry, plan.human).radius for entry in people]
+        places = [entry.at for entry in people]
+        for k, entry in enumerate(people):
+            home = entry.home_on(plan)
+            assert home is not None  # else the trial is refused
+            if entry.at is None:
+                taken = [(at, radii[j]) for j, at in enumerate(places) if at is not None]
+                free = crowd and crowd.room(home.position, radii[k], taken=taken)
+                places[k] = free or home.position
+        return [place for place in places if place is not None]
 
     def _planner(self, radius: float, choice: PlannerChoice) -> PathPlanner:
         """Return the one planner for all people of a size who plan alike: to share its paths."""

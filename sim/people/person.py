@@ -29,7 +29,8 @@ from .errand import Errand
 from .minds import Mind
 from .percepts import Senses
 from .programs import find_program, load_program
-from .walker import Walker
+from .steering.crowd import Crowd
+from .walker import Place, Walker
 
 MOST_AT_ONCE = 1000
 """Number of times a person may think or act at one instant; more count as an endless program."""
@@ -49,6 +50,9 @@ class Person:
         human: Human,
         planner: PathPlanner,
         *,
+        at: Place,
+        crowd: Crowd | None,
+        index: int,
         referee: Referee,
         make_mind: Callable[[Person, PersonEntry, Mind | None], Mind],
         thought: Callable[[Person], None],
@@ -63,9 +67,12 @@ class Person:
             entry.name,
             human,
             planner,
-            at=home.position if entry.at is None else entry.at,
+            at=at,
             heading=home.heading if entry.at is None else 0.0,
             arrived=lambda goal: self._errand.arrived(goal),
+            crowd=crowd,
+            index=index,
+            blocked=lambda: self._senses.count("blocked"),
         )
         self._stage = stage
         self._clock = stage.clock
@@ -74,7 +81,7 @@ class Person:
         self._thought = thought
         self._senses = Senses(stage.clock, self._think)
         self._errand = Errand(stage, self.walker, self._senses)
-        self._actions = Actions(stage, self.walker, self._errand, home)
+        self._actions = Actions(stage, self.walker, self._errand, home, crowd)
         self._enforcing = Alarm(stage.clock, self._enforce, Turn.INSISTENCE)
         self._reason = "gantry"
         self._instant = (stage.clock.now, 0)

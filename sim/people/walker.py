@@ -23,6 +23,9 @@ from ..core.body import PERSON, Body
 from ..core.clock import Alarm, Turn
 from ..core.events import PathBlocked, Replanned
 from ..core.stage import Stage
+from .steering.crowd import Crowd
+from .steering.manners import Manners
+from .steering.traveller import Traveller
 
 REPORT_DELAY = 0.1
 """Seconds until somebody who is sent to where they are already says that they are there."""
@@ -31,7 +34,11 @@ Place = tuple[float, float]
 
 
 class Walker:
-    """One person's legs. `arrived(goal)` is called whenever a goal is reached."""
+    """One person's legs. `arrived(goal)` is called whenever a goal is reached.
+
+    Alone on the floor somebody walks the planned path. In a `crowd` they follow it as others allow;
+    `blocked` is called when these have kept them from going on for too long.
+    """
 
     def __init__(
         self,
@@ -43,6 +50,10 @@ class Walker:
         at: Place,
         heading: float,
         arrived: Callable[[Place], None],
+        crowd: Crowd | None = None,
+        manners: Manners | None = None,
+        index: int = 0,
+        blocked: Callable[[], None] = lambda: None,
     ) -> None:
         self.human = human
         self.body = Body(
@@ -56,6 +67,15 @@ class Walker:
         self._record = stage.record
         self._arrived = arrived
         self._arrival = Alarm(stage.clock, self._arrive, Turn.MOTION_ENDS)
+        self._crowd = crowd
+        self.traveller = Traveller(index, self.body, human, manners or Manners())
+        if crowd is not None:
+            crowd.enter(
+                self.traveller,
+                reroute=lambda at: self._path(at, self._bound_for())[1:],
+                arrive=self._arrive,
+                blocked=blocked,
+            )
 
     @property
     def heading(self) -> float:
@@ -68,6 +88,12 @@ class Walker:
 
     def go(self, goal: Place) -> None:
         """Walk to `goal` from now on; `PlanningError`, and no change, if there is no path."""
+        if self._crowd is not None:
+            route = self._path(self.body.at, goal)[1:]
+            self.goal = goal
+            top = self.human.max_speed * self.speed_share
+            self._crowd.set_out(self.traveller, goal, route, top)
+            return
         motion = self._motion_to(goal)
         self.goal = goal
         self._arrival.set(max(motion.end, self._clock.now + REPORT_DELAY))
@@ -75,13 +101,14 @@ class Walker:
 
     def stop(self) -> None:
         """Brake, and stand."""
+        braking = self.braking()
         self._forget_goal()
-        self.body.follow(self.braking())
+        self.body.follow(braking)
 
     def turn_to(self, point: Place) -> None:
         """Brake, stand, and look towards `point`."""
-        self._forget_goal()
         braking = self.braking()
+        self._forget_goal()
         x, y = braking.state(braking.end).at
         heading = math.atan2(point[1] - y, point[0] - x)
         self.body.follow(join([braking, standing((x, y), heading=heading, start=braking.end)]))
@@ -96,9 +123,11 @@ class Walker:
         if self.goal is None:
             return None
         path = remaining_path(self.body.motion, self._clock.now)
-        radius = self.human.radius
-        if all(self._planner.world.segment_free(a, b, radius) for a, b in itertools.pairwise(path)):
-            return None
+        if self._is_free(path):
+            if self._crowd is None or self._is_free([path[-1], *self.traveller.route[-1:]]):
+                return None
+        elif self._crowd is not None:
+            self.body.follow(self.braking())
         self._record(PathBlocked(person=self.body.name, goal=self.goal))
         try:
             self.go(self.goal)
@@ -108,6 +137,14 @@ class Walker:
         self.replans += 1
         self._record(Replanned(person=self.body.name, goal=self.goal))
         return None
+
+    def _is_free(self, path: list[Place]) -> bool:
+        world, radius = self._planner.world, self.human.radius
+        return all(world.segment_free(a, b, radius) for a, b in itertools.pairwise(path))
+
+    def _bound_for(self) -> Place:
+        assert self.goal is not None
+        return self.goal
 
     def _motion_to(self, goal: Place) -> Motion:
         now, state = self._clock.now, self.body.state
@@ -153,15 +190,18 @@ class Walker:
 
     def braking(self) -> Motion:
         """Return the motion that `stop` would make from here and now."""
+        if self._crowd is not None:
+            return self._crowd.braking(self.traveller)
         acceleration = self.human.max_acceleration
         return stop_walking(self.body.motion, self._clock.now, max_acceleration=acceleration)
 
     def _forget_goal(self) -> None:
         self.goal = None
         self._arrival.set(None)
+        if self._crowd is not None:
+            self._crowd.rest(self.traveller)
 
     def _arrive(self) -> None:
-        goal = self.goal
-        assert goal is not None
-        self.goal = None
+        goal = self._bound_for()
+        self._forget_goal()
         self._arrived(goal)

@@ -1,0 +1,35 @@
+"""Narrow places of a floor: where two discs can't pass each other."""
+
+from __future__ import annotations
+
+import shapely
+
+from .freespace import FreeSpace
+
+SPARE = 0.03
+"""Metres. Room beyond two diameters that a passage needs so that two get past each other."""
+
+APRON = 0.35
+"""Metres. So far from a narrow place somebody who stands is still in its way."""
+
+_NICHE = 0.3
+"""Square metres. A narrow place that leads nowhere counts from this size on; corners don't."""
+
+
+def narrows(space: FreeSpace, radius: float) -> shapely.Geometry:
+    """Return where nobody should stop: the narrow places of a free space, and their aprons.
+
+    The narrow places for discs of `radius` metres are the free space of their centres less its
+    opening by a disc as wide as two of them need: a passage, or a dead end of some size.
+    """
+    found = []
+    half = radius + SPARE / 2
+    for piece in space.pieces:
+        wide = piece.buffer(-half).buffer(half + 1e-3)
+        for part in shapely.get_parts(piece.difference(wide)):
+            mouths = part.buffer(2e-3).intersection(wide)
+            if part.area > _NICHE or len(shapely.get_parts(mouths)) > 1:
+                found.append(part)
+    around = shapely.union_all(found).buffer(APRON)
+    shapely.prepare(around)
+    return around

@@ -1,0 +1,79 @@
+"""Courses on the floor: polylines, and the points that belong to lengths along them."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+
+from navigation import Motion
+
+Place = tuple[float, float]
+
+
+def length_of(course: Sequence[Place]) -> float:
+    """Return the length of a polyline, metres."""
+    return sum(math.dist(a, b) for a, b in itertools.pairwise(course))
+
+
+def first(course: Sequence[Place], length: float) -> list[Place]:
+    """Return the first `length` metres of a polyline, or all of it."""
+    kept = [course[0]]
+    for a, b in itertools.pairwise(course):
+        leg = math.dist(a, b)
+        if leg >= length:
+            if length > 1e-9:
+                share = length / leg
+                kept.append((a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])))
+            return kept
+        kept.append(b)
+        length -= leg
+    return kept
+
+
+def rest(course: Sequence[Place], length: float) -> list[Place]:
+    """Return the polyline from `length` metres on; its last point at least."""
+    for k, (a, b) in enumerate(itertools.pairwise(course)):
+        leg = math.dist(a, b)
+        if leg > length:
+            share = max(length, 0.0) / leg
+            at = (a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1]))
+            return [at, *course[k + 1 :]]
+        length -= leg
+    return [course[-1]]
+
+
+def heading(course: Sequence[Place], length: float) -> Place:
+    """Return the unit vector along a polyline at `length` metres; (1, 0) where it has none."""
+    found = (1.0, 0.0)
+    for a, b in itertools.pairwise(course):
+        leg = math.dist(a, b)
+        if leg > 1e-9:
+            found = ((b[0] - a[0]) / leg, (b[1] - a[1]) / leg)
+        if leg > length:
+            break
+        length -= leg
+    return found
+
+
+def gone(motion: Motion, since: float, t: float) -> float:
+    """Return the metres that a walk goes from `since` to `t` (seconds)."""
+    total = 0.0
+    for piece in motion.pieces_from(since):
+        begin, end = max(piece.begin, since), min(piece.end, t)
+        if end > begin:
+            total += math.dist(motion.state(begin).at, motion.state_before(end).at)
+    return total
+
+
+def distance_to(course: Sequence[Place], place: Place) -> float:
+    """Return the metres between a polyline and a point."""
+    x, y = place
+    least = math.dist(course[0], place)
+    for (ax, ay), (bx, by) in itertools.pairwise(course):
+        dx, dy = bx - ax, by - ay
+        square = dx * dx + dy * dy
+        u = 0.0 if square == 0.0 else ((x - ax) * dx + (y - ay) * dy) / square
+        u = min(max(u, 0.0), 1.0)
+        least = min(least, math.hypot(ax + u * dx - x, ay + u * dy - y))
+    return least

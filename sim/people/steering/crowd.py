@@ -1,0 +1,345 @@
+"""Crowd: all people on the floor, and the one rule that keeps them from ever overlapping.
+
+Everybody is committed to a motion that ends in a standing, and the standing counts for ever. A
+motion takes the place of an older one only if it keeps clear of everything that the others are
+committed to. As the older one did so too, there is always one to fall back on, whatever else goes
+wrong: bodies can't overlap.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from navigation import (
+    Motion,
+    PlanningError,
+    first_conflict,
+    join,
+    standing,
+    stop_walking,
+    swath,
+)
+
+from ...core.clock import Alarm, Turn
+from ...core.events import Blocked, GaveWay, Met
+from ...core.stage import Stage
+from .course import Place
+from .outlook import GAP, Ground, Hit, Outlook, first_hit
+from .requests import Request
+from .steering import Foresighted, Steering, both_aside
+from .traveller import Traveller
+
+EARLY = 0.25
+"""Seconds before braking would begin at which people decide anew."""
+
+APART = 0.5
+"""Seconds between two decisions of a person, so that they change course twice in one at most."""
+
+ANEW = 1.0
+"""Seconds until somebody who is not on the course that they wish for looks again."""
+
+WORTH = 0.6
+"""Metres. Who would lose more than this on their own looks whether both could shift aside."""
+
+BESIDE = 1.25
+"""Metres. Whoever is kept from a goal so near by somebody who stands there has arrived."""
+
+RINGS, ANGLES = 24, 24
+"""Places that are looked at around one that is taken: so many circles, and places on each."""
+
+
+@dataclass
+class _Party:
+    """A traveller in the crowd: how their path is planned, and whom they wait for."""
+
+    me: Traveller
+    reroute: Callable[[Place], list[Place]]
+    arrive: Callable[[], None]
+    blocked: Callable[[], None]
+    deciding: Alarm
+    arriving: Alarm
+    waits_for: Traveller | None = None
+    said: bool = False
+
+
+class Crowd:
+    """The people of a stage among each other. They decide one after the other, each when due."""
+
+    def __init__(self, stage: Stage, steering: Steering | None = None) -> None:
+        self.steering: Steering = Foresighted() if steering is None else steering
+        self._stage = stage
+        self._clock = stage.clock
+        self._parties: dict[Traveller, _Party] = {}
+        self._people: list[Traveller] = []
+        self._grounds: dict[float, Ground] = {}
+        self._met: dict[tuple[int, int], float] = {}
+
+    def enter(
+        self,
+        me: Traveller,
+        *,
+        reroute: Callable[[Place], list[Place]],
+        arrive: Callable[[], None],
+        blocked: Callable[[], None],
+    ) -> None:
+        """Let somebody be one of the crowd from now on.
+
+        `reroute` plans their path from a place on, `arrive` is called when they have reached their
+        goal, `blocked` when they could not go on for as long as their patience lasts.
+        """
+        self._people.append(me)
+        self._parties[me] = _Party(
+            me,
+            reroute,
+            arrive,
+            blocked,
+            Alarm(self._clock, lambda: self._decide(me), Turn.MOTION_ENDS),
+            Alarm(self._clock, arrive, Turn.MOTION_ENDS),
+        )
+
+    def room(
+        self,
+        place: Place,
+        radius: float,
+        me: Traveller | None = None,
+        taken: Sequence[tuple[Place, float]] = (),
+    ) -> Place | None:
+        """Return the free place nearest to `place` for somebody to stand at for good.
+
+        None if there is none near. The order of the places that are tried is fixed. Besides those
+        of the crowd but `me`, others are about to stand where it is `taken` (place and radius).
+        """
+        ground = self._ground(radius)
+        now = self._clock.now
+        for ring in range(RINGS + 1):
+            away = 0.5 * ring * (radius + GAP)
+            for k in range(ANGLES if ring else 1):
+                angle = 2 * math.pi * k / ANGLES
+                at = (place[0] + away * math.cos(angle), place[1] + away * math.sin(angle))
+                stand = swath(standing(at, start=now), now)
+                if (
+                    ground.free(place, at)
+                    and all(math.dist(at, other) >= radius + r + GAP for other, r in taken)
+                    and not any(
+                        first_conflict(stand, other.swath, radius + other.radius + GAP, now)
+                        is not None
+                        for other in self._people
+                        if other is not me
+                    )
+                ):
+                    return at
+        return None
+
+    def set_out(self, me: Traveller, goal: Place, route: list[Place], top_speed: float) -> None:
+        """Let somebody walk to `goal` by `route` (the points after where they are) from now on."""
+        if me.goal != goal:
+            me.since = self._clock.now
+        me.goal, me.route, me.top_speed = goal, route, top_speed
+        self._decide(me)
+
+    def rest(self, me: Traveller) -> None:
+        """Let somebody have no goal any more; their motion goes on."""
+        party = self._parties[me]
+        me.goal, me.route = None, []
+        self._goes_on(party)
+        party.deciding.set(None)
+        party.arriving.set(None)
+
+    def braking(self, me: Traveller) -> Motion:
+        """Return the earliest stop of somebody on their own course that is free."""
+        now, motion = self._clock.now, me.body.motion
+        others = self._near(me)
+        t = now
+        while t < motion.end:
+            stop = stop_walking(motion, t, max_acceleration=me.human.max_acceleration)
+            if t > now:
+                stop = join([motion.cut(now, t), stop])
+            if first_hit(me, swath(stop, now), others, now) is None:
+                return stop
+            t += EARLY
+        return motion
+
+    # Decisions
+
+    def _decide(self, me: Traveller, asked: tuple[Traveller, ...] = ()) -> None:
+        """Let somebody decide on a course, and set when they decide again."""
+        party, now = self._parties[me], self._clock.now
+        if me.goal is None:
+            return
+        try:
+            outlook = self._outlook(me)
+        except PlanningError:
+            self._again(party, now + ANEW)
+            return
+        wish = outlook.wish
+        if wish is None:  # they are there, or can only come to rest
+            self._again(party, max(me.body.motion.end, now + APART))
+            if math.dist(outlook.at, me.goal) < 1e-6 and outlook.speed < 1e-6:
+                party.arriving.set(max(outlook.t, now + EARLY))
+            return
+        hit = outlook.hit(wish)
+        if hit is not None and self._may_go_on(hit, now, (*asked, me)):
+            self._decide(hit.other, (*asked, me))
+            hit = outlook.hit(wish)
+        motion = self.steering.replan(me, outlook.others, outlook)
+        loss = math.inf
+        if motion is not None:
+            if hit is not None or motion is not wish:
+                if outlook.hit(motion) is not None:
+                    motion = None
+                else:
+                    loss = outlook.gone(wish, math.inf) - outlook.gone(motion, math.inf)
+            else:
+                loss = 0.0
+        if hit is not None:
+            self._meet(me, hit, now)
+            if loss > WORTH and self._both_aside(me, outlook, hit, now):
+                return
+        if motion is not None:
+            self._commit(party, motion, outlook, wished=motion is wish)
+        elif hit is not None:
+            self._wait(party, outlook, hit)
+        else:
+            self._again(party, now + APART)
+
+    def _may_go_on(self, hit: Hit, now: float, asked: tuple[Traveller, ...]) -> bool:
+        """Return whether the other may look first whether they can go on: they have not of late."""
+        other = hit.other
+        return (
+            hit.at_rest
+            and other.goal is not None
+            and other not in asked
+            and len(asked) < 6
+            and now - other.decided >= APART
+            and self._parties[other].arriving.time is None
+        )
+
+    def _both_aside(self, me: Traveller, mine: Outlook, hit: Hit, now: float) -> bool:
+        """Let two who meet head-on both shift to a side, if that is free; return whether it is."""
+        other = hit.other
+        ours, theirs = me.direction(now), other.direction(now)
+        if other.goal is None or ours is None or theirs is None:
+            return False
+        if ours[0] * theirs[0] + ours[1] * theirs[1] > -0.3 or now - other.decided < APART:
+            return False
+        try:
+            outlook = self._outlook(other)
+        except PlanningError:
+            return False
+        for one, two in both_aside(me, mine, hit, outlook):
+            if mine.hit(one, but=[other]) or outlook.hit(two, but=[me]):
+                continue
+            if _meet(me, one, other, two, now):
+                continue
+            self._commit(self._parties[me], one, mine)
+            self._commit(self._parties[other], two, outlook)
+            return True
+        return False
+
+    def _wait(self, party: _Party, outlook: Outlook, hit: Hit) -> None:
+        """Let somebody wait who can't go on; after a while they ask to be let past."""
+        me, now = party.me, self._clock.now
+        if me.body.motion.end > now:
+            self._again(party, min(now + APART, max(me.body.motion.end, now + EARLY)))
+            return
+        if me.stands_since is None:
+            me.stands_since = now
+        stood = now - me.stands_since
+        party.waits_for = hit.other
+        assert me.goal is not None
+        if stood >= me.manners.reaction_time and hit.at_rest and hit.other.body.motion.end <= now:
+            here = me.body.motion.state(now).at
+            taken = math.dist(hit.other.swath.place, me.goal)
+            if math.dist(here, me.goal) < BESIDE and taken < me.radius + hit.other.radius + GAP:
+                self._goes_on(party)
+                party.arriving.set(now)
+                return
+            if me.rank < hit.other.rank and self._ask(me, outlook, hit):
+                return
+        if stood >= me.manners.patience and not party.said:
+            party.said = True
+            self._stage.record(Blocked(person=me.name, by=hit.other.name))
+            party.blocked()
+        self._again(party, now + APART)
+
+    def _ask(self, me: Traveller, outlook: Outlook, hit: Hit) -> bool:
+        """Ask those in the way to step aside; return whether they did."""
+        now, wish = self._clock.now, outlook.wish
+        assert wish is not None
+        request = Request(me, now, outlook.others, outlook.ground)
+        if not request.succeeds(outlook, outlook.gone(wish, hit.t)):
+            return False
+        for who, motion in request.motions.items():
+            if who is not me:
+                self._stage.record(GaveWay(person=who.name, to=me.name))
+            self._commit(self._parties[who], motion, outlook if who is me else None)
+        return True
+
+    def _commit(
+        self, party: _Party, motion: Motion, outlook: Outlook | None = None, *, wished: bool = False
+    ) -> None:
+        """Let somebody follow a motion that was found free, and decide anew when it is due."""
+        me, now = party.me, self._clock.now
+        if outlook is not None:
+            me.route = outlook.course[1:]
+            self._goes_on(party)
+        me.decided = now
+        me.body.follow(motion)
+        at_goal = me.goal is not None and math.dist(motion.state(motion.end).at, me.goal) < 1e-6
+        party.arriving.set(motion.end if at_goal else None)
+        if me.goal is None or (wished and at_goal):
+            party.deciding.set(None)
+        else:
+            due = motion.pieces[-1].begin - EARLY
+            self._again(party, due if wished else min(due, now + ANEW))
+        for other in self._parties.values():
+            if other.waits_for is me:
+                self._again(other, now + EARLY, sooner=True)
+
+    def _again(self, party: _Party, t: float, *, sooner: bool = False) -> None:
+        t = max(t, self._clock.now + EARLY if sooner else party.me.decided + APART)
+        t = max(t, self._clock.now + EARLY)
+        if sooner and party.deciding.time is not None:
+            t = min(t, party.deciding.time)
+        party.deciding.set(t)
+
+    def _goes_on(self, party: _Party) -> None:
+        """Take note that somebody is not kept from going on any more."""
+        me = party.me
+        if me.stands_since is not None:
+            me.lost += self._clock.now - me.stands_since
+        me.stands_since, party.waits_for, party.said = None, None, False
+
+    def _meet(self, me: Traveller, hit: Hit, now: float) -> None:
+        """Record that somebody has to mind somebody else, once for each time that they meet."""
+        pair = (min(me.index, hit.other.index), max(me.index, hit.other.index))
+        if now - self._met.get(pair, -math.inf) > 2 * me.manners.foresight:
+            self._stage.record(Met(person=me.name, other=hit.other.name))
+        self._met[pair] = now
+
+    # Surroundings
+
+    def _outlook(self, me: Traveller) -> Outlook:
+        reroute = self._parties[me].reroute
+        return Outlook(me, self._clock.now, self._near(me), self._ground(me.radius), reroute)
+
+    def _ground(self, radius: float) -> Ground:
+        if radius not in self._grounds:
+            self._grounds[radius] = Ground(self._stage.world, radius)
+        return self._grounds[radius]
+
+    def _near(self, me: Traveller) -> list[Traveller]:
+        """Return who may be in the way of somebody's next motion."""
+        return [other for other in self._people if other is not me]
+
+
+def _meet(me: Traveller, mine: Motion, other: Traveller, theirs: Motion, now: float) -> bool:
+    """Return whether two motions of two people conflict."""
+    least = me.radius + other.radius + GAP
+    apart = math.dist(me.body.motion.state(now).at, other.body.motion.state(now).at)
+    return (
+        first_conflict(swath(mine, now), swath(theirs, now), min(least, apart - 1e-9), now)
+        is not None
+    )

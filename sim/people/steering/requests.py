@@ -1,0 +1,167 @@
+"""Requests to step aside: somebody who is stuck asks those in the way, and they ask on."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+from navigation import Motion, Swath, first_conflict, paced, swath
+
+from .course import Place, distance_to, first, length_of, rest
+from .outlook import GAP, STEP, Ground, Outlook, first_hit
+from .traveller import Traveller
+
+DEEPEST = 4
+"""People ask on along a chain of so many."""
+
+MOST = 12
+"""At most so many people move for one request."""
+
+TRIES = 400
+"""At most so many courses are tried for one request."""
+
+RINGS = (0.3, 0.5, 0.7, 1.0, 1.4, 2.0, 2.8)
+"""Metres. So far people look around them for a place to step aside to."""
+
+ANGLES = 16
+
+WIDE = 6
+"""Places that one person tries."""
+
+PASSED = 1.0
+"""Metres. So far beyond the one in the way whoever asks wants to get."""
+
+WAITS = (0.0, 0.5, 1.0, 2.0, 4.0)
+"""Seconds that whoever asks waits for the others to be out of the way."""
+
+
+class Request:
+    """One request of `asker`, and what comes of it: the motions of all who move for it.
+
+    Depth first: each asked looks for the nearest place off the way of whoever asks, else ahead of
+    them, and asks those who stand in the way of that step. Nobody is asked who ranks higher than
+    the first asker, or who moves: passages that are agreed stay so. All of it is checked together.
+    """
+
+    def __init__(
+        self, asker: Traveller, now: float, others: Sequence[Traveller], ground: Ground
+    ) -> None:
+        self._asker = asker
+        self._now = now
+        self._others = others
+        self._ground = ground
+        self._left = TRIES
+        self.motions: dict[Traveller, Motion] = {}
+        self._swaths: dict[Traveller, Swath] = {}
+
+    def succeeds(self, outlook: Outlook, passed: float) -> bool:
+        """Return whether all can move so that the asker gets past `passed` metres of its course."""
+        whole = length_of(outlook.course)
+        near = min(outlook.stop_beyond(passed + PASSED), whole)
+        far = outlook.stop_beyond(outlook.reach)
+        for length in dict.fromkeys((near, far)):
+            course = first(outlook.course, length)
+            for wait in WAITS:
+                motion = outlook.walk(course, delay=wait)
+                if motion is None:
+                    continue
+                self._put(self._asker, motion)
+                if self._clear(self._asker, course, 0):
+                    return True
+                self.motions.clear()
+                self._swaths.clear()
+        return False
+
+    def _put(self, who: Traveller, motion: Motion) -> None:
+        self.motions[who] = motion
+        self._swaths[who] = swath(motion, self._now)
+
+    def _clear(self, mover: Traveller, course: Sequence[Place], depth: int) -> bool:
+        """Let all step aside who stand in the way of `mover`; return whether they can."""
+        while True:
+            others = [other for other in self._others if other not in self.motions]
+            hit = first_hit(mover, self._swaths[mover], others, self._now)
+            if hit is None:
+                return True
+            if depth >= DEEPEST or len(self.motions) > MOST or not self._may_ask(hit.other):
+                return False
+            if not self._step(hit.other, course, depth):
+                return False
+
+    def _may_ask(self, other: Traveller) -> bool:
+        return (
+            other is not self._asker
+            and not other.firm
+            and other.body.motion.end <= self._now
+            and other.rank > self._asker.rank
+        )
+
+    def _step(self, who: Traveller, course: Sequence[Place], depth: int) -> bool:
+        """Let `who` step off `course`, and whoever is in the way of that; else leave all as is."""
+        before, swaths = dict(self.motions), dict(self._swaths)
+        tried = 0
+        for retreat in self._retreats(who, course):
+            self._left -= 1
+            if self._left < 0 or tried >= WIDE:
+                break
+            motion = paced(
+                retreat,
+                self._now,
+                top_speed=who.top_speed,
+                max_speed=who.human.max_speed,
+                max_acceleration=who.human.max_acceleration,
+            )
+            if motion is None:
+                continue
+            self._put(who, motion)
+            if not self._meets(who, swaths):
+                tried += 1
+                if self._clear(who, retreat, depth + 1):
+                    return True
+            self.motions, self._swaths = dict(before), dict(swaths)
+        return False
+
+    def _meets(self, who: Traveller, others: dict[Traveller, Swath]) -> bool:
+        """Return whether `who` would come too close to any of those who move."""
+        mine = self._swaths[who]
+        for other, theirs in others.items():
+            apart = math.dist(
+                who.body.motion.state(self._now).at, other.body.motion.state(self._now).at
+            )
+            least = min(who.radius + other.radius + GAP, apart - 1e-9)
+            if first_conflict(mine, theirs, least, self._now) is not None:
+                return True
+        return False
+
+    def _retreats(self, who: Traveller, course: Sequence[Place]) -> Iterator[list[Place]]:
+        """Yield courses off `course`: to the nearest places around, then to places ahead of it."""
+        at = who.body.motion.state(self._now).at
+        needed = 2 * who.radius + GAP
+        places = [
+            (at[0] + r * math.cos(angle), at[1] + r * math.sin(angle))
+            for r in RINGS
+            for angle in (2 * math.pi * k / ANGLES for k in range(ANGLES))
+        ]
+        for place in places:
+            if distance_to(course, place) >= needed and self._ground.free(at, place):
+                yield [at, place]
+        gone, near = 0.0, math.inf
+        whole = length_of(course)
+        steps = [k * STEP for k in range(math.ceil(whole / STEP) + 1)]
+        for s in steps:
+            away = math.dist(rest(course, s)[0], at)
+            if away < near:
+                near, gone = away, s
+        for s in steps:
+            if s <= gone + STEP:
+                continue
+            onwards = rest(course, s)[0]
+            path = [at, *first(rest(course, gone + STEP), s - gone - STEP)]
+            if not all(self._ground.free(a, b) for a, b in zip(path, path[1:], strict=False)):
+                return
+            for k in range(ANGLES // 2):
+                angle = 4 * math.pi * k / ANGLES
+                for r in (needed + 0.02, 1.3 * needed):
+                    place = (onwards[0] + r * math.cos(angle), onwards[1] + r * math.sin(angle))
+                    if distance_to(course, place) >= needed and self._ground.free(onwards, place):
+                        yield [*path, place]

@@ -1,0 +1,88 @@
+"""A person under way among people: what they have committed themselves to, and where they go."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+from floorplan import Human
+from navigation import Motion, Swath, swath
+
+from ...core.body import Body
+from .course import Place
+from .manners import Manners
+
+
+@dataclass(eq=False)
+class Traveller:
+    """One person on the floor among others.
+
+    `goal` is where they walk to, if anywhere, `route` the points that lead there from where they
+    are; `since` is when they set out (seconds), `index` their place among all people.
+    `top_speed` is in m/s. Others may ask them to step aside unless they are `firm`.
+    """
+
+    index: int
+    body: Body
+    human: Human
+    manners: Manners
+    goal: Place | None = None
+    route: list[Place] = field(default_factory=list)
+    since: float = 0.0
+    top_speed: float = 1.0
+    firm: bool = False
+    decided: float = -math.inf
+    """Instant of their last change of course, seconds."""
+    stands_since: float | None = None
+    """Instant since which they are kept from going on, seconds."""
+    lost: float = 0.0
+    """Seconds that others have cost them."""
+
+    def __post_init__(self) -> None:
+        self._of: Motion | None = None
+        self._swath: Swath | None = None
+
+    def __repr__(self) -> str:
+        return f"<Traveller {self.name} to {self.goal}>"
+
+    @property
+    def name(self) -> str:
+        """Their name."""
+        return self.body.name
+
+    @property
+    def radius(self) -> float:
+        """The radius of their body, metres."""
+        return self.human.radius
+
+    @property
+    def swath(self) -> Swath:
+        """The floor that they have committed themselves to from some instant until now on."""
+        motion = self.body.motion
+        if self._swath is None or self._of is not motion:
+            self._of, self._swath = motion, swath(motion, self.body.clock.now)
+        return self._swath
+
+    @property
+    def rank(self) -> tuple[bool, float, int]:
+        """Their place in the order in which people give way: the least goes first.
+
+        Who walks goes before who rests, who set out earlier before who set out later; whoever has
+        just arrived comes last with their next errand. It is fixed while somebody is under way.
+        """
+        return (self.goal is None, self.since, self.index)
+
+    def stands(self, now: float) -> bool:
+        """Return whether their motion is over, or all but."""
+        return self.swath.rests <= now + 0.3
+
+    def direction(self, now: float) -> Place | None:
+        """Return the unit vector of where they walk, or would walk on; None if they rest."""
+        state = self.body.motion.state(now)
+        if state.speed > 0.05:
+            return (state.velocity[0] / state.speed, state.velocity[1] / state.speed)
+        if self.goal is None or not self.route:
+            return None
+        (x, y), (nx, ny) = state.at, self.route[0]
+        away = math.hypot(nx - x, ny - y)
+        return None if away < 1e-6 else ((nx - x) / away, (ny - y) / away)
