@@ -51,7 +51,7 @@ def swath(motion: Motion, begin: float) -> Swath:
         for axis, cubic in ((xs, piece.x), (ys, piece.y)):
             ends = cubic[0], value(cubic, duration)
             axis += ends
-            if cubic[3] or cubic[2] and cubic[1] * (cubic[1] + 2 * cubic[2] * duration) < 0:
+            if cubic[3] or (cubic[2] and cubic[1] * (cubic[1] + 2 * cubic[2] * duration) < 0):
                 # It may turn back within the piece: no farther out than its control points.
                 third = duration * cubic[1] / 3
                 axis.append(cubic[0] + third)
@@ -65,9 +65,10 @@ def swath(motion: Motion, begin: float) -> Swath:
 
 
 def first_conflict(one: Swath, other: Swath, least: float, begin: float) -> float | None:
-    """Return the first instant from `begin` on at which the centres are closer than `least`.
+    """Return the first instant from `begin` on at which two centres are closer than `least`.
 
-    Seconds and metres; None if there is none. Both swaths reach back to `begin`. Never misses
+    Seconds and metres; None if there is none. The swaths of `one` and of the `other` reach back to
+    `begin`. Never misses
     one; finds one too many only where the two stay within rounding of `least`.
     """
     if (
@@ -107,9 +108,27 @@ def first_conflict(one: Swath, other: Swath, least: float, begin: float) -> floa
         x, y = ax0 - bx0, ay0 - by0
         if until == math.inf:
             return t if x * x + y * y < limit else None
-        found = _within(
-            x, ax1 - bx1, ax2 - bx2, ax3 - bx3, y, ay1 - by1, ay2 - by2, ay3 - by3, until - t, least
-        )
+        duration = until - t
+        x1, x2, x3 = ax1 - bx1, ax2 - bx2, ax3 - bx3
+        y1, y2, y3 = ay1 - by1, ay2 - by2, ay3 - by3
+        if x3 == 0.0 and y3 == 0.0:
+            # A quadratic stays between its control points.
+            xm, ym = x + duration * x1 / 2, y + duration * y1 / 2
+            xe = x + duration * (x1 + duration * x2)
+            ye = y + duration * (y1 + duration * y2)
+            if (
+                (x >= least and xm >= least and xe >= least)
+                or (x <= -least and xm <= -least and xe <= -least)
+                or (y >= least and ym >= least and ye >= least)
+                or (y <= -least and ym <= -least and ye <= -least)
+            ):
+                t = until
+                if a_end <= t:
+                    i += 1
+                if b_end <= t:
+                    j += 1
+                continue
+        found = _within(x, x1, x2, x3, y, y1, y2, y3, duration, least)
         if found is not None:
             return t + found
         t = until

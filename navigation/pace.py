@@ -36,8 +36,8 @@ def paced(
     """Return a walk along `corners` (x, y in metres) from `start` (seconds) to rest at the last.
 
     It sets out at `initial_speed` along the first leg, and keeps to `top_speed` as soon as
-    `max_acceleration` lets it; corners are taken as `walk` takes them (m/s, m/s²). None where it
-    can't come to rest, or can't slow down enough for a corner.
+    `max_acceleration` lets it; corners are taken as `walk` takes them, and never faster than
+    `max_speed` (m/s, m/s²). None where it can't come to rest, or slow down enough for a corner.
     """
     legs = [(a, b, math.dist(a, b)) for a, b in itertools.pairwise(corners)]
     legs = [leg for leg in legs if leg[2] > SHORT]
@@ -111,11 +111,6 @@ def _on_leg(
             x, y = a[0] + gone * c, a[1] + gone * s
             along_x, along_y = (x, v * c, half * c, 0.0), (y, v * s, half * s, 0.0)
             pieces.append(Piece(start, end, along_x, along_y, heading))
-        gone += duration * (v + half_of(acc, duration))
+        gone += duration * (v + acc * duration / 2)
         start = end
     return start
-
-
-def half_of(acceleration: float, duration: float) -> float:
-    """Return the mean speed gained over `duration` (seconds) at `acceleration` (m/s²)."""
-    return acceleration * duration / 2

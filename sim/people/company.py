@@ -6,12 +6,12 @@ from dataclasses import replace
 from pathlib import Path
 
 import bdi
-from floorplan import Human
+from floorplan import Human, Problem
 from navigation import PathPlanner, PlannerChoice
 
 from ..core.events import Said, Warning
 from ..core.recorder import Listener, Thought, rounded
-from ..core.scenario import PersonEntry, Scenario
+from ..core.scenario import PersonEntry, Scenario, TrialError
 from ..core.stage import Stage
 from ..safety.referee import Referee
 from .mind_inspector import MindInspector
@@ -76,8 +76,12 @@ class Company:
             assert home is not None  # else the trial is refused
             if entry.at is None:
                 taken = [(at, radii[j]) for j, at in enumerate(places) if at is not None]
-                free = crowd and crowd.room(home.position, radii[k], taken=taken)
-                places[k] = free or home.position
+                places[k] = home.position
+                if crowd is not None:
+                    places[k] = crowd.room(home.position, radii[k], taken=taken)
+                if places[k] is None:
+                    message = f"there is no room for {entry.name} beside those who start at home"
+                    raise TrialError("trial", [Problem(f"{message}; give at: [x, y]", "people")])
         return [place for place in places if place is not None]
 
     def _planner(self, radius: float, choice: PlannerChoice) -> PathPlanner:

@@ -13,6 +13,9 @@ from .percepts import Senses
 from .waiting_place import WaitingPlaces
 from .walker import Place, Walker
 
+BESIDE = 1e-3
+"""Metres. Further from their goal than this, people have arrived beside somebody else."""
+
 
 class Errand:
     """Takes a person to a goal: around obstacles, and waiting where nothing else helps.
@@ -89,7 +92,9 @@ class Errand:
             self._senses.count("goal_occupied")
             return
         station = self._station_at(goal)
-        self._record(Arrived(person=self._name, station=station, at=goal))
+        beside = math.dist(self._walker.body.at, goal) > BESIDE
+        at = self._walker.body.at if beside else goal
+        self._record(Arrived(person=self._name, station=station, at=at))
         if station is not None:
             self.visits.append(station)
         self._senses.see("at", *self._walker.body.at)

@@ -124,7 +124,7 @@ class Walker:
             return None
         path = remaining_path(self.body.motion, self._clock.now)
         if self._is_free(path):
-            if self._crowd is None or self._is_free([path[-1], *self.traveller.route[-1:]]):
+            if self._is_free(self.traveller.route):
                 return None
         elif self._crowd is not None:
             self.body.follow(self.braking())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Collection, Iterable, Iterator
 from typing import get_args
@@ -67,6 +68,7 @@ def faults(trial: Scenario) -> Iterator[Fault]:
         if person.name in taken:
             yield f"another body is called {person.name!r} already", ("people", k, "name")
         taken.add(person.name)
+    yield from _overlaps(trial)
     yield from _floor_faults(trial)
     yield from _below(machine_faults(trial), "machines")
     yield from _below(expectation_problems(trial), "expect")
@@ -137,6 +139,23 @@ def _person_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:
             bdi.parse_literal(belief)
         except bdi.ProgramError as why:
             yield f"is not a belief: {why}", ("beliefs", k)
+
+
+def _overlaps(trial: Scenario) -> Iterator[Fault]:
+    """Yield the places at which somebody would start on somebody else."""
+    usual = trial.floorplan.human.radius
+    for k, person in enumerate(trial.people):
+        for other in trial.people[:k]:
+            if person.at is None or other.at is None:
+                continue
+            needed = (person.radius or usual) + (other.radius or usual)
+            apart = math.dist(person.at, other.at)
+            if apart < needed:
+                message = (
+                    f"{person.at} is {apart:.3g} m from where {other.name} starts; two bodies of"
+                    f" their size need {needed:g} m between their centres"
+                )
+                yield message, ("people", k, "at")
 
 
 def _personality_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:

@@ -1,10 +1,13 @@
 """The rule set, applied anew to the violations of a run, and its figures, counted from events."""
 
+import itertools
 import math
 from collections import Counter
 
 import numpy as np
 import shapely
+
+from navigation import minimum_separation
 
 from .movement import instants, state_of
 from .separation import measured_point, pose_before
@@ -16,6 +19,10 @@ FIGURE = 1e-5
 """Metres or m/s. What figures in events may be off by."""
 
 
+SOON = 6.0
+"""Metres. From so near, people may be about to walk over a place."""
+
+
 def rule_faults(run):
     """Return faults: events that the rules ask for and are missing, or that they do not."""
     yield from _event_faults(run)
@@ -24,6 +31,7 @@ def rule_faults(run):
     yield from _standing_faults(run)
     yield from _yielding_faults(run)
     yield from _figure_faults(run)
+    yield from _overlap_faults(run)
 
 
 def _event_faults(run):
@@ -267,12 +275,29 @@ def _person_faults(run, person, figures):
             yield f"is at {at} at {speed} m/s: {event}"
         if event["station"] is not None:
             place = plan.station(event["station"]).position
-            if math.dist(place, event["at"]) > plan.human.goal_tolerance:
+            taken = _away(run, person, place, event["t"]) < 2.5 * radius
+            if math.dist(place, event["at"]) > plan.human.goal_tolerance and not taken:
                 yield f"is not at the station: {event}"
     home = _home(run, person)
     for event in own:
         if event["kind"] == "teleport" and math.dist(event["to"], home) > FIGURE:
             yield from _beside_home_faults(run, event, home, radius)
+
+
+def _overlap_faults(run):
+    """Nobody overlaps anybody, by the exact monitor."""
+    for one, other in itertools.combinations(run.summary["people"], 2):
+        a, b = run.motions[one], run.motions[other]
+        t, apart = minimum_separation(a, b, 0.0, run.duration)
+        if apart < _radius(run, one) + _radius(run, other):
+            yield f"{one} and {other} overlap at t = {t} s: {apart} m between their centres"
+
+
+def _away(run, person, place, t):
+    """Return the distance of the nearest other person from a place, metres."""
+    others = [name for name in run.summary["people"] if name != person]
+    gaps = [math.dist(pose_before(run, name, t)[0], place) for name in others]
+    return min(gaps, default=math.inf)
 
 
 def _radius(run, person):
@@ -281,14 +306,15 @@ def _radius(run, person):
 
 
 def _beside_home_faults(run, event, home, radius):
-    """Somebody is put beside their home only if an AGV is there, and not behind a wall."""
+    """Somebody is put beside their home only if an AGV or a person is there, or may be soon."""
     plan, t = run.trial.floorplan, event["t"]
     gaps = []
     for lane in plan.lanes:
         (x, y), _ = pose_before(run, lane.name, t)
         q = math.dist(lane.origin, (x, y))
         gaps.append(lane.footprint(q).distance(shapely.Point(home)))
-    if min(gaps, default=math.inf) > radius + FIGURE:
+    soon = _away(run, event["person"], home, t) < SOON
+    if min(gaps, default=math.inf) > radius + FIGURE and not soon:
         yield f"there is room at home: {event}"
     there = [o.footprint for o in plan.obstacles if o.overlaps(0.0, plan.human.height)]
     line = shapely.LineString([home, event["to"]])

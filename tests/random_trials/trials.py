@@ -1,5 +1,6 @@
 """Random trials: people, machines and rules on a random floor."""
 
+import math
 from dataclasses import replace
 from random import Random
 
@@ -34,7 +35,7 @@ def random_trial(number):
         duration=duration,
         seed=number,
         rules=_rules(random, number),
-        people=tuple(_person(random, plan, k) for k in range(random.randint(1, 5))),
+        people=_apart([_person(random, plan, k) for k in range(random.randint(1, 5))], plan),
         gantry=sim.GantryEntry() if plan.gantry is None else _gantry(random, plan),
         agvs={name: _moves(random, lane, duration) for name, lane in lanes.items()},
         yielding=frozenset(name for name in lanes if random.random() < 0.3),
@@ -49,6 +50,18 @@ def _rules(random, number):
     if random.random() < 0.2:
         rules = replace(rules, gantry_law=random.choice(LAWS))
     return rules
+
+
+def _apart(people, plan):
+    """Let those start at home who would start on somebody else."""
+    found = []
+    for person in people:
+        for other in found:
+            radii = [entry.radius or plan.human.radius for entry in (person, other)]
+            if person.at and other.at and math.dist(person.at, other.at) < sum(radii):
+                person = replace(person, at=None)
+        found.append(person)
+    return tuple(found)
 
 
 def _person(random, plan, k):

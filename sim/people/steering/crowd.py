@@ -37,7 +37,7 @@ EARLY = 0.25
 APART = 0.5
 """Seconds between two decisions of a person, so that they change course twice in one at most."""
 
-ANEW = 1.0
+ANEW = 1.5
 """Seconds until somebody who is not on the course that they wish for looks again."""
 
 WORTH = 0.6
@@ -231,7 +231,7 @@ class Crowd:
         for one, two in both_aside(me, mine, hit, outlook):
             if mine.hit(one, but=[other]) or outlook.hit(two, but=[me]):
                 continue
-            if _meet(me, one, other, two, now):
+            if _conflict(me, one, other, two, now):
                 continue
             self._commit(self._parties[me], one, mine)
             self._commit(self._parties[other], two, outlook)
@@ -268,7 +268,7 @@ class Crowd:
         """Ask those in the way to step aside; return whether they did."""
         now, wish = self._clock.now, outlook.wish
         assert wish is not None
-        request = Request(me, now, outlook.others, outlook.ground)
+        request = Request(me, now, outlook.others, self._ground)
         if not request.succeeds(outlook, outlook.gone(wish, hit.t)):
             return False
         for who, motion in request.motions.items():
@@ -335,7 +335,7 @@ class Crowd:
         return [other for other in self._people if other is not me]
 
 
-def _meet(me: Traveller, mine: Motion, other: Traveller, theirs: Motion, now: float) -> bool:
+def _conflict(me: Traveller, mine: Motion, other: Traveller, theirs: Motion, now: float) -> bool:
     """Return whether two motions of two people conflict."""
     least = me.radius + other.radius + GAP
     apart = math.dist(me.body.motion.state(now).at, other.body.motion.state(now).at)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from itertools import pairwise
 
 from navigation import Motion, Swath, first_conflict, paced, swath
 
@@ -44,12 +45,16 @@ class Request:
     """
 
     def __init__(
-        self, asker: Traveller, now: float, others: Sequence[Traveller], ground: Ground
+        self,
+        asker: Traveller,
+        now: float,
+        others: Sequence[Traveller],
+        ground_of: Callable[[float], Ground],
     ) -> None:
         self._asker = asker
         self._now = now
         self._others = others
-        self._ground = ground
+        self._ground_of = ground_of
         self._left = TRIES
         self.motions: dict[Traveller, Motion] = {}
         self._swaths: dict[Traveller, Swath] = {}
@@ -136,14 +141,14 @@ class Request:
     def _retreats(self, who: Traveller, course: Sequence[Place]) -> Iterator[list[Place]]:
         """Yield courses off `course`: to the nearest places around, then to places ahead of it."""
         at = who.body.motion.state(self._now).at
-        needed = 2 * who.radius + GAP
+        needed, ground = 2 * who.radius + GAP, self._ground_of(who.radius)
         places = [
             (at[0] + r * math.cos(angle), at[1] + r * math.sin(angle))
             for r in RINGS
             for angle in (2 * math.pi * k / ANGLES for k in range(ANGLES))
         ]
         for place in places:
-            if distance_to(course, place) >= needed and self._ground.free(at, place):
+            if distance_to(course, place) >= needed and ground.free(at, place):
                 yield [at, place]
         gone, near = 0.0, math.inf
         whole = length_of(course)
@@ -157,11 +162,11 @@ class Request:
                 continue
             onwards = rest(course, s)[0]
             path = [at, *first(rest(course, gone + STEP), s - gone - STEP)]
-            if not all(self._ground.free(a, b) for a, b in zip(path, path[1:], strict=False)):
+            if not all(ground.free(a, b) for a, b in pairwise(path)):
                 return
             for k in range(ANGLES // 2):
                 angle = 4 * math.pi * k / ANGLES
                 for r in (needed + 0.02, 1.3 * needed):
                     place = (onwards[0] + r * math.cos(angle), onwards[1] + r * math.sin(angle))
-                    if distance_to(course, place) >= needed and self._ground.free(onwards, place):
+                    if distance_to(course, place) >= needed and ground.free(onwards, place):
                         yield [*path, place]

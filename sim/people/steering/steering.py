@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
+from itertools import pairwise
 from typing import Protocol
 
 from navigation import Motion
@@ -29,6 +31,12 @@ SHORTEST = 0.3
 
 PHANTOM = 0.3
 """Share that a stop behind somebody who is about to walk on counts of the metres it loses."""
+
+PARTS = (1.0, 0.8, 0.6, 0.4, 0.2)
+"""Parts of the free stretch ahead after which a stop is tried."""
+
+STANDS = 1e-6
+"""m/s. Slower than this is standing."""
 
 OTHER_SIDE = 0.15
 """Metres. What passing on the less usual side costs."""
@@ -85,43 +93,41 @@ class Foresighted:
         gone = outlook.gone(wish, hit.t)
         whole = length_of(first(outlook.course, outlook.reach))
         for loss, course in asides(me, outlook, hit, gone):
-            yield loss, lambda course=course: _walk_aside(outlook, course)  # type: ignore[misc]
+            yield loss, partial(_walk_aside, outlook, course)
+        stop = outlook.stop_beyond(outlook.reach)
+        walk = partial(outlook.walk, outlook.course)
+        for pace in SHARES:
+            yield (1 - pace) * whole, partial(walk, stop, top_speed=pace * me.top_speed)
+        if outlook.speed < STANDS:
+            for delay in DELAYS:
+                yield delay * me.top_speed, partial(walk, stop, delay=delay)
         follows = _same_way(me, hit, outlook.now)
         share = PHANTOM if hit.at_rest and follows else 1.0
-        stop = outlook.stop_beyond(outlook.reach)
-        for pace in SHARES:
-            loss = (1 - pace) * whole
-            yield (
-                loss,
-                lambda pace=pace: outlook.walk(  # type: ignore[misc]
-                    outlook.course, stop, top_speed=pace * me.top_speed
-                ),
-            )
-        if outlook.speed < 1e-6:
-            for delay in DELAYS:
-                loss = delay * me.top_speed
-                yield loss, lambda delay=delay: outlook.walk(outlook.course, stop, delay=delay)  # type: ignore[misc]
-        shortest = outlook.speed**2 / (2 * me.human.max_acceleration) * 1.001
-        if outlook.speed < 1e-6:
-            shortest = SHORTEST
-        for part in (1.0, 0.8, 0.6, 0.4, 0.2, 0.0):
-            length = part * gone
-            if not follows:
-                length = outlook.stop_before(length)
-            if length < shortest:
-                if outlook.speed > 1e-6 and part == 0.0:
-                    length = shortest
-                else:
-                    continue
-            loss = share * max(whole - length, 0.0)
-            yield loss, lambda length=length: outlook.walk(outlook.course, length)  # type: ignore[misc]
+        for length in self._stops(me, outlook, gone, follows):
+            yield share * max(whole - length, 0.0), partial(walk, length)
+
+    def _stops(
+        self, me: Traveller, outlook: Outlook, gone: float, follows: bool
+    ) -> Iterator[float]:
+        """Yield the lengths after which to stop short of a conflict `gone` metres ahead.
+
+        Not in a narrow place, but behind somebody who leaves it the same way.
+        """
+        stands = outlook.speed < STANDS
+        braking = outlook.speed**2 / (2 * me.human.max_acceleration) * 1.001
+        for part in PARTS:
+            length = part * gone if follows else outlook.stop_before(part * gone)
+            if length >= (SHORTEST if stands else braking):
+                yield length
+        if not stands:
+            yield braking
 
 
 def _walk_aside(outlook: Outlook, course: list[Place]) -> Motion | None:
     ground = outlook.ground
     if not outlook.can_turn(course):
         return None
-    if not all(ground.free(a, b) for a, b in zip(course[:4], course[1:4], strict=False)):
+    if not all(ground.free(a, b) for a, b in pairwise(course[:4])):
         return None
     length = outlook.reach + 0.5
     return outlook.walk(course, min(length, length_of(course)))
@@ -206,7 +212,7 @@ def both_aside(
 def _nearest_length(course: Sequence[Place], place: Place) -> float:
     """Return the length along a polyline at which it is nearest to a point."""
     best, at, gone = math.inf, 0.0, 0.0
-    for (ax, ay), (bx, by) in zip(course, course[1:], strict=False):
+    for (ax, ay), (bx, by) in pairwise(course):
         leg = math.hypot(bx - ax, by - ay)
         if leg < 1e-9:
             continue

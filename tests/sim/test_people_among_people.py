@@ -1,0 +1,246 @@
+"""People among people: nobody ever overlaps anybody, and everybody gets where they go."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import random
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+from run_events import events
+
+import floorplan
+import navigation
+import sim
+
+GO = """
++human_start <- !next.
++!next : todo([g(X, Y) | T]) <- -+todo(T); move(X, Y, 0).
++!next <- +done.
++work_completed(_) <- !next.
+"""
+
+Place = tuple[float, float]
+
+
+def hall(width: float, depth: float, *walls: tuple[float, float, float, float]) -> str:
+    """A floor of one room with walls in it, each from x0, y0 to x1, y1."""
+    lines = [f"boundary: [[0, 0], [{width}, 0], [{width}, {depth}], [0, {depth}]]"]
+    if walls:
+        lines.append("obstacles:")
+    for k, (x0, y0, x1, y1) in enumerate(walls):
+        lines.append(f"  wall{k}: {{x: [{x0}, {x1}], y: [{y0}, {y1}], z: [0, 2]}}")
+    return "\n".join(lines)
+
+
+@pytest.fixture
+def walks(tmp_path):
+    """Runs people who walk from each start to their goals on a floor."""
+    (tmp_path / "go.asl").write_text(GO)
+
+    def run(floor: str, ways: list[tuple[Place, list[Place]]], duration: float = 120.0, **more):
+        people = tuple(
+            sim.PersonEntry(
+                name=f"p{k}",
+                personality="go.asl",
+                at=at,
+                beliefs=("todo([" + ", ".join(f"g({x:.9f}, {y:.9f})" for x, y in goals) + "])",),
+                **more,
+            )
+            for k, (at, goals) in enumerate(ways)
+        )
+        trial = sim.Trial(
+            floorplan=floorplan.parse(floor), people=people, duration=duration, folder=tmp_path
+        )
+        return sim.run(trial)
+
+    return run
+
+
+def places(rng: random.Random, count: int, low: Place, high: Place, apart: float) -> list[Place]:
+    found: list[Place] = []
+    while len(found) < count:
+        place = (rng.uniform(low[0], high[0]), rng.uniform(low[1], high[1]))
+        if all(math.dist(place, other) > apart for other in found):
+            found.append(place)
+    return found
+
+
+def pairs(run: sim.Run) -> Iterator[tuple[navigation.Motion, navigation.Motion]]:
+    return itertools.combinations([run.motions[name] for name in run.summary["people"]], 2)
+
+
+def least(run: sim.Run) -> float:
+    """The least distance between two centres, by the exact monitor."""
+    return min(navigation.minimum_separation(a, b, 0.0, run.duration)[1] for a, b in pairs(run))
+
+
+def sampled(run: sim.Run) -> float:
+    """The same, by looking every 10 ms."""
+    t = np.arange(0.0, run.duration, 0.01)
+    at = [run.motions[name].position(t) for name in run.summary["people"]]
+    return min(float(np.hypot(*(a - b).T).min()) for a, b in itertools.combinations(at, 2))
+
+
+def through_walls(run: sim.Run, radius: float = 0.3) -> list[str]:
+    """Those who came closer to a wall than their radius."""
+    world = navigation.CollisionWorld(run.trial.floorplan)
+    found = []
+    for name in run.summary["people"]:
+        ends = np.array([piece.end for piece in run.motions[name].pieces])
+        line = run.motions[name].position(np.concatenate([[0.0], ends]))
+        if world.clearance(line) < radius - 1e-6:
+            found.append(name)
+    return found
+
+
+def arrived(run: sim.Run) -> set[str]:
+    return {event["person"] for event in events(run, "arrived")}
+
+
+def turns_in_a_second(run: sim.Run) -> int:
+    """The most sudden changes of direction by 5 degrees or more that somebody made in a second."""
+    most = 0
+    for name in run.summary["people"]:
+        pieces = run.motions[name].pieces
+        turns = [
+            after.begin
+            for before, after in itertools.pairwise(pieces)
+            if abs(math.remainder(after.rotation[0] - before.rotation[0], math.tau)) > 0.09
+        ]
+        most = max([most, *(sum(t <= other < t + 1.0 for other in turns) for t in turns)])
+    return most
+
+
+def head_on(width: float) -> tuple[str, list[tuple[Place, list[Place]]]]:
+    floor, y = hall(24, width), width / 2
+    return floor, [((1, y), [(23, y)]), ((23, y), [(1, y)])]
+
+
+def narrow(inside: bool) -> tuple[str, list[tuple[Place, list[Place]]]]:
+    floor = hall(22, 6, (6, 0, 16, 2.5), (6, 3.5, 16, 6))
+    left, right = ((10, 3), (12, 3)) if inside else ((3, 3), (19, 3))
+    return floor, [(left, [(20, 3)]), (right, [(2, 3)])]
+
+
+def circle(count: int) -> tuple[str, list[tuple[Place, list[Place]]]]:
+    around = [
+        (8 + 6 * math.cos(a), 8 + 6 * math.sin(a))
+        for a in (2 * math.pi * k / count for k in range(count))
+    ]
+    return hall(16, 16), [((x, y), [(16 - x, 16 - y)]) for x, y in around]
+
+
+def rooms(
+    seed: int, count: int, gap: float, thickness: float
+) -> tuple[str, list[tuple[Place, list[Place]]]]:
+    """Two rooms with a gap between them; so many people in each want into the other."""
+    rng, width, depth = random.Random(seed), 12.0 + thickness, 6.0
+    left, right = 6.0, 6.0 + thickness
+    floor = hall(width, depth, (left, 0, right, 3 - gap / 2), (left, 3 + gap / 2, right, depth))
+    west = ((0.4, 0.4), (5.0, 5.6))
+    east = ((right + 1.0, 0.4), (width - 0.4, 5.6))
+    ways = []
+    for here, there in ((west, east), (east, west)):
+        starts, goals = (places(rng, count, *room, apart=0.65) for room in (here, there))
+        ways += [(a, [b]) for a, b in zip(starts, goals, strict=True)]
+    return floor, ways
+
+
+SCENES = {
+    "head-on in a corridor": (head_on(3.0), 1.0),
+    "head-on in an aisle": (head_on(1.5), 1.0),
+    "crossing at a right angle": (
+        (hall(12, 12), [((1, 6), [(11, 6)]), ((6, 1), [(6, 11)])]),
+        1.0,
+    ),
+    "head-on where two can't pass": (narrow(inside=False), 20.0),
+    "head-on within it": (narrow(inside=True), 20.0),
+    "circle of eight": (circle(8), 15.0),
+    "door, three from each side": (rooms(1, 3, 0.8, 0.2), 25.0),
+    "narrow aisle, two from each side": (rooms(2, 2, 1.0, 6.0), 40.0),
+}
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_everybody_gets_there_and_nobody_overlaps(walks, name):
+    (floor, ways), most_lost = SCENES[name]
+    run = walks(floor, ways)
+    assert arrived(run) == set(run.summary["people"])
+    assert least(run) >= 0.6 and sampled(run) >= 0.6
+    assert through_walls(run) == []
+    ends = {event["person"]: event["t"] for event in events(run, "arrived")}
+    world = navigation.CollisionWorld(run.trial.floorplan)
+    planner = navigation.PathPlanner(world, 0.3)
+    for k, (at, goals) in enumerate(ways):
+        alone = navigation.walk(planner.plan(at, goals[0]).points).end
+        assert ends[f"p{k}"] < alone + most_lost
+
+
+def test_nobody_shivers(walks):
+    (floor, ways), _ = SCENES["circle of eight"]
+    assert turns_in_a_second(walks(floor, ways)) <= 4  # two courses, each with a bend
+
+
+def scene(seed: int) -> tuple[str, list[tuple[Place, list[Place]]]]:
+    """A random floor with random people; each place can be reached by one alone."""
+    rng = random.Random(seed)
+    if rng.random() < 0.4:
+        return rooms(
+            seed, rng.randint(1, 4), rng.choice([0.8, 1.0, 1.5, 3.0]), rng.choice([0.2, 3])
+        )
+    walls = []
+    for _ in range(rng.randint(0, 4)):
+        x, y = rng.uniform(2, 9), rng.uniform(2, 9)
+        walls.append((x, y, x + rng.uniform(0.3, 2), y + rng.uniform(0.3, 2)))
+    floor = hall(13, 13, *walls)
+    world = navigation.CollisionWorld(floorplan.parse(floor))
+    count, space = rng.randint(2, 10), world.free_space(0.3)
+    starts: list[Place] = []
+    goals: list[Place] = []
+    while len(goals) < count:
+        for found in (starts, goals):
+            while True:
+                at = (rng.uniform(0.35, 12.65), rng.uniform(0.35, 12.65))
+                if (
+                    all(math.dist(at, other) > 0.65 for other in found)
+                    and world.free(at, 0.31)
+                    and (not starts or space.together(at, starts[0]))
+                ):
+                    found.append(at)
+                    break
+    return floor, [(a, [b, a]) for a, b in zip(starts, goals, strict=True)]
+
+
+@pytest.mark.parametrize(
+    "seed",
+    [
+        *range(12),
+        *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(12, 212)),
+    ],
+)
+def test_random_people_never_overlap_and_arrive(walks, seed):
+    floor, ways = scene(seed)
+    run = walks(floor, ways, 200.0)
+    assert least(run) >= 0.6 and sampled(run) >= 0.6
+    assert through_walls(run) == []
+    assert arrived(run) == set(run.summary["people"])
+
+
+def test_the_same_people_walk_the_same_again(walks):
+    floor, ways = scene(3)
+    one, again = walks(floor, ways, 40.0), walks(floor, ways, 40.0)
+    assert one.events == again.events
+    for name, motion in one.motions.items():
+        assert tuple(motion.pieces) == tuple(again.motions[name].pieces)
+
+
+def test_a_safe_zone_has_room_for_several():
+    people = "".join(f"  - {{name: p{k}}}\n" for k in range(5))
+    run = sim.run(
+        sim.Trial.parse(f"floorplan: ariac2023\nduration: 60\nrules: observe\npeople:\n{people}")
+    )
+    assert least(run) >= 0.6
+    assert all(person["visits"] for person in run.summary["people"].values())
