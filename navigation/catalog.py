@@ -7,6 +7,7 @@ import math
 import re
 from collections.abc import Mapping
 from contextlib import suppress
+from functools import cache
 from typing import Any, TypeAlias
 
 import ompl.base as ob
@@ -63,6 +64,7 @@ def planner_info(name: str) -> PlannerInfo:
     return known[name]
 
 
+@cache
 def _sampling_planners() -> tuple[PlannerInfo, ...]:
     """Return the geometric planners of the OMPL that is installed, by name."""
     found = []

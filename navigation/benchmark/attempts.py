@@ -78,18 +78,21 @@ class Attempt:
     @property
     def ratio(self) -> float:
         """Length over that of the shortest path."""
-        return self.length / self.asked.shortest if self.asked.shortest != 0 else 1.0
+        return _over(self.length, self.asked.shortest)
 
     @property
     def listed_ratio(self) -> float:
         """Length over that of the shortest path over cells, which a scenario lists."""
-        return self.length / self.asked.listed if self.asked.listed != 0 else 1.0
+        return _over(self.length, self.asked.listed)
 
     @property
     def first_seconds(self) -> float:
-        """Seconds of CPU until there was a first path, simplified or not; infinite without one."""
+        """Seconds of CPU until there was a first path, simplified or not; infinite without one.
+
+        Until there was the proof, where there is rightly none.
+        """
         if not self.solved:
-            return math.inf
+            return self.cpu_seconds if self.right else math.inf
         return min([self.planning_seconds, *(one.cpu_seconds for one in self.progress[:1])])
 
     @property
@@ -98,6 +101,13 @@ class Attempt:
         if self.asked.shortest == math.inf:
             return self.reason == "unreachable"
         return self.solved and not self.wrong
+
+
+def _over(length: float, best: float) -> float:
+    """Return the ratio of lengths; 1 for a question that is answered by standing still."""
+    if best == 0:
+        return math.nan if math.isnan(length) else 1.0
+    return length / best
 
 
 @dataclass(frozen=True)

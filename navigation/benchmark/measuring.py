@@ -54,6 +54,9 @@ def benchmark(
     for name, figure in (("radius", radius), ("seconds", seconds), ("longest", longest)):
         if figure is not None and not 0 < figure < math.inf:
             raise ValueError(f"{name} must be above 0 and finite, found {figure:g}")
+    names = [plan.name for plan in plans]
+    if twice := [name for name in names if names.count(name) > 1]:
+        raise ValueError(f"two floors are called {twice[0]!r}: their answers would be mixed up")
     entries = {known(planner): planner for planner in planners}
     budget = Budget(iterations, seconds)
     attempts = []

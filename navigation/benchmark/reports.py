@@ -27,7 +27,7 @@ class Row:
     queries: int
     runs: int
     solved: Estimate
-    """A share of 1, of the questions that have an answer, by a path that nothing is wrong with."""
+    """A share of 1: by a path that nothing is wrong with, or by the proof where there is none."""
     wrong: int
     """Answers."""
     faults: str
@@ -75,10 +75,9 @@ def groups(attempts: Sequence[Attempt]) -> list[list[Attempt]]:
 
 def _row(group: Sequence[Attempt]) -> Row:
     found = [attempt for attempt in group if attempt.solved]
-    solvable = [attempt for attempt in group if attempt.asked.shortest != math.inf]
     faults = Counter(attempt.wrong for attempt in group if attempt.wrong)
     cpu = [1000 * attempt.cpu_seconds for attempt in group]
-    right = by_question(solvable, [float(attempt.right) for attempt in solvable])
+    right = by_question(group, [float(attempt.right) for attempt in group])
 
     def middle(of: Callable[[Attempt], float], among: Sequence[Attempt] = found) -> Estimate:
         values = by_question(among, [of(attempt) for attempt in among])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -16,7 +17,11 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from floorplan import Floorplan
+    from navigation import PlannerChoice
     from navigation.benchmark import Attempt, Row
+
+_ODD = r"[^\w.-]"
+"""Characters of names that are left out of names of files."""
 
 QUERIES = 20
 """Number of seeded questions where none is given."""
@@ -84,7 +89,8 @@ def benchmark(
         if figure is not None and not (least < figure < math.inf):
             wrong = f"must be above {least:g} and finite, found {figure:g}"
             raise typer.BadParameter(wrong, param_hint=name)
-    names = list(dict.fromkeys(map(known, planner or [info.name for info in planners()])))
+    asked = {known(one): one for one in map(_planner, planner or [i.name for i in planners()])}
+    names = list(asked)
     plans = _floors(floorplan, questions, cell)
     if questions is None:
         queries = queries or QUERIES
@@ -102,7 +108,7 @@ def benchmark(
 
         attempts = measure(
             plans,
-            names,
+            list(asked.values()),
             queries=queries,
             runs=runs,
             seed=seed,
@@ -132,6 +138,21 @@ def benchmark(
     }
     with writing(out):
         _write(attempts, rows, plans, out, seed, seconds, terms)
+
+
+def _planner(text: str) -> str | PlannerChoice:
+    """Return the peer, or the choice of a planner; one of the user's own is imported from here."""
+    from navigation import PlannerChoice
+    from navigation.benchmark import PEERS
+    from sim.people.planners import find_planner
+
+    peers = [peer.name for peer in PEERS]
+    if text in peers:
+        return text
+    try:
+        return find_planner(PlannerChoice.of(text), Path.cwd())
+    except ValueError as why:
+        raise ValueError(f"--planner {text}: {why} (peers: {', '.join(peers)})") from None
 
 
 def _floors(
@@ -232,7 +253,7 @@ def _write(
         write_summary(rows, unfinished)
     for plan in plans:
         there = [attempt for attempt in attempts if attempt.asked.floorplan == plan.name]
-        with replacing(out / f"{plan.name}.log") as unfinished:
+        with replacing(out / f"{re.sub(_ODD, '_', plan.name)}.log") as unfinished:
             write_ompl_log(there, unfinished, seed=seed, seconds=seconds)
     write_page(attempts, plans, out / "report.html", terms=terms, on_the_clock=seconds is not None)
     say(f"wrote {out}/report.html, CSV of all answers and an OMPL log for each floor", err=True)

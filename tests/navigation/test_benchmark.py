@@ -268,12 +268,13 @@ def test_budgets_and_parameters_reach_the_planner():
         ({"seconds": math.nan}, "seconds must be above 0 and finite, found nan"),
         ({"radius": math.nan}, "radius must be above 0 and finite, found nan"),
         ({"runs": 0}, "runs must be 1 or more"),
+        ({"plans": [BARRED, BARRED]}, "two floors are called 'barred'"),
     ],
 )
 def test_senseless_terms_are_refused(options, words):
-    terms = {"planners": ["Roadmap"], "queries": 1, **options}
+    terms = {"plans": [BARRED], "planners": ["Roadmap"], "queries": 1, **options}
     with pytest.raises(ValueError, match=words):
-        benchmark([BARRED], **terms)
+        benchmark(**terms)
 
 
 def test_wrong_answers_are_noticed():
@@ -294,7 +295,12 @@ def test_wrong_answers_are_noticed():
     assert fault(None, "unreachable") == "none"
     assert fault(None, "unreachable", shortest=math.inf) == ""
     assert fault(None, "not_found") == ""
-    assert not judge.attempt(asked, Answer(np.full((3, 2), math.nan)), Spent(0.0, 0.0, 0)).solved
+    spent = Spent(0.0, 0.0, 0)
+    assert not judge.attempt(asked, Answer(np.full((3, 2), math.nan)), spent).solved
+    there = replace(asked, goal=asked.start, shortest=0.0)
+    assert math.isnan(judge.attempt(there, Answer(None, "not_found"), spent).ratio)
+    stays = judge.attempt(there, Answer(np.array([asked.start])), spent)
+    assert (stays.right, stays.ratio, stays.length) == (True, 1.0, 0.0)
 
 
 @pytest.mark.parametrize("peer", PEERS, ids=lambda peer: peer.name)

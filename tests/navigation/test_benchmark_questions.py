@@ -5,7 +5,14 @@ from pathlib import Path
 import pytest
 
 import floorplan
-from navigation.benchmark import QuestionsError, benchmark, map_of, scenes_of
+from navigation.benchmark import (
+    QuestionsError,
+    benchmark,
+    map_of,
+    scenes_of,
+    success_over_time,
+    summary,
+)
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 MAP = """type octile
@@ -68,7 +75,9 @@ def test_a_question_that_has_no_answer_is_one(hall):
     (scene,) = ask(hall / "q.csv", plan, "x0,y0,x1,y1\n0.5,0.5,0.5,3.5\n")
     assert scene.shortest == (math.inf,)
     (hall / "q.csv").write_text("x0,y0,x1,y1\n0.5,0.5,0.5,3.5\n")
-    (one,) = benchmark([plan], ["Roadmap"], questions=hall / "q.csv")
+    (one,) = attempts = benchmark([plan], ["Roadmap"], questions=hall / "q.csv")
+    assert summary(attempts)[0].solved.value == 1.0
+    assert success_over_time(attempts).value.tolist() == [1.0]
     assert (one.solved, one.reason, one.wrong, one.right) == (False, "unreachable", "", True)
 
 

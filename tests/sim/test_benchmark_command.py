@@ -82,6 +82,9 @@ def test_the_report_shows_every_planner_and_can_be_read(tmp_path, open_address):
     assert {a.solved for a in attempts} == {True, False}
     assert all(math.isnan(a.length) for a in attempts if not a.solved)
     page = tmp_path / "report.html"
+    nothing = [a for a in attempts if not a.solved]
+    write_page(nothing, [plan], page, terms={}, on_the_clock=False)
+    assert "0 %<small>0 …" in page.read_text()
     write_page(attempts, [plan], page, terms={"seed": "2"}, on_the_clock=True)
     viewer = open_address(page.as_uri())
     shown = viewer.page.inner_text("body")

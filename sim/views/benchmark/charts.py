@@ -120,9 +120,11 @@ def _boxes(
 ) -> None:
     """Draw the middle half of each planner's values as a box, nine tenths of them as a line."""
     axes = figure.subplots()
+    if not np.isfinite([of(attempt) for group in groups for attempt in group]).any():
+        return _say_nothing(axes)
     names = [group[0].asked.planner for group in groups]
     for place, group in enumerate(groups):
-        values = np.array([of(attempt) for attempt in group if attempt.solved])
+        values = np.array([of(attempt) for attempt in group])
         values = values[np.isfinite(values)]
         if scale == "symlog":  # the reference may be a hair too long
             values = np.maximum(values, 0.0)
@@ -148,6 +150,7 @@ def _boxes(
     axes.tick_params(axis="y", length=0)
     axes.spines[["left", "right", "top"]].set_visible(False)
     _grid(axes, "x")
+    return None
 
 
 def _curves(
@@ -160,6 +163,8 @@ def _curves(
     """Draw a step for each change, with its interval around it, and the names below."""
     axes = figure.subplots()
     found = [(group[0].asked.planner, of(group)) for group in groups]
+    if not any(len(curve.seconds) for _, curve in found):
+        return _say_nothing(axes)
     last = max([curve.seconds[-1] for _, curve in found if len(curve.seconds)], default=1.0)
     tops = []
     for name, curve in found:
@@ -199,6 +204,12 @@ def _curves(
     axes.spines[["right", "top"]].set_visible(False)
     _grid(axes, "both")
     figure.legend(loc="outside lower center", ncols=2, frameon=False, fontsize=9)
+    return None
+
+
+def _say_nothing(axes: Axes) -> None:
+    axes.set_axis_off()
+    axes.text(0.5, 0.5, "no path was found", ha="center", va="center", color=INK)
 
 
 def _grid(axes: Axes, which: Literal["both", "x", "y"]) -> None:
