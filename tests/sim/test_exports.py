@@ -371,6 +371,7 @@ for ending in sys.argv[2:]:
 """
 
 
+@pytest.mark.slow
 def test_a_full_disk_is_told_and_nothing_half_is_left(tmp_path):
     (tmp_path / "t.yaml").write_text(TRIAL)
     root = Path(__file__).resolve().parents[2]

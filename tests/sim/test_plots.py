@@ -311,6 +311,7 @@ def test_ones_own_settings_of_matplotlib_stay_and_change_nothing(run, tmp_path):
     assert (tmp_path / "own.svg").read_bytes() == (tmp_path / "plain.svg").read_bytes()
 
 
+@pytest.mark.slow
 def test_the_same_picture_has_the_same_bytes_in_every_process(tmp_path):
     code = """
 import sys

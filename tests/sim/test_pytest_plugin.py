@@ -367,6 +367,7 @@ def test_nothing_is_loaded():
     run_pytest_alone().assert_outcomes(passed=1)
 
 
+@pytest.mark.slow
 def test_runs_that_passed_are_let_go(pytester, run_pytest_alone):
     write(pytester, one__trial__yaml=PASSES, two__trial__yaml=PASSES)
     pytester.makepyfile(

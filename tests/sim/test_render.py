@@ -94,6 +94,7 @@ def test_an_mp4_has_all_pictures_and_the_same_bytes(run, tmp_path):
         assert np.abs(picture - film.at(0.8 * k).astype(float)).mean() < 3.0
 
 
+@pytest.mark.slow
 def test_a_full_disk_is_said_and_leaves_no_film(tmp_path):
     code = """
 import resource, signal, sys

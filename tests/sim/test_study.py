@@ -184,7 +184,7 @@ def test_what_an_interrupt_leaves_of_semaphores_is_cleaned_up_in_silence():
     ("stop", "sent", "backend"),
     [
         (os.kill, signal.SIGTERM, "loky"),
-        (os.killpg, signal.SIGINT, "loky"),
+        pytest.param(os.killpg, signal.SIGINT, "loky", marks=pytest.mark.slow),
         pytest.param(os.killpg, signal.SIGINT, "dask", marks=pytest.mark.slow),
     ],
 )

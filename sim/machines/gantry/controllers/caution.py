@@ -53,7 +53,7 @@ class Caution:
         gantry = self._gantry
         end = gantry.now + seconds
         people = yield gantry.look()
-        while math.dist(gantry.position, pose) > ARRIVED or gantry.state.speed > 0:
+        while math.dist(gantry.position, pose) > ARRIVED or gantry.now < gantry.body.motion.end:
             if end - gantry.now < INSTANT:
                 return False
             share = self._share_to(pose)
