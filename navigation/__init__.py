@@ -15,6 +15,7 @@ from .conditions import (
     TooClose,
 )
 from .courses import Company, Courses
+from .crowding import Nearest, nearest_pair
 from .encounter import Encounter
 from .gantry_planner import GantryPath, GantryPlanner
 from .machines import (
@@ -96,6 +97,7 @@ __all__ = [
     "Motion",
     "MotionLaw",
     "Moving",
+    "Nearest",
     "Not",
     "Odometer",
     "Path",
@@ -133,6 +135,7 @@ __all__ = [
     "longest_stop",
     "minimum_margin",
     "minimum_separation",
+    "nearest_pair",
     "paced",
     "planners",
     "remaining_path",

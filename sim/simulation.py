@@ -176,6 +176,7 @@ class Simulation:
                 referee=self.referee,
                 motions=motions,
                 work=self.dispatcher.figures if self.dispatcher else {},
+                deadlocks=self._company.deadlocks,
             )
         )
         cpu = time.process_time() - self._cpu_begin

@@ -357,6 +357,12 @@ class Blocked(EventKind):
     by: _Person
 
 
+class Deadlock(EventKind):
+    """Nobody who is under way can go on because of the others, for as long as their patience."""
+
+    people: list[str]
+
+
 class Said(EventKind):
     """A program prints something."""
 

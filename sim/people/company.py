@@ -46,7 +46,7 @@ class Company:
         self._society = bdi.Society()
         self._inspectors: dict[str, MindInspector] = {}
         self.people: list[Person] = []
-        crowd = Crowd(stage) if len(scenario.people) > 1 else None
+        self._crowd = crowd = Crowd(stage) if len(scenario.people) > 1 else None
         starts = self._starts(crowd)
         for index, entry in enumerate(scenario.people):
             human = _human(entry, stage.floorplan.human)
@@ -65,6 +65,11 @@ class Company:
                 thought=self._thought,
             )
             self.people.append(person)
+
+    @property
+    def deadlocks(self) -> int:
+        """Number of times that nobody under way could go on because of the others."""
+        return 0 if self._crowd is None else self._crowd.deadlocks
 
     def _starts(self, crowd: Crowd | None) -> list[Place]:
         """Return where people start; those who start at home stand beside each other there."""

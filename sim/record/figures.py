@@ -26,10 +26,10 @@ class SummaryFigure:
     `events` are those that made it what it is: their kind, and fields that they have. With
     `instant` it has the time of the figure of that name beside it; with `short` it is also found
     by the name of the figure that it is a part of. `of_orders` is one of trials with orders only.
-    `label` is what people read; `words`, if given, how much it is on a terminal. A study has it as
-    a column unless not `column`; its report compares it as a `measure`, "rare" ones only where
-    there is something, and its first rows are worth a look if it is among the `worst`: the least
-    (1), or the most (-1).
+    `of_several` one of trials with more people than one. `label` is what people read; `words`,
+    if given, how much it is on a terminal. A study has it as a column unless not `column`; its
+    report compares it as a `measure`, "rare" ones only where there is something, and its first
+    rows are worth a look if it is among the `worst`: the least (1), or the most (-1).
     """
 
     path: str
@@ -41,6 +41,7 @@ class SummaryFigure:
     instant: str = ""
     short: bool = False
     of_orders: bool = False
+    of_several: bool = False
     label: str = ""
     words: words.Words | None = None
     column: bool = True
@@ -252,6 +253,47 @@ FIGURES: dict[str, SummaryFigure] = {
         ),
         *_separation(""),
         SummaryFigure(
+            path="nearest_people",
+            form="parts",
+            of=lambda run: run.nearest_people,
+            label="nearest to each other",
+            words=words.nearest_people,
+            of_several=True,
+        ),
+        SummaryFigure(
+            path="nearest_people.distance",
+            label="least distance between people",
+            meaning="between the bodies of the two who came nearest, `between` says who",
+            unit="m",
+            instant="time",
+            of_several=True,
+            worst=1,
+        ),
+        SummaryFigure(
+            path="nearest_people.time",
+            meaning="when that was",
+            unit="s",
+            instant="time",
+            of_several=True,
+        ),
+        SummaryFigure(
+            path="overlaps",
+            of=lambda run: run.among_people.overlaps,
+            label="overlaps",
+            meaning="pairs of people whose bodies overlapped",
+            of_several=True,
+            measure="rare",
+        ),
+        SummaryFigure(
+            path="deadlocks",
+            of=lambda run: run.deadlocks,
+            label="deadlocks",
+            meaning="times that nobody under way could go on because of the others",
+            events=(events.Deadlock, {}),
+            of_several=True,
+            measure="rare",
+        ),
+        SummaryFigure(
             path=f"{PEOPLE}personality",
             form="text",
             of=lambda run, person: person.personality,
@@ -301,6 +343,15 @@ FIGURES: dict[str, SummaryFigure] = {
             words=words.plain,
             events=(events.Replanned, {"person": "NAME"}),
             measure="plain",
+        ),
+        SummaryFigure(
+            path=f"{PEOPLE}time_lost_to_others",
+            of=lambda run, person: person.walker.traveller.time_lost(run.duration),
+            label="kept from walking by others",
+            meaning="stood because of other people, on the way to a goal",
+            unit="s",
+            of_several=True,
+            measure="rare",
         ),
         SummaryFigure(
             path=f"{PEOPLE}violations",

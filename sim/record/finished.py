@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from navigation import Motion, minimum_separation
+from navigation import Motion, Nearest, minimum_separation, nearest_pair
 
 from ..core.machine import Category, Machine
 from ..core.scenario import Scenario
@@ -31,6 +31,7 @@ class Finished:
     referee: Referee
     motions: Mapping[str, Motion]
     work: Mapping[str, Any]
+    deadlocks: int = 0
 
     def violations(self, person: Person | None = None) -> dict[str, int]:
         """Return how many violations with the gantry had which cause: of one person, or of all."""
@@ -73,6 +74,26 @@ class Finished:
     def nearest_of_all(self) -> dict[str, float] | None:
         """The least of the distances in `nearest`, None where there is none."""
         return min(self.nearest.values(), key=lambda found: found["distance"], default=None)
+
+    @cached_property
+    def among_people(self) -> Nearest:
+        """The nearest that two of several people came to each other."""
+        found = nearest_pair(
+            [self.motions[person.name] for person in self.people],
+            [person.walker.human.radius for person in self.people],
+            [person.walker.human.max_speed for person in self.people],
+            0.0,
+            self.duration,
+        )
+        assert found is not None  # nobody asks where there is only one
+        return found
+
+    @property
+    def nearest_people(self) -> dict[str, Any]:
+        """The least distance between the bodies of two people (m), when it was (s), and of whom."""
+        found = self.among_people
+        between = [self.people[k].name for k in found.pair]
+        return {"distance": found.distance, "time": found.time, "between": between}
 
     @cached_property
     def of_machines(self) -> dict[str, dict[str, Any]]:

@@ -53,6 +53,12 @@ def order(value: Any, beside: Mapping[str, Any]) -> str:
     return f"{value['type']}: {outcome}{missing}"
 
 
+def nearest_people(value: Any, beside: Mapping[str, Any]) -> str:
+    """Return a distance between two people, who they are, and when it was."""
+    one, other = value["between"]
+    return f"{value['distance']:.2f} m ({one} and {other}) at t = {value['time']:.1f} s"
+
+
 def nearest(value: Any, beside: Mapping[str, Any]) -> str:
     """Return a distance, when it was, and what was required then."""
     if value is None:

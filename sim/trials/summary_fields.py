@@ -62,6 +62,8 @@ def summary_fields(trial: Scenario) -> dict[str, SummaryField]:
     for figure in FIGURES.values():
         if figure.form in ("text", "parts") or (figure.of_orders and trial.workload is None):
             continue
+        if figure.of_several and len(trial.people) < 2:
+            continue
         for path, name in _paths(figure.path, trial):
             field = SummaryField(figure, path, name)
             keys = [".".join(path)] + ([".".join(path[:-1])] if figure.short else [])

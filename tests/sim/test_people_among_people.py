@@ -244,3 +244,46 @@ def test_a_safe_zone_has_room_for_several():
     )
     assert least(run) >= 0.6
     assert all(person["visits"] for person in run.summary["people"].values())
+
+
+def test_the_summary_has_the_nearest_that_people_came(walks):
+    floor, ways = scene(8)
+    run = walks(floor, ways, 60.0)
+    nearest = run.summary["nearest_people"]
+    assert nearest["distance"] == pytest.approx(least(run) - 0.6, abs=1e-8)
+    one, other = (run.motions[name].position(nearest["time"]) for name in nearest["between"])
+    assert math.dist(one, other) == pytest.approx(least(run), abs=1e-6)
+    assert run.summary["overlaps"] == run.summary["deadlocks"] == 0
+
+
+def test_people_who_can_go_nowhere_say_so_and_are_a_deadlock(walks):
+    # Two at the ends of a closed aisle for one want to change places; three stand between them.
+    floor, y = hall(7, 0.7), 0.35
+    ways = [((x, y), [(goal, y)]) for x, goal in ((0.4, 6.6), (2.5, 2.5), (3.5, 3.5), (4.5, 4.5))]
+    run = walks(floor, [*ways, ((6.6, y), [(0.4, y)])], 60.0)
+    assert {event["person"] for event in events(run, "blocked")} == {"p0", "p4"}
+    assert events(run, "deadlock")[0]["people"] == ["p0", "p4"]
+    assert run.summary["deadlocks"] == 1
+    assert run.summary["people"]["p0"]["time_lost_to_others"] > 20
+    assert least(run) >= 0.6
+
+
+def test_nearest_pair_sees_what_an_oracle_sees():
+    rng = np.random.default_rng(7)
+    for _ in range(20):
+        count = int(rng.integers(2, 6))
+        motions = [
+            navigation.walk(rng.uniform(0, 6, (4, 2)), float(rng.uniform(0, 2)), max_speed=1.5)
+            for _ in range(count)
+        ]
+        radii = rng.uniform(0.1, 0.4, count)
+        found = navigation.nearest_pair(motions, list(radii), [1.5] * count, 0.0, 20.0)
+        apart = {
+            (i, j): navigation.minimum_separation(motions[i], motions[j], 0.0, 20.0)[1]
+            - radii[i]
+            - radii[j]
+            for i, j in itertools.combinations(range(count), 2)
+        }
+        if min(apart.values()) >= 0:
+            assert found.distance == pytest.approx(min(apart.values()), abs=1e-8)
+        assert found.overlaps == sum(gap < -1e-9 for gap in apart.values())

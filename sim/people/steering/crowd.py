@@ -23,7 +23,7 @@ from navigation import (
 )
 
 from ...core.clock import Alarm, Turn
-from ...core.events import Blocked, GaveWay, Met
+from ...core.events import Blocked, Deadlock, GaveWay, Met
 from ...core.stage import Stage
 from .course import Place
 from .outlook import GAP, Ground, Hit, Outlook, first_hit
@@ -69,6 +69,8 @@ class Crowd:
 
     def __init__(self, stage: Stage, steering: Steering | None = None) -> None:
         self.steering: Steering = Foresighted() if steering is None else steering
+        self.deadlocks = 0
+        """Number of times that nobody under way could go on."""
         self._stage = stage
         self._clock = stage.clock
         self._parties: dict[Traveller, _Party] = {}
@@ -262,7 +264,15 @@ class Crowd:
             party.said = True
             self._stage.record(Blocked(person=me.name, by=hit.other.name))
             party.blocked()
+            self._look_for_deadlock(now)
         self._again(party, now + APART)
+
+    def _look_for_deadlock(self, now: float) -> None:
+        """Record it if everybody under way has lost patience."""
+        under_way = [party for me, party in self._parties.items() if me.goal is not None]
+        if len(under_way) > 1 and all(party.said for party in under_way):
+            self.deadlocks += 1
+            self._stage.record(Deadlock(people=[party.me.name for party in under_way]))
 
     def _ask(self, me: Traveller, outlook: Outlook, hit: Hit) -> bool:
         """Ask those in the way to step aside; return whether they did."""

@@ -72,6 +72,10 @@ class Traveller:
         """
         return (self.goal is None, self.since, self.index)
 
+    def time_lost(self, now: float) -> float:
+        """Return the seconds that others have cost them until now."""
+        return self.lost + (0.0 if self.stands_since is None else now - self.stands_since)
+
     def stands(self, now: float) -> bool:
         """Return whether their motion is over, or all but."""
         return self.swath.rests <= now + 0.3
