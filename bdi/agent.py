@@ -41,7 +41,7 @@ class Agent:
             that returns the arguments of what holds when it is called, as often as a query comes
             to it. They have the source `percept`, raise no events and are not in `beliefs`.
         actions: further internal actions, by name (see `InternalActions`).
-        society: the agents it can send messages to.
+        society: the agents it can send messages to; without it it can send to itself alone.
         max_cycles: largest number of cycles at one instant; at more the agent is stopped.
         max_goals: largest number of goals tried in one cycle: by default seconds of work,
             where a handful is usual.
@@ -93,7 +93,8 @@ class Agent:
             start=start,
             print=print,
             on_event=on_event,
-            society=society,
+            society=Society() if society is None else society,
+            functions=getattr(actions, "functions", None),
             max_goals=max_goals,
             max_depth=max_depth,
             max_intentions=max_intentions,
@@ -109,8 +110,8 @@ class Agent:
         except (RecursionError, TooDeepError):
             message = "a formula or a term is nested too deeply"
             raise ProgramError([Problem(program.source, 0, 0, message)]) from None
-        if society is not None:
-            society.join(self)
+        assert self._state.society is not None  # as given above
+        self._state.society.join(self)
 
     def __repr__(self) -> str:
         counts = f"{len(self.beliefs)} beliefs, {len(self.intentions)} intentions"

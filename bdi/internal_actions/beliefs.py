@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 
 from ..language.order import distinct
+from ..language.program import Rule, RuleTerm
 from ..language.substitution import Unifier, substitute
-from ..language.terms import Literal, Term, Var
+from ..language.terms import Literal, Term, Var, make_list
 from ..reasoning.actions import InternalAction
+from ..reasoning.beliefs import with_source
 from ..reasoning.calls import Call
+from ..reasoning.mail import without_source
 from .arguments import a_list, a_literal, wrong
 
 
@@ -17,7 +20,7 @@ def abolish(call: Call, pattern: Term) -> bool:
     if not isinstance(pattern, Literal | Var):
         raise wrong("abolish", "first argument must be a literal or variable.")
     for found in call.agent.beliefs.matching(pattern, call.unifier):
-        call.agent.disbelieve(found)
+        call.agent.abolish(found)
     return True
 
 
@@ -26,16 +29,49 @@ def perceive(call: Call) -> bool:
     return True
 
 
-def add_at_front(call: Call, belief: Term) -> bool:
-    call.agent.believe(a_literal("asserta", belief))
-    return True
+def _assert(name: str, *, at_end: bool) -> Callable[..., bool]:
+    def add(call: Call, belief: Term) -> bool:
+        """Add a belief, or a rule that is a term, before or after the others."""
+        if isinstance(belief, RuleTerm):
+            rule = belief.rule
+            call.agent.beliefs.add_rule(
+                Rule(with_source(rule.head), rule.body, rule.place), at_end=at_end
+            )
+        else:
+            call.agent.believe(a_literal(name, belief), at_end=at_end)
+        return True
+
+    return add
 
 
 def belief(call: Call, pattern: Term) -> Iterator[Unifier]:
     """Yield an answer for each belief, and none for what rules derive."""
-    if isinstance(pattern, Literal):
+    if isinstance(pattern, Literal | Var):
         found = call.agent.beliefs.matching(pattern, call.unifier)
         yield from call.each(pattern, found)
+
+
+def relevant_rules(call: Call, head: Term, result: Term) -> object:
+    """Unify with the rules whose head unifies, without their sources."""
+    if not isinstance(head, Literal | Var):
+        raise wrong("relevant_rules", "first argument must be a literal or variable.")
+    rules = [
+        RuleTerm(Rule(_bare(rule.head), rule.body, rule.place))
+        for rule in call.agent.beliefs.rules()
+        if call.unify(head, _bare(rule.head)) is not None
+    ]
+    return call.unify(make_list(rules), result)
+
+
+def _bare(head: Literal) -> Literal:
+    bare = without_source(head)
+    return bare if isinstance(bare, Literal) else head
+
+
+def list_rules(call: Call) -> bool:
+    for rule in call.agent.beliefs.rules():
+        call.agent.say(str(rule))
+    return True
 
 
 def answers(call: Call, term: Term, formula: Term) -> list[Term]:
@@ -64,7 +100,10 @@ def count(call: Call, what: Term, *more: Term) -> object:
 ACTIONS: Mapping[str, InternalAction] = {
     ".abolish": InternalAction(abolish, 1, 1),
     ".perceive": InternalAction(perceive, 0, 0),
-    ".asserta": InternalAction(add_at_front, 1, 1),
+    ".asserta": InternalAction(_assert("asserta", at_end=False), 1, 1),
+    ".assertz": InternalAction(_assert("assertz", at_end=True), 1, 1),
+    ".relevant_rules": InternalAction(relevant_rules, 2, 2),
+    ".list_rules": InternalAction(list_rules, 0, 0),
     ".belief": InternalAction(belief, 1, 1),
     ".findall": InternalAction(findall, 3, 3),
     ".setof": InternalAction(setof, 3, 3),

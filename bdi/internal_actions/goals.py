@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from typing import TypeAlias
+from collections.abc import Iterator, Mapping
 
-from ..language.body import BodyTerm
-from ..language.substitution import Unifier, substitute, substitute_literal
-from ..language.terms import Literal, Term, TriggerTerm, make_list, plain_text, text
+from ..language.body import Achieve, BodyTerm
+from ..language.substitution import Unifier, substitute
+from ..language.terms import Literal, Term, TriggerTerm, Var, make_list, plain_text, text
 from ..language.unification import unified
+from ..reasoning.achievement import Finish
 from ..reasoning.actions import ActionError, InternalAction
 from ..reasoning.calls import WAITING, Call
-from ..reasoning.deliberation import clear
-from ..reasoning.failure import end, find_failure_event
-from ..reasoning.intentions import Event, Intention
+from ..reasoning.circumstance import Circumstance
+from ..reasoning.intentions import Goals, Intention
 from .arguments import a_goal, a_literal
 
 
@@ -63,8 +62,24 @@ def drop_intention(call: Call, *goal: Term) -> object:
     return WAITING
 
 
+def drop_future_intention(call: Call, goal: Term) -> object:
+    """End the intentions whose plan has a step `!g` or `!!g`."""
+    wanted = a_literal("drop_future_intention", goal)
+    agent, itself = call.agent, False
+    for intention in list(agent.circumstance.intentions()):
+        steps = intention.top.plan.plan.body
+        goals = [step.goal for step in steps if isinstance(step, Achieve)]
+        if any(call.unify(step, wanted) is not None for step in goals):
+            itself = itself or intention is call.intention
+            agent.circumstance.drop(intention)
+    if itself and call.intention is not None:
+        agent.circumstance.forget(call.intention)
+        return WAITING
+    return True
+
+
 def _intended(
-    call: Call, goal: Literal, identity: tuple[Term, ...], *, suspended: bool
+    call: Call, goal: Literal | Var, identity: tuple[Term, ...], *, suspended: bool
 ) -> Iterator[Unifier]:
     for intention in call.agent.circumstance.intentions():
         if intention.is_suspended and not suspended:
@@ -94,11 +109,8 @@ def desire(call: Call, goal: Term, *identity: Term) -> Iterator[Unifier]:
     yield from _intended(call, pattern, identity, suspended=True)
 
 
-def _pattern(name: str, goal: Term) -> Literal:
-    wanted = a_goal(name, goal)
-    if isinstance(wanted, Literal):
-        return wanted
-    raise ActionError(f"{name}: which goal? {text(goal)} has no value", "wrong_arguments")
+def _pattern(name: str, goal: Term) -> Literal | Var:
+    return a_goal(name, goal)
 
 
 def fail(call: Call, *annots: Term) -> bool:
@@ -117,96 +129,51 @@ def fail(call: Call, *annots: Term) -> bool:
 
 # ---- goals declared achieved or failed
 
-_RUNS_ON, _FAILS, _IS_OVER = 1, 2, 3
-_Take: TypeAlias = Callable[[Call, Intention, Literal, Unifier], int]
-
-
-def _achieve(call: Call, intention: Intention, goal: Literal, u: Unifier) -> int:
-    """Take a goal off an intention as if it had been achieved; return 0 if it was not there."""
-    if intention.drop_goal(goal, u) is None:
-        return 0
-    if intention.is_finished:
-        clear(call.agent, intention)
-        return _IS_OVER
-    if intention is not call.intention and intention.top.step is not None:
-        intention.top.step = intention.top.step.next
-    clear(call.agent, intention)
-    return _RUNS_ON
-
-
-def _fail(call: Call, intention: Intention, goal: Literal, u: Unifier) -> int:
-    """Take a goal off an intention as if it had failed; return 0 if it was not there."""
-    agent = call.agent
-    if intention.drop_goal(goal, u) is None:
-        return 0
-    wanted = substitute(goal, u)
-    failed = Event("+!", wanted if isinstance(wanted, Literal) else goal, intention)
-    event = find_failure_event(agent, intention, failed)
-    if event is None:
-        end(agent, intention)
-        return _IS_OVER
-    event.literal = substitute_literal(event.literal, u)
-    agent.circumstance.post(event)
-    return _FAILS
-
 
 def succeed_goal(call: Call, goal: Term) -> object:
-    return _finish(call, a_literal("succeed_goal", goal), _achieve)
+    return _finish(call, a_literal("succeed_goal", goal), failed=False)
 
 
 def fail_goal(call: Call, goal: Term) -> object:
-    return _finish(call, a_literal("fail_goal", goal), _fail)
+    return _finish(call, a_literal("fail_goal", goal), failed=True)
 
 
-def _finish(call: Call, goal: Literal, take: _Take) -> object:
+def _finish(call: Call, goal: Literal, *, failed: bool) -> object:
     """Take a goal off all intentions, in whatever state they are, and off the events."""
+    finish = Finish(call.agent, Goals.of(goal), call.intention, failed=failed)
+    return True if finish.everywhere(call.unifier) else WAITING
+
+
+def done(call: Call, *goal: Term) -> object:
+    """`.done` or `.done(g)`: a goal of this intention is achieved, the nearest if none is named."""
+    intention = call.intention
+    if intention is None:
+        return False
+    itself = intention.outer or intention
+    if goal:
+        wanted = Goals.of(a_literal("done", goal[0]))
+    else:
+        top = itself.top
+        wanted = Goals(lambda means, u: means is top)
+    finish = Finish(call.agent, wanted, intention)
+    outcome = finish.take(intention, call.unifier)
+    if intention.outer is not None:
+        return _done_for(call, intention.outer, wanted)
+    return WAITING if outcome > 1 else True
+
+
+def _done_for(call: Call, whole: Intention, goals: Goals) -> object:
+    """Achieve a goal of the intention for which an event's plan works, and end that plan."""
     circumstance = call.agent.circumstance
-
-    def taken(intention: Intention) -> int:
-        return take(call, intention, goal, dict(call.unifier))
-
-    for event in [*circumstance.all_events(), *circumstance.suspended_events]:
-        done = 0 if event.intention is None else taken(event.intention)
-        if done:
-            circumstance.remove_event(event)
-            _run_on(call, event.intention, done)
-        elif event.is_for(goal, dict(call.unifier)):
-            _finish_event(call, event, take)
-    for running in [circumstance.atomic, *circumstance.running]:
-        if running is not None and taken(running) > _RUNS_ON:
-            circumstance.remove_running(running)
-    outcome = 0 if call.intention is None else taken(call.intention)
-    for action in list(circumstance.pending_actions.values()):
-        done = taken(action.intention)
-        if done:
-            circumstance.take_action(action.intention)
-            _run_on(call, action.intention, done)
-    for kind, intention in list(circumstance.pending.values()):
-        done = taken(intention)
-        if done:
-            circumstance.take_pending(intention, kind)
-            _run_on(call, intention, done)
-    return WAITING if outcome > _RUNS_ON else True
-
-
-def _run_on(call: Call, intention: Intention | None, done: int) -> None:
-    if done == _RUNS_ON and intention is not None:
-        call.agent.circumstance.add_running(intention)
-
-
-def _finish_event(call: Call, event: Event, take: _Take) -> None:
-    """Finish a goal that no plan has been chosen for yet."""
-    if take is _fail:
-        event.sort = "-!"
-        return
-    circumstance, intention = call.agent.circumstance, event.intention
-    circumstance.remove_event(event)
-    if intention is not None and intention.stack:
-        if intention.top.step is not None:
-            intention.top.step = intention.top.step.next
-        clear(call.agent, intention)
-        if intention.stack:
-            circumstance.add_running(intention)
+    outcome = Finish(call.agent, goals, None).take(whole, call.unifier)
+    if outcome:
+        circumstance.remove_running(whole)
+        circumstance.unpend(whole)
+        if outcome == 1 and whole.stack:
+            circumstance.add_running(whole)
+    if call.intention is not None:
+        circumstance.forget(call.intention)
+    return WAITING
 
 
 def current_intention(call: Call, description: Term) -> object:
@@ -216,6 +183,39 @@ def current_intention(call: Call, description: Term) -> object:
     if intention is None and selected is not None:
         intention = selected.intention
     return False if intention is None else call.unify(description, _description(intention))
+
+
+def intention(call: Call, number: Term, state: Term, *more: Term) -> Iterator[Unifier]:
+    """`.intention(Number, State, Stack?, current?)`, for each intention or the one that calls."""
+    circumstance = call.agent.circumstance
+    current: Intention | None = call.intention
+    if current is None and circumstance.selected_event is not None:
+        current = circumstance.selected_event.intention
+    only_current = len(more) > 1 and text(more[1]) == "current"
+    for one in list(circumstance.intentions()):
+        if only_current and one is not current:
+            continue
+        place = Literal(_state(circumstance, one, call.intention))
+        terms: list[Term] = [float(one.number), place]
+        if more:
+            terms.append(_description(one).args[1])
+        solution = call.unify(make_list(terms), make_list([number, state, *more[:1]]))
+        if solution is not None:
+            yield solution
+
+
+def _state(circumstance: Circumstance, one: Intention, caller: Intention | None) -> str:
+    if one.is_suspended:
+        return "suspended"
+    if one is caller or one is circumstance.selected:
+        return "running"
+    if one.number in circumstance.pending or one.number in circumstance.pending_actions:
+        return "waiting"
+    return "running" if circumstance.is_running(one) else "pending"
+
+
+def _one_or_all(call: Call, *args: Term) -> object:
+    return current_intention(call, *args) if len(args) == 1 else intention(call, *args)
 
 
 def _description(intention: Intention) -> Literal:
@@ -248,6 +248,8 @@ ACTIONS: Mapping[str, InternalAction] = {
     ".fail": InternalAction(fail),
     ".succeed_goal": InternalAction(succeed_goal, 1, 1),
     ".fail_goal": InternalAction(fail_goal, 1, 1),
+    ".done": InternalAction(done, 0, 1),
     ".current_intention": InternalAction(current_intention, 1, 1),
-    ".intention": InternalAction(current_intention, 1, 1),
+    ".intention": InternalAction(_one_or_all, 1, 4),
+    ".drop_future_intention": InternalAction(drop_future_intention, 1, 1),
 }

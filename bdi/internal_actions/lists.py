@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 
+from ..language.containers import Container
 from ..language.order import compare, distinct, standard_order
 from ..language.substitution import Unifier
 from ..language.terms import EMPTY, Cons, Nil, Term, Var, make_list, plain_text, text
@@ -14,7 +15,7 @@ from .beliefs import answers
 
 
 def length(call: Call, value: Term, result: Term) -> object:
-    if not isinstance(value, str | Nil | Cons):
+    if not isinstance(value, str | Nil | Cons | Container):
         raise wrong("length", "first argument must be a list or a string.")
     return call.unify(result, len(value))
 
@@ -24,7 +25,8 @@ MAX_LENGTH = 100_000
 
 
 def member(call: Call, element: Term, elements: Term) -> Iterator[Unifier]:
-    yield from call.each(element, a_list("member", elements, "second"))
+    items = elements if isinstance(elements, Container) else a_list("member", elements, "second")
+    yield from call.each(element, list(items))
 
 
 def concat(call: Call, *terms: Term) -> object:
@@ -67,8 +69,10 @@ def nth(call: Call, index: Term, elements: Term, element: Term) -> object:
         raise wrong(
             "nth", f"the first argument should be numeric or a variable -- not '{text(index)}'."
         )
-    if not isinstance(elements, Nil | Cons):
-        raise wrong("nth", f"the second argument should be a list and not '{text(elements)}'.")
+    if not isinstance(elements, str | Nil | Cons):
+        raise wrong(
+            "nth", f"the second argument should be a list or string and not '{text(elements)}'."
+        )
     items = list(elements)
     if isinstance(index, float):
         position = int(index)
@@ -159,11 +163,15 @@ def _prefixes(items: list[Term]) -> Iterator[Term]:
 
 
 def prefix(call: Call, part: Term, whole: Term) -> Iterator[Unifier]:
+    if isinstance(whole, str):
+        return call.each(part, (whole[:end] for end in range(len(whole), -1, -1)))
     items = list(a_list("prefix", whole, "second"))
     return call.each(part, (*_prefixes(items), EMPTY))
 
 
 def suffix(call: Call, part: Term, whole: Term) -> Iterator[Unifier]:
+    if isinstance(whole, str):
+        return call.each(part, (whole[begin:] for begin in range(len(whole) + 1)))
     items = list(a_list("suffix", whole, "second"))
     return call.each(part, (make_list(items[begin:]) for begin in range(len(items) + 1)))
 
@@ -191,7 +199,7 @@ def range_(call: Call, number: Term, first: Term, last: Term, *step: Term) -> ob
 
 
 def empty(call: Call, value: Term) -> bool:
-    return len(value) == 0 if isinstance(value, str | Nil | Cons) else False
+    return len(value) == 0 if isinstance(value, str | Nil | Cons | Container) else False
 
 
 ACTIONS: Mapping[str, InternalAction] = {

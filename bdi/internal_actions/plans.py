@@ -2,20 +2,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
 
 from ..errors import ProgramError
 from ..language.loading import find_included, parse_file
 from ..language.parser import parse_plan
-from ..language.program import Plan, PlanTerm, Program
-from ..language.terms import Cons, Literal, Nil, Term, make_list, text
-from ..reasoning.actions import ActionError, InternalAction, check_actions
+from ..language.program import Plan, PlanTerm
+from ..language.substitution import Unifier, rename
+from ..language.terms import Cons, Literal, Nil, Term, Var, make_list, plain_text, text
+from ..reasoning.actions import ActionError, InternalAction
+from ..reasoning.beliefs import has_source
 from ..reasoning.calls import Call
+from ..reasoning.mail import without_source
+from ..reasoning.plans import LoadedPlan
 from .arguments import a_trigger, wrong
 
 
-def include(call: Call, name: Term) -> bool:
-    """Add the plans of a file after those there are, and its beliefs and goals."""
+def include(call: Call, name: Term, *namespace: Term) -> object:
+    """Add the plans of a file after those there are, and its beliefs and goals.
+
+    An unbound namespace becomes a new one.
+    """
+    space, answer = "default", call.unifier
+    if namespace and isinstance(namespace[0], Var):
+        space = f"ns{call.agent.names.fresh().name}"
+        answer = {**call.unifier, namespace[0].name: Literal(space)}
+    elif namespace:
+        space = text(namespace[0])
     if not isinstance(name, str):
         raise wrong("include", "first argument must be a string.")
     agent = call.agent
@@ -23,10 +37,10 @@ def include(call: Call, name: Term) -> bool:
     if isinstance(found, str):
         raise ActionError(found)
     try:
-        agent.add_program(parse_file(found))
+        agent.add_program(parse_file(found, namespace=space))
     except ProgramError as error:
         raise ActionError(str(error)) from None
-    return True
+    return answer
 
 
 def _plan(term: Term) -> Plan:
@@ -46,9 +60,10 @@ def add_plan(call: Call, plans: Term, *more: Term) -> bool:
     agent = call.agent
     for term in plans if isinstance(plans, Nil | Cons) else (plans,):
         plan = _plan(term)
+        if plan.name.startswith("l__"):
+            plan = replace(plan, label=None)
         try:
-            check_actions(Program(agent.program.source, plans=(plan,)), agent.actions)
-            agent.plans.add(plan, source, first=first)
+            agent.add_plan(plan, source, first=first)
         except (ValueError, ProgramError) as error:
             raise ActionError(str(error)) from None
     return True
@@ -74,26 +89,67 @@ def _label_of(call: Call, plan: Plan) -> str:
     return ""
 
 
-def relevant_plans(call: Call, event: Term, plans: Term, *labels: Term) -> object:
+def _relevant(call: Call, event: Term) -> list[LoadedPlan]:
+    """Return the plans that are relevant for an event."""
     trigger = a_trigger(event)
     if trigger is None:
         raise wrong(
             "relevant_plans",
             f"first argument '{text(event)}' must follow the syntax of a trigger.",
         )
-    found = [
-        plan
-        for plan in call.agent.plans.candidates(trigger.sort, trigger.literal)
-        if call.unify(trigger.literal, plan.plan.trigger.literal) is not None
-    ]
-    terms: list[Term] = [make_list(PlanTerm(plan.plan) for plan in found)]
+    wanted = trigger.literal
+    found = []
+    for plan in call.agent.plans.candidates(trigger.sort, wanted):
+        known = plan.plan.trigger.literal
+        fresh = rename(known, call.agent.names, {})
+        # A plan that asks for a source is relevant for an event that names none.
+        if isinstance(wanted, Literal) and not has_source(wanted):
+            fresh = without_source(fresh)
+        if call.unify(fresh, wanted) is not None:
+            found.append(plan)
+    return found
+
+
+def _as_term(call: Call, plan: LoadedPlan) -> PlanTerm:
+    """Return a plan as a term: with its label, and variables that are not those of the caller."""
+    labelled = PlanTerm(replace(plan.plan, label=plan.label))
+    renamed = rename(labelled, call.agent.names, {})
+    return renamed if isinstance(renamed, PlanTerm) else labelled
+
+
+def relevant_plans(call: Call, event: Term, plans: Term, *labels: Term) -> object:
+    found = _relevant(call, event)
+    terms: list[Term] = [make_list(_as_term(call, plan) for plan in found)]
     if labels:
         terms.append(make_list(plan.label for plan in found))
     return call.unify(make_list(terms), make_list([plans, *labels]))
 
 
+def relevant_plan(call: Call, event: Term, plan: Term, *label: Term) -> Iterator[Unifier]:
+    """Yield an answer for each relevant plan."""
+    pairs = ([_as_term(call, found), found.label] for found in _relevant(call, event))
+    return call.each(make_list([plan, *label]), (pair[: 1 + len(label)] for pair in pairs))
+
+
+def plan_label(call: Call, plan: Term, label: Term) -> object:
+    name = label.functor if isinstance(label, Literal) else plain_text(label)
+    found = call.agent.plans.get(name)
+    return False if found is None else call.unify(_as_term(call, found), plan)
+
+
+def list_plans(call: Call, *event: Term) -> bool:
+    """Print the plans, or those that are relevant for an event."""
+    shown = _relevant(call, event[0]) if event else list(call.agent.plans)
+    for plan in shown:
+        call.agent.say(f"{replace(plan.plan, label=plan.label)}.")
+    return True
+
+
 ACTIONS: Mapping[str, InternalAction] = {
-    ".include": InternalAction(include, 1, 1),
+    ".include": InternalAction(include, 1, 2),
+    ".plan_label": InternalAction(plan_label, 2, 2),
+    ".list_plans": InternalAction(list_plans, 0, 1),
+    ".relevant_plan": InternalAction(relevant_plan, 2, 3),
     ".add_plan": InternalAction(add_plan, 1, 3),
     ".remove_plan": InternalAction(remove_plan, 1, 2),
     ".relevant_plans": InternalAction(relevant_plans, 2, 3),

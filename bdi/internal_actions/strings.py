@@ -18,13 +18,27 @@ def substring(call: Call, part: Term, whole: Term, *position: Term) -> object:
     small, big = plain_text(part), plain_text(whole)
     if not position:
         return small in big
+    if isinstance(position[0], float) and isinstance(whole, Var):
+        return _piece(call, whole, small, position)
+    if isinstance(position[0], float) and isinstance(part, Var):
+        return _piece(call, part, big, position)
     return call.each(make_list(position), _places(small, big, len(position)))
 
 
+def _piece(call: Call, piece: Var, whole: str, position: tuple[Term, ...]) -> object:
+    """Unify with the characters from one position up to another, or to the end."""
+    numbers = [int(number) for number in position if isinstance(number, float)]
+    begin, end = numbers[0], numbers[1] if len(numbers) > 1 else len(whole)
+    if not 0 <= begin <= end <= len(whole):
+        raise ActionError(f"begin {begin}, end {end}, length {len(whole)}")
+    return call.unify(piece, whole[begin:end])
+
+
 def _places(small: str, big: str, count: int) -> Iterator[list[float]]:
+    """Yield where a part begins and, if asked for, its last character."""
     start = big.find(small)
     while 0 <= start < len(big):
-        yield [float(start), float(start + len(small))][:count]
+        yield [float(start), float(start + len(small) - 1)][:count]
         start = big.find(small, start + 1)
 
 

@@ -9,6 +9,7 @@ from datetime import datetime, timedelta
 from ..language.substitution import rename
 from ..language.terms import And, Literal, Not, Or, Relation, Term, Var, text
 from ..reasoning.actions import ActionError, InternalAction
+from ..reasoning.beliefs import with_source
 from ..reasoning.calls import WAITING, Call
 from ..reasoning.intentions import Event
 from ..reasoning.waiting import ActiveWait
@@ -17,8 +18,17 @@ from .arguments import a_number, a_trigger, wrong
 #: Date and time of `.date` and `.time` at simulated time 0.
 EPOCH = datetime(2023, 1, 1)
 
-_UNITS = {"": 1, "s": 1_000, "m": 60_000, "h": 3_600_000, "d": 86_400_000}
-_AT = re.compile(r"now\s*\+\s*(\d+)\s*(s|seconds?|m|minutes?|h|hours?|d|days?|)\s*", re.ASCII)
+_AT = re.compile(r"\s*now\s*(?:\+\s*(\d+)\s*(.*))?", re.ASCII | re.DOTALL)
+_UNITS = (("s", "second", 1_000), ("m", "minute", 60_000), ("h", "hour", 3_600_000))
+_DAY = ("d", "day", 86_400_000)
+
+
+def _milliseconds(number: str, unit: str) -> int:
+    """Return a time; one without a unit, or with another than these, is in milliseconds."""
+    for short, word, length in (*_UNITS, _DAY):
+        if unit == short or unit.startswith(word):
+            return int(number) * length
+    return int(number)
 
 
 def wait(call: Call, what: Term, *more: Term) -> object:
@@ -65,7 +75,7 @@ def at(call: Call, when: Term, event: Term) -> bool:
     if trigger is None:
         raise wrong("at", f"'{text(event)}' is no event")
     agent = call.agent
-    milliseconds = int(parsed[1]) * _UNITS[parsed[2][:1]]
+    milliseconds = _milliseconds(parsed[1] or "0", (parsed[2] or "").strip())
     literal = rename(trigger.literal, agent.names, {})
     if not isinstance(literal, Literal):
         raise wrong("at", f"'{text(event)}' is no event")
@@ -97,9 +107,25 @@ def time(call: Call, hour: Term, minute: Term, second: Term, *milliseconds: Term
     return call.unify(terms, values[: len(terms)])
 
 
+def nano_time(call: Call, now: Term) -> object:
+    return call.unify(now, float(call.agent.clock))
+
+
+def signal(call: Call, event: Term, *kind: Term) -> bool:
+    """Raise an event as it is given: nothing is believed by it."""
+    trigger = a_trigger(event)
+    literal = None if trigger is None else rename(trigger.literal, call.agent.names, {})
+    if trigger is None or not isinstance(literal, Literal):
+        raise wrong("signal", f"'{text(event)}' is no event")
+    call.agent.circumstance.post(Event(trigger.sort, with_source(literal)))
+    return True
+
+
 ACTIONS: Mapping[str, InternalAction] = {
     ".wait": InternalAction(wait, 1, 3, in_context=False),
     ".at": InternalAction(at, 2, 2),
+    ".signal": InternalAction(signal, 1, 2),
+    ".nano_time": InternalAction(nano_time, 1, 1),
     ".date": InternalAction(date, 3, 3),
     ".time": InternalAction(time, 3, 4),
 }

@@ -97,7 +97,7 @@ _OF_NUMBERS: Mapping[str, Callable[[list[float]], float]] = MappingProxyType(
         "math.mean": statistics.fmean,
         "math.median": statistics.median,
         "math.min": min,
-        "math.std_dev": statistics.pstdev,
+        "math.std_dev": statistics.stdev,
         "math.sum": math.fsum,
     }
 )
@@ -106,7 +106,7 @@ _CONSTANTS: Mapping[str, float] = MappingProxyType({"math.e": math.e, "math.pi":
 
 #: Functions that depend on the run, its random numbers and its time, by their arities.
 RUN_FUNCTIONS: Mapping[str, tuple[int, ...]] = MappingProxyType(
-    {"math.random": (0, 1), "system.time": (0,)}
+    {"math.random": (0, 1), "system.time": (0,), ".count": (1,)}
 )
 
 
@@ -131,12 +131,16 @@ def apply_function(
     try:
         if name in _OF_NUMBERS:
             numbers = _numbers(args)
+            if name == "math.sum" and len(args) == 1 and isinstance(args[0], Nil):
+                return 0.0
             return float(_OF_NUMBERS[name](numbers)) if numbers else NAN
         if name == ".length":
             return float(len(args[0]))  # type: ignore[arg-type]
         if name in _CONSTANTS:
             return _CONSTANTS[name]
-        function: Callable[..., float] | None = calculate or _OF_A_NUMBER.get(name)
+        if calculate is not None:
+            return float(calculate(*args))
+        function: Callable[..., float] | None = _OF_A_NUMBER.get(name)
         if function is None or not all(isinstance(arg, float) for arg in args):
             return NAN
         return float(function(*args))

@@ -5,11 +5,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TypeAlias
+from functools import cached_property
+from typing import Any, TypeAlias
 
 from ..errors import Problem
-from .terms import Literal, Quoted, Relation, Term, TriggerTerm, Var, text
+from .changes import has_variables, transformed
+from .terms import Literal, Qualified, Quoted, Relation, Term, TriggerTerm, Var, text
+
+#: What a goal, a belief or an action is: a literal, or a variable that stands for one.
+Event: TypeAlias = "Literal | Var | Qualified"
 
 
 @dataclass(frozen=True)
@@ -19,6 +25,11 @@ class Place:
     file: str = ""
     line: int = 0
     column: int = 0
+
+    @property
+    def name(self) -> str:
+        """Name of the file without its folder, as programs see it."""
+        return self.file.replace("\\", "/").rpartition("/")[2]
 
     def problem(self, message: str) -> Problem:
         """Return a problem at this place."""
@@ -32,7 +43,7 @@ NOWHERE = Place()
 class Achieve:
     """`!g`: a subgoal; with `new_focus` (`!!g`) a goal of its own."""
 
-    goal: Literal | Var
+    goal: Event
     new_focus: bool = False
     place: Place = field(default=NOWHERE, compare=False)
 
@@ -56,7 +67,7 @@ class Update:
     """Change of the belief base; `operator` is one of + +< +> ++ - -- -+."""
 
     operator: str
-    belief: Literal | Var
+    belief: Event
     place: Place = field(default=NOWHERE, compare=False)
 
     def __str__(self) -> str:
@@ -67,7 +78,7 @@ class Update:
 class Act:
     """External or internal action, or a variable that stands for one."""
 
-    action: Literal | Var
+    action: Event
     place: Place = field(default=NOWHERE, compare=False)
 
     def __str__(self) -> str:
@@ -158,6 +169,13 @@ class BodyTerm(Quoted):
     """`{ !g; +b }` as an argument."""
 
     body: Body
+
+    @cached_property
+    def ground(self) -> bool:
+        return not has_variables(self.body)
+
+    def changed(self, change: Callable[[Any], Any]) -> BodyTerm:
+        return BodyTerm(transformed(self.body, change))
 
     @property
     def as_trigger(self) -> TriggerTerm | None:

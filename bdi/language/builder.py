@@ -26,8 +26,9 @@ from .body import (
     While,
 )
 from .order import sorted_annots
-from .program import Belief, Clause, Goal, Plan, PlanTerm, Rule, Trigger
+from .program import Belief, Clause, Goal, Plan, PlanTerm, Rule, RuleTerm, Trigger
 from .terms import (
+    DEFAULT,
     EMPTY,
     FALSE,
     TRUE,
@@ -40,6 +41,7 @@ from .terms import (
     Nil,
     Not,
     Or,
+    Qualified,
     Relation,
     RestVar,
     Term,
@@ -57,6 +59,8 @@ class Directive(Clause):
     name: str
     args: tuple[Term, ...]
     place: Place
+    opens: bool = False
+    """True for `{ begin name }`, which `{ end }` closes."""
 
 
 class RefusedError(Exception):
@@ -79,6 +83,7 @@ def _at(meta: Meta) -> tuple[int, int]:
 
 
 _Steps: TypeAlias = "BodyFormula | Body"
+_Event: TypeAlias = "Literal | Var | Qualified"
 
 
 @v_args(inline=True, meta=True)
@@ -100,6 +105,13 @@ class Builder(Transformer_NonRecursive[Token, Any]):
     def directive(self, meta: Meta, name: Token, args: tuple[Term, ...] | None) -> Directive:
         return Directive(str(name), args or (), self._place(meta))
 
+    def opening_directive(
+        self, meta: Meta, begin: Token, name: Token, args: tuple[Term, ...] | None
+    ) -> Directive:
+        if begin != "begin":
+            raise RefusedError(meta, f"a directive of two names is {{ begin {name} }}")
+        return Directive(str(name), args or (), self._place(meta), opens=True)
+
     def belief(self, meta: Meta, head: Term, body: Term | None) -> Belief | Rule:
         if not isinstance(head, Literal):
             raise RefusedError(meta, "a variable cannot be a belief")
@@ -119,21 +131,27 @@ class Builder(Transformer_NonRecursive[Token, Any]):
         label: Literal | None,
         trigger: Trigger,
         context: Term | None,
+        until: Term | None,
         body: Body | None,
     ) -> Plan:
         condition = TRUE if context is None else context
-        return Plan(label, trigger, condition, _without_true(body or ()), self._place(meta))
+        return Plan(label, trigger, condition, _without_true(body or ()), self._place(meta), until)
 
-    def named_label(self, meta: Meta, name: Token, annots: List | None) -> Literal:
-        return Literal(str(name), (), _annots(annots))
+    def named_label(
+        self,
+        meta: Meta,
+        qualifier: Term | None,
+        name: Token,
+        args: tuple[Term, ...] | None,
+        annots: List | None,
+    ) -> Literal:
+        return Literal(_in(qualifier, name), args or (), _annots(annots))
 
     def unnamed_label(self, meta: Meta, annots: List) -> Literal:
         return Literal("", (), _annots(annots))
 
-    def trigger(
-        self, meta: Meta, update: Token, kind: Token | None, literal: Literal | Var
-    ) -> Trigger:
-        if update not in ("+", "-"):
+    def trigger(self, meta: Meta, update: Token, kind: Token | None, literal: _Event) -> Trigger:
+        if update not in ("+", "-", "^"):
             raise RefusedError(meta, f"a plan begins with '+' or '-', not with '{update}'")
         if isinstance(literal, Literal) and literal.is_internal_action:
             raise RefusedError(meta, f"there is no event of {literal.functor}")
@@ -147,11 +165,11 @@ class Builder(Transformer_NonRecursive[Token, Any]):
     def body_more(self, meta: Meta, step: _Steps, rest: Body) -> Body:
         return (*_as_body(step), *rest)
 
-    def achieve(self, meta: Meta, goal: Literal | Var) -> Achieve:
+    def achieve(self, meta: Meta, goal: _Event) -> Achieve:
         self._not_internal(meta, "!", goal)
         return Achieve(goal, False, self._place(meta))
 
-    def achieve_new(self, meta: Meta, goal: Literal | Var) -> Achieve:
+    def achieve_new(self, meta: Meta, goal: _Event) -> Achieve:
         self._not_internal(meta, "!!", goal)
         return Achieve(goal, True, self._place(meta))
 
@@ -168,7 +186,10 @@ class Builder(Transformer_NonRecursive[Token, Any]):
     def update(self, meta: Meta, operator: Token, belief: Term) -> BodyFormula:
         if isinstance(belief, PlanTerm):
             return self._plan_update(meta, operator, belief)
-        if not isinstance(belief, Literal | Var):
+        if isinstance(belief, RuleTerm) and operator in ("+", "+<", "+>"):
+            where = Literal(".assertz" if operator == "+>" else ".asserta", (belief,))
+            return Act(where, self._place(meta))
+        if not isinstance(belief, Literal | Var | Qualified):
             raise RefusedError(meta, f"'{operator}' is followed by a belief, not by {text(belief)}")
         self._not_internal(meta, operator, belief)
         return Update(str(operator), belief, self._place(meta))
@@ -184,9 +205,11 @@ class Builder(Transformer_NonRecursive[Token, Any]):
             raise RefusedError(meta, f"'{operator}' and a plan do not combine")
         return Act(action, self._place(meta))
 
-    def act(self, meta: Meta, formula: Term) -> BodyFormula:
-        if isinstance(formula, Literal | Var):
+    def act(self, meta: Meta, formula: Term) -> _Steps:
+        if isinstance(formula, Literal | Var | Qualified):
             return Act(formula, self._place(meta))
+        if isinstance(formula, BodyTerm):
+            return formula.body
         if isinstance(formula, Relation):
             return Constraint(formula, self._place(meta))
         raise RefusedError(meta, f"{text(formula)} is nothing a plan can do")
@@ -260,36 +283,73 @@ class Builder(Transformer_NonRecursive[Token, Any]):
         return string_value(token)
 
     def positive_literal(
-        self, meta: Meta, name: Token, args: tuple[Term, ...] | None, annots: List | None
+        self,
+        meta: Meta,
+        qualifier: Term | None,
+        name: Token,
+        args: tuple[Term, ...] | None,
+        annots: List | None,
     ) -> Term:
         if annots is None and is_function(name, len(args or ())):
             return Function(str(name), args or ())
-        return self._literal(meta, name, args, annots, False)
+        return self._literal(meta, qualifier, name, args, annots, False)
 
     def negative_literal(
-        self, meta: Meta, name: Token, args: tuple[Term, ...] | None, annots: List | None
-    ) -> Literal:
-        return self._literal(meta, name, args, annots, True)
+        self,
+        meta: Meta,
+        qualifier: Term | None,
+        name: Token,
+        args: tuple[Term, ...] | None,
+        annots: List | None,
+    ) -> Term:
+        return self._literal(meta, qualifier, name, args, annots, True)
 
     def _literal(
         self,
         meta: Meta,
+        qualifier: Term | None,
         name: Token,
         args: tuple[Term, ...] | None,
         annots: List | None,
         negated: bool,
-    ) -> Literal:
-        literal = Literal(str(name), args or (), _annots(annots), negated)
+    ) -> Literal | Qualified:
+        literal = Literal(_in(qualifier, name), args or (), _annots(annots), negated)
         if literal.is_internal_action and (negated or literal.annots):
             what = "be negated" if negated else "have annotations"
             raise RefusedError(meta, f"the internal action {name} cannot {what}")
-        return literal
+        return Qualified(qualifier, literal) if isinstance(qualifier, Var) else literal
 
-    def variable(self, meta: Meta, name: Token, annots: List | None) -> Var:
-        return _variable(str(name), annots)
+    def variable(
+        self, meta: Meta, qualifier: Term | None, name: Token, annots: List | None
+    ) -> Var | Qualified:
+        return _qualified(qualifier, _variable(str(name), annots))
 
-    def anonymous(self, meta: Meta, token: Token, annots: List | None) -> Var:
-        return _variable(_anonymous(token), annots)
+    def negative_variable(
+        self, meta: Meta, qualifier: Term | None, name: Token, annots: List | None
+    ) -> Qualified:
+        return Qualified(qualifier or DEFAULT, _variable(str(name), annots), negated=True)
+
+    def anonymous(
+        self, meta: Meta, qualifier: Term | None, token: Token, annots: List | None
+    ) -> Var | Qualified:
+        return _qualified(qualifier, _variable(_anonymous(token), annots))
+
+    def negative_anonymous(
+        self, meta: Meta, qualifier: Term | None, token: Token, annots: List | None
+    ) -> Qualified:
+        return Qualified(qualifier or DEFAULT, _variable(_anonymous(token), annots), negated=True)
+
+    def named_qualifier(self, meta: Meta, name: Token) -> Literal:
+        return Literal(str(name))
+
+    def variable_qualifier(self, meta: Meta, name: Token) -> Var:
+        return Var(str(name))
+
+    def anonymous_qualifier(self, meta: Meta, token: Token) -> Var:
+        return Var(_anonymous(token))
+
+    def own_qualifier(self, meta: Meta) -> Literal:
+        return Literal(THIS)
 
     def true(self, meta: Meta) -> Literal:
         return TRUE
@@ -317,10 +377,10 @@ class Builder(Transformer_NonRecursive[Token, Any]):
     def body_term(self, meta: Meta, body: Body) -> BodyTerm:
         return BodyTerm(body)
 
-    def goal_trigger_term(self, meta: Meta, update: Token, literal: Literal | Var) -> TriggerTerm:
+    def goal_trigger_term(self, meta: Meta, update: Token, literal: _Event) -> TriggerTerm:
         return TriggerTerm(f"{update}!", literal)
 
-    def test_trigger_term(self, meta: Meta, update: Token, literal: Literal | Var) -> TriggerTerm:
+    def test_trigger_term(self, meta: Meta, update: Token, literal: _Event) -> TriggerTerm:
         return TriggerTerm(f"{update}?", literal)
 
     def plan_term(
@@ -331,12 +391,29 @@ class Builder(Transformer_NonRecursive[Token, Any]):
         context: Term,
         body: Body | None,
     ) -> PlanTerm:
-        return PlanTerm(self.plan(meta, label, trigger, context, body))
+        return PlanTerm(self.plan(meta, label, trigger, context, None, body))
 
     def short_plan_term(
         self, meta: Meta, label: Literal | None, trigger: Trigger, body: Body
     ) -> PlanTerm:
-        return PlanTerm(self.plan(meta, label, trigger, None, body))
+        return PlanTerm(self.plan(meta, label, trigger, None, None, body))
+
+    def rule_term(self, meta: Meta, head: _Event, body: Term) -> RuleTerm:
+        if not isinstance(head, Literal):
+            raise RefusedError(meta, "a variable cannot be the head of a rule")
+        return RuleTerm(Rule(head, body, self._place(meta)))
+
+
+THIS = "this_ns"
+"""Name of the namespace of the file in which it is written."""
+
+
+def _in(qualifier: Term | None, name: str) -> str:
+    return f"{qualifier.functor}::{name}" if isinstance(qualifier, Literal) else str(name)
+
+
+def _qualified(qualifier: Term | None, variable: Var) -> Var | Qualified:
+    return variable if qualifier is None else Qualified(qualifier, variable)
 
 
 def string_value(token: str) -> str:

@@ -8,9 +8,12 @@ from importlib.resources import files
 from pathlib import Path
 
 from ..errors import Problem, ProgramError
-from .builder import Directive
+from .builder import THIS, Directive
+from .namespaces import NO_NAMESPACE, Namespace
 from .parser import read_clauses
+from .patterns import PATTERNS, WrongPatternError, apply_pattern
 from .program import Belief, Clause, Goal, Plan, Program, Rule
+from .terms import Literal
 
 MAX_TEXT = 4_000_000
 """Length of the longest program that is read (characters); it takes about a minute."""
@@ -42,8 +45,12 @@ def load(name: str | Path) -> Program:
     return parse_file(programs().get(name, name) if isinstance(name, str) else name)
 
 
-def parse_file(path: str | Path) -> Program:
+def parse_file(path: str | Path, *, namespace: str = "default") -> Program:
     """Read the program at `path`; files it includes are in its folder, below it, or built in.
+
+    Args:
+        path: the file.
+        namespace: the namespace into which it is read.
 
     Raises:
         ProgramError: the file cannot be read or has mistakes; it has all of them.
@@ -52,7 +59,7 @@ def parse_file(path: str | Path) -> Program:
     source = _read(path)
     if isinstance(source, Problem):
         raise ProgramError([source])
-    return _parse(source, str(path), path.parent)
+    return _parse(source, str(path), path.parent, namespace)
 
 
 def parse(source: str, name: str = "<text>", *, folder: str | Path | None = None) -> Program:
@@ -69,10 +76,11 @@ def parse(source: str, name: str = "<text>", *, folder: str | Path | None = None
     return _parse(source, name, None if folder is None else Path(folder))
 
 
-def _parse(source: str, name: str, folder: Path | None) -> Program:
+def _parse(source: str, name: str, folder: Path | None, namespace: str = "default") -> Program:
     if len(source) > MAX_TEXT:
         raise ProgramError([Problem(name, 0, 0, _TOO_LONG)])
-    found, problems = _read_all(source, name, folder, ())
+    within = NO_NAMESPACE if namespace == "default" else Namespace(namespace)
+    found, problems = _read_all(source, name, folder, (), within)
     if problems:
         raise ProgramError(problems)
     return Program(
@@ -85,24 +93,121 @@ def _parse(source: str, name: str, folder: Path | None) -> Program:
 
 
 def _read_all(
-    source: str, file: str, folder: Path | None, including: tuple[str, ...]
+    source: str,
+    file: str,
+    folder: Path | None,
+    including: tuple[str, ...],
+    namespace: Namespace = NO_NAMESPACE,
 ) -> tuple[list[Clause], list[Problem]]:
     """Return the clauses of a text, those of included files in their places, and all problems."""
     clauses, wrong = read_clauses(source, file)
-    problems = list(wrong)
-    result: list[Clause] = []
-    for clause in clauses:
-        if not isinstance(clause, Directive):
-            result.append(clause)
-            continue
-        opened = _open_included(clause, folder, (*including, file))
+    reading = _Reading(folder, (*including, file), namespace, "::" in source or THIS in source)
+    found = reading.read(list(clauses))
+    problems = [*wrong, *reading.problems]
+    return found, sorted(problems, key=lambda p: (p.file != file, p.file, p.line, p.column))
+
+
+class _Reading:
+    """Reading of one file: carries out its directives."""
+
+    def __init__(
+        self,
+        folder: Path | None,
+        including: tuple[str, ...],
+        namespace: Namespace,
+        names_namespaces: bool,
+    ) -> None:
+        self.problems: list[Problem] = []
+        self._folder = folder
+        self._including = including
+        self._namespace = namespace
+        self._names_namespaces = names_namespaces or namespace is not NO_NAMESPACE
+
+    def read(self, clauses: list[Clause]) -> list[Clause]:
+        """Return the clauses with those that their directives bring."""
+        waiting = list(reversed(clauses))
+        return self._block(waiting, None)
+
+    def _block(self, waiting: list[Clause], opened: Directive | None) -> list[Clause]:
+        """Take the clauses up to the end of a block, or of the file."""
+        found: list[Clause] = []
+        while waiting:
+            clause = waiting.pop()
+            if not isinstance(clause, Directive):
+                found.append(self._namespace.place(clause) if self._names_namespaces else clause)
+            elif clause.name == "end" and not clause.opens:
+                if opened is not None:
+                    return found
+                self._refuse(clause, "there is no { begin … } that { end } could close")
+            elif clause.opens:
+                found.extend(self._opened(clause, waiting))
+            else:
+                found.extend(self._carried_out(clause))
+        if opened is not None:
+            self._refuse(opened, f"{{ begin {opened.name} }} is not closed by {{ end }}")
+        return found
+
+    def _refuse(self, directive: Directive, message: str) -> None:
+        self.problems.append(directive.place.problem(message))
+
+    def _opened(self, directive: Directive, waiting: list[Clause]) -> list[Clause]:
+        if directive.name == "namespace":
+            outer = self._namespace
+            self._namespace = self._named(directive) or outer
+            inner = self._block(waiting, directive)
+            self._namespace = Namespace(outer.name, self._namespace.local)
+            return inner
+        inner = self._block(waiting, directive)
+        if directive.name not in PATTERNS:
+            names = ", ".join(("namespace", *PATTERNS))
+            self._refuse(directive, f"there is no {{ begin {directive.name} }}; there are {names}")
+            return []
+        try:
+            return apply_pattern(directive, inner)
+        except WrongPatternError as error:
+            self._refuse(directive, str(error))
+            return []
+
+    def _named(self, directive: Directive) -> Namespace | None:
+        """Return the namespace that a directive begins or declares."""
+        names = [arg.functor for arg in directive.args if isinstance(arg, Literal) and arg.is_atom]
+        if len(names) != len(directive.args) or not 1 <= len(names) <= 2:
+            self._refuse(directive, "namespace takes a name, and local or global")
+            return None
+        kind = names[1] if len(names) > 1 else ""
+        if kind not in ("", "local", "global"):
+            self._refuse(directive, f"a namespace is local or global, not {kind}")
+            return None
+        name, local = names[0], dict(self._namespace.local)
+        self._names_namespaces = True
+        if kind == "local":
+            # One name for each place that declares it: a local namespace belongs to its file.
+            place = directive.place
+            local.setdefault(name, f"#{Path(place.file).stem}{self._namespace.name}{name}")
+        elif kind == "global":
+            local.pop(name, None)
+        return Namespace(local.get(name, name), local)
+
+    def _carried_out(self, directive: Directive) -> list[Clause]:
+        if directive.name == "namespace":
+            declared = self._named(directive)
+            if declared is not None:
+                self._namespace = Namespace(self._namespace.name, declared.local)
+            return []
+        if directive.name == "register_function":
+            return []
+        opened = _open_included(directive, self._folder, self._including)
         if isinstance(opened, str):
-            problems.append(clause.place.problem(opened))
-            continue
-        more, more_wrong = _read_all(*opened, folder, (*including, file))
-        result.extend(more)
-        problems.extend(more_wrong)
-    return result, sorted(problems, key=lambda p: (p.file != file, p.file, p.line, p.column))
+            self._refuse(directive, opened)
+            return []
+        namespace = self._namespace
+        if len(directive.args) > 1:
+            target = directive.args[1]
+            assert isinstance(target, Literal)  # as `_open_included` has checked
+            namespace = Namespace(namespace.resolved(target.functor))
+        more, wrong = _read_all(*opened, self._folder, self._including, namespace)
+        self.problems.extend(wrong)
+        return more
 
 
 def _open_included(
@@ -110,17 +215,20 @@ def _open_included(
 ) -> tuple[str, str] | str:
     """Return the text and the path of an included file, or the reason why there is none."""
     if directive.name != "include":
-        return f"there is no directive '{directive.name}'; the one there is is include"
-    if len(directive.args) != 1 or not isinstance(directive.args[0], str):
-        return 'include takes the name of a file: { include("patrol.asl") }'
-    found = find_included(directive.args[0], folder)
+        known = "those there are: include, namespace, register_function and { begin … }"
+        return f"there is no directive '{directive.name}'; {known}"
+    name, *rest = directive.args or ("",)
+    is_placed = all(isinstance(arg, Literal) and arg.is_atom for arg in rest)
+    if not isinstance(name, str) or not name or len(rest) > 1 or not is_placed:
+        return 'include takes the name of a file: { include("patrol.asl") }, and a namespace'
+    found = find_included(name, folder)
     if isinstance(found, str):
         return found
     text = _read(found)
     if isinstance(text, Problem):
         return f"{found} {text.message}"
     if str(found) in including:
-        return f"{directive.args[0]} includes itself"
+        return f"{name} includes itself"
     return text, str(found)
 
 

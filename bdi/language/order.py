@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from functools import cmp_to_key
+from typing import TypeAlias
 
 from .terms import Arithmetic, Cons, Function, Literal, Nil, Relation, Term, Var, text
 
@@ -11,9 +12,10 @@ from .terms import Arithmetic, Cons, Function, Literal, Nil, Relation, Term, Var
 def compare(one: Term, other: Term) -> int:
     """Return a negative number, 0 or a positive one as `one` sorts before, with or after `other`.
 
-    Numbers come first, by value. Strings compare by their text, quotes included; lists by length
-    and then element by element; literals by strong negation (negated last, atoms excepted), arity,
-    functor, arguments and annotations. An unbound variable is greater than anything bound.
+    Numbers come first, by value; then strings, lists and literals. Strings compare by their text,
+    quotes included; lists element by element and then by length; literals by functor, strong
+    negation (negated last), arguments, arity and annotations. An unbound variable is greater than
+    anything bound.
     """
     one_is_var, other_is_var = isinstance(one, Var), isinstance(other, Var)
     if one_is_var or other_is_var:
@@ -25,13 +27,13 @@ def compare(one: Term, other: Term) -> int:
     if isinstance(other, float):
         return 1
     if isinstance(one, str) or isinstance(other, str):
-        if isinstance(one, Nil | Cons):
-            return 1
-        return _sign(text(one), text(other))
+        if isinstance(one, str) and isinstance(other, str):
+            return _sign(text(one), text(other))
+        return -1 if isinstance(one, str) else 1
     if isinstance(one, Nil | Cons):
         if not isinstance(other, Nil | Cons):
             return -1
-        return _sign(len(one), len(other)) or _compare_each(tuple(one), tuple(other))
+        return _compare_each(tuple(one), tuple(other))
     if isinstance(other, Nil | Cons):
         return 1
     return _compare_structures(one, other)
@@ -42,43 +44,38 @@ def _sign(one: float | str, other: float | str) -> int:
 
 
 def _compare_structures(one: Term, other: Term) -> int:
-    if isinstance(one, Literal) and isinstance(other, Literal):
-        if one.negated != other.negated and not one.is_atom:
-            return 1 if one.negated else -1
-        return (
-            _sign(len(one.args), len(other.args))
-            or _sign(one.functor, other.functor)
-            or _compare_each(one.args, other.args)
-            or _compare_each(one.annots, other.annots)
-            or _sign(len(one.annots), len(other.annots))
-        )
     mine, theirs = _parts(one), _parts(other)
     if mine is None or theirs is None:
         return _sign(text(one), text(other))
     return (
-        _sign(len(mine[1]), len(theirs[1]))
-        or _sign(mine[0], theirs[0])
-        or _compare_each(mine[1], theirs[1])
+        _sign(mine[0], theirs[0])
+        or _sign(mine[1], theirs[1])
+        or _compare_each(mine[2], theirs[2])
+        or _compare_each(mine[3], theirs[3])
     )
 
 
-def _parts(term: Term) -> tuple[str, tuple[Term, ...]] | None:
-    """Return the name and the arguments by which a structure compares; None if it has none."""
+_Parts: TypeAlias = tuple[str, bool, tuple[Term, ...], tuple[Term, ...]]
+
+
+def _parts(term: Term) -> _Parts | None:
+    """Return functor, negation, arguments and annotations of a structure; None if it has none."""
     if isinstance(term, Literal):
-        return term.functor, term.args
+        return term.functor, term.negated, term.args, term.annots
     if isinstance(term, Relation):
-        return f" {term.symbol} ", term.operands
+        return f" {term.symbol} ", False, term.operands, ()
     if isinstance(term, Function | Arithmetic):
-        return term.symbol, term.operands
+        return term.symbol, False, term.operands, ()
     return None
 
 
 def _compare_each(ones: tuple[Term, ...], others: tuple[Term, ...]) -> int:
+    """Compare sequences element by element, and then by length."""
     for one, other in zip(ones, others, strict=False):
         order = compare(one, other)
         if order:
             return order
-    return 0
+    return _sign(len(ones), len(others))
 
 
 standard_order = cmp_to_key(compare)

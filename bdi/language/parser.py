@@ -7,6 +7,7 @@ clauses of a program are reported at once, each with its place.
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from dataclasses import replace
 from functools import lru_cache
 from types import MappingProxyType
 from typing import Any
@@ -19,7 +20,7 @@ from .builder import Builder, RefusedError, stray_message
 from .facts import plain_fact
 from .program import Belief, Clause, Plan, Rule
 from .terms import Literal, Term, TriggerTerm
-from .tokens import clauses, grammar, nesting, tokenize
+from .tokens import clauses, grammar, is_block, nesting, tokenize
 
 _NAMES = {
     "ATOM": "a name",
@@ -37,6 +38,9 @@ _KINDS = (
     ("a term", _BEGIN_A_LITERAL | {"NUMBER", "LPAR"}),
     ("a literal", _BEGIN_A_LITERAL),
 )
+
+_UNNAMED = frozenset({"$END", "STRAY", "_NAMESPACE", "GOAL_STATE"})
+"""Tokens that no list of what is expected names."""
 
 _OPERATORS = frozenset({"'*'", "'**'", "'+'", "'-'", "'/'", "'div'", "'mod'"})
 
@@ -102,7 +106,7 @@ def _acceptable(tokens: Sequence[Token], wrong: Token) -> Collection[str]:
 def _expected(names: Collection[str]) -> str:
     """Return a list of token types in words."""
     parser: Lark = grammar()
-    left = set(names) - {"$END", "STRAY"}
+    left = set(names) - _UNNAMED
     words = []
     for word, begins in _KINDS:
         if begins <= left:
@@ -134,10 +138,40 @@ def _read_clauses(source: str, file: str) -> tuple[tuple[Clause, ...], tuple[Pro
     problems: list[Problem] = []
     for tokens in clauses(tokenize(source)):
         try:
-            found.append(plain_fact(tokens, file) or parse_clause(tokens, file))
+            if is_block(tokens) and found and isinstance(found[-1], Plan):
+                found[-1] = replace(found[-1], subplans=_subplans(tokens, file, problems))
+            else:
+                found.append(plain_fact(tokens, file) or parse_clause(tokens, file))
         except (UnexpectedInput, VisitError, RecursionError, TooDeepError) as error:
             problems.append(_problem(error, tokens, file))
     return tuple(found), tuple(problems)
+
+
+def _subplans(tokens: Sequence[Token], file: str, problems: list[Problem]) -> tuple[Plan, ...]:
+    """Return the plans in the braces after a plan, and append what is wrong with them."""
+    inner = tokens[1:-1] if tokens[-1].type == "RBRACE" else tokens[1:]
+    plans: list[Plan] = []
+    if tokens[-1].type != "RBRACE":
+        problems.append(Problem(file, tokens[0].line or 0, tokens[0].column or 0, _NOT_CLOSED))
+    for clause in clauses(iter(inner)):
+        try:
+            if is_block(clause) and plans:
+                nested = _subplans(clause, file, problems)
+                plans[-1] = replace(plans[-1], subplans=nested)
+                continue
+            plan = parse_clause(clause, file)
+            if isinstance(plan, Plan):
+                plans.append(plan)
+            else:
+                place = Problem(file, clause[0].line or 0, clause[0].column or 0, _NO_PLAN)
+                problems.append(place)
+        except (UnexpectedInput, VisitError, RecursionError, TooDeepError) as error:
+            problems.append(_problem(error, clause, file))
+    return tuple(plans)
+
+
+_NOT_CLOSED = "the braces around the plans inside a plan are not closed"
+_NO_PLAN = "inside a plan there are plans only"
 
 
 _remembered_clauses = lru_cache(maxsize=64)(_read_clauses)

@@ -6,22 +6,27 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, fields, is_dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeAlias, TypeVar
 
-from .body import NOWHERE, Body, Place, body_text
-from .terms import TRUE, Function, Literal, Quoted, Term, Var, rebuilt, text
+from .arithmetic import RUN_FUNCTIONS, is_function
+from .body import NOWHERE, Body, BodyTerm, Place, body_text
+from .changes import has_variables, transformed
+from .terms import TRUE, Function, Literal, Qualified, Quoted, Term, TriggerTerm, Var, text
 
 
 @dataclass(frozen=True)
 class Trigger:
-    """Event of a plan: an operator (+ or -), a kind ("" belief, "!" goal, "?" test), a literal."""
+    """Event of a plan: an operator, a kind ("" belief, "!" goal, "?" test), a literal.
+
+    The operator is + or -, or ^ for a goal that is in a new state.
+    """
 
     operator: str
     kind: str
-    literal: Literal | Var
+    literal: Literal | Var | Qualified
 
     @property
     def sort(self) -> str:
@@ -30,6 +35,11 @@ class Trigger:
 
     def __str__(self) -> str:
         return f"{self.operator}{self.kind}{self.literal}"
+
+
+_ATOMIC = Literal("atomic")
+#: Formula by which a goal is achieved, if there is one.
+Condition: TypeAlias = "Term | None"
 
 
 # ---- clauses
@@ -53,6 +63,8 @@ class Clause:
         def look(part: object) -> None:
             if isinstance(part, Function):
                 found.add(part.symbol)
+            elif isinstance(part, Literal) and part.is_internal_action:
+                found.add(part.functor)
 
         transformed(self, look)
         return frozenset(found)
@@ -86,6 +98,8 @@ class Plan(Clause):
         context: the formula by which it is applicable; `true` if none is written.
         body: its steps, in order.
         place: position in the source.
+        until: the formula by which its goal is achieved, if one is written after `<:`.
+        subplans: plans that are there while this one is carried out.
     """
 
     label: Literal | None
@@ -93,11 +107,13 @@ class Plan(Clause):
     context: Term
     body: Body
     place: Place = field(default=NOWHERE, compare=False)
+    until: Condition = None
+    subplans: tuple[Plan, ...] = ()
 
     @property
     def atomic(self) -> bool:
         """True if the label says `[atomic]`: no other intention runs while the plan does."""
-        return self.label is not None and Literal("atomic") in self.label.annots
+        return self.label is not None and _ATOMIC in self.label.annots
 
     @property
     def name(self) -> str:
@@ -112,11 +128,22 @@ class Plan(Clause):
             other.body,
         )
 
+    @property
+    def parts(self) -> tuple[Term, ...]:
+        """Label, event, context and body as terms, into which `=..` takes a plan apart."""
+        label = Literal("nolabel") if self.label is None else self.label
+        event = TriggerTerm(self.trigger.sort, self.trigger.literal)
+        return label, event, self.context, BodyTerm(self.body)
+
     def __str__(self) -> str:
         label = "" if self.label is None else f"@{self.label} "
         context = "" if self.context == TRUE else f" : {text(self.context)}"
+        until = "" if self.until is None else f" <: {text(self.until)}"
         body = f" <- {body_text(self.body)}" if self.body else ""
-        return f"{label}{self.trigger}{context}{body}"
+        inside = " ".join(f"{plan}." for plan in self.subplans)
+        # The full stop that the last of them would have is that of the plan.
+        more = f". {{ {inside} }}" if inside else ""
+        return f"{label}{self.trigger}{context}{until}{body}{more}"
 
 
 @dataclass(frozen=True, repr=False)
@@ -171,7 +198,10 @@ class Program:
 
     def __str__(self) -> str:
         clauses = (*self.beliefs, *self.goals, *self.plans)
-        return "".join(f"{clause}.\n" for clause in transformed(clauses, _escaped))
+        return "".join(
+            f"{clause}\n" if isinstance(clause, Plan) and clause.subplans else f"{clause}.\n"
+            for clause in transformed(clauses, _escaped)
+        )
 
     def __repr__(self) -> str:
         counts = f"{len(self.beliefs)} beliefs, {len(self.goals)} goals, {len(self.plans)} plans"
@@ -191,28 +221,36 @@ class PlanTerm(Quoted):
 
     plan: Plan
 
+    @cached_property
+    def ground(self) -> bool:
+        return not has_variables(self.plan)
+
+    def changed(self, change: Callable[[Any], Any]) -> PlanTerm:
+        return PlanTerm(transformed(self.plan, change))
+
     def __str__(self) -> str:
         has_more = self.plan.body or self.plan.context != TRUE
         return f"{{ {self.plan} }}" if has_more else f"{{ {self.plan} <- true }}"
 
 
-# ---- going through a program
+@dataclass(frozen=True)
+class RuleTerm(Quoted):
+    """`{ head :- body }` as an argument."""
+
+    rule: Rule
+
+    @cached_property
+    def ground(self) -> bool:
+        return not has_variables(self.rule)
+
+    def changed(self, change: Callable[[Any], Any]) -> RuleTerm:
+        return RuleTerm(transformed(self.rule, change))
+
+    def __str__(self) -> str:
+        return f"{{ {self.rule} }}"
 
 
-def transformed(part: Any, change: Callable[[Any], Any]) -> Any:
-    """Return a part of a program with everything replaced for which `change` returns not None."""
-    changed = change(part)
-    if changed is not None:
-        return changed
-
-    def inside(inner: Any) -> Any:
-        return transformed(inner, change)
-
-    if isinstance(part, tuple):
-        return tuple(map(inside, part))
-    if is_dataclass(part) and not isinstance(part, type):
-        return replace(part, **{f.name: inside(getattr(part, f.name)) for f in fields(part)})
-    return rebuilt(part, inside)
+# ---- what belongs to a run
 
 
 _Clause = TypeVar("_Clause", bound=Clause)
@@ -228,7 +266,15 @@ def with_run_functions(program: Program, functions: Mapping[str, Callable[..., f
         if isinstance(part, Function) and part.symbol in functions:
             args = transformed(part.operands, bind)
             return Function(part.symbol, args, functions[part.symbol])
+        if isinstance(part, Literal) and part.functor in functions and is_own(part):
+            args = transformed(part.args, bind)
+            return Function(part.functor, args, functions[part.functor])
         return None
+
+    def is_own(literal: Literal) -> bool:
+        # As `.count(Formula, N)`, an internal action may have the name of a function.
+        count = len(literal.args)
+        return literal.functor not in RUN_FUNCTIONS or is_function(literal.functor, count)
 
     def bound(clause: _Clause) -> _Clause:
         return clause if clause.functions.isdisjoint(functions) else transformed(clause, bind)

@@ -13,6 +13,7 @@ from typing import TypeAlias
 from .arithmetic import NAN, OPERATORS, apply_function
 from .order import sorted_annots
 from .terms import (
+    DEFAULT,
     AnnotatedVar,
     Arithmetic,
     Cons,
@@ -20,6 +21,8 @@ from .terms import (
     Literal,
     Nil,
     Operation,
+    Qualified,
+    Quoted,
     RestVar,
     Term,
     TriggerTerm,
@@ -27,6 +30,7 @@ from .terms import (
     is_ground,
     make_list,
     parts,
+    placed,
     rebuilt,
 )
 
@@ -75,25 +79,28 @@ def substitute(term: Term, u: Unifier) -> Term:
 
 def substitute_literal(literal: Literal, u: Unifier) -> Literal:
     """Return the literal with its variables replaced by their values, annotations sorted again."""
-    annots = literal.annots
-    if annots:
-        values: list[Term] = []
-        rest: tuple[Term, ...] = ()
-        for annot in annots:
-            value = substitute(annot, u)
-            if isinstance(annot, RestVar) and isinstance(value, Nil | Cons):
-                values.extend(value)
-            elif isinstance(annot, RestVar) and isinstance(value, Var):
-                rest = (RestVar(value.name, value.fresh),)
-            else:
-                values.append(value)
-        annots = sorted_annots(tuple(values)) + rest
+    annots = _substitute_annots(literal.annots, u) if literal.annots else literal.annots
     return Literal(
         literal.functor,
         tuple([substitute(arg, u) for arg in literal.args]),
         annots,
         literal.negated,
     )
+
+
+def _substitute_annots(annots: tuple[Term, ...], u: Unifier) -> tuple[Term, ...]:
+    """Return annotations with their variables replaced: sorted again, an open tail last."""
+    values: list[Term] = []
+    rest: tuple[Term, ...] = ()
+    for annot in annots:
+        value = substitute(annot, u)
+        if isinstance(annot, RestVar) and isinstance(value, Nil | Cons):
+            values.extend(value)
+        elif isinstance(annot, RestVar) and isinstance(value, Var):
+            rest = (RestVar(value.name, value.fresh),)
+        else:
+            values.append(value)
+    return sorted_annots(tuple(values)) + rest
 
 
 def _calculate(term: Arithmetic, u: Unifier) -> Term:
@@ -110,10 +117,14 @@ def _substitute_other(term: Term, u: Unifier) -> Term:
     if isinstance(term, Cons):
         return term if term.ground else _substitute_list(term, u)
     if isinstance(term, Function):
+        if term.counts and term.calculate is not None:
+            return term.calculate(term.operands[0], u)
         args = tuple(substitute(arg, u) for arg in term.operands)
         if not all(map(is_ground, args)):
             return term.with_operands(args)
         return apply_function(term.symbol, args, term.calculate)
+    if isinstance(term, Qualified):
+        return _substitute_qualified(term, u)
     if isinstance(term, Operation):
         return rebuilt(term, lambda part: substitute(part, u))
     if isinstance(term, AnnotatedVar):
@@ -121,9 +132,29 @@ def _substitute_other(term: Term, u: Unifier) -> Term:
     if isinstance(term, Var):
         return substitute(Var(term.name), u)
     if isinstance(term, TriggerTerm):
-        literal = substitute(term.literal, u)
-        return TriggerTerm(term.sort, literal) if isinstance(literal, Literal | Var) else term
+        return rebuilt(term, lambda part: substitute(part, u))
+    if isinstance(term, Quoted):
+        return term if term.ground else term.changed(lambda part: _inside_quoted(part, u))
     return term
+
+
+def _inside_quoted(part: object, u: Unifier) -> Term | None:
+    """Return the value of a variable, or of arithmetic that has one; None for anything else."""
+    if isinstance(part, Var | Arithmetic | Qualified):
+        return substitute(part, u)
+    return None
+
+
+def _substitute_qualified(term: Qualified, u: Unifier) -> Term:
+    namespace, inner = (substitute(part, u) for part in term.operands)
+    if isinstance(inner, Literal) and isinstance(namespace, Literal):
+        if namespace == DEFAULT:
+            negated = inner.negated or term.negated
+            return Literal(inner.functor, inner.args, inner.annots, negated)
+        return placed(inner, namespace.functor, True if term.negated else None)
+    if isinstance(inner, Literal | Var | Qualified):
+        return Qualified(namespace, inner, term.negated)
+    return inner
 
 
 def _substitute_list(cell: Cons, u: Unifier) -> Term:
@@ -138,12 +169,16 @@ def _substitute_list(cell: Cons, u: Unifier) -> Term:
 
 
 def _substitute_annotated(term: AnnotatedVar, u: Unifier) -> Term:
-    annots = tuple(substitute(annot, u) for annot in term.annots)
+    annots = _substitute_annots(term.annots, u)
     value = substitute(Var(term.name), u)
     if isinstance(value, Literal):
-        return value.with_annots(sorted_annots(value.annots + annots))
+        rest = annots[-1:] if annots and isinstance(annots[-1], RestVar) else ()
+        own = annots[: len(annots) - len(rest)]
+        return Literal(
+            value.functor, value.args, (*sorted_annots(value.annots + own), *rest), value.negated
+        )
     if isinstance(value, Var):
-        return AnnotatedVar(value.name, annots)
+        return AnnotatedVar(value.name, annots) if annots else value
     return value
 
 

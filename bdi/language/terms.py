@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from decimal import Decimal
 from numbers import Real
-from typing import NoReturn, TypeAlias, cast
+from typing import Any, NoReturn, TypeAlias, cast
 
 from ..errors import TooDeepError
 
@@ -167,7 +167,10 @@ class Literal:
         return "." in self.functor and self.functor[0] != "'"
 
     def __str__(self) -> str:
-        parts = ["~" if self.negated else "", self.functor]
+        parts = [self.functor]
+        if self.negated:
+            prefix, separator, bare = self.functor.rpartition("::")
+            parts = [f"{prefix}{separator}~{bare}"]
         if self.args:
             parts.append(f"({','.join(map(text, self.args))})")
         if self.annots:
@@ -391,6 +394,11 @@ class Function(Operation):
         self.ground = False
         self.calculate = calculate
 
+    @property
+    def counts(self) -> bool:
+        """True for `.count(Formula)`, whose argument is a query and not a value."""
+        return self.symbol == ".count"
+
     def with_operands(self, operands: tuple[Term, ...]) -> Function:
         """Return the function called with other arguments."""
         return Function(self.symbol, operands, self.calculate)
@@ -402,6 +410,39 @@ class Function(Operation):
         return f"{self.symbol}({args})" if args else self.symbol
 
 
+class Qualified(Operation):
+    """Literal or variable whose namespace or negation is open: `NS::b(X)`, `ns::X`, `~X`.
+
+    Not ground: substitution makes a literal of it when both parts are known.
+    """
+
+    __slots__ = ("negated",)
+
+    def __init__(self, namespace: Term, inner: Term, negated: bool = False) -> None:
+        super().__init__("::", namespace, inner)
+        self.negated = negated
+        self.ground = False
+
+    def with_operands(self, operands: tuple[Term, ...]) -> Qualified:
+        """Return the same with another namespace and another literal or variable."""
+        return Qualified(operands[0], operands[1], self.negated)
+
+    def __str__(self) -> str:
+        namespace, inner = self.operands
+        prefix = "" if namespace == DEFAULT else f"{namespace}::"
+        return f"{prefix}{'~' if self.negated else ''}{inner}"
+
+    def __eq__(self, other: object) -> bool:
+        return (
+            isinstance(other, Qualified)
+            and self.negated == other.negated
+            and self.operands == other.operands
+        )
+
+    def __hash__(self) -> int:
+        return hash((self.symbol, self.operands))
+
+
 # ---- parts of a program as terms
 
 
@@ -410,7 +451,7 @@ class TriggerTerm:
     """Event as an argument, `{+!g(X)}`; `sort` is its `+!`."""
 
     sort: str
-    literal: Literal | Var
+    literal: Literal | Var | Qualified
 
     @property
     def ground(self) -> bool:
@@ -429,11 +470,19 @@ class TriggerTerm:
 
 
 class Quoted:
-    """Base of the plans and bodies that are arguments: constants to substitution (`program.py`)."""
+    """Base of plans, rules and bodies that are arguments (`body.py`, `program.py`)."""
 
-    ground = True
     size = 1
     depth = 1
+
+    @property
+    def ground(self) -> bool:
+        """True if there are no variables in it."""
+        return True
+
+    def changed(self, change: Callable[[Any], Any]) -> Quoted:
+        """Return it with everything inside replaced for which `change` returns not None."""
+        return self
 
 
 Term: TypeAlias = "float | str | Literal | Var | Nil | Cons | Operation | TriggerTerm | Quoted"
@@ -472,7 +521,7 @@ def _refuse(size: int) -> NoReturn:
 
 
 def parts(term: Term) -> tuple[Term, ...]:
-    """Return the terms that stand directly inside a term; none for a `TriggerTerm`."""
+    """Return the terms that stand directly inside a term; the variables of a quoted one."""
     if isinstance(term, Literal):
         return (*term.args, *term.annots)
     if isinstance(term, Cons):
@@ -480,7 +529,22 @@ def parts(term: Term) -> tuple[Term, ...]:
         return tuple(term) if rest is None else (*term, rest)
     if isinstance(term, Operation):
         return term.operands
+    if isinstance(term, TriggerTerm):
+        return (term.literal,)
+    if isinstance(term, Quoted):
+        return tuple(_variables_in(term))
     return term.annots if isinstance(term, AnnotatedVar) else ()
+
+
+def _variables_in(quoted: Quoted) -> list[Var]:
+    found: dict[Var, None] = {}
+
+    def look(part: Any) -> None:
+        if isinstance(part, Var):
+            found[part] = None
+
+    quoted.changed(look)
+    return list(found)
 
 
 def rebuilt(term: Term, change: Callable[[Term], Term]) -> Term:
@@ -495,7 +559,34 @@ def rebuilt(term: Term, change: Callable[[Term], Term]) -> Term:
         return term.with_operands(tuple(map(change, term.operands)))
     if isinstance(term, AnnotatedVar):
         return AnnotatedVar(term.name, tuple(map(change, term.annots)))
+    if isinstance(term, TriggerTerm):
+        literal = change(term.literal)
+        if isinstance(literal, Literal | Var | Qualified):
+            return TriggerTerm(term.sort, literal)
+        return term
+    if isinstance(term, Quoted):
+        return term.changed(lambda part: change(part) if isinstance(part, Var) else None)
     return term
+
+
+# ---- namespaces
+
+DEFAULT = Literal("default")
+"""The namespace of what has no other."""
+
+
+def namespace_of(functor: str) -> str:
+    """Return the namespace in front of a functor, `default` if there is none."""
+    prefix, separator, _ = functor.rpartition("::")
+    return prefix if separator else "default"
+
+
+def placed(literal: Literal, namespace: str, negated: bool | None = None) -> Literal:
+    """Return a literal in another namespace; `negated` makes it negated or not."""
+    bare = literal.functor.rpartition("::")[2]
+    functor = bare if namespace == "default" else f"{namespace}::{bare}"
+    sign = literal.negated if negated is None else negated
+    return Literal(functor, literal.args, literal.annots, sign)
 
 
 # ---- making terms

@@ -14,7 +14,9 @@ _BEFORE_A_STEP = frozenset({"<-", ";", "{", "}", "|||", "|&|"})
 _UPDATES = frozenset({"++", "+<", "+>", "--", "-+"})
 #: Tokens after a step.
 _AFTER_A_STEP = frozenset({";", ")", "}", "|||", "|&|", "."})
-_AFTER_A_SIGNED_LITERAL = _AFTER_A_STEP | {":", "<-"}
+_AFTER_A_SIGNED_LITERAL = _AFTER_A_STEP | {":", "<-", "<:"}
+_ENDS_A_TERM = frozenset({"RPAR", "RSQB", "ATOM", "VAR", "ANONYMOUS", "NUMBER", "STRING"})
+_GOAL_SIGNS = frozenset({"!", "!!", "?"})
 _OPENING = frozenset({"LPAR", "LSQB", "LBRACE"})
 _CLOSING = frozenset({"RPAR", "RSQB", "RBRACE"})
 
@@ -33,7 +35,20 @@ def tokenize(source: str, previous: str = "") -> Iterator[Token]:
     """
     reading = grammar().parse_interactive(source)
     tokens = reading.lexer_thread.lex(reading.parser_state)
-    return _with_updates(list(tokens), previous)
+    return _with_semicolons(_with_updates(list(tokens), previous))
+
+
+def _with_semicolons(tokens: Iterator[Token]) -> Iterator[Token]:
+    """Put in the semicolons that a program may leave out before a goal in a body."""
+    in_body, previous = False, ""
+    for token in tokens:
+        if token.type == "DOT":
+            in_body = False
+        in_body = in_body or token.type == "_ARROW"
+        if in_body and token.value in _GOAL_SIGNS and previous in _ENDS_A_TERM:
+            yield Token.new_borrow_pos("SEMICOLON", ";", token)
+        yield token
+        previous = token.type
 
 
 def _with_updates(tokens: Sequence[Token], previous: str) -> Iterator[Token]:
@@ -95,7 +110,11 @@ def _brackets_around_terms(tokens: Sequence[Token]) -> set[int]:
 
 
 def clauses(tokens: Iterator[Token]) -> Iterator[list[Token]]:
-    """Yield the tokens of each clause; a wrong clause ends at its full stop as well."""
+    """Yield the tokens of each clause; a wrong clause ends at its full stop as well.
+
+    The plans inside a plan, in braces after its full stop, are one clause. Where the braces stand
+    before the body, as in `+!g { <- a. +!h <- b. }`, the clause is divided as if they came after.
+    """
     clause: list[Token] = []
     braces = 0
     for token in tokens:
@@ -104,12 +123,57 @@ def clauses(tokens: Iterator[Token]) -> Iterator[list[Token]]:
             braces += 1
         elif token.type == "RBRACE":
             braces -= 1
-        is_directive = clause[0].type == "LBRACE"
-        if token.type == "DOT" or (is_directive and braces == 0):
-            yield clause
+        if clause[0].type == "LBRACE":
+            is_over = braces == 0 or (token.type == "DOT" and not is_block(clause))
+        elif token.type in ("DOT", "RBRACE"):
+            opens = _opening(clause) is not None
+            is_over = braces == 0 if opens else token.type == "DOT"
+        else:
+            is_over = False
+        if is_over:
+            yield from _divided(clause)
             clause, braces = [], 0
     if clause:
         yield clause
+
+
+def is_block(clause: Sequence[Token]) -> bool:
+    """Return True for the plans inside a plan, `{ +!g <- a. @l +h. }`."""
+    begins = len(clause) > 1 and clause[0].type == "LBRACE"
+    return begins and (clause[1].type in ("UPDATE", "GOAL_STATE") or clause[1].value == "@")
+
+
+def _opening(clause: Sequence[Token]) -> int | None:
+    """Return the index of the brace that opens a plan before its body."""
+    if clause[0].type not in ("UPDATE", "GOAL_STATE") and clause[0].value != "@":
+        return None
+    depth = 0
+    for index, token in enumerate(clause[:-1]):
+        if token.type == "_ARROW" and depth == 0:
+            return None
+        if token.type == "LBRACE" and depth == 0 and clause[index - 1].type != "RELATION":
+            following = clause[index + 1]
+            is_plan = following.type in ("_ARROW", "UPDATE", "GOAL_STATE", "RBRACE")
+            return index if is_plan or following.value == "@" else None
+        depth += (token.type in _OPENING) - (token.type in _CLOSING)
+    return None
+
+
+def _divided(clause: list[Token]) -> Iterator[list[Token]]:
+    """Yield a clause, one with its braces before the body as plan and plans inside it."""
+    opening = _opening(clause)
+    if opening is None:
+        yield clause
+        return
+    head, inside = clause[:opening], clause[opening + 1 :]
+    if inside and inside[0].type == "_ARROW":
+        stop = next((i for i, token in enumerate(inside) if token.type == "DOT"), len(inside) - 1)
+        head, inside = head + inside[: stop + 1], inside[stop + 1 :]
+    else:
+        head = [*head, Token.new_borrow_pos("DOT", ".", clause[opening])]
+    yield head
+    if len(inside) > 1:
+        yield [clause[opening], *inside]
 
 
 def nesting(tokens: Sequence[Token], brackets: str) -> int:

@@ -7,6 +7,8 @@ and arithmetic is evaluated before it is compared.
 
 from __future__ import annotations
 
+from .body import Achieve, Act, Body, BodyFormula, BodyTerm, Constraint, Test, Update
+from .program import PlanTerm, RuleTerm
 from .substitution import Unifier, substitute, walk
 from .terms import (
     AnnotatedVar,
@@ -15,11 +17,15 @@ from .terms import (
     Function,
     Literal,
     Operation,
+    Qualified,
+    Quoted,
     RestVar,
     Term,
     TriggerTerm,
     Var,
     make_list,
+    namespace_of,
+    placed,
 )
 
 
@@ -89,18 +95,29 @@ def unify_literals(one: Literal, other: Literal, u: Unifier) -> bool:
 
 
 def unify_annots(mine: tuple[Term, ...], theirs: tuple[Term, ...], u: Unifier) -> bool:
-    """Unify each of `mine` with another one of `theirs`, or a tail of `mine` with what is left."""
+    """Unify each of `mine` with another one of `theirs`, or a tail of `mine` with what is left.
+
+    Those of `mine` that are not among `theirs` make up the tail of `theirs`, if that is open.
+    """
     remaining = [annot for annot in theirs if not isinstance(annot, RestVar)]
+    tail = theirs[-1] if len(remaining) < len(theirs) else None
+    missing: list[Term] = []
+    rest: Term | None = None
     for annot in mine:
         if isinstance(annot, RestVar):
-            return unify(Var(annot.name), make_list(remaining), u)
+            rest = Var(annot.name)
+            break
         for position, candidate in enumerate(remaining):
             if try_unify(annot, candidate, u):
                 del remaining[position]
                 break
         else:
-            return False
-    return True
+            if tail is None:
+                return False
+            missing.append(annot)
+    if tail is not None and not unify(_plain(tail), make_list(missing), u):
+        return False
+    return rest is None or unify(rest, make_list(remaining), u)
 
 
 def _unify_others(one: Term, other: Term, u: Unifier) -> bool:
@@ -112,10 +129,10 @@ def _unify_others(one: Term, other: Term, u: Unifier) -> bool:
             if isinstance(one, Arithmetic | Function) or isinstance(other, Arithmetic | Function):
                 return one == other
             return unify(one, other, u)
-    if isinstance(one, AnnotatedVar):
+    if isinstance(one, AnnotatedVar) or isinstance(other, AnnotatedVar):
         return _unify_annotated(one, other, u)
-    if isinstance(other, AnnotatedVar):
-        return _unify_annotated(other, one, u)
+    if isinstance(one, Qualified) or isinstance(other, Qualified):
+        return _unify_qualified(one, other, u)
     if isinstance(one, Var) or isinstance(other, Var):
         return unify(_plain(one), _plain(other), u)
     if isinstance(one, Operation) and isinstance(other, Operation):
@@ -123,7 +140,69 @@ def _unify_others(one: Term, other: Term, u: Unifier) -> bool:
         return one.symbol == other.symbol and all(unify(*pair, u) for pair in pairs)
     if isinstance(one, TriggerTerm) and isinstance(other, TriggerTerm):
         return one.sort == other.sort and unify(one.literal, other.literal, u)
+    if isinstance(one, Quoted) and isinstance(other, Quoted):
+        return _unify_quoted(one, other, u)
     return one == other
+
+
+# ---- plans, rules and bodies as terms
+
+
+def _unify_quoted(one: Quoted, other: Quoted, u: Unifier) -> bool:
+    if isinstance(one, BodyTerm) and isinstance(other, BodyTerm):
+        return _unify_bodies(one.body, other.body, u)
+    if isinstance(one, PlanTerm) and isinstance(other, PlanTerm):
+        # The label of a plan is a name for it and no part of what it does.
+        return _unify_all(one.plan.parts[1:], other.plan.parts[1:], u)
+    if isinstance(one, RuleTerm) and isinstance(other, RuleTerm):
+        mine, theirs = one.rule, other.rule
+        return _unify_all((mine.head, mine.body), (theirs.head, theirs.body), u)
+    return one == other
+
+
+def _unify_all(ones: tuple[Term, ...], others: tuple[Term, ...], u: Unifier) -> bool:
+    return all(unify(*pair, u) for pair in zip(ones, others, strict=True))
+
+
+def _unify_bodies(mine: Body, theirs: Body, u: Unifier) -> bool:
+    """Unify step by step; a variable as last step of several is what is left of the other body."""
+    if not mine or not theirs:
+        return mine == theirs
+    if not _unify_steps(mine[0], theirs[0], u):
+        return False
+    rest, others = mine[1:], theirs[1:]
+    for pattern, value in ((rest, others), (others, rest)):
+        if len(pattern) == 1 and (variable := _variable_step(pattern[0])) is not None:
+            return unify(variable, BodyTerm(value), u)
+    return _unify_bodies(rest, others, u)
+
+
+def _unify_steps(one: BodyFormula, other: BodyFormula, u: Unifier) -> bool:
+    for pattern, value in ((one, other), (other, one)):
+        variable = _variable_step(pattern)
+        if variable is not None:
+            return unify(variable, _step_term(value), u)
+    if isinstance(one, Achieve) and isinstance(other, Achieve):
+        return one.new_focus == other.new_focus and unify(one.goal, other.goal, u)
+    if isinstance(one, Test) and isinstance(other, Test):
+        return unify(one.formula, other.formula, u)
+    if isinstance(one, Update) and isinstance(other, Update):
+        return one.operator == other.operator and unify(one.belief, other.belief, u)
+    if isinstance(one, Act | Constraint) and isinstance(other, Act | Constraint):
+        return unify(_step_term(one), _step_term(other), u)
+    return one == other
+
+
+def _variable_step(step: BodyFormula) -> Var | None:
+    is_variable = isinstance(step, Act) and isinstance(step.action, Var)
+    return step.action if is_variable else None  # type: ignore[union-attr, return-value]
+
+
+def _step_term(step: BodyFormula) -> Term:
+    """Return what a variable for a step stands for: an action itself, or a body of one step."""
+    if isinstance(step, Act):
+        return step.action
+    return step.relation if isinstance(step, Constraint) else BodyTerm((step,))
 
 
 def _plain(term: Term) -> Term:
@@ -142,18 +221,48 @@ def _unify_lists(one: Cons, other: Cons, u: Unifier) -> bool:
     return unify(mine, theirs, u)
 
 
-def _unify_annotated(pattern: AnnotatedVar, value: Term, u: Unifier) -> bool:
-    if isinstance(value, AnnotatedVar):
-        return unify(Var(pattern.name), Var(value.name), u)
-    if not isinstance(value, Literal):
+def _unify_annotated(one: Term, other: Term, u: Unifier) -> bool:
+    """Unify two terms of which at least one is a variable with annotations, `X[a] = p[a, b]`.
+
+    The annotations of the first are among those of the second. A variable with annotations takes
+    its value without them.
+    """
+    if isinstance(one, Literal | AnnotatedVar | Var) and isinstance(other, Literal | AnnotatedVar):
+        mine = one.annots if isinstance(one, Literal | AnnotatedVar) else ()
+        if mine and not unify_annots(mine, other.annots, u):
+            return False
+    elif isinstance(one, AnnotatedVar) and isinstance(other, Var):
+        only_rest = len(one.annots) == 1 and isinstance(one.annots[0], RestVar)
+        if not (only_rest and unify_annots(one.annots, (), u)):
+            return False
+    mine_is_open, theirs_is_open = isinstance(one, AnnotatedVar), isinstance(other, AnnotatedVar)
+    left, right = _plain(one), _plain(other)
+    if mine_is_open and isinstance(right, Literal):
+        right = right.without_annots()
+    if theirs_is_open and isinstance(left, Literal):
+        left = left.without_annots()
+    return unify(left, right, u)
+
+
+def _unify_qualified(one: Term, other: Term, u: Unifier) -> bool:
+    """Unify two terms of which at least one has an open namespace or negation."""
+    if isinstance(one, Qualified) and isinstance(other, Qualified):
+        return one.negated == other.negated and all(
+            unify(mine, theirs, u)
+            for mine, theirs in zip(one.operands, other.operands, strict=True)
+        )
+    qualified, literal = (one, other) if isinstance(one, Qualified) else (other, one)
+    assert isinstance(qualified, Qualified)  # one of the two is
+    value = substitute(qualified, u)
+    if not isinstance(value, Qualified):
+        return unify(value, other, u) if qualified is one else unify(one, value, u)
+    if not isinstance(literal, Literal) or (value.negated and not literal.negated):
         return False
-    bound = walk(Var(pattern.name), u)
-    if isinstance(bound, Literal):
-        return unify_annots(pattern.annots, value.annots, u) and unify(bound, value, u)
-    if not unify_annots(pattern.annots, value.annots, u):
+    namespace, inner = value.operands
+    bare = placed(literal, "default", False if value.negated else None)
+    if not unify(namespace, Literal(namespace_of(literal.functor)), u):
         return False
-    u[pattern.name] = value.without_annots()
-    return True
+    return unify(inner, bare, u) if qualified is one else unify(bare, inner, u)
 
 
 def unified(one: Term, other: Term, u: Unifier) -> Unifier | None:

@@ -81,8 +81,33 @@ class InternalActions(dict[str, InternalAction]):
     ```
     """
 
+    def __init__(self, *given: Mapping[str, InternalAction]) -> None:
+        super().__init__(*given)
+        #: Arithmetic functions by name.
+        self.functions: dict[str, Callable[..., float]] = {}
+
     def __repr__(self) -> str:
-        return f"<InternalActions {', '.join(self) or 'none'}>"
+        return f"<InternalActions {', '.join([*self, *self.functions]) or 'none'}>"
+
+    def function(self, name: str) -> Callable[[Callable[..., float]], Callable[..., float]]:
+        """Register a function of numbers, `my.half(X)`, for terms and comparisons.
+
+        Args:
+            name: its name in programs, with a dot in it.
+
+        Raises:
+            ValueError: the name has no dot or is taken.
+        """
+        if "." not in name:
+            raise ValueError(f"the name of a function has a dot in it, and '{name}' none")
+        if name in self or name in self.functions:
+            raise ValueError(f"there is a function or an internal action '{name}' already")
+
+        def register(function: Callable[..., float]) -> Callable[..., float]:
+            self.functions[name] = function
+            return function
+
+        return register
 
     def add(
         self, name: str, *, least: int = 0, most: int | None = None, in_context: bool = True
@@ -113,7 +138,7 @@ class InternalActions(dict[str, InternalAction]):
 # ---- the calls in a program
 
 
-def check_actions(program: Program, actions: Mapping[str, InternalAction]) -> None:
+def check_actions(program: Program, actions: Mapping[str, object]) -> None:
     """Check that the internal actions of a program exist and are allowed where they stand.
 
     Raises:
@@ -126,7 +151,7 @@ def check_actions(program: Program, actions: Mapping[str, InternalAction]) -> No
             near = get_close_matches(name, actions, n=1)
             hint = f"; did you mean {near[0]}?" if near else ""
             problems[place.problem(f"there is no internal action {name}{hint}")] = None
-        elif in_context and not actions[name].in_context:
+        elif in_context and not getattr(actions[name], "in_context", True):
             problems[place.problem(f"{name} cannot be used in a context or query")] = None
     if problems:
         raise ProgramError(list(problems))

@@ -87,9 +87,14 @@ class BeliefBase:
         shelf = self._shelves.get(literal.key)
         return None if shelf is None else shelf.find(literal.args)
 
-    def add_rule(self, rule: Rule) -> None:
-        """Add a rule before the clauses of its functor and arity."""
-        self._shelves.setdefault(rule.head.key, Shelf()).add(rule)
+    def add_rule(self, rule: Rule, *, at_end: bool = False) -> None:
+        """Add a rule before the clauses of its functor and arity, or after them."""
+        self._shelves.setdefault(rule.head.key, Shelf()).add(rule, at_end=at_end)
+
+    def rules(self) -> list[Rule]:
+        """Return the rules."""
+        shelves = self._shelves.values()
+        return [clause for shelf in shelves for clause in shelf.all() if isinstance(clause, Rule)]
 
     def add(self, literal: Literal, *, at_end: bool = False) -> Literal | None:
         """Add a belief, or annotations to one. Return what is new of it, or None."""

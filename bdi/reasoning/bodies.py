@@ -8,13 +8,14 @@ from ..language.body import (
     Body,
     BodyFormula,
     Constraint,
+    Event,
     For,
     If,
     Test,
     Update,
     While,
 )
-from ..language.terms import TRUE, Literal, Term, Var
+from ..language.terms import TRUE, Literal, Term
 from .beliefs import with_source
 from .compiled import Build, Condition, builder, condition
 
@@ -44,7 +45,7 @@ class Step:
             self.check: Condition = condition(term)
 
     @property
-    def goal(self) -> Literal | Var | None:
+    def goal(self) -> Event | None:
         """The subgoal for which the step waits, if it is one."""
         formula = self.formula
         return formula.goal if isinstance(formula, Achieve) and not formula.new_focus else None
@@ -94,11 +95,11 @@ def _compile_loop(name: str, formula: While | For, term: Term, following: Step |
     return first
 
 
-def _with_source(literal: Literal | Var) -> Literal | Var:
+def _with_source(literal: Event) -> Event:
     return with_source(literal) if isinstance(literal, Literal) else literal
 
 
-def _kind(action: Literal | Var) -> str:
+def _kind(action: Event) -> str:
     if isinstance(action, Literal):
         return "internal action" if action.is_internal_action else "external action"
     return "variable"

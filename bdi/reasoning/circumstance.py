@@ -10,11 +10,32 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Iterator
+from typing import Protocol
 
 from ..language.substitution import Unifier
 from ..language.terms import Literal, Term
 from .alarms import Alarm
 from .intentions import Event, Intention, Wait
+
+
+class States(Protocol):
+    """Takes notice of the states of goals (`goal_states.py`)."""
+
+    @property
+    def has_changes(self) -> bool:
+        """True if goals have changed since the last cycle."""
+
+    def note(self, state: str, sort: str, goal: Literal, reason: Term | None = None) -> None:
+        """Note that a goal is in another state."""
+
+    def note_top(self, state: str, intention: Intention, reason: Term | None = None) -> None:
+        """Note the state of the goal for which an intention carries out a plan."""
+
+    def note_all(self, state: str, intention: Intention) -> None:
+        """Note that all goals of an intention have come to an end."""
+
+    def post(self) -> None:
+        """Post the events of the goals that have changed."""
 
 
 class PendingAction:
@@ -45,6 +66,8 @@ class Circumstance:
         pending: by number, the intentions that wait for anything else, and for what.
         waits: the waits that events and changes may end.
         on_end: called with every intention that has ended.
+        states: notes the states of goals, if plans want to know of them.
+        has_conditions: True if there may be intentions with plans that end by a condition.
     """
 
     def __init__(self) -> None:
@@ -62,6 +85,8 @@ class Circumstance:
         self.pending: dict[int, tuple[str, Intention]] = {}
         self.waits: list[Wait] = []
         self.on_end: Callable[[Intention], None] | None = None
+        self.states: States | None = None
+        self.has_conditions = False
 
     # ---- events
 
@@ -71,8 +96,15 @@ class Circumstance:
             self.atomic_event = event
         else:
             self.events.append(event)
+        if self.states is not None and event.sort == "+!":
+            self.states.note("pending", event.sort, event.literal)
         if self.waits:
             self._notice(event)
+
+    def post_state(self, event: Event) -> None:
+        """Add the event of a goal's state: before all others but those of states."""
+        place = sum(1 for known in self.events if known.sort[0] == "^")
+        self.events.insert(place, event)
 
     def all_events(self) -> list[Event]:
         """Return the events to be dealt with, in order."""
@@ -151,15 +183,23 @@ class Circumstance:
             self.atomic_waits = True
         self.pending[intention.number] = (kind, intention)
         intention.reason = reason
+        if self.states is not None:
+            state = "suspended" if kind.startswith("suspended") else "waiting"
+            self.states.note_top(state, intention, reason)
         if self.waits:
             self._notice(None)
 
     def take_pending(self, intention: Intention, kind: str) -> bool:
         """Take an intention out of those pending for a kind of thing; True if it was there."""
         found = self.pending.get(intention.number)
-        return found is not None and found[0] == kind and self._unpend(intention)
+        if found is None or found[0] != kind:
+            return False
+        if self.states is not None:
+            self.states.note_top("resumed", intention, intention.reason)
+        return self.unpend(intention)
 
-    def _unpend(self, intention: Intention) -> bool:
+    def unpend(self, intention: Intention) -> bool:
+        """Take an intention out of those pending for whatever it is; True if it was there."""
         if self.pending.pop(intention.number, None) is None:
             return False
         self._release(intention)
@@ -199,7 +239,7 @@ class Circumstance:
             self._dropped(intention)
         if self.remove_running(intention):
             self._dropped(intention)
-        if self._unpend(intention):
+        if self.unpend(intention):
             self._dropped(intention)
 
     def clear_intentions(self) -> None:
@@ -254,6 +294,8 @@ class Circumstance:
     def _dropped(self, intention: Intention) -> None:
         if intention.wait is not None:
             intention.wait.cancel()
+        if self.states is not None:
+            self.states.note_all("dropped", intention)
         self.forget(intention)
         if self.waits:
             self._notice(None)

@@ -14,7 +14,18 @@ from typing import TypeAlias
 
 from ..language.arithmetic import OPERATORS
 from ..language.substitution import Unifier, substitute
-from ..language.terms import TRUE, And, Arithmetic, Literal, Not, Relation, Term, Var, is_ground
+from ..language.terms import (
+    TRUE,
+    And,
+    Arithmetic,
+    Literal,
+    Not,
+    Qualified,
+    Relation,
+    Term,
+    Var,
+    is_ground,
+)
 from ..language.unification import matched, unify
 from .logic import Logic
 
@@ -210,7 +221,7 @@ def _query_and(formula: And) -> Condition:
 # ---- triggers
 
 
-def matcher(pattern: Literal | Var) -> Match:
+def matcher(pattern: Literal | Var | Qualified) -> Match:
     """Return a function that unifies a trigger with the literal of an event.
 
     The two are known to have the same functor and arity.

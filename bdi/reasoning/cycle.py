@@ -10,13 +10,16 @@ from collections.abc import Callable
 from typing import TypeAlias
 
 from ..errors import EndlessProgramError, Problem
-from ..language.terms import Literal
+from ..language.terms import ONLY_SELF, Literal
+from .achievement import finish_satisfied
 from .actions import error_annots
 from .circumstance import PendingAction
 from .deliberation import clear, deliberate, move_on
 from .execution import OPERATIONS
 from .failure import fail
+from .intentions import Event
 from .mail import read
+from .plans import SLEEPING
 from .state import SECOND, AgentState
 
 
@@ -66,16 +69,25 @@ class ReasoningCycle:
         state = self._state
         circumstance = state.circumstance
         state.logic.begin_instant()
-        while (circumstance.running and circumstance.atomic is None) or self._has_work():
+        while (circumstance.running and circumstance.atomic is None) or self._goes_on():
             cycles += 1
             if cycles > self._max_cycles:
                 limit = f"more than {self._max_cycles} cycles at {state.now:g} s"
                 raise EndlessProgramError([self.problem(f"{limit}: this plan does not end")])
             self._cycle()
 
+    def _goes_on(self) -> bool:
+        """Return True if there is work, or a plan may be called because there is none."""
+        state = self._state
+        if self._has_work():
+            return True
+        return state.plans.has_sleep and not state.sleeps and not state.is_stopped
+
     def _has_work(self) -> bool:
         state, circumstance = self._state, self._state.circumstance
         if state.percepts.changed or state.tasks or state.mailbox:
+            return True
+        if circumstance.states is not None and circumstance.states.has_changes:
             return True
         if state.alarms.heap and state.alarms.is_due(state.clock):
             return True
@@ -91,10 +103,19 @@ class ReasoningCycle:
         state, circumstance = self._state, self._state.circumstance
         state.logic.begin_cycle()
         circumstance.selected_event = circumstance.selected = None
-        if state.alarms.heap or state.tasks or state.percepts.changed or state.mailbox:
+        if (
+            state.alarms.heap
+            or state.tasks
+            or state.percepts.changed
+            or state.mailbox
+            or state.plans.has_sleep
+            or circumstance.states is not None
+        ):
             self._sense()
         if circumstance.atomic is None and (circumstance.events or circumstance.atomic_event):
             deliberate(state)
+        if circumstance.has_conditions:
+            finish_satisfied(state)
         if circumstance.feedback:
             self._take_feedback()
         intention = circumstance.select()
@@ -115,14 +136,36 @@ class ReasoningCycle:
     def _sense(self) -> None:
         state = self._state
         state.alarms.ring(state.clock)
-        while state.tasks:
-            state.tasks.popleft()()
         if state.percepts.changed:
             for event in state.percepts.update(state.beliefs):
                 state.note("percept", event)
                 state.circumstance.post(event)
+        if state.plans.has_sleep:
+            self._fall_asleep_or_wake()
         if state.mailbox:
             read(state, state.mailbox.popleft())
+        # After percepts and mail: those whose wait they end run on in this very cycle.
+        while state.tasks:
+            state.tasks.popleft()()
+        if state.circumstance.states is not None:
+            state.circumstance.states.post()
+
+    def _fall_asleep_or_wake(self) -> None:
+        """Raise the event of having nothing to do, or of having something again."""
+        state, circumstance = self._state, self._state.circumstance
+        is_idle = not (state.mailbox or state.tasks or circumstance.feedback)
+        if circumstance.atomic is None or not circumstance.atomic_waits:
+            is_idle = is_idle and not any(
+                name not in SLEEPING
+                for name in (
+                    *(event.literal.functor for event in circumstance.all_events()),
+                    *(running.stack[0].literal.functor for running in circumstance.running),
+                )
+            )
+        if is_idle is not state.sleeps:
+            state.sleeps = is_idle
+            name = "jag_sleeping" if is_idle else "jag_awaking"
+            circumstance.post(Event("+", Literal(name, (), ONLY_SELF)))
 
     def _take_feedback(self) -> None:
         state, circumstance = self._state, self._state.circumstance
@@ -133,6 +176,9 @@ class ReasoningCycle:
                 continue
             circumstance.take_action(intention)
             if success:
+                if circumstance.states is not None:
+                    done = Literal("action_executed", (pending.action,))
+                    circumstance.states.note_top("executing", intention, done)
                 move_on(state, intention, intention.top)
             else:
                 fail(state, intention, error_annots("action_failed", ""))

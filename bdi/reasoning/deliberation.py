@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+from typing import TypeAlias
+
 from ..errors import TooDeepError
+from ..language.body import Act
+from ..language.program import Plan, Trigger
 from ..language.substitution import Unifier, rename, substitute, substitute_literal
+from ..language.terms import TRUE, Literal
+from ..language.unification import unified
 from .actions import error_annots
 from .failure import clear_failed, fail_event
 from .intentions import Event, Intention, Means
-from .plans import LoadedPlan
+from .plans import LoadedPlan, PlanLibrary, compiled
 from .state import AgentState
 
 
@@ -23,22 +29,112 @@ def deliberate(agent: AgentState) -> None:
         else:
             return
         circumstance.selected_event = event
-        literal = event.literal
-        candidates = agent.plans.candidates(event.sort, literal)
-        for plan in candidates:
-            u = plan.match(literal)
-            if u is not None and plan.applies is not None:
-                u = plan.applies(agent.logic, u)
-            if u is not None:
-                adopt(agent, plan, event, u)
+        if agent.plans.has_inner:
+            if agent.plans.has_inner_updates:
+                _share(agent, event)
+            found, is_relevant = _option_inside(agent, event)
+            if found is not None:
+                adopt(agent, found[0], event, found[1])
                 return
+        else:
+            literal = event.literal
+            candidates = agent.plans.candidates(event.sort, literal)
+            for plan in candidates:
+                u = plan.match(literal)
+                if u is not None and plan.applies is not None:
+                    u = plan.applies(agent.logic, u)
+                if u is not None:
+                    adopt(agent, plan, event, u)
+                    return
+            is_relevant = bool(candidates)
         if event.is_goal:
-            _no_plan(agent, event, "applicable" if candidates else "relevant")
+            _no_plan(agent, event, "applicable" if is_relevant else "relevant")
             return
         if event.intention is not None:
             # No plan for a change of belief: the plan that made it continues.
             move_on(agent, event.intention, event.intention.top)
             return
+
+
+_Option: TypeAlias = "tuple[LoadedPlan, Unifier]"
+
+
+def _option_inside(agent: AgentState, event: Event) -> tuple[_Option | None, bool]:
+    """Return the plan for an event, from the innermost library on; True if one was relevant.
+
+    The plans inside the plan that raised the event come first, then those beside that plan.
+    """
+    if event.option is not None:
+        return event.option, True
+    intention = event.intention
+    library: PlanLibrary | None = agent.plans
+    if intention is not None and intention.stack:
+        plan = intention.top.plan
+        library = plan.scope if plan.inner is None else plan.inner
+    is_relevant = False
+    while library is not None:
+        for plan in library.candidates(event.sort, event.literal):
+            is_relevant = True
+            u = _begin(plan, event.literal, intention)
+            if u is not None and plan.applies is not None:
+                u = plan.applies(agent.logic, u)
+            if u is not None:
+                return (plan, u), True
+        library = library.outer
+    return None, is_relevant
+
+
+def _begin(plan: LoadedPlan, literal: Literal, intention: Intention | None) -> Unifier | None:
+    """Return the bindings of a plan for an event: with those of the plan that it is inside of."""
+    if intention is not None:
+        for means in intention.downwards():
+            if means.plan.inner is plan.scope:
+                return unified(plan.literal, literal, means.first)
+    return plan.match(literal)
+
+
+def _share(agent: AgentState, event: Event) -> None:
+    """Have each intention deal with a change of belief for which its plans have plans inside.
+
+    The intention goes on; a copy of it carries the plan out, and ends with it.
+    """
+    circumstance = agent.circumstance
+    if event.intention is not None or len(event.sort) != 1 or event.option is not None:
+        return
+    for intention in list(circumstance.intentions()):
+        option = _inside(agent, event, intention)
+        if option is None or intention.outer is not None:
+            continue
+        copy = intention.copy(agent.next_intention_number())
+        copy.outer = intention
+        ending = compiled(_ENDING).body
+        loaded = LoadedPlan(_ENDING, Literal("ending"), agent.plans)
+        copy.push(Means(loaded, event.sort, event.literal, {}, ending))
+        shared = Event(event.sort, event.literal, copy)
+        shared.option = option
+        circumstance.post(shared)
+
+
+def _inside(agent: AgentState, event: Event, intention: Intention) -> _Option | None:
+    for means in intention.downwards():
+        if means.plan.inner is None:
+            continue
+        for plan in means.plan.inner.candidates(event.sort, event.literal):
+            u = unified(plan.literal, event.literal, means.u)
+            if u is not None and plan.applies is not None:
+                u = plan.applies(agent.logic, u)
+            if u is not None:
+                return plan, u
+    return None
+
+
+_ENDING = Plan(
+    None,
+    Trigger("+", "", Literal("event")),
+    TRUE,
+    # The first step is the one that waits for the event.
+    (Act(Literal(".perceive")), Act(Literal(".drop_intention"))),
+)
 
 
 def _no_plan(agent: AgentState, event: Event, what: str) -> None:
@@ -50,6 +146,10 @@ def adopt(agent: AgentState, plan: LoadedPlan, event: Event, u: Unifier) -> None
     """Put a plan on the intention that waits for the event, or on a new one."""
     literal = event.literal if event.literal.ground else substitute_literal(event.literal, u)
     means = Means(plan, event.sort, literal, u, plan.body)
+    if plan.until is not None:
+        agent.circumstance.has_conditions = True
+    if agent.circumstance.states is not None and event.sort == "+!":
+        agent.circumstance.states.note("executing", event.sort, literal)
     intention = event.intention
     if intention is None:
         intention = Intention(agent.next_intention_number())
@@ -91,17 +191,29 @@ def move_on(agent: AgentState, intention: Intention, means: Means) -> None:
         if means.step is None:
             clear(agent, intention)
         return
-    if means.step is None:
-        clear(agent, intention)
+    if means.step is None and not clear(agent, intention):
+        return
     if intention.stack:
         agent.circumstance.add_running(intention)
 
 
-def clear(agent: AgentState, intention: Intention) -> None:
-    """Take finished plans off an intention, and go on with those that called them."""
+def clear(agent: AgentState, intention: Intention) -> bool:
+    """Take finished plans off an intention, and go on with those that called them.
+
+    Return False if it waits until the condition of a finished plan holds.
+    """
     stack = intention.stack
+    states = agent.circumstance.states
     while stack and stack[-1].step is None:
+        if stack[-1].plan.until is not None:
+            agent.circumstance.remove_running(intention)
+            reason = Literal("wait_goal_condition")
+            agent.circumstance.suspend("wait_goal_condition", intention, reason)
+            return False
         top = intention.pop()
+        if states is not None and top.is_goal:
+            states.note("achieved", top.sort, top.literal)
+            states.note("finished", top.sort, top.literal)
         if top.sort in ("-!", "-?") and stack:
             clear_failed(intention, top.literal)
         if not stack:
@@ -113,6 +225,7 @@ def clear(agent: AgentState, intention: Intention) -> None:
     if not stack:
         agent.circumstance.remove_running(intention)
         agent.circumstance.forget(intention)
+    return True
 
 
 def _hand_over(agent: AgentState, awaited: tuple[str, ...], u: Unifier, to: Unifier) -> None:

@@ -12,7 +12,8 @@ from typing import TypeAlias
 
 from ..language.body import BodyTerm
 from ..language.substitution import Unifier, rename, substitute, variable_names, walk
-from ..language.terms import Literal, Relation, Var, text
+from ..language.terms import ONLY_SELF, Literal, Relation, Var, text
+from .achievement import set_deadline
 from .actions import ActionError, error_annots
 from .beliefs import with_source
 from .bodies import Step, compile_body
@@ -69,7 +70,10 @@ def _export(agent: AgentState, means: Means, literal: Literal) -> Literal:
 def _achieve(
     agent: AgentState, intention: Intention, means: Means, step: Step, goal: Literal
 ) -> None:
-    agent.circumstance.post(Event("+!", _export(agent, means, goal), intention))
+    event = Event("+!", _export(agent, means, goal), intention)
+    agent.circumstance.post(event)
+    if goal.annots is not ONLY_SELF:
+        _check_deadline(agent, event)
 
 
 def _achieve_new(
@@ -77,8 +81,19 @@ def _achieve_new(
 ) -> None:
     if not goal.ground:
         goal = rename(goal, agent.names, {})  # type: ignore[assignment]
-    agent.circumstance.post(Event("+!", goal))
+    event = Event("+!", goal)
+    agent.circumstance.post(event)
+    if goal.annots is not ONLY_SELF:
+        _check_deadline(agent, event)
     move_on(agent, intention, means)
+
+
+def _check_deadline(agent: AgentState, event: Event) -> None:
+    for annot in event.literal.annots:
+        if isinstance(annot, Literal) and annot.functor == "hard_deadline" and annot.args:
+            limit = annot.args[0]
+            if isinstance(limit, float):
+                set_deadline(agent, event, limit)
 
 
 def _test(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:
@@ -99,11 +114,18 @@ def _test(agent: AgentState, intention: Intention, means: Means, step: Step) -> 
 def _constrain(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:
     solution = step.check(agent.logic, means.u)
     if solution is None:
-        message = f"Constraint {step.formula} was not satisfied ({step.formula.place.line})"
+        place = step.formula.place
+        where = f"{place.name}:{place.line}"
+        message = f"Constraint {step.term} was not satisfied ({where}) un={_bindings(means.u)}"
         fail(agent, intention, error_annots("constraint_failed", message))
         return
     means.u = solution
     move_on(agent, intention, means)
+
+
+def _bindings(u: Unifier) -> str:
+    named = {name: substitute(Var(name), u) for name in u if not name.startswith("_")}
+    return f"{{{', '.join(f'{name}={text(value)}' for name, value in named.items())}}}"
 
 
 # ---- beliefs

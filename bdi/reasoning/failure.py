@@ -87,6 +87,8 @@ def fail(agent: AgentState, intention: Intention, annots: tuple[Term, ...]) -> N
             code = substitute(shown.belief, means.u)
         elif isinstance(shown, Test | Act | Constraint):
             code = substitute(step.term, means.u)
+    if agent.circumstance.states is not None and means.is_goal:
+        _note_failure(agent, intention, means.sort, means.literal, event, annots)
     if not means.is_goal:
         agent.warn(f"an intention ended: {means.trigger} could not be finished", intention)
         return
@@ -111,6 +113,8 @@ def fail_event(agent: AgentState, event: Event, annots: tuple[Term, ...], why: s
             failure = find_failure_event(agent, event.intention, event)
         elif agent.plans.candidates("-" + event.sort[1:], event.literal):
             failure = Event("-" + event.sort[1:], event.literal)
+    if agent.circumstance.states is not None and event.sort[0] == "+":
+        _note_failure(agent, event.intention, event.sort, event.literal, failure, annots)
     if failure is None:
         agent.warn(why, event.intention)
         if event.intention is not None:
@@ -122,6 +126,27 @@ def fail_event(agent: AgentState, event: Event, annots: tuple[Term, ...], why: s
         place = None if step is None else step.formula.place
     failure.literal = annotated(agent, failure.literal, annots, event.literal, place)
     agent.circumstance.post(failure)
+
+
+def _note_failure(
+    agent: AgentState,
+    intention: Intention | None,
+    sort: str,
+    goal: Literal,
+    failure: Event | None,
+    annots: tuple[Term, ...],
+) -> None:
+    """Note the states of a goal that has failed, and of those it was for."""
+    states = agent.circumstance.states
+    assert states is not None  # called where there are some
+    errors = [a.args[0] for a in annots if isinstance(a, Literal) and a.functor == "error"]
+    states.note("failed", sort, goal, errors[0] if errors else None)
+    if failure is not None:
+        states.note("executing", sort, goal, Literal("has_failure_plan"))
+        return
+    states.note("finished", sort, goal)
+    if intention is not None:
+        states.note_all("failed", intention)
 
 
 def end(agent: AgentState, intention: Intention) -> None:
@@ -151,7 +176,7 @@ def annotated(
     """Return the literal of a failure event, annotated with what went wrong and where."""
     added: list[Term] = [*literal.annots, *annots]
     if place is not None:
-        added.append(Literal("code_src", (place.file,)))
+        added.append(Literal("code_src", (place.name,)))
         added.append(Literal("code_line", (float(place.line),)))
     added.append(Literal("code", (rename(code, agent.names, {}),)))
     return literal.with_annots(sorted_annots(tuple(added)))

@@ -2,34 +2,38 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Protocol
 
 from ..language.body import Place
 from ..language.program import Trigger
 from ..language.substitution import Unifier, substitute, substitute_literal
-from ..language.terms import Literal, Term, text
+from ..language.terms import Literal, Term, Var, text
 from ..language.unification import try_unify
 from .bodies import Step
 from .plans import LoadedPlan
 
 
 class Event:
-    """Change of a belief or a goal; `intention` waits until it has been dealt with."""
+    """Change of a belief or a goal; `intention` waits until it has been dealt with.
 
-    __slots__ = ("intention", "literal", "sort")
+    `option` is the plan that has been chosen for it already, with its bindings, if one has.
+    """
+
+    __slots__ = ("intention", "literal", "option", "sort")
 
     def __init__(self, sort: str, literal: Literal, intention: Intention | None = None) -> None:
         self.sort = sort
         self.literal = literal
         self.intention = intention
+        self.option: tuple[LoadedPlan, Unifier] | None = None
 
     @property
     def is_goal(self) -> bool:
-        """True for the events of goals, `+!g`, `-!g`, `+?g` and `-?g`."""
-        return len(self.sort) == 2
+        """True for the events of goals, `+!g`, `-!g`, `+?g` and `-?g`, not for their states."""
+        return len(self.sort) == 2 and self.sort[0] != "^"
 
-    def is_for(self, goal: Literal, u: Unifier) -> bool:
+    def is_for(self, goal: Literal | Var, u: Unifier) -> bool:
         """Return True if the event is `+!goal`, and bind in `u` what that takes."""
         if self.sort != "+!":
             return False
@@ -56,10 +60,11 @@ class Means:
     """Plan of an intention (intended means): its next step and its unifier.
 
     `awaited` names the variables of the last event the plan has raised that the plan on top of it
-    may bind; `loops` has the unifiers to which the loops around the step return.
+    may bind; `loops` has the unifiers to which the loops around the step return; `first` are the
+    bindings it began with, which the plans inside the plan share.
     """
 
-    __slots__ = ("awaited", "literal", "loops", "plan", "sort", "step", "u")
+    __slots__ = ("awaited", "first", "literal", "loops", "plan", "sort", "step", "u")
 
     def __init__(
         self, plan: LoadedPlan, sort: str, literal: Literal, u: Unifier, step: Step | None
@@ -71,11 +76,12 @@ class Means:
         self.step = step
         self.awaited: tuple[str, ...] = ()
         self.loops: list[tuple[Unifier, Iterator[Unifier]]] = []
+        self.first: Unifier = {} if plan.inner is None else dict(u)
 
     @property
     def is_goal(self) -> bool:
         """True if the plan is for the event of a goal."""
-        return len(self.sort) == 2
+        return len(self.sort) == 2 and self.sort[0] != "^"
 
     @property
     def trigger(self) -> Trigger:
@@ -97,6 +103,7 @@ class Means:
         copy = Means(self.plan, self.sort, self.literal, dict(self.u), self.step)
         copy.awaited = self.awaited
         copy.loops = list(self.loops)
+        copy.first = self.first
         return copy
 
 
@@ -149,18 +156,12 @@ class Intention:
         wait: the `.wait` it is in, if any.
         fork: the fork it is a branch of, if any.
         fork_point: height of the stack at which it was forked.
+        outer: the intention for which it deals with an event, by a plan inside one of its plans.
     """
 
     __slots__ = (
-        "atomic",
-        "fork",
-        "fork_point",
-        "in_line",
-        "is_suspended",
-        "number",
-        "reason",
-        "stack",
-        "wait",
+        *("atomic", "fork", "fork_point", "in_line", "is_suspended", "number", "outer", "reason"),
+        *("stack", "wait"),
     )
 
     def __init__(self, number: int) -> None:
@@ -173,6 +174,7 @@ class Intention:
         self.fork: Fork | None = None
         self.fork_point = 0
         self.atomic = 0
+        self.outer: Intention | None = None
 
     def __repr__(self) -> str:
         return f"<Intention {self.number}: {' '.join(str(means.trigger) for means in self.stack)}>"
@@ -217,14 +219,14 @@ class Intention:
         """Return True if `!goal` is in the stack, and bind in `u` what that takes."""
         return self._position(goal, u) is not None
 
-    def drop_goal(self, goal: Literal, u: Unifier) -> Means | None:
-        """Cut the stack off below the lowest `!goal`; return the plan for that, if any."""
+    def drop_goal(self, goals: Goals, u: Unifier) -> Means | None:
+        """Cut the stack off below the lowest of the goals; return the plan for that, if any."""
         dropped = None
-        position = self._position(goal, u)
+        position = self._highest(goals, u)
         while position is not None:
             while len(self.stack) > position:
                 dropped = self.pop()
-            position = self._position(goal, u)
+            position = self._highest(goals, u)
         while dropped is not None and len(self.stack) < self.fork_point:
             if not self._leaves_first():
                 self.stack.clear()
@@ -245,9 +247,42 @@ class Intention:
         self.fork, self.fork_point = fork.outer, fork.outer_point
         return fork
 
+    def copy(self, number: int) -> Intention:
+        """Return a copy with plans of its own, which goes on apart from this one."""
+        other = Intention(number)
+        other.stack = [means.branch() for means in self.stack]
+        other.atomic = self.atomic
+        return other
+
     def _position(self, goal: Literal, u: Unifier) -> int | None:
         for position in range(len(self.stack) - 1, -1, -1):
             means = self.stack[position]
             if means.sort == "+!" and try_unify(goal, means.literal, u):
                 return position
         return None
+
+    def _highest(self, goals: Goals, u: Unifier) -> int | None:
+        for position in range(len(self.stack) - 1, -1, -1):
+            if goals.include(self.stack[position], u):
+                return position
+        return None
+
+
+class Goals:
+    """Goals to be finished: those of the plans for which `include` holds.
+
+    Attributes:
+        include: takes a plan of an intention and bindings; returns True if its goal is one.
+        goal: the goal itself, if they are all instances of one.
+    """
+
+    def __init__(self, include: Callable[[Means, Unifier], bool]) -> None:
+        self.include = include
+        self.goal: Literal | None = None
+
+    @classmethod
+    def of(cls, goal: Literal) -> Goals:
+        """Return the goals that unify with one."""
+        goals = cls(lambda means, u: means.sort == "+!" and try_unify(goal, means.literal, u))
+        goals.goal = goal
+        return goals

@@ -1,91 +1,183 @@
-"""Messages of an agent: what it does with those it reads, and questions that await an answer."""
+"""Messages of an agent: what it does with those it reads, and questions that await an answer.
+
+One belief that it is told it believes, one goal that it is to achieve it adopts. Everything else is
+a goal, `+!kqml_received(Sender, Force, Content, Message)`, for which there are the plans of
+`messages.asl`, and before them those of the program, if it has some.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from functools import cache
+from importlib.resources import files
+
+from ..language.loading import parse
 from ..language.order import sorted_annots
-from ..language.substitution import rename, substitute
-from ..language.terms import FALSE, Literal, Term, make_list
+from ..language.program import PlanTerm, Program
+from ..language.substitution import Unifier, rename, substitute
+from ..language.terms import FALSE, FROM_SELF, Cons, Literal, Nil, RestVar, Term, Var, make_list
 from ..language.unification import unify
 from .actions import error_annots
 from .beliefs import with_source
 from .deliberation import move_on
 from .failure import fail
 from .intentions import Event, Intention
+from .plans import PROTOCOL
 from .society import Message
 from .state import AgentState
 
 
+@cache
+def protocol() -> Program:
+    """Return the plans for messages."""
+    source = files(__package__).joinpath("messages.asl").read_text(encoding="utf-8")
+    return parse(source, PROTOCOL)
+
+
 def read(agent: AgentState, message: Message) -> None:
     """Do what a message asks for."""
-    if message.force == "answer":
-        _take_answer(agent, message)
-    elif message.force in ("askOne", "askAll"):
-        _answer(agent, message)
-    elif isinstance(message.content, Literal):
-        _obey(agent, message, message.content)
-
-
-def _obey(agent: AgentState, message: Message, content: Literal) -> None:
+    if message.reply_to:
+        question = agent.questions.get(message.reply_to)
+        if question is not None:
+            question.answer(message)
+            return
+        if message.is_awaited:
+            # The answer comes after the time for it is over.
+            return
+    content = rename(message.content, agent.names, {})
     sender = "self" if message.sender == agent.name else message.sender
-    source = Literal("source", (Literal(sender),))
-    literal = rename(with_source(content, source), agent.names, {})
-    if not isinstance(literal, Literal):
+    plain = isinstance(content, Literal) and not agent.plans.has_protocol
+    if plain and message.force == "tell" and content.ground:  # type: ignore[union-attr]
+        agent.believe(nested_source(content, Literal(sender)))  # type: ignore[arg-type]
+    elif plain and message.force == "achieve":
+        goal = nested_source(content, Literal(sender))
+        agent.circumstance.post(Event("+!", with_source(goal)))  # type: ignore[arg-type]
+    else:
+        agent.learn(protocol())
+        number = Literal(f"mid{message.question}")
+        args = (Literal(sender), Literal(message.force), content, number)
+        agent.circumstance.post(Event("+!", with_source(Literal("kqml_received", args))))
+
+
+def nested_source(term: Term, sender: Term) -> Term:
+    """Return a literal with a sender as its source, in whose annotation its other sources stand.
+
+    A list is returned with each of its elements so.
+    """
+    if isinstance(term, Nil | Cons):
+        return make_list([nested_source(element, sender) for element in term])
+    if not isinstance(term, Literal):
+        return term
+    rest = [annot for annot in term.annots if isinstance(annot, RestVar)]
+    sources = tuple(annot for annot in term.annots if _is_source(annot))
+    others = tuple(a for a in term.annots if not _is_source(a) and not isinstance(a, RestVar))
+    source = Literal("source", (sender,), sources)
+    annots = (*sorted_annots((*others, source)), *rest)
+    return Literal(term.functor, term.args, annots, term.negated)
+
+
+def without_source(term: Term, source: Term | None = None) -> Term:
+    """Return a literal, a plan or a list of them without their sources, or without one of them."""
+    if isinstance(term, Nil | Cons):
+        return make_list([without_source(element, source) for element in term])
+    if isinstance(term, PlanTerm):
+        return term
+    if not isinstance(term, Literal):
+        return term
+    wanted = None if source is None else Literal("source", (source,))
+    annots = tuple(
+        annot
+        for annot in term.annots
+        if not (_is_source(annot) and (wanted is None or annot == wanted))
+    )
+    return Literal(term.functor, term.args, annots, term.negated)
+
+
+def _is_source(annot: Term) -> bool:
+    return isinstance(annot, Literal) and annot.functor == "source" and len(annot.args) == 1
+
+
+def answers(agent: AgentState, asked: Term, u: Unifier) -> Iterator[Term]:
+    """Yield what an agent answers to a question: what it believes, without itself as source."""
+    if not isinstance(asked, Literal) or asked.is_internal_action:
+        for solution in agent.logic.solutions(asked, u):
+            yield substitute(asked, solution)
         return
-    if message.force == "tell":
-        agent.believe(literal)
-    elif message.force == "untell":
-        agent.disbelieve(literal)
-    elif message.force == "achieve":
-        agent.circumstance.post(Event("+!", literal))
-    elif message.force == "unachieve":
-        for intention in list(agent.circumstance.intentions()):
-            if intention.wants(content, {}):
-                agent.circumstance.drop(intention)
-        agent.circumstance.remove_goals(content, {})
+    rest = agent.names.fresh("Annots")
+    open_ended = not any(isinstance(annot, RestVar) for annot in asked.annots)
+    annots = (*asked.annots, RestVar(rest.name, fresh=True)) if open_ended else asked.annots
+    query = Literal(asked.functor, asked.args, annots, asked.negated)
+    for solution in agent.logic.solutions(query, u):
+        found = substitute(query, solution)
+        if isinstance(found, Literal):
+            kept = tuple(annot for annot in found.annots if annot != FROM_SELF)
+            yield Literal(found.functor, found.args, kept, found.negated)
 
 
-def _answer(agent: AgentState, message: Message) -> None:
-    society = agent.society
-    if society is None or message.sender not in society.names():
-        return
-    formula = rename(message.content, agent.names, {})
-    source = Literal("source", (Literal(agent.name),))
-    answers = [_from(substitute(formula, u), source) for u in agent.logic.solutions(formula, {})]
-    content: Term = make_list(answers)
-    if message.force == "askOne":
-        content = answers[0] if answers else FALSE
-    society.deliver(message.sender, Message(agent.name, "answer", content, message.question))
+class Question:
+    """Question for whose answers an intention waits.
 
+    Args:
+        agent: state of the agent.
+        intention: the intention.
+        number: number of the question.
+        pattern: term with which the answer has to unify, or the list of answers if several are
+            asked.
+        receivers: number of agents asked, or None for one agent and no list.
+        timeout: longest time (ms), if any.
+    """
 
-def _from(term: Term, source: Literal) -> Term:
-    if isinstance(term, Literal):
-        return term.with_annots(sorted_annots((*term.annots, source)))
-    return term
+    def __init__(
+        self,
+        agent: AgentState,
+        intention: Intention,
+        number: int,
+        pattern: Term,
+        receivers: int | None,
+        timeout: int | None,
+    ) -> None:
+        self._agent = agent
+        self._intention = intention
+        self._number = number
+        self._pattern = pattern
+        self._receivers = receivers
+        self._answers: list[Term] = []
+        agent.questions[number] = self
+        agent.circumstance.suspend("ask", intention, Literal("ask", (float(number),)))
+        if timeout is not None:
+            agent.after(timeout, self._time_out)
 
+    def answer(self, message: Message) -> None:
+        """Take an answer; the intention goes on when it was the last."""
+        content = rename(message.content, self._agent.names, {})
+        sender = Literal(message.sender)
+        if message.force == "untell":
+            content = FALSE
+        elif message.force == "tellHow" or isinstance(content, Literal | Nil | Cons):
+            content = nested_source(content, sender)
+        self._answers.append(content)
+        if self._receivers is None:
+            self._end(content)
+        elif len(self._answers) == self._receivers:
+            self._end(make_list(self._answers))
 
-def await_answer(
-    agent: AgentState, intention: Intention, question: int, answer: Term, timeout: int | None
-) -> None:
-    """Suspend an intention until a question is answered, for at most `timeout` (ms)."""
+    def _time_out(self) -> None:
+        if self._number in self._agent.questions:
+            self._end(Literal("timeout") if self._receivers is None else make_list(self._answers))
 
-    def take(message: Message) -> None:
+    def _end(self, answer: Term) -> None:
+        agent, intention = self._agent, self._intention
+        del agent.questions[self._number]
         if not agent.circumstance.take_pending(intention, "ask"):
             return
         means = intention.top
-        if unify(answer, message.content, means.u):
+        if unify(self._pattern, answer, means.u):
             move_on(agent, intention, means)
         else:
-            reason = f"the answer {message.content} is not what was expected"
+            pattern = substitute(self._pattern, means.u)
+            shown = pattern if isinstance(pattern, Var) else self._pattern
+            reason = (
+                f"reply of an ask message ('{answer}') does not unify with fourth argument of"
+                f" .send ('{shown}')"
+            )
             fail(agent, intention, error_annots("ask_failed", reason))
-
-    agent.questions[question] = take
-    agent.circumstance.suspend("ask", intention, Literal("ask", (float(question),)))
-    if timeout is not None:
-        late = Message("", "answer", Literal("timeout"), question)
-        agent.after(timeout, lambda: _take_answer(agent, late))
-
-
-def _take_answer(agent: AgentState, message: Message) -> None:
-    take = agent.questions.pop(message.question, None)
-    if take is not None:
-        take(message)

@@ -4,42 +4,110 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from ..language.body import Place
 from ..language.order import sorted_annots
 from ..language.program import Plan
-from ..language.terms import FROM_SELF, TRUE, Literal, Var
+from ..language.terms import FROM_SELF, TRUE, Literal, Qualified, Var
 from .beliefs import Key, has_source
 from .bodies import Step, compile_body
 from .compiled import condition, matcher
 
+PROTOCOL = "<messages>"
+"""Name of the program that has the plans for messages."""
 
-class LoadedPlan:
-    """Plan ready to run: trigger, context and body compiled, label with a name and sources."""
+SLEEPING = frozenset({"jag_sleeping", "jag_awaking"})
+"""Events of an agent that has nothing to do, and of one that has again."""
 
-    __slots__ = ("applies", "atomic", "body", "label", "literal", "match", "plan", "sort")
 
-    def __init__(self, plan: Plan, label: Literal) -> None:
-        self.plan = plan
-        self.label = label
-        self.sort = plan.trigger.sort
-        self.literal = plan.trigger.literal
+def _is_file(place: Place) -> bool:
+    return bool(place.file) and not place.file.startswith("<") and place.file.endswith(".asl")
+
+
+class Compiled:
+    """Trigger, context and body of a plan as functions and steps; they belong to no agent."""
+
+    __slots__ = ("applies", "body", "match", "until")
+
+    def __init__(self, plan: Plan) -> None:
         self.match = matcher(plan.trigger.literal)
         self.applies = None if plan.context == TRUE else condition(plan.context)
+        self.until = None if plan.until is None else condition(plan.until)
         self.body: Step | None = compile_body(plan.body)
+
+
+def compiled(plan: Plan) -> Compiled:
+    """Return a plan compiled: once, however many agents carry it out."""
+    known = plan.__dict__.get("compiled")
+    if known is None:
+        known = plan.__dict__["compiled"] = Compiled(plan)
+    return known
+
+
+class LoadedPlan:
+    """Plan in a library: compiled, with a label that has a name and sources.
+
+    Attributes:
+        plan: the plan as written.
+        label: its label.
+        inner: the library of the plans inside it, if there are any.
+        scope: the library it is in.
+        until: check of the condition by which its goal is achieved, if it has one that may hold.
+    """
+
+    __slots__ = (
+        *("applies", "atomic", "body", "inner", "label", "literal", "match", "plan"),
+        *("scope", "sort", "until"),
+    )
+
+    def __init__(self, plan: Plan, label: Literal, scope: PlanLibrary) -> None:
+        self.plan = plan
+        self.label = label
+        self.scope = scope
+        self.sort = plan.trigger.sort
+        self.literal = plan.trigger.literal
+        made = compiled(plan)
+        self.match = made.match
+        self.applies = made.applies
+        self.body = made.body
+        self.until = made.until
         self.atomic = plan.atomic
+        self.inner: PlanLibrary | None = None
+        if plan.subplans:
+            self.inner = PlanLibrary(scope)
+            for part in plan.subplans:
+                self.inner.add(part)
 
     def __str__(self) -> str:
         return f"@{self.label.functor} {self.plan.trigger}"
 
 
-class PlanLibrary:
-    """The plans of an agent. A plan for any event, as `+!G`, is found among those of each."""
+_SORTS = ("+", "-", "+!", "-!", "+?", "-?", "^!", "^?")
 
-    def __init__(self) -> None:
+
+class PlanLibrary:
+    """The plans of an agent, or of a plan. One for any event, `+!G`, is found among those of each.
+
+    Args:
+        outer: the library around it, in which events are looked for that have no plan here.
+
+    Attributes:
+        has_inner: True if plans have plans inside.
+        has_states: True if there are plans for the states of goals, `^!g`.
+        has_sleep: True if there are plans for `jag_sleeping` or `jag_awaking`.
+        has_protocol: True if the program has plans of its own for messages.
+        has_inner_updates: True if plans have plans inside for changes of beliefs.
+    """
+
+    def __init__(self, outer: PlanLibrary | None = None) -> None:
+        self.outer = outer
+        self.has_inner = False
+        self.has_states = False
+        self.has_sleep = False
+        self.has_protocol = False
+        self.has_inner_updates = False
         self._plans: list[LoadedPlan] = []
-        self._by_trigger: dict[str, dict[Key, list[LoadedPlan]]] = {
-            sort: {} for sort in ("+", "-", "+!", "-!", "+?", "-?")
-        }
-        self._for_any: dict[str, list[LoadedPlan]] = {sort: [] for sort in self._by_trigger}
+        self._by_trigger: dict[str, dict[Key, list[LoadedPlan]]] = {sort: {} for sort in _SORTS}
+        self._for_any: dict[str, list[LoadedPlan]] = {sort: [] for sort in _SORTS}
         self._by_label: dict[str, LoadedPlan] = {}
         self._made_labels = 0
 
@@ -61,13 +129,37 @@ class PlanLibrary:
                 return known
         label = plan.label or Literal("")
         if not label.functor:
-            label = Literal(self._new_label(), (), label.annots)
+            label = Literal(self._new_label(), label.args, label.annots)
         if label.functor in self._by_label:
             raise ValueError(f"there is already a plan with the label @{label.functor}")
-        loaded = LoadedPlan(plan, label.with_annots(sorted_annots((*label.annots, source))))
+        own = (
+            (source,) if not _is_file(plan.place) else (source, Literal("url", (plan.place.name,)))
+        )
+        annots = sorted_annots((*label.annots, *own))
+        labelled = Literal(label.functor, label.args, annots)
+        loaded = LoadedPlan(plan, labelled, self)
         self._by_label[label.functor] = loaded
+        self._take_notes(loaded)
         self._file(loaded, first)
         return loaded
+
+    def _take_notes(self, loaded: LoadedPlan) -> None:
+        self.has_states = self.has_states or loaded.sort[0] == "^"
+        if isinstance(loaded.literal, Literal) and loaded.literal.functor in SLEEPING:
+            self.has_sleep = True
+        if isinstance(loaded.literal, Literal) and loaded.literal.functor == "kqml_received":
+            self.has_protocol = self.has_protocol or loaded.plan.place.file != PROTOCOL
+        updates = self.outer is not None and len(loaded.sort) == 1
+        library: PlanLibrary | None = self
+        while library is not None:
+            library.has_inner = library.has_inner or loaded.inner is not None
+            library.has_states = library.has_states or self.has_states
+            library.has_inner_updates = library.has_inner_updates or updates
+            library = library.outer
+
+    def get(self, label: str) -> LoadedPlan | None:
+        """Return the plan with a label, if there is one."""
+        return self._by_label.get(label)
 
     def _new_label(self) -> str:
         while True:
@@ -79,7 +171,7 @@ class PlanLibrary:
     def _file(self, plan: LoadedPlan, first: bool) -> None:
         self._plans.insert(0 if first else len(self._plans), plan)
         filed = self._by_trigger[plan.sort]
-        if isinstance(plan.literal, Var):
+        if not isinstance(plan.literal, Literal):
             catch_all = self._for_any[plan.sort]
             catch_all.insert(0 if first else len(catch_all), plan)
             for plans in filed.values():
@@ -110,9 +202,9 @@ class PlanLibrary:
             if not filed[key]:
                 del filed[key]
 
-    def candidates(self, sort: str, literal: Literal | Var) -> list[LoadedPlan]:
+    def candidates(self, sort: str, literal: Literal | Var | Qualified) -> list[LoadedPlan]:
         """Return the plans whose trigger has the sort and key of an event, in order."""
-        if isinstance(literal, Var):
+        if not isinstance(literal, Literal):
             return [plan for plan in self._plans if plan.sort == sort]
         plans = self._by_trigger[sort].get(literal.key)
         return self._for_any[sort] if plans is None else plans

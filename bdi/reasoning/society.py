@@ -17,15 +17,20 @@ class Message:
 
     Attributes:
         sender: name of the agent that sends it.
-        force: its illocutionary force: tell, untell, achieve, unachieve, askOne, askAll, or answer.
+        force: its illocutionary force: tell, untell, achieve, unachieve, askOne, askAll, tellHow,
+            untellHow, askHow, signal, or one that plans of the receiver know.
         content: literal, formula or answer.
-        question: number that an ask and its answer share, else 0.
+        question: its number, 0 if it has none.
+        reply_to: number of the question that it answers, else 0.
+        is_awaited: True if the one who asks waits for the answer.
     """
 
     sender: str
     force: str
     content: Term
     question: int = 0
+    reply_to: int = 0
+    is_awaited: bool = False
 
 
 class Member(Protocol):
@@ -52,6 +57,45 @@ class Member(Protocol):
         """Take a message, to be read in a later cycle."""
 
 
+class Directory:
+    """Services that agents of a society offer, and those who want to know of them."""
+
+    def __init__(self) -> None:
+        self._offers: dict[tuple[str, str], list[str]] = {}
+        self._wanted: dict[tuple[str, str], list[str]] = {}
+
+    def register(self, agent: str, service: str, kind: str) -> list[str]:
+        """Note that an agent offers a service; return those who want to know of it."""
+        offers = self._offers.setdefault((service, kind), [])
+        if agent in offers:
+            return []
+        offers.append(agent)
+        return list(self._wanted.get((service, kind), ()))
+
+    def deregister(self, agent: str, service: str, kind: str) -> None:
+        """Forget that an agent offers a service."""
+        offers = self._offers.get((service, kind), [])
+        if agent in offers:
+            offers.remove(agent)
+
+    def search(self, service: str, kind: str) -> list[str]:
+        """Return the agents that offer a service, in the order in which they registered."""
+        return list(self._offers.get((service, kind), ()))
+
+    def subscribe(self, agent: str, service: str, kind: str) -> list[str]:
+        """Note that an agent wants to know of a service; return those who offer it already."""
+        wanted = self._wanted.setdefault((service, kind), [])
+        if agent not in wanted:
+            wanted.append(agent)
+        return self.search(service, kind)
+
+    def leave(self, agent: str) -> None:
+        """Forget an agent."""
+        for entries in (*self._offers.values(), *self._wanted.values()):
+            if agent in entries:
+                entries.remove(agent)
+
+
 class Society:
     """The agents of a run by name, between which messages are carried.
 
@@ -62,6 +106,9 @@ class Society:
     def __init__(self) -> None:
         self._members: dict[str, Member] = {}
         self._numbers = count(1)
+        #: Numbers of the questions whose answers are waited for.
+        self.awaited: set[int] = set()
+        self.directory = Directory()
 
     def __iter__(self) -> Iterator[Member]:
         return iter(self._members.values())
@@ -82,6 +129,7 @@ class Society:
     def leave(self, name: str) -> None:
         """Remove the agent of that name, if there is one: another may take the name."""
         self._members.pop(name, None)
+        self.directory.leave(name)
 
     def names(self) -> list[str]:
         """Return the names of all agents, in the order in which they joined."""

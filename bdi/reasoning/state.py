@@ -8,16 +8,17 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from itertools import count
 from random import Random
-from typing import TypeAlias
+from typing import Protocol, TypeAlias
 
 from ..errors import ProgramError, TooDeepError
-from ..language.program import Belief, Program, Rule, with_run_functions
+from ..language.program import Belief, Plan, Program, Rule, with_run_functions
 from ..language.substitution import Names, Unifier, rename, substitute_literal
 from ..language.terms import TRUE, Literal
 from .actions import InternalAction, check_actions
 from .alarms import Alarm, Alarms
 from .beliefs import BeliefBase, LiveBeliefs, with_source
 from .circumstance import Circumstance, PendingAction
+from .goal_states import GoalStates
 from .history import Entry
 from .intentions import Event, Intention
 from .logic import Answer, Logic
@@ -29,6 +30,14 @@ MILLISECOND = 1_000_000
 SECOND = 1_000_000_000
 
 _LOG = logging.getLogger("bdi")
+
+
+class Question(Protocol):
+    """Question whose answer an intention waits for."""
+
+    def answer(self, message: Message) -> None:
+        """Take an answer."""
+
 
 Query: TypeAlias = "Callable[[AgentState, Literal, Unifier], Answer]"
 
@@ -58,8 +67,10 @@ class AgentState:
         names: source of fresh variables.
         percepts: what it perceives.
         mailbox: messages it has not read.
-        questions: by number of the question, the function that takes the answer.
-        society: the agents it can send messages to, if any.
+        questions: by its number, the question whose answer is waited for.
+        society: the agents it can send messages to; itself alone if it belongs to no other.
+        functions: its arithmetic functions that belong to the run, by name.
+        sleeps: True if it has nothing to do and its plans for that have been called.
         alarms: tasks for later times.
         tasks: tasks for the beginning of the next cycle.
         random: its random numbers.
@@ -83,6 +94,7 @@ class AgentState:
         print: Callable[[str], None] | None,
         on_event: Callable[[Entry], None] | None,
         society: Society | None,
+        functions: Mapping[str, Callable[..., float]] | None,
         max_goals: int,
         max_depth: int,
         max_intentions: int,
@@ -97,8 +109,9 @@ class AgentState:
         self.logic = Logic(self.beliefs, self.names, lambda a, u: query(self, a, u), max_goals)
         self.percepts = Percepts()
         self.mailbox: deque[Message] = deque()
-        self.questions: dict[int, Callable[[Message], None]] = {}
+        self.questions: dict[int, Question] = {}
         self.society = society
+        self.sleeps = False
         self.alarms = Alarms()
         self.tasks: deque[Callable[[], None]] = deque()
         self.random = Random(seed)
@@ -110,6 +123,13 @@ class AgentState:
         self._max_intentions = max_intentions
         self._print = print
         self._on_event = on_event
+        self._known: set[str] = set()
+        self.functions: dict[str, Callable[..., float]] = {
+            "math.random": lambda limit=1.0: self.random.random() * limit,
+            "system.time": lambda: float(self.clock // MILLISECOND),
+            ".count": lambda formula, u: float(sum(1 for _ in self.logic.solutions(formula, u))),
+            **(functions or {}),
+        }
         self._intention_numbers = count(1)
         self._action_numbers = count(1)
         if on_event is not None:
@@ -123,25 +143,44 @@ class AgentState:
         Raises:
             ProgramError: it uses internal actions that do not exist, or a label that is taken.
         """
-        check_actions(program, self.actions)
-        program = with_run_functions(
-            program,
-            {
-                "math.random": lambda limit=1.0: self.random.random() * limit,
-                "system.time": lambda: float(self.clock // MILLISECOND),
-            },
-        )
+        check_actions(program, {**self.actions, **self.functions})
+        program = with_run_functions(program, self.functions)
         for plan in program.plans:
             try:
                 self.plans.add(plan)
             except ValueError as error:
                 raise ProgramError([plan.place.problem(str(error))]) from None
+        self.note_plans()
         # Each belief goes to the front, so that the first of them stands first in the end.
         for clause in reversed(program.beliefs):
             self._add_initial(clause)
         for goal in program.goals:
             literal = rename(with_source(goal.goal), self.names, {})
             self.circumstance.post(Event("+!", literal))  # type: ignore[arg-type]
+
+    def add_plan(self, plan: Plan, source: Literal, *, first: bool = False) -> None:
+        """Add one plan while the agent runs.
+
+        Raises:
+            ProgramError: it uses internal actions that do not exist.
+            ValueError: another plan has its label.
+        """
+        whole = Program(self.program.source, plans=(plan,))
+        check_actions(whole, {**self.actions, **self.functions})
+        (bound,) = with_run_functions(whole, self.functions).plans
+        self.plans.add(bound, source, first=first)
+        self.note_plans()
+
+    def learn(self, program: Program) -> None:
+        """Add the plans of a program that the agent needs, once."""
+        if program.source not in self._known:
+            self._known.add(program.source)
+            self.add_program(program)
+
+    def note_plans(self) -> None:
+        """Take notice of the kinds of plans there are now."""
+        if self.plans.has_states and self.circumstance.states is None:
+            self.circumstance.states = GoalStates(self.circumstance, self.plans)
 
     def _add_initial(self, clause: Belief | Rule) -> None:
         if isinstance(clause, Rule):
@@ -155,9 +194,9 @@ class AgentState:
 
     # ---- beliefs
 
-    def believe(self, literal: Literal) -> None:
+    def believe(self, literal: Literal, *, at_end: bool = False) -> None:
         """Add a belief, with source `self` if it names none, and raise its event."""
-        added = self.beliefs.add(with_source(literal))
+        added = self.beliefs.add(with_source(literal), at_end=at_end)
         if added is not None:
             self.circumstance.post(Event("+", added))
 
@@ -166,6 +205,12 @@ class AgentState:
         removed = self.beliefs.remove(with_source(literal), {})
         if removed is not None:
             self.circumstance.post(Event("-", removed))
+
+    def abolish(self, literal: Literal) -> None:
+        """Remove a belief from whatever sources; its event has no annotations."""
+        removed = self.beliefs.remove(literal, {})
+        if removed is not None:
+            self.circumstance.post(Event("-", removed.without_annots()))
 
     def changed(self, sort: str, literal: Literal, intention: Intention | None) -> bool:
         """Raise the event of a change of belief; return False if the intention can just continue.

@@ -19,34 +19,6 @@ REFERENCE = sorted(path.stem for path in (SHARED / "agentspeak" / "programs").gl
 FAILING = "jump"
 
 
-# Programs of Jason's that print something else here yet; one that is mended must leave this list.
-NOT_YET = frozenset(
-    [
-        "c09_at",
-        "c23_print",
-        "c24_strings",
-        "c36_source_print",
-        "c41_add_annot",
-        "c43_belief_ia",
-        "c45_gc",
-        "c48_at_ms",
-        "c52_msg_self",
-        "d02_hard_deadline",
-        "d04_relevant_plans",
-        "d12_send_forces",
-        "d17_fork_goal_fail",
-        "d22_structures2",
-        "d25_type_checks",
-        "e01_tell_list",
-        "e03_substring_pos",
-        "e06_max_min_terms",
-        "e11_negated_event",
-        "e19_error_messages",
-        "e21_annot_tails",
-    ]
-)
-
-
 def run_out(program, limit=1000, actions=False):
     """The lines that a program prints, among them its external `actions` if they are wanted."""
     lines = []
@@ -72,13 +44,30 @@ def test_own_programs(path):
 
 
 @pytest.mark.parametrize("name", REFERENCE or ["none"])
-def test_reference_programs(name, shared_data, request):
-    if name in NOT_YET:
-        request.applymarker(pytest.mark.xfail(strict=True, reason="not as in Jason yet"))
+def test_reference_programs(name, shared_data):
     path = shared_data / "agentspeak" / "programs" / f"{name}.asl"
     expected = path.with_suffix(".out").read_text(encoding="utf-8").splitlines()
     actions = any(line.startswith("action ") for line in expected)
     assert run_out(bdi.parse_file(path), actions=actions) == expected
+
+
+def test_reference_societies(shared_data):
+    folder = shared_data / "agentspeak" / "societies"
+    outputs = sorted(folder.glob("*.out"))
+    assert outputs
+    for output in outputs:
+        lines, society = [], bdi.Society()
+        for path in sorted(folder.glob(f"{output.stem}-*.asl")):
+            name = path.stem.partition("-")[2]
+
+            def say(line, name=name, lines=lines):
+                lines.append(f"{name}: {line}")
+
+            bdi.Agent(bdi.parse_file(path), name=name, society=society, print=say)
+        society.advance(20.0)
+        expected = output.read_text(encoding="utf-8").splitlines()
+        # Their lines come in no order, those of each agent do.
+        assert sorted(lines, key=lambda line: line.split(":")[0]) == expected, output.name
 
 
 def replay(folder, trace):

@@ -11,7 +11,7 @@
      [H, H2|Rest] = [1, 2, 3, 4]; .print(H, H2, " ", Rest);
      if (f(X, X) = f(1, Y)) { .print("Y=", Y) };
      if (1 == 1.0 & a \== b & not a == "a") { .print("equal and not") };
-     if (10 < "1" & "z" < [] & [] < a & a < f(a) & f(b) < ~a) { .print("in order") };
+     if (10 < "1" & "z" < [] & [] < a & a < f(a) & f(b) < ~f(a)) { .print("in order") };
      .print(Free, " ", q(Free));
      .print(not a & b | c, " ", X > 3, " ", {+!g(1)});
      .term2string(Back, "[f(1), \"s\"]"); .print(Back);

@@ -1,0 +1,197 @@
+"""Actions on maps, sets and queues."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from typing import TypeVar
+
+from ..language.containers import Container, MapTerm, QueueTerm, SetTerm
+from ..language.substitution import Unifier
+from ..language.terms import Cons, Literal, Nil, Term, Var, make_list, text
+from ..reasoning.actions import InternalAction
+from ..reasoning.calls import Call
+from .arguments import wrong
+
+_C = TypeVar("_C", bound=Container)
+
+
+def _given(kind: type[_C], name: str, term: Term) -> _C:
+    if isinstance(term, kind):
+        return term
+    raise wrong(name, f"first argument must be a {kind.kind} and not '{text(term)}'.")
+
+
+def _elements(name: str, term: Term) -> list[Term]:
+    if isinstance(term, Nil | Cons | Container):
+        return list(term)
+    raise wrong(name, f"'{text(term)}' is neither a list nor a set nor a queue.")
+
+
+def _on(kind: type[Container], name: str, change: Callable[..., object]) -> Callable[..., object]:
+    """Return the action that changes a container; an unbound variable becomes a new one."""
+
+    def act(call: Call, target: Term, *others: Term) -> object:
+        if not isinstance(target, Var):
+            return change(call, _given(kind, name, target), *others)
+        made = kind()
+        bound = call.unify(target, made)
+        if bound is None:
+            return False
+        outcome = change(Call(call.agent, bound, call.intention), made, *others)
+        return bound if outcome is True else outcome
+
+    return act
+
+
+def _create(kind: type[Container]) -> Callable[..., object]:
+    def create(call: Call, target: Term, *more: Term) -> object:
+        made = kind()
+        if isinstance(made, SetTerm) and more:
+            made.items.update(_elements("set.create", more[0]))
+        elif isinstance(made, QueueTerm) and more:
+            made.priority = more[0] == Literal("priority")
+        return call.unify(target, made)
+
+    return create
+
+
+def _clear(call: Call, container: MapTerm | SetTerm | QueueTerm) -> bool:
+    container.items.clear()
+    return True
+
+
+def _copy(call: Call, container: Container, result: Term) -> object:
+    made: Container
+    if isinstance(container, MapTerm):
+        made = MapTerm(container.items.items())
+    elif isinstance(container, QueueTerm):
+        made = QueueTerm(container, priority=container.priority)
+    else:
+        made = SetTerm(container)
+    return call.unify(result, made)
+
+
+def _to_list(call: Call, container: Container, result: Term) -> object:
+    return call.unify(make_list(container), result)
+
+
+# ---- maps
+
+
+def put(call: Call, container: MapTerm, key: Term, value: Term) -> bool:
+    container.items[key] = value
+    return True
+
+
+def get(call: Call, container: MapTerm, key: Term, value: Term, *default: Term) -> object:
+    found = container.items.get(key, default[0] if default else None)
+    return False if found is None else call.unify(value, found)
+
+
+def remove_key(call: Call, container: MapTerm, key: Term, *value: Term) -> object:
+    found = container.items.pop(key, None)
+    if found is None:
+        return False
+    return call.unify(value[0], found) if value else True
+
+
+def keys(call: Call, container: MapTerm, key: Term) -> Iterator[Unifier]:
+    return call.each(key, list(container))
+
+
+def values(call: Call, container: MapTerm, value: Term) -> Iterator[Unifier]:
+    return call.each(value, [container.items[key] for key in container])
+
+
+# ---- sets
+
+
+def add(call: Call, container: SetTerm | QueueTerm, element: Term) -> bool:
+    container.items.add(element) if isinstance(container, SetTerm) else container.add(element)
+    return True
+
+
+def add_all(call: Call, container: SetTerm | QueueTerm, elements: Term) -> bool:
+    for element in _elements("add_all", elements):
+        add(call, container, element)
+    return True
+
+
+def remove(call: Call, container: SetTerm, element: Term) -> bool:
+    if element not in container.items:
+        return False
+    container.items.remove(element)
+    return True
+
+
+def intersection(call: Call, container: SetTerm, others: Term) -> bool:
+    container.items.intersection_update(_elements("set.intersection", others))
+    return True
+
+
+def difference(call: Call, container: SetTerm, others: Term) -> bool:
+    container.items.difference_update(_elements("set.difference", others))
+    return True
+
+
+# ---- queues
+
+
+def head(call: Call, container: QueueTerm, element: Term) -> object:
+    return call.unify(element, container.items[0]) if container.items else False
+
+
+def take(call: Call, container: QueueTerm, element: Term) -> object:
+    return call.unify(element, container.items.pop(0)) if container.items else False
+
+
+def _actions(
+    kind: type[Container], own: Mapping[str, tuple[Callable[..., object], int, int]]
+) -> dict[str, InternalAction]:
+    name = kind.kind
+    common: dict[str, tuple[Callable[..., object], int, int]] = {
+        "clear": (_clear, 1, 1),
+        "copy": (_copy, 2, 2),
+        "to_list": (_to_list, 2, 2),
+    }
+    return {
+        f".{name}.create": InternalAction(_create(kind), 1, 2),
+        **{
+            f".{name}.{action}": InternalAction(_on(kind, f"{name}.{action}", change), least, most)
+            for action, (change, least, most) in {**common, **own}.items()
+        },
+    }
+
+
+ACTIONS: Mapping[str, InternalAction] = {
+    **_actions(
+        MapTerm,
+        {
+            "put": (put, 3, 3),
+            "get": (get, 3, 4),
+            "remove": (remove_key, 2, 3),
+            "key": (keys, 2, 2),
+            "value": (values, 2, 2),
+        },
+    ),
+    **_actions(
+        SetTerm,
+        {
+            "add": (add, 2, 2),
+            "add_all": (add_all, 2, 2),
+            "remove": (remove, 2, 2),
+            "union": (add_all, 2, 2),
+            "intersection": (intersection, 2, 2),
+            "difference": (difference, 2, 2),
+        },
+    ),
+    **_actions(
+        QueueTerm,
+        {
+            "add": (add, 2, 2),
+            "add_all": (add_all, 2, 2),
+            "head": (head, 2, 2),
+            "remove": (take, 2, 2),
+        },
+    ),
+}

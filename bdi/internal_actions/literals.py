@@ -1,0 +1,63 @@
+"""Actions on literals and formulas as terms."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from ..language.order import sorted_annots
+from ..language.substitution import rename
+from ..language.terms import FALSE, TRUE, Cons, Literal, Nil, Term, make_list, namespace_of
+from ..reasoning.actions import InternalAction
+from ..reasoning.calls import Call
+from ..reasoning.mail import nested_source, without_source
+
+
+def _annotated(term: Term, annot: Term) -> Term:
+    if isinstance(term, Nil | Cons):
+        return make_list([_annotated(element, annot) for element in term])
+    if not isinstance(term, Literal):
+        return term
+    annots = sorted_annots((*term.annots, annot))
+    return Literal(term.functor, term.args, annots, term.negated)
+
+
+def add_annot(call: Call, term: Term, annot: Term, result: Term) -> object:
+    return call.unify(result, _annotated(term, annot))
+
+
+def add_nested_source(call: Call, term: Term, source: Term, result: Term) -> object:
+    return call.unify(nested_source(term, source), result)
+
+
+def remove_source_annot(call: Call, term: Term, result: Term, *source: Term) -> object:
+    return call.unify(without_source(term, *source), result)
+
+
+def evaluate(call: Call, result: Term, formula: Term) -> object:
+    solution = call.agent.logic.first(formula, call.unifier)
+    return call.unify(result, FALSE if solution is None else TRUE)
+
+
+def copy_term(call: Call, term: Term, copy: Term) -> object:
+    """Unify with a copy of a term whose variables are new."""
+    return call.unify(rename(term, call.agent.names, {}), copy)
+
+
+def namespace(call: Call, name: Term) -> object:
+    """Yield the namespaces of the beliefs and plans there are."""
+    agent = call.agent
+    functors = [belief.functor for belief in agent.beliefs]
+    functors += [p.literal.functor for p in agent.plans if isinstance(p.literal, Literal)]
+    names = dict.fromkeys(("default", *map(namespace_of, functors)))
+    return call.each(name, map(Literal, names))
+
+
+ACTIONS: Mapping[str, InternalAction] = {
+    ".add_annot": InternalAction(add_annot, 3, 3),
+    ".add_nested_source": InternalAction(add_nested_source, 3, 3),
+    ".remove_source_annot": InternalAction(remove_source_annot, 2, 3),
+    ".eval": InternalAction(evaluate, 2, 2),
+    ".copy_term": InternalAction(copy_term, 2, 2),
+    ".rename_apart": InternalAction(copy_term, 2, 2),
+    ".namespace": InternalAction(namespace, 1, 1),
+}

@@ -1,0 +1,54 @@
+"""States of goals: the events `^!g[state(S)[reason(R)]]` for plans that watch over other goals."""
+
+from __future__ import annotations
+
+from ..language.order import sorted_annots
+from ..language.terms import Literal, Term
+from .circumstance import Circumstance
+from .intentions import Event, Intention
+from .plans import PlanLibrary
+
+
+class GoalStates:
+    """Raises an event when a goal comes into another state: at the beginning of the next cycle.
+
+    The states are pending, executing, waiting, suspended, resumed, failed, achieved, dropped and
+    finished. An event comes before all others, and only if there is a plan for it.
+    """
+
+    def __init__(self, circumstance: Circumstance, plans: PlanLibrary) -> None:
+        self._circumstance = circumstance
+        self._plans = plans
+        self._changes: list[Event] = []
+
+    @property
+    def has_changes(self) -> bool:
+        """True if goals have changed since the last cycle."""
+        return bool(self._changes)
+
+    def note(self, state: str, sort: str, goal: Literal, reason: Term | None = None) -> None:
+        """Note that a goal is in another state; `sort` is that of its event, `+!` or `+?`."""
+        why = Literal("reason", ("" if reason is None else reason,))
+        annot = Literal("state", (Literal(state),), (why,))
+        annots = sorted_annots((*goal.annots, annot))
+        literal = Literal(goal.functor, goal.args, annots, goal.negated)
+        self._changes.append(Event("^" + sort[1:], literal))
+
+    def note_top(self, state: str, intention: Intention, reason: Term | None = None) -> None:
+        """Note the state of the goal for which an intention carries out a plan."""
+        if intention.stack and intention.top.sort == "+!":
+            self.note(state, "+!", intention.top.literal, reason)
+
+    def note_all(self, state: str, intention: Intention) -> None:
+        """Note that all goals of an intention have come to an end."""
+        for means in intention.downwards():
+            if means.sort == "+!":
+                self.note(state, "+!", means.literal)
+                self.note("finished", "+!", means.literal)
+
+    def post(self) -> None:
+        """Post the events of the goals that have changed."""
+        changes, self._changes = self._changes, []
+        for event in changes:
+            if self._plans.candidates(event.sort, event.literal):
+                self._circumstance.post_state(event)
