@@ -172,6 +172,7 @@ def _done_for(call: Call, whole: Intention, goals: Goals) -> object:
         if outcome == 1 and whole.stack:
             circumstance.add_running(whole)
     if call.intention is not None:
+        call.intention.stack.clear()
         circumstance.forget(call.intention)
     return WAITING
 

@@ -267,7 +267,9 @@ class Builder(Transformer_NonRecursive[Token, Any]):
         return Function(str(sign), (operand,))
 
     def _numeric(self, meta: Meta, operator: str, operand: Term) -> None:
-        if not isinstance(operand, float | Var | Arithmetic | Function):
+        # A function of the agent's own is a literal with a dot until the agent is known.
+        is_own = isinstance(operand, Literal) and operand.is_internal_action
+        if not is_own and not isinstance(operand, float | Var | Arithmetic | Function):
             raise RefusedError(
                 meta,
                 f"'{operator}' takes numbers and variables, and {text(operand)} is neither",

@@ -8,9 +8,21 @@ from difflib import get_close_matches
 from typing import Any, TypeAlias
 
 from ..errors import Problem, ProgramError
-from ..language.body import Act, Body, BodyTerm, For, Fork, If, Place, Test, While
-from ..language.program import PlanTerm, Program, Rule
-from ..language.terms import And, Cons, Literal, Not, Or, Term
+from ..language.body import (
+    Act,
+    Body,
+    BodyTerm,
+    Constraint,
+    For,
+    Fork,
+    If,
+    Place,
+    Test,
+    While,
+)
+from ..language.program import Plan, PlanTerm, Program, Rule
+from ..language.terms import And, Arithmetic, Cons, Literal, Not, Or, Relation, Term
+from ..language.terms import Function as Function_
 
 #: Takes a `Call` and the arguments; returns True, False, None, a unifier, or an iterator of them.
 Function: TypeAlias = "Callable[..., Any]"
@@ -161,10 +173,17 @@ def _calls(program: Program) -> Iterator[tuple[Place, Literal, bool]]:
     """Yield each call with its place, and True if it stands in a context or query."""
     for clause in program.beliefs:
         if isinstance(clause, Rule):
-            yield from ((clause.place, call, True) for call in _in_formula(clause.body))
+            yield from ((clause.place, call, c) for call, c in _in_formula(clause.body))
     for plan in program.plans:
-        yield from ((plan.place, call, True) for call in _in_formula(plan.context))
-        yield from _in_body(plan.body)
+        yield from _in_plan(plan)
+
+
+def _in_plan(plan: Plan) -> Iterator[tuple[Place, Literal, bool]]:
+    for formula in (plan.context, *(() if plan.until is None else (plan.until,))):
+        yield from ((plan.place, call, within) for call, within in _in_formula(formula))
+    yield from _in_body(plan.body)
+    for inner in plan.subplans:
+        yield from _in_plan(inner)
 
 
 def _in_body(body: Body) -> Iterator[tuple[Place, Literal, bool]]:
@@ -177,6 +196,8 @@ def _in_body(body: Body) -> Iterator[tuple[Place, Literal, bool]]:
                 formulas = step.action.args
         elif isinstance(step, Test):
             formulas = (step.formula,)
+        elif isinstance(step, Constraint):
+            formulas = (step.relation,)
         elif isinstance(step, If):
             formulas, bodies = (step.condition,), (step.then, step.otherwise)
         elif isinstance(step, While):
@@ -186,22 +207,29 @@ def _in_body(body: Body) -> Iterator[tuple[Place, Literal, bool]]:
         elif isinstance(step, Fork):
             bodies = step.branches
         for formula in formulas:
-            yield from ((step.place, call, True) for call in _in_formula(formula))
+            yield from ((step.place, call, within) for call, within in _in_formula(formula))
         for inner in bodies:
             yield from _in_body(inner)
 
 
-def _in_formula(formula: Term) -> Iterator[Literal]:
+def _in_formula(formula: Term) -> Iterator[tuple[Literal, bool]]:
+    """Yield each call in a formula, and True for those that are not in a body in braces."""
     pending = [formula]
     while pending:
         part = pending.pop()
         if isinstance(part, Literal) and part.is_internal_action:
-            yield part
+            yield part, True
             pending.extend(part.args)
         elif isinstance(part, And | Or | Not):
             pending.extend(reversed(part.operands))
+        elif isinstance(part, Relation):
+            kinds = Cons | PlanTerm | BodyTerm | Arithmetic | Function_
+            pending.extend(e for e in part.operands if isinstance(e, kinds))
+        elif isinstance(part, Arithmetic | Function_):
+            pending.extend(part.operands)
         elif isinstance(part, Cons):
-            pending.extend(e for e in part if isinstance(e, PlanTerm))
-        elif isinstance(part, PlanTerm | BodyTerm):
-            body = part.plan.body if isinstance(part, PlanTerm) else part.body
-            yield from (call for _, call, _ in _in_body(body))
+            pending.extend(e for e in part if isinstance(e, PlanTerm | BodyTerm))
+        elif isinstance(part, PlanTerm):
+            yield from ((call, within) for _, call, within in _in_plan(part.plan))
+        elif isinstance(part, BodyTerm):
+            yield from ((call, within) for _, call, within in _in_body(part.body))

@@ -31,8 +31,8 @@ class States(Protocol):
     def note_top(self, state: str, intention: Intention, reason: Term | None = None) -> None:
         """Note the state of the goal for which an intention carries out a plan."""
 
-    def note_all(self, state: str, intention: Intention) -> None:
-        """Note that all goals of an intention have come to an end."""
+    def note_all(self, state: str, intention: Intention, *, but: Literal | None = None) -> None:
+        """Note that all goals of an intention have ended, but one that is noted already."""
 
     def post(self) -> None:
         """Post the events of the goals that have changed."""

@@ -146,7 +146,7 @@ def _note_failure(
         return
     states.note("finished", sort, goal)
     if intention is not None:
-        states.note_all("failed", intention)
+        states.note_all("failed", intention, but=goal)
 
 
 def end(agent: AgentState, intention: Intention) -> None:

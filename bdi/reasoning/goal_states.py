@@ -39,10 +39,10 @@ class GoalStates:
         if intention.stack and intention.top.sort == "+!":
             self.note(state, "+!", intention.top.literal, reason)
 
-    def note_all(self, state: str, intention: Intention) -> None:
-        """Note that all goals of an intention have come to an end."""
+    def note_all(self, state: str, intention: Intention, *, but: Literal | None = None) -> None:
+        """Note that all goals of an intention have ended, but one that is noted already."""
         for means in intention.downwards():
-            if means.sort == "+!":
+            if means.sort == "+!" and means.literal is not but:
                 self.note(state, "+!", means.literal)
                 self.note("finished", "+!", means.literal)
 

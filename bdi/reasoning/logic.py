@@ -15,8 +15,9 @@ from types import MappingProxyType
 from typing import TypeAlias
 
 from ..errors import TooDeepError
-from ..language.order import compare
-from ..language.program import Rule
+from ..language.body import Act, BodyTerm
+from ..language.order import compare, sorted_annots
+from ..language.program import Plan, PlanTerm, Rule, Trigger
 from ..language.substitution import (
     Names,
     Unifier,
@@ -33,11 +34,15 @@ from ..language.terms import (
     Nil,
     Not,
     Or,
+    Qualified,
     Relation,
     RestVar,
     Term,
+    TriggerTerm,
     Var,
     make_list,
+    namespace_of,
+    placed,
 )
 from ..language.terms import Cons as ListCell
 from ..language.unification import matched, unified, unify
@@ -203,9 +208,9 @@ class Logic:
             elif isinstance(goal, _Commit):
                 del choices[goal.height :]
                 return None
-            elif isinstance(goal, Var):
+            elif isinstance(goal, Var | Qualified):
                 value = substitute(goal, u)
-                if isinstance(value, Var):
+                if isinstance(value, Var | Qualified):
                     choices.append(self._any(value, u, goals))
                     return None
                 goals = (value, goals)
@@ -281,13 +286,21 @@ class Logic:
             if solution is not None:
                 yield solution
 
-    def _any(self, pattern: Var, u: Unifier, goals: Goals) -> Iterator[State]:
-        """Yield a state for each belief there is."""
+    def _any(self, pattern: Var | Qualified, u: Unifier, goals: Goals) -> Iterator[State]:
+        """Yield a state for each belief there is, and for each rule that a namespace may have."""
+        inner = pattern.operands[1] if isinstance(pattern, Qualified) else pattern
         for clause in self.beliefs.all_clauses():
             if isinstance(clause, Literal):
                 solution = unified(pattern, clause, u)
                 if solution is not None:
                     yield solution, goals
+            elif isinstance(inner, Literal) and clause.head.key[1:] == inner.key[1:]:
+                # The namespace is that of the rule: its body is proved as for a query there.
+                assert isinstance(pattern, Qualified)  # only such have a literal inside
+                space = namespace_of(clause.head.functor)
+                solution = unified(pattern.operands[0], Literal(space), u)
+                if solution is not None and placed(inner, space).key == clause.head.key:
+                    yield solution, (placed(inner, space), goals)
 
     def _return(self, end: _Return, scope: Unifier) -> Unifier:
         if not end.asked:
@@ -328,10 +341,13 @@ def take_apart(left: Term, right: Term, u: Unifier) -> Unifier | None:
 
     The namespace `default` may be left out.
     """
+    if isinstance(left, PlanTerm):
+        return unified(make_list(left.plan.parts), right, u)
     if isinstance(left, Literal):
+        space, _, functor = left.functor.rpartition("::")
         parts: list[Term] = [
-            NAMESPACE,
-            Literal(left.functor, negated=left.negated),
+            Literal(space) if space else NAMESPACE,
+            Literal(functor, negated=left.negated),
             make_list(left.args),
             make_list(left.annots),
         ]
@@ -344,11 +360,18 @@ def take_apart(left: Term, right: Term, u: Unifier) -> Unifier | None:
     return None
 
 
-def put_together(parts: ListCell) -> Literal | None:
-    """Return the literal that a list like [foo, [1, 2], [annotation]] describes, or None."""
+def put_together(parts: ListCell) -> Literal | PlanTerm | None:
+    """Return the literal that a list like [foo, [1, 2], [annotation]] describes, or None.
+
+    A list like [label, { +!g }, context, { a; b }] describes a plan.
+    """
     elements = list(parts)
+    if len(elements) == 4 and isinstance(elements[1], TriggerTerm | BodyTerm):
+        return _plan_of(elements)
+    space = NAMESPACE
     if len(elements) == 4:
-        del elements[0]
+        first = elements.pop(0)
+        space = first if isinstance(first, Literal) else NAMESPACE
     functor = elements[0]
     if isinstance(functor, str):
         functor = Literal(functor)
@@ -358,4 +381,20 @@ def put_together(parts: ListCell) -> Literal | None:
     if not all(isinstance(part, Nil | ListCell) for part in lists):
         return None
     args, annots = (tuple(part) for part in lists)  # type: ignore[arg-type]
-    return Literal(functor.functor, args, annots, functor.negated)
+    made = Literal(functor.functor, args, sorted_annots(annots), functor.negated)
+    return made if space == NAMESPACE else placed(made, space.functor)
+
+
+def _plan_of(elements: list[Term]) -> PlanTerm | None:
+    label, event, context, body = elements
+    trigger = event.as_trigger if isinstance(event, BodyTerm) else event
+    if not isinstance(label, Literal) or not isinstance(trigger, TriggerTerm):
+        return None
+    if isinstance(context, BodyTerm):
+        # A context in braces, { c }, is read as a body of one step.
+        step = context.body[0] if len(context.body) == 1 else None
+        context = step.action if isinstance(step, Act) else TRUE
+    steps = body.body if isinstance(body, BodyTerm) else (Act(body),)  # type: ignore[arg-type]
+    name = None if label.functor == "nolabel" else label
+    sort = trigger.sort
+    return PlanTerm(Plan(name, Trigger(sort[0], sort[1:], trigger.literal), context, steps))

@@ -229,6 +229,7 @@ class AgentState:
             or self.mailbox
             or self.percepts.changed
             or (self.alarms.heap and self.alarms.is_due(self.clock))
+            or self.plans.has_inner
             or self.plans.candidates(sort, literal)
         ):
             circumstance.post(Event(sort, literal, intention))
