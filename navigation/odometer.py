@@ -117,17 +117,16 @@ class Odometer:
     def _begins(self) -> list[float]:
         return [piece.begin for piece in self.motion.pieces]
 
-    @cached_property
-    def _stretches(self) -> tuple[list[float], list[_Stretch], float]:
-        """The begin of each stretch (seconds), the stretches, and the whole length (metres)."""
-        stretches: list[_Stretch] = []
-        gone = 0.0
-        for piece in self.motion.pieces:
-            for u, w in itertools.pairwise(_smooth_cuts(piece)):
-                x, y = shift(piece.x, u), shift(piece.y, u)
-                stretches.append(_Stretch(piece.begin + u, gone, x, y))
-                gone += stretches[-1].length(w - u)
-        return [stretch.begin for stretch in stretches], stretches, gone
+    @property
+    def _stretches(self) -> _Stretches:
+        """The begin of each stretch (seconds), the stretches, and the whole length (metres).
+
+        They are kept with the motion: laws that look ahead ask for them at every instant.
+        """
+        kept: dict[str, _Stretches] = vars(self.motion)
+        if _KEPT not in kept:
+            kept[_KEPT] = _stretches(self.motion)
+        return kept[_KEPT]
 
 
 class _Stretch(NamedTuple):
@@ -151,6 +150,23 @@ class _Stretch(NamedTuple):
                 x1 + w * (2 * x2 + w * 3 * x3), y1 + w * (2 * y2 + w * 3 * y3)
             )
         return half * total
+
+
+_Stretches = tuple[list[float], list[_Stretch], float]
+
+_KEPT = "_stretches"
+"""The name by which a motion keeps its stretches."""
+
+
+def _stretches(motion: Motion) -> _Stretches:
+    stretches: list[_Stretch] = []
+    gone = 0.0
+    for piece in motion.pieces:
+        for u, w in itertools.pairwise(_smooth_cuts(piece)):
+            x, y = shift(piece.x, u), shift(piece.y, u)
+            stretches.append(_Stretch(piece.begin + u, gone, x, y))
+            gone += stretches[-1].length(w - u)
+    return [stretch.begin for stretch in stretches], stretches, gone
 
 
 def _smooth_cuts(piece: Piece) -> list[float]:
