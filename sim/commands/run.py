@@ -64,6 +64,9 @@ def run(
     no_open: Annotated[
         bool, typer.Option("--no-open", help="With --watch: only say where the page is.")
     ] = False,
+    no_trajectory: Annotated[
+        bool, typer.Option("--no-trajectory", help="Leave out trajectory.csv, the largest file.")
+    ] = False,
     no_own_code: NoOwnCode = False,
 ) -> None:
     """Simulate a trial and record it: summary, events, motions, trajectory, replay page."""
@@ -79,7 +82,7 @@ def run(
     print_notices(chosen)
     _warn_of_external(chosen)
     _warn_of_undone(chosen)
-    recording = recording_of(chosen.name, out)
+    recording = recording_of(chosen.name, out, trajectory=not no_trajectory)
     try:
         if watch:
             finished = _watched(chosen, recording, speed or 1.0, opened=not no_open)
@@ -158,11 +161,12 @@ def changed(
     return trial
 
 
-def recording_of(name: str, out: Path | None) -> Recording:
+def recording_of(name: str, out: Path | None, *, trajectory: bool = True) -> Recording:
     """Open the recording of the trial `name` in `out`, or else in a new folder in `runs`."""
     from sim import Recording
 
-    return Recording(folder_for(name, "runs"), numbered=True) if out is None else Recording(out)
+    folder = folder_for(name, "runs") if out is None else out
+    return Recording(folder, numbered=out is None, trajectory=trajectory)
 
 
 def _carried_out(trial: Trial, recording: Recording) -> Run:

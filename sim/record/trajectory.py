@@ -5,6 +5,8 @@ from __future__ import annotations
 import csv
 from typing import TextIO
 
+import numpy as np
+
 from .outcome import Outcome
 from .sampling import blocks_of_instants, sample_all
 
@@ -21,11 +23,9 @@ def write_trajectory(run: Outcome, file: TextIO, rate: float) -> None:
     writer = csv.writer(file, lineterminator="\n")
     writer.writerow(COLUMNS)
     for times in blocks_of_instants(run.duration, rate):
-        samples = sample_all(run.motions, times)
-        rows = {name: (values + 0.0).tolist() for name, values in samples.items()}
-        for k, t in enumerate(times.tolist()):
-            stamp = f"{t:.{decimals}f}"
-            writer.writerows(
-                [stamp, name, *(round(v, DECIMALS) for v in of_body[k])]
-                for name, of_body in rows.items()
-            )
+        stamps = [f"{t:.{decimals}f}" for t in times.tolist()]
+        tables = []
+        for name, samples in sample_all(run.motions, times).items():
+            figures = (np.round(samples, DECIMALS) + 0.0).tolist()
+            tables.append([[stamp, name, *row] for stamp, row in zip(stamps, figures, strict=True)])
+        writer.writerows(row for rows in zip(*tables, strict=True) for row in rows)

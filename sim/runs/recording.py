@@ -44,13 +44,17 @@ class Recording(Listener):
 
     A `numbered` one goes into a `folder` of its own: as the run begins it takes the first name that
     isn't there of NAME, NAME-2, NAME-3 …, also where other processes do the same. `OutputError` if
-    the folder holds another run already, or can't be written to.
+    the folder holds another run already, or can't be written to. Without a `trajectory` there is
+    no `trajectory.csv`: of a long run it is the largest file, and can be made of the others.
     """
 
     wants_thoughts = True
 
-    def __init__(self, folder: str | Path, *, numbered: bool = False) -> None:
+    def __init__(
+        self, folder: str | Path, *, numbered: bool = False, trajectory: bool = True
+    ) -> None:
         self.folder = Path(folder)
+        self._trajectory = trajectory
         self._numbered = numbered
         self._lines: dict[str, WholeLines] = {}
         for name in () if numbered else FILES:
@@ -108,8 +112,9 @@ class Recording(Listener):
         with self._whole("summary.json") as file:
             json.dump(run.summary, file, indent=2, ensure_ascii=False)
             file.write("\n")
-        with self._whole("trajectory.csv") as file:
-            write_trajectory(run, file, TRAJECTORY_RATE)
+        if self._trajectory:
+            with self._whole("trajectory.csv") as file:
+                write_trajectory(run, file, TRAJECTORY_RATE)
         with self._whole("replay.html") as file:
             file.write(render(replay_data(run)))
 

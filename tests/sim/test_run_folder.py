@@ -286,3 +286,11 @@ def test_a_law_of_ones_own_is_named_and_not_guessed(tmp_path):
     assert back.violations == run.violations
     with pytest.raises(ValueError, match=r"a law of its own, .*:OwnLaw, which it does not hold"):
         back.scene.rules.agv_law.distance(1.0, 1.0)
+
+
+def test_a_recording_may_do_without_its_trajectory(tmp_path):
+    trial = replace(sim.Trial.load("ariac2023"), duration=20.0)
+    run = sim.run(trial, recording := sim.Recording(tmp_path, trajectory=False))
+    recording.finish(run)
+    assert not (tmp_path / "trajectory.csv").exists()
+    assert sim.load_run(tmp_path).motions.keys() == run.motions.keys()
