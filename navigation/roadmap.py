@@ -36,6 +36,9 @@ MOST_DISTANCES = 800
 In a larger one, bends are linked when a search comes to them.
 """
 
+_AT_ONCE = 256
+"""Number of bends that are linked at once."""
+
 Link = tuple[int, float]
 """The number of a bend, and the distance to it (metres)."""
 
@@ -79,12 +82,13 @@ class Roadmap:
         self.asked: dict[tuple[int, int], bool] = {}
         """FCL's answers about links between bends, by the numbers of both, the lower first."""
         self._links: dict[int, list[Link]] = {}
-        self._between: Floats | None = None
+        self.between: Floats | None = None
+        """Distances (N, N) between all bends in metres, if they are known."""
         self._sight: Sight | None = None
         if len(self.bends) <= MOST_DISTANCES:
             network = self._network()
             self._links = dict(enumerate(network))
-            self._between = _all_distances(network)
+            self.between = _all_distances(network)
         else:
             self._sight = Sight(edges, self.bends, radius)
         self._bodies: WeakKeyDictionary[Body, BodyBends] = WeakKeyDictionary()
@@ -110,15 +114,42 @@ class Roadmap:
 
         `last` has the bends from which a path leaves the network, and the distances from there.
         """
-        if self._between is None:
+        if self.between is None:
             away = self.bends.point - np.array(goal)
             straight: Floats = np.hypot(away[:, 0], away[:, 1])
             return straight
         if not last:
             return np.full(len(self.bends), math.inf)
         to, far = zip(*last, strict=True)
-        nearest: Floats = (self._between[:, to] + np.array(far)).min(axis=1)
+        nearest: Floats = (self.between[:, to] + np.array(far)).min(axis=1)
         return nearest
+
+    def link_all(self, most: int) -> None:
+        """Link all bends now, if they are no more than `most`."""
+        if len(self.bends) <= most:
+            left = [bend for bend in range(len(self.bends)) if bend not in self._links]
+            for k in range(0, len(left), _AT_ONCE):
+                self.links_of(left[k], left[k : k + _AT_ONCE])
+
+    def passable_from(self, place: Point) -> tuple[Ints, Floats]:
+        """Return the bends that a path could go on from after coming from `place`, seen or not.
+
+        With them, their distances in metres.
+        """
+        along = self.bends.point - np.array(place)
+        length = np.hypot(along[:, 0], along[:, 1])
+        # From between the arc and the bends drawn around it, a bend is seen but not grazed.
+        (bends,) = np.nonzero(self.bends.graze(along) | (length <= self.bends.reach * 1.01))
+        return bends, length[bends]
+
+    def between_bends(self, first: int, last: int) -> list[int]:
+        """Return the bends of the shortest path from one bend to another, with both."""
+        assert self.between is not None
+        chain = [first]
+        while chain[-1] != last:
+            left = self.between[:, last]
+            chain.append(min(self._links[chain[-1]], key=lambda link: link[1] + left[link[0]])[0])
+        return chain
 
     def links_of(self, bend: int, soon: Iterable[int] = ()) -> list[Link]:
         """Return the links of bend number `bend`.

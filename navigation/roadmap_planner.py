@@ -14,8 +14,9 @@ from floorplan import Point
 from .bodies import Body
 from .catalog import ROADMAP
 from .freespace import STEP
+from .lookup import look_up
 from .ompl_setup import OmplSetup, Question, no_log, path_along, state_at
-from .roadmap import HAIR, Roadmap
+from .roadmap import HAIR, Ends, Roadmap
 from .search import shortest_path
 from .world import CollisionWorld
 
@@ -71,7 +72,7 @@ class RoadmapSearch:
 
         Links between the floor's own bends are asked once: they change no more than the floor.
         """
-        if max(here, there) >= len(roadmap.bends):
+        if min(here, there) < 0 or max(here, there) >= len(roadmap.bends):
             return self._ask(a, b)
         link = (min(here, there), max(here, there))
         met, self._links.met = self._links.met, []
@@ -106,11 +107,17 @@ class RoadmapSearch:
         """
         met: list[Body] = []
         self._links.met = met
-        ends = roadmap.ends(self._start, self._goal)
+        free = partial(self._free_on, roadmap)
+        points = None
+        if self._links.bodies(self._start, self._goal) and self._ask(self._start, self._goal):
+            points = [self._start, self._goal]  # but for bodies
+        elif roadmap.between is not None:
+            points = look_up(roadmap, self._start, self._goal, free)
+        ends: Ends | None = None
         while True:
-            points = shortest_path(
-                roadmap, ends, met, partial(self._free_on, roadmap), self._hopeless
-            )
+            if points is None:
+                ends = ends or roadmap.ends(self._start, self._goal)
+                points = shortest_path(roadmap, ends, met, free, self._hopeless)
             if points is None:
                 return None
             fresh = [
@@ -121,6 +128,7 @@ class RoadmapSearch:
             ]
             if not fresh:
                 return points
+            points = None
             met += dict.fromkeys(fresh)
             if len(met) >= _MANY and self._hopeless():
                 return None
