@@ -1,5 +1,6 @@
 """How bodies move: collision, paths, motions in continuous time, and separation."""
 
+from .among import Mover, Passage, plan_among
 from .bodies import Disc
 from .catalog import planners
 from .choice import PlannerChoice
@@ -96,10 +97,12 @@ __all__ = [
     "Machine",
     "Motion",
     "MotionLaw",
+    "Mover",
     "Moving",
     "Nearest",
     "Not",
     "Odometer",
+    "Passage",
     "Path",
     "PathPlanner",
     "Piece",
@@ -137,6 +140,7 @@ __all__ = [
     "minimum_separation",
     "nearest_pair",
     "paced",
+    "plan_among",
     "planners",
     "remaining_path",
     "required_at",

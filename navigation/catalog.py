@@ -23,6 +23,10 @@ ROADMAP = "Roadmap"
 Setting: TypeAlias = "bool | int | float | str"
 """Value of one parameter of a planner."""
 
+SPACE_TIME = "STRRTstar"
+"""OMPL's planner in space and time, where it has one: OMPL 2.0.1 has it in C++ alone. It can't be
+asked for a path in space."""
+
 _KNOWN = {
     "AORRTC": ("RRTConnect again and again, each time for a shorter path", True, 2_000),
     "BFMT": ("fast marching trees from both ends over one batch of samples", True, 100_000),
@@ -59,6 +63,8 @@ def planners() -> tuple[PlannerInfo, ...]:
 def planner_info(name: str) -> PlannerInfo:
     """Return the planner that is called `name`; `ValueError` with a hint if there is none."""
     known = {info.name: info for info in planners()}
+    if name == SPACE_TIME:
+        raise ValueError(f"{name} plans in space and time; navigation.plan_among answers for that")
     if name not in known:
         raise ValueError(f"no planner is called {name!r}; {suggestion(name, known)}")
     return known[name]
@@ -70,7 +76,7 @@ def _sampling_planners() -> tuple[PlannerInfo, ...]:
     found = []
     for name in sorted(dir(og)):
         kind = getattr(og, name)
-        if isinstance(kind, type) and issubclass(kind, ob.Planner):
+        if isinstance(kind, type) and issubclass(kind, ob.Planner) and name != SPACE_TIME:
             known = _KNOWN.get(name, (f"OMPL's {name}", False, ITERATIONS))
             found.append(PlannerInfo(name, *known, (*EVERY, *_setters(kind))))
     return tuple(found)

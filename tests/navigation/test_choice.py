@@ -34,6 +34,7 @@ def test_forms_of_a_choice(given, name, parameters):
         ("RRT: [1]", "the parameters of RRT are {name: value, …}; found [1]"),
         ({"RRT": {"range": {}}}, "parameter 'range' of RRT must be a value"),
         ("RRTConect", "no planner is called 'RRTConect'; did you mean 'RRTConnect'?"),
+        ("STRRTstar", "STRRTstar plans in space and time; navigation.plan_among"),
         ("RRT: {rnge: 1}", "RRT has no parameter 'rnge'; did you mean 'range'?"),
         ("RRT: {range: .nan}", "parameter 'range' must be a number, 0 or more, found nan"),
         ("BITstar: {iterations: 0}", "parameter 'iterations' must be a whole number above 0"),

@@ -1,0 +1,282 @@
+"""Paths among bodies whose motions are known: wait or go round, whichever arrives first.
+
+A person who waits `d` seconds and then walks along a path touches a body that moves for some `d`
+and not for others. The least safe delay is found by conservative advancement: if the body is first
+touched at the place p at time t, and leaves p free from t' on, then every delay that is longer by
+less than t' − t brings the person to p while the body is there. So the delay grows by t' − t, no
+safe one is stepped over, and the motion is asked of the monitor again, with its real profile.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from numpy.typing import ArrayLike
+from shapely.geometry import Polygon
+
+from floorplan import Point, rectangle
+
+from .bodies import Body, Disc
+from .conditions import TooClose
+from .monitor import RESOLUTION, first_time, minimum_separation, when
+from .motion import Motion, join, standing
+from .path import Path, PlanningError
+from .planner import PathPlanner
+from .separation import FixedDistance
+from .surfaces import PERSON_HEIGHT, Box, Cylinder, Shapes
+from .walk import MAX_ACCELERATION, MAX_SPEED, walk
+
+GAP = 0.1
+"""Metres. Nearer than this to the surface of a body that moves, a person counts as touched."""
+
+PATIENCE = 60.0
+"""Seconds. Longest time that anybody waits."""
+
+_LEAST = 1e-3
+"""Seconds. Delays grow by this much at least, so that grazing bodies end the search as well."""
+
+_SHORT = 0.5
+"""Metres. So far short of where they would be touched people may wait on their path."""
+
+_MOST = 500
+"""Number of delays that are tried for one path."""
+
+_SAMPLES = 24
+"""Number of instants at which a body is drawn for the area that it covers on its way."""
+
+_TRIED = 4
+"""Number of states of the floor that are planned on."""
+
+Limits = tuple[float, float]
+"""Top speed (m/s) and acceleration (m/s²)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Mover:
+    """A body that moves as is known: `motion`, with a solid around its axis.
+
+    It stands where the motion begins and ends before and after. `name` is that of the body in the
+    collision world, if it has one there.
+    """
+
+    name: str
+    motion: Motion
+    solid: Box | Cylinder
+
+
+@dataclass(frozen=True, eq=False)
+class Passage:
+    """A path among bodies that move, and the motion along it that touches none of them."""
+
+    path: Path
+    motion: Motion
+    waits: tuple[tuple[Point, float], ...] = ()
+    """Where on the path to wait, and for how many seconds."""
+
+    @property
+    def arrives(self) -> float:
+        """Instant of arrival (seconds)."""
+        return self.motion.end
+
+
+@dataclass(eq=False)
+class _Watch:
+    """A body that moves, as one person sees it."""
+
+    mover: Mover
+    shapes: Shapes
+    condition: TooClose
+
+    def touched(self, person: Motion, begin: float, end: float) -> float | None:
+        """Return the first instant in [begin, end] at which it touches the person, or None."""
+        return first_time(self.condition, person, self.mover.motion, begin, end, shapes=self.shapes)
+
+    def leaves(self, place: Point, t: float) -> float:
+        """Return when it leaves a place free that it touches at `t`; infinity if it stays."""
+        until = max(self.mover.motion.end, t) + 1.0
+        stands = standing(place)
+        intervals = when(self.condition, stands, self.mover.motion, t, until, shapes=self.shapes)
+        begin, end = next(intervals, (t, t))
+        if begin > t + RESOLUTION:  # it only grazes the place
+            return t
+        return math.inf if end >= until else end
+
+
+def plan_among(
+    planner: PathPlanner,
+    start: ArrayLike,
+    goal: ArrayLike,
+    moving: Sequence[Mover],
+    *,
+    at: float = 0.0,
+    max_speed: float = MAX_SPEED,
+    max_acceleration: float = MAX_ACCELERATION,
+    height: float = PERSON_HEIGHT,
+    gap: float = GAP,
+    patience: float = PATIENCE,
+) -> Passage:
+    """Return the passage from `start` to `goal` that arrives first of those that are looked at.
+
+    Paths are the `planner`'s, for a person of its radius and this `height` (metres), who walks at
+    `max_speed` (m/s) and `max_acceleration` (m/s²) at most, stands at `start` at the time `at`
+    (seconds), and waits `patience` seconds at most, once: there, at a waypoint, or short of a place
+    where a body would touch them. Paths looked at are the shortest one regardless of what is
+    `moving`, and those round where it stands now, where it comes to rest, and all that it covers
+    on its way. Until the arrival, no such body comes closer than `gap` metres, or closer than it is
+    at the beginning where that is less: the monitor has checked it for the motion as it is
+    returned. `PlanningError` if there is none.
+    """
+    watches = [_watch(planner, mover, start, at, height, gap) for mover in moving]
+    best: Passage | None = None
+    failed: list[PlanningError] = []
+    limits = (max_speed, max_acceleration)
+    for path in _paths(planner, start, goal, moving, at, failed):
+        for passage in _passages(path, watches, at, limits, patience):
+            if best is None or passage.arrives < best.arrives:
+                best = passage
+    if best is not None:
+        return best
+    if len(failed) == _TRIED:  # nor is there a path without what moves
+        raise failed[0]
+    names = ", ".join(mover.name for mover in moving)
+    message = f"no path was found among {names} with at most {patience:g} s to wait"
+    raise PlanningError("not_found", message)
+
+
+def _watch(
+    planner: PathPlanner, mover: Mover, start: ArrayLike, at: float, height: float, gap: float
+) -> _Watch:
+    person = Cylinder(radius=planner.radius, top=height)
+    shapes = Shapes(person=person, machine=(mover.solid,))
+    x, y = map(float, np.asarray(start, dtype=float))
+    here = standing((x, y))
+    _, least = minimum_separation(here, mover.motion, at, at, shapes=shapes)
+    kept = min(gap, max(least - 1e-6, 0.0))
+    return _Watch(mover, shapes, TooClose(FixedDistance(kept)))
+
+
+def _paths(
+    planner: PathPlanner,
+    start: ArrayLike,
+    goal: ArrayLike,
+    moving: Sequence[Mover],
+    at: float,
+    failed: list[PlanningError],
+) -> Iterator[Path]:
+    """Yield the paths to look at, each once; why there is none goes into `failed`."""
+    there = {body.name for body in planner.world.bodies}
+    free = planner.world.as_if(away=[mover.name for mover in moving if mover.name in there])
+    stand = [[at], [math.inf]]
+    last = max([mover.motion.end for mover in moving], default=at)
+    sweep = np.linspace(at, max(last, at), _SAMPLES).tolist()
+    seen: list[list[list[float]]] = []
+    for times in ([], *stand, sweep):
+        covered = shapely.union_all([_footprint(mover, t) for mover in moving for t in times])
+        parts = enumerate(part for part in shapely.get_parts(covered) if not part.is_empty)
+        world = free.as_if({f"what moves, {k}": Polygon(part.exterior) for k, part in parts})
+        ask = PathPlanner(
+            world, planner.radius, planner.ignore, step=planner.step, planner=planner.choice
+        )
+        try:
+            path = ask.plan(start, goal, seed=planner.seed)
+        except PlanningError as why:
+            failed.append(why)
+            continue
+        if path.points.tolist() not in seen:
+            seen.append(path.points.tolist())
+            yield path
+
+
+def _footprint(mover: Mover, t: float) -> Polygon:
+    """Return the area that a body covers at an instant."""
+    x, y, rotation = mover.motion.state(min(max(t, mover.motion.start), mover.motion.end)).position
+    if isinstance(mover.solid, Cylinder):
+        return Body.of(mover.name, Disc((x, y), mover.solid.radius)).footprint
+    along = (math.cos(rotation), math.sin(rotation))
+    return rectangle((x, y), along, mover.solid.length, mover.solid.width)
+
+
+def _passages(
+    path: Path, watches: Sequence[_Watch], at: float, limits: Limits, patience: float
+) -> Iterator[Passage]:
+    """Yield the passages along `path` that wait once at most, one for each place to wait at."""
+    points: list[Point] = [(x, y) for x, y in path.points.tolist()]
+    speed, acceleration = limits
+    straight = walk(points, at, max_speed=speed, max_acceleration=acceleration)
+    touched = [watch.touched(straight, at, straight.end) for watch in watches]
+    first = min((t for t in touched if t is not None), default=None)
+    if first is None:
+        yield Passage(path, straight)
+        return
+    for before, after in _splits(points, straight.state(first).at):
+        before_it = walk(before, at, max_speed=speed, max_acceleration=acceleration)
+        found = _delayed(before_it, after, watches, at, limits, patience)
+        if found is not None:
+            motion, delay = found
+            yield Passage(path, motion, ((after[0], delay),))
+
+
+def _splits(points: list[Point], touched: Point) -> Iterator[tuple[list[Point], list[Point]]]:
+    """Yield a path in two parts: before and after each place to wait at, the start first.
+
+    These are the waypoints before the place where somebody would be `touched`, and one short of it.
+    """
+    yield points[:1], points
+    for k, (a, b) in enumerate(itertools.pairwise(points)):
+        if k:
+            yield points[: k + 1], points[k:]
+        length = math.dist(a, b)
+        share = _share(a, b, touched)
+        if share is not None:
+            short = share * length - _SHORT
+            if short > 0:
+                x, y = (a[i] + (b[i] - a[i]) * short / length for i in (0, 1))
+                yield [*points[: k + 1], (x, y)], [(x, y), *points[k + 1 :]]
+            return
+
+
+def _share(a: Point, b: Point, place: Point) -> float | None:
+    """Return how much of the segment from a to b lies before a place on it, or None if beside."""
+    length = math.dist(a, b)
+    if length == 0 or abs(math.dist(a, place) + math.dist(place, b) - length) > 1e-6:
+        return None
+    return math.dist(a, place) / length
+
+
+def _delayed(
+    before: Motion,
+    points: list[Point],
+    watches: Sequence[_Watch],
+    at: float,
+    limits: Limits,
+    patience: float,
+) -> tuple[Motion, float] | None:
+    """Return the motion that waits after `before` for as short as is safe, and for how long.
+
+    It goes on along `points` then. None if no wait up to `patience` seconds is safe.
+    """
+    speed, acceleration = limits
+    waits_from = max(before.end, at)
+    delay = 0.0
+    for _ in range(_MOST):
+        onwards = walk(points, waits_from + delay, max_speed=speed, max_acceleration=acceleration)
+        motion = join([before, onwards])
+        touched = [
+            (t, k)
+            for k, watch in enumerate(watches)
+            if (t := watch.touched(motion, at, motion.end)) is not None
+        ]
+        if not touched:
+            return motion, delay
+        t, k = min(touched)
+        if t < waits_from + delay:
+            return None  # on the way there or while waiting: waiting longer does not help
+        delay += max(watches[k].leaves(motion.state(t).at, t) - t, _LEAST)
+        if delay > patience:
+            return None
+    return None
