@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterator, Sequence
 from functools import cache
 from importlib.resources import files
+from importlib.util import cache_from_source
 from itertools import islice
+from pathlib import Path
 
 from lark import Lark, Token
 
@@ -23,9 +26,21 @@ _CLOSING = frozenset({"RPAR", "RSQB", "RBRACE"})
 
 @cache
 def grammar() -> Lark:
-    """Return the parser of one clause, made once from the grammar beside this file."""
+    """Return the parser of one clause, made once from the grammar beside this file.
+
+    Its tables are kept beside the bytecode of this file, wherever Python may keep that.
+    """
     source = files(__package__).joinpath("agentspeak.lark").read_text(encoding="utf-8")
-    return Lark(source, start="clause", parser="lalr", lexer="basic", propagate_positions=True)
+    kept = Path(cache_from_source(__file__)).with_name("agentspeak.tables")
+    keep = kept.is_file() or (kept.parent.is_dir() and not sys.dont_write_bytecode)
+    return Lark(
+        source,
+        start="clause",
+        parser="lalr",
+        lexer="basic",
+        propagate_positions=True,
+        cache=str(kept) if keep else False,
+    )
 
 
 def tokenize(source: str, previous: str = "") -> Iterator[Token]:
