@@ -57,6 +57,9 @@ PERCEPTS: dict[str, tuple[str, bool | str]] = {
 }
 """The topic of a percept, and the data that stands for it there."""
 
+_ANSWERS = frozenset({GOAL, STOP, GO_HOME, GO_HOME_AGV})
+"""The topics on which an agent answers a violation."""
+
 _HAPPENINGS = {
     "human_started": "human_start",
     "arrived": "work_completed",
@@ -75,10 +78,13 @@ class HumanTopics:
         self.outside = person.mind if isinstance(person.mind, Outside) else None
         """The mind of the person, if it is outside."""
         self._person = person
+        self._clock = simulation.clock
         self._boundary = simulation.trial.floorplan.boundary
         self._referee = simulation.referee
         self._exchange = exchange
         self._admit = admit
+        self._unanswered: tuple[str, float] | None = None
+        """The violation that the agent has not answered yet, and its time (s)."""
         self._topics = {
             START: exchange.advertise(START, BOOL, heard=self._start, latched=1),
             REACHED: exchange.advertise(REACHED, BOOL),
@@ -95,6 +101,18 @@ class HumanTopics:
         """Publish a percept, where there is a topic for it."""
         if percept in PERCEPTS:
             topic, data = PERCEPTS[percept]
+            self._exchange.publish(self._topics[topic], {"data": data})
+            if topic == UNSAFE and self.outside is not None:
+                self._unanswered = (percept, self._clock.now)
+
+    def repeat(self) -> None:
+        """Publish a violation again that the agent has not answered.
+
+        The competition's own agent drops what comes too soon after its start or the violation
+        before, and relies on hearing it again.
+        """
+        if self._unanswered is not None:
+            topic, data = PERCEPTS[self._unanswered[0]]
             self._exchange.publish(self._topics[topic], {"data": data})
 
     def event(self, event: Event) -> None:
@@ -114,8 +132,18 @@ class HumanTopics:
             raise RefusedError(f"{message['data'][:60]!r} is no action: {why}") from None
         if topic == GOAL:
             self._require_on_floor(message["x"], message["y"])
-        if action is not None:
+        if action is not None and not self._is_done(topic):
             self._act(action)
+        if action is not None and topic in _ANSWERS:
+            self._unanswered = None
+
+    def _is_done(self, topic: str) -> bool:
+        """Return True for the wish to be sent home of a person who has been, for that violation."""
+        put_home_at = self._person.put_home_at
+        if topic not in (GO_HOME, GO_HOME_AGV) or self._unanswered is None or put_home_at is None:
+            return False
+        # At the instant of the violation itself the agent comes first (`Person.warn`).
+        return self._unanswered[1] <= put_home_at and self._clock.now > put_home_at
 
     def _require_on_floor(self, x: float, y: float) -> None:
         if not self._boundary.covers(shapely.Point(x, y)):

@@ -98,7 +98,7 @@ class RemoteAgent:
         connection.subscribe("/ariac/competition_state", "ariac_msgs/CompetitionState", self._enter)
         if self._has_clock and not self._in_steps:
             connection.subscribe("/clock", "rosgraph_msgs/Clock", self._tick)
-        self._person.connect(connection, topics)
+        self._person.connect(connection, topics, repeats=not self._in_steps)
         if self._in_steps:
             await self._go_in_steps(connection)
         else:

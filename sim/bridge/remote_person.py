@@ -22,6 +22,9 @@ from .readings import NOWHERE
 
 Place = tuple[float, float]
 
+_REPETITION = 0.5
+"""Seconds. A violation that is heard of again within them is the same one."""
+
 _PERCEPT_OF = {heard: percept for percept, heard in PERCEPTS.items()}
 
 
@@ -64,11 +67,20 @@ class RemotePerson:
         """Waypoints that are still to be sent."""
         self._started = False
         self._quiet_until = -math.inf
+        self._repeats = False
+        self._unsafe_at: dict[str, float] = {}
+        """Time at which each kind of violation was last heard of (s)."""
         self._unavailable: set[str] = set()
 
-    def connect(self, connection: Connection, offered: Collection[str]) -> None:
-        """Hear and act through `connection`, whose server has the topics `offered`."""
+    def connect(
+        self, connection: Connection, offered: Collection[str], *, repeats: bool = True
+    ) -> None:
+        """Hear and act through `connection`, whose server has the topics `offered`.
+
+        With `repeats` the server repeats violations until they are answered.
+        """
         self._connection = connection
+        self._repeats = repeats
         self._offered = offered
         for name in self._lanes:
             connection.subscribe(
@@ -117,14 +129,18 @@ class RemotePerson:
 
     def _is_repeated(self, percept: str) -> bool:
         """Whether a violation has been perceived: the original reports it ten times a second."""
-        if self._now() < self._quiet_until:
+        now = self._now()
+        if now < self._quiet_until:
             return True
-        if DETECTED not in self._offered:
-            rules = self._rules
-            pause = rules.pause_after_agv
-            if percept == "gantry_disabled":
-                pause = rules.gantry_disabled + rules.grace
-            self._quiet_until = self._now() + (rules.report_every or pause)
+        if DETECTED in self._offered:
+            # Ours is repeated until it is answered, and on its way a little longer.
+            before = self._unsafe_at.get(percept, -math.inf)
+            self._unsafe_at[percept] = now
+            return self._repeats and now - before < _REPETITION
+        pause = self._rules.pause_after_agv
+        if percept == "gantry_disabled":
+            pause = self._rules.gantry_disabled + self._rules.grace
+        self._quiet_until = now + (self._rules.report_every or pause)
         return False
 
     def _see(self, state: dict[str, Any]) -> None:

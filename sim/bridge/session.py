@@ -6,6 +6,7 @@ import asyncio
 import math
 import socket
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any
 
 from ..people.programs import EXTERNAL
@@ -30,6 +31,9 @@ BEHIND = 1.0
 LONGEST_NAP = 0.1
 """Seconds of the wall clock. How soon the session sees that a client has gone."""
 
+GRACE = 3.0
+"""Seconds of the wall clock. How long an agent may make ready before the trial begins."""
+
 PATIENCE = 1.0
 """Seconds. How long time waits for a client that doesn't read, when it isn't paced."""
 
@@ -39,8 +43,9 @@ class Session:
 
     `speed` is simulated seconds a second; with 0 time goes on as soon as all clients have read and
     acted on what was last published. With `hold` nothing happens before a client has called
-    /ariac/start_competition. `notice(text)` notifies the user of the command. Web pages of
-    `origins` may take part; left out, those of this machine.
+    /ariac/start_competition. With a speed, an agent is given `grace` seconds of the wall clock to
+    make ready before the trial begins, unless that is called earlier. `notice(text)` notifies the
+    user of the command. Web pages of `origins` may take part; left out, those of this machine.
     """
 
     def __init__(
@@ -50,11 +55,14 @@ class Session:
         *,
         speed: float = 1.0,
         hold: bool = False,
+        grace: float = GRACE,
         notice: Callable[[str], None] = lambda _: None,
         origins: Origins | None = None,
     ) -> None:
         if not (math.isfinite(speed) and speed >= 0):
             raise BridgeError(f"speed must be 0 or more, not {speed:g}")
+        if not (math.isfinite(grace) and grace >= 0):
+            raise BridgeError(f"grace must be 0 or more seconds, not {grace:g}")
         trial = workcell.simulation.trial
         self.server = RosbridgeServer(
             exchange, left=self._left, failed=self._fail, origins=origins, notice=notice
@@ -65,6 +73,9 @@ class Session:
         """A simulated time, and the wall's at that instant."""
         self._notice = notice
         self._hold = hold
+        self._grace = grace if speed else 0.0
+        self._agent_since: float | None = None
+        """Time of the wall's clock at which an agent came, until the trial begins."""
         self._ended_early = False
         self._failure: Exception | None = None
         self._needs_agent = workcell.outside is not None
@@ -77,6 +88,8 @@ class Session:
         self._is_slow = False
         self._changed = asyncio.Event()
         exchange.changed = self._changed.set
+        # At speed 0 nothing is lost: time waits until the agent has read what there is.
+        workcell.repeats = speed > 0
         workcell.catch_up = self._catch_up
         workcell.is_open = lambda: not self._is_over
         exchange.provide("/ariac/start_competition", "std_srvs/Trigger", self._start)
@@ -201,10 +214,22 @@ class Session:
         if self._hold:
             return "nobody has called /ariac/start_competition"
         if self._needs_agent and not any(map(self._is_agent, clients)):
+            self._agent_since = None
             return "there is no agent"
+        if self._needs_agent and self._readying() > 0:
+            return "the agent makes ready"
         if self._needs_controller and not any(map(_is_controller, clients)):
             return "there is no gantry controller"
         return ""
+
+    def _readying(self) -> float:
+        """Return for how long (s, of the wall's clock) the agent may still make ready."""
+        if not self._grace:
+            return 0.0
+        now = asyncio.get_running_loop().time()
+        if self._agent_since is None:
+            self._agent_since = now
+        return self._agent_since + self._grace - now
 
     def _is_agent(self, client: Client) -> bool:
         return (
@@ -227,7 +252,7 @@ class Session:
         if missing:
             self._standing = True
             self._say(f"stands still at t = {self._workcell.now:.1f} s: {missing}")
-            await self._change()
+            await self._change(None if self._agent_since is None else LONGEST_NAP)
         return bool(missing)
 
     def _resume(self) -> None:
@@ -237,6 +262,7 @@ class Session:
         if not self._standing:
             return
         self._standing = False
+        self._grace, self._agent_since = 0.0, None
         now = self._workcell.now
         self._resume()
         if not now:
@@ -251,12 +277,15 @@ class Session:
             for client in tuple(self.server.clients):
                 client.report("warning", text)
 
-    async def _change(self) -> None:
+    async def _change(self, longest: float | None = None) -> None:
+        """Wait for a change, at the longest for some seconds of the wall's clock."""
         self._changed.clear()
-        await self._changed.wait()
+        with suppress(TimeoutError, asyncio.TimeoutError):
+            await asyncio.wait_for(self._changed.wait(), longest)
 
     def _start(self, _: Client, __: dict[str, Any]) -> dict[str, Any]:
-        began, self._hold = self._hold, False
+        began, self._hold = self._hold or self._readying() > 0, False
+        self._grace = 0.0
         self._changed.set()
         return {"success": True, "message": "started" if began else "it has been started already"}
 

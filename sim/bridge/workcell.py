@@ -43,6 +43,8 @@ class Workcell(Listener):
         driven = driven_person(trial)
         self.catch_up: Callable[[], None] = lambda: None
         self.is_open: Callable[[], bool] = lambda: True
+        self.repeats = False
+        """True to publish a violation with every state until the agent has answered it."""
         self.human: HumanTopics | None = None
         self._exchange = exchange
         self._orders = exchange.advertise("/ariac/orders", "ariac_msgs/Order", latched=_MOST_ORDERS)
@@ -134,6 +136,8 @@ class Workcell(Listener):
             robot = gantry.state if gantry else None
             height = gantry.gantry.rail_height if gantry else 0.0
             exchange.publish(self._state, human_state(self.person.walker.body.state, robot, height))
+        if self.repeats and self.human is not None:
+            self.human.repeat()
         self._agvs.publish()
         if self._gantry is not None:
             self._gantry.publish(now)

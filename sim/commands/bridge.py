@@ -36,6 +36,13 @@ def bridge(
     hold: Annotated[
         bool, typer.Option("--hold", help="Begin only when /ariac/start_competition is called.")
     ] = False,
+    grace: Annotated[
+        float,
+        typer.Option(
+            min=0.0,
+            help="Wall seconds an agent may make ready before the trial begins, if it is paced.",
+        ),
+    ] = 3.0,
     origin: Annotated[
         list[str] | None,
         typer.Option(
@@ -73,7 +80,7 @@ def bridge(
 
         _be_the_agent(chosen, driven_person(given), connect, waypoints)
     else:
-        _serve(chosen, host, port, speed, hold, origin or [], out)
+        _serve(chosen, host, port, speed, hold, grace, origin or [], out)
 
 
 def _serve(
@@ -82,6 +89,7 @@ def _serve(
     port: int,
     speed: float,
     hold: bool,
+    grace: float,
     origins: list[str],
     out: Path | None,
 ) -> None:
@@ -105,7 +113,13 @@ def _serve(
         workcell = Workcell(trial, exchange, recording)
         try:
             session = Session(
-                workcell, exchange, speed=speed, hold=hold, notice=_notice, origins=trusted
+                workcell,
+                exchange,
+                speed=speed,
+                hold=hold,
+                grace=grace,
+                notice=_notice,
+                origins=trusted,
             )
             leave_to_asyncio()
             asyncio.run(_open_and_run(session, at))

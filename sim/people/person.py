@@ -169,6 +169,11 @@ class Person:
         self._count_at_once()
         return self._actions.perform(action)
 
+    @property
+    def put_home_at(self) -> float | None:
+        """Instant at which they were last put home (seconds)."""
+        return self._actions.put_home_at
+
     def wake(self) -> None:
         """Let the mind think earlier than expected, if a message gives it something to do."""
         if self.mind.next_wakeup is not None:

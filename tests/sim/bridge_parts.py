@@ -74,14 +74,19 @@ class InThread:
 class Served:
     """A session under way: its address, its notices, and its run."""
 
-    def __init__(self, a_trial, listeners, speed, hold):
+    def __init__(self, a_trial, listeners, speed, hold, grace):
         self.exchange = Exchange()
         self.workcell = Workcell(a_trial, self.exchange, *listeners)
         self.notices = []
 
         async def main(opened):
             self.session = Session(
-                self.workcell, self.exchange, speed=speed, hold=hold, notice=self.notices.append
+                self.workcell,
+                self.exchange,
+                speed=speed,
+                hold=hold,
+                grace=grace,
+                notice=self.notices.append,
             )
             self.url = f"ws://127.0.0.1:{await self.session.open(port=0)}"
             opened()
@@ -103,9 +108,9 @@ class Served:
 
 
 @contextmanager
-def served(a_trial=None, *listeners, speed=0.0, hold=False):
+def served(a_trial=None, *listeners, speed=0.0, hold=False, grace=0.0):
     """A session of the bridge for `a_trial`, on a free port of this machine."""
-    session = Served(a_trial or trial(), listeners, speed, hold)
+    session = Served(a_trial or trial(), listeners, speed, hold, grace)
     try:
         yield session
     finally:

@@ -1,0 +1,143 @@
+"""The competition's own agent on our bridge, played from its protocol and its two windows."""
+
+import time
+
+import pytest
+from bridge_parts import Client, served, trial
+
+import sim
+from sim.people.minds import make_agent
+from sim.people.percepts import Percepts
+
+DROPS = 10.0
+"""Seconds for which it drops violations after its start, after the last one, after a teleport."""
+
+SPEED = 20.0
+"""Of the trial here, and of its windows, which are of the wall's clock and so belong to speed 1."""
+
+MAKES_READY = 0.5
+"""Seconds for which it has subscribed and hears nothing yet."""
+
+COMMANDS = {
+    "move": ("/ariac_human/goal_position", "geometry_msgs/Point"),
+    "stop_movement": ("/ariac_human/stop", "std_msgs/Bool"),
+    "teleport_safe": ("/ariac_human/go_home", "std_msgs/Bool"),
+    "teleport_agv": ("/ariac_human/go_home", "std_msgs/Bool"),
+}
+HEARD = {
+    "/ariac/start_human": "std_msgs/Bool",
+    "/ariac_human/position_reached": "std_msgs/Bool",
+    "/ariac_human/unsafe_distance": "std_msgs/Bool",
+    "/ariac/competition_state": "ariac_msgs/CompetitionState",
+}
+
+
+class Original:
+    """Drives a person as the original does: by the wall's clock, with what it drops."""
+
+    def __init__(self, client, personality):
+        self._client = client
+        a_trial = trial(personality)
+        self._agent = make_agent(
+            a_trial.people[0],
+            a_trial,
+            act=self._act,
+            print=lambda text: None,
+            on_event=lambda entry: None,
+        )
+        self._percepts = Percepts(self._agent)
+        self._came = time.monotonic()
+        self._unsafe_at = self._came
+        self.dropped = 0
+
+    def drive(self):
+        for topic, type_ in set(COMMANDS.values()):
+            self._client.send(op="advertise", topic=topic, type=type_)
+        for topic, type_ in HEARD.items():
+            self._client.subscribe(topic, type=type_)
+        while True:
+            try:
+                said = self._client.hear(0.01)
+            except TimeoutError:
+                said = {}
+            if said.get("op") == "publish" and not self._hear(said["topic"], said["msg"]):
+                return
+            self._agent.advance((time.monotonic() - self._came) * SPEED)
+
+    def _hear(self, topic, message):
+        now = time.monotonic()
+        if topic == "/ariac/competition_state":
+            return message["competition_state"] != 4
+        if topic == "/ariac/start_human" and now - self._came > MAKES_READY:
+            self._percepts.see("human_start")
+            self._unsafe_at = now
+        elif topic == "/ariac_human/position_reached":
+            self._percepts.count("work_completed")
+        elif topic == "/ariac_human/unsafe_distance":
+            if now - self._unsafe_at < DROPS / SPEED:
+                self.dropped += 1
+                return True
+            self._unsafe_at = now
+            self._percepts.count("gantry_disabled" if message["data"] else "agv_danger")
+        return True
+
+    def _act(self, action):
+        topic, _ = COMMANDS[action.functor]
+        if action.functor == "move":
+            x, y, z = action.args
+            self._client.publish(topic, x=x, y=y, z=z)
+        else:
+            if action.functor.startswith("teleport"):
+                self._unsafe_at = time.monotonic()
+            self._client.publish(topic, data=action.functor != "teleport_agv")
+        return True
+
+
+@pytest.mark.parametrize("duration", [90.0, pytest.param(275.0, marks=pytest.mark.slow)])
+def test_the_original_agent_goes_on_to_the_end(duration):
+    within = sim.run(trial("indifferent", duration))
+    with served(trial("external", duration), speed=SPEED, grace=1.0) as session:
+        with Client(session.url) as client:
+            original = Original(client, "indifferent")
+            original.drive()
+        across = session.join()
+
+    def of(run, kind):
+        return [event for event in run.events if event["kind"] == kind]
+
+    # It goes where it would go within, as often as its lateness leaves time for.
+    goals, expected = ([event["at"] for event in of(run, "goal")] for run in (across, within))
+    assert len(expected) >= len(goals) >= len(expected) - 2
+    assert goals == expected[: len(goals)]
+    assert original.dropped > 0
+    assert of(across, "violation")
+    assert len(of(across, "teleport")) == len(of(across, "violation"))
+
+
+def test_a_violation_is_repeated_until_it_is_answered():
+    with served(trial(duration=60.0), speed=SPEED) as session, Client(session.url) as client:
+        client.subscribe("/ariac/start_human", type="std_msgs/Bool")
+        client.subscribe("/ariac_human/unsafe_distance", type="std_msgs/Bool")
+        assert client.message("/ariac/start_human") == {"data": True}
+        client.publish("/ariac_human/goal_position", x=-2.9, y=0.6)
+        for _ in range(5):
+            assert client.message("/ariac_human/unsafe_distance") == {"data": True}
+        client.publish("/ariac_human/go_home", data=True)
+        client.call("/rosapi/get_time")
+        with pytest.raises(TimeoutError):
+            client.message("/ariac_human/unsafe_distance", timeout=0.3)
+        client.call("/ariac/end_competition")
+        run = session.join()
+    assert [event["kind"] for event in run.events].count("teleport") == 1
+
+
+def test_an_agent_may_make_ready_before_the_trial_begins():
+    patient = served(trial(duration=5.0), speed=SPEED, grace=30.0)
+    with patient as session, Client(session.url) as client:
+        client.subscribe("/ariac/start_human", type="std_msgs/Bool")
+        with pytest.raises(TimeoutError):
+            client.message("/ariac/start_human", timeout=0.3)
+        assert session.now == 0.0
+        client.send(op="call_service", service="/ariac/start_competition")
+        assert client.message("/ariac/start_human") == {"data": True}
+        session.join()
