@@ -12,6 +12,7 @@ from floorplan import Floorplan, InputError, Problem, SafeZone
 from navigation import PlannerChoice
 
 from .machine_model import MachineEntry
+from .manners import AS_USUAL, MannersEntry
 from .rules import PAPER, RuleSet
 from .start import AT_ONCE, Start
 from .workload import Workload
@@ -42,19 +43,21 @@ class PersonEntry:
     """One person of a trial. Figures that are None are the floorplan's, the planner the trial's.
 
     `personality` is a built-in name, an .asl file, "external", or a program itself. A file is read
-    when the trial is run. `changes` are what it changes to, and when.
+    when the trial is run. `changes` are what it changes to, and when. `at` is where the person
+    starts; "anywhere" is a free place that is drawn from the trial's seed.
     """
 
     name: str
     personality: str | bdi.Program = "indifferent"
     start: Start = AT_ONCE
-    at: tuple[float, float] | None = None
+    at: tuple[float, float] | Literal["anywhere"] | None = None
     beliefs: tuple[str, ...] = ()
     radius: float | None = None
     max_speed: float | None = None
     max_acceleration: float | None = None
     changes: tuple[PersonalityChange, ...] = ()
     home: tuple[float, float] | None = None
+    manners: MannersEntry = AS_USUAL
     planner: PlannerChoice | None = None
 
     @property
@@ -69,7 +72,7 @@ class PersonEntry:
         """
         if self.home is not None:
             return SafeZone(self.home)
-        if plan.safe_zone is not None or self.at is None:
+        if plan.safe_zone is not None or self.at is None or self.at == "anywhere":
             return plan.safe_zone
         return SafeZone(self.at)
 

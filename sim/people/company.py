@@ -6,12 +6,12 @@ from dataclasses import replace
 from pathlib import Path
 
 import bdi
-from floorplan import Human, Problem
+from floorplan import Human
 from navigation import PathPlanner, PlannerChoice
 
 from ..core.events import Said, Warning
 from ..core.recorder import Listener, Thought, rounded
-from ..core.scenario import PersonEntry, Scenario, TrialError
+from ..core.scenario import PersonEntry, Scenario
 from ..core.stage import Stage
 from ..safety.referee import Referee
 from .mind_inspector import MindInspector
@@ -20,7 +20,8 @@ from .person import Person
 from .planners import find_planner, planner_of
 from .programs import EXTERNAL
 from .steering.crowd import Crowd
-from .walker import Place
+from .steering.manners import drawn
+from .steering.starting import starting_places
 
 MOST_PATHS = 256
 """Number of paths that people of a size keep in mind: patrols ask for the same ones all day."""
@@ -47,7 +48,7 @@ class Company:
         self._inspectors: dict[str, MindInspector] = {}
         self.people: list[Person] = []
         self._crowd = crowd = Crowd(stage) if len(scenario.people) > 1 else None
-        starts = self._starts(crowd)
+        starts = starting_places(scenario, stage.world, crowd)
         for index, entry in enumerate(scenario.people):
             human = _human(entry, stage.floorplan.human)
             if listener.wants_thoughts:
@@ -60,6 +61,7 @@ class Company:
                 at=starts[index],
                 crowd=crowd,
                 index=index,
+                manners=drawn(entry.manners, scenario.seed, entry.name),
                 referee=referee,
                 make_mind=self._make_mind,
                 thought=self._thought,
@@ -70,24 +72,6 @@ class Company:
     def deadlocks(self) -> int:
         """Number of times that nobody under way could go on because of the others."""
         return 0 if self._crowd is None else self._crowd.deadlocks
-
-    def _starts(self, crowd: Crowd | None) -> list[Place]:
-        """Return where people start; those who start at home stand beside each other there."""
-        plan, people = self._stage.floorplan, self._scenario.people
-        radii = [_human(entry, plan.human).radius for entry in people]
-        places = [entry.at for entry in people]
-        for k, entry in enumerate(people):
-            home = entry.home_on(plan)
-            assert home is not None  # else the trial is refused
-            if entry.at is None:
-                taken = [(at, radii[j]) for j, at in enumerate(places) if at is not None]
-                places[k] = home.position
-                if crowd is not None:
-                    places[k] = crowd.room(home.position, radii[k], taken=taken)
-                if places[k] is None:
-                    message = f"there is no room for {entry.name} beside those who start at home"
-                    raise TrialError("trial", [Problem(f"{message}; give at: [x, y]", "people")])
-        return [place for place in places if place is not None]
 
     def _planner(self, radius: float, choice: PlannerChoice) -> PathPlanner:
         """Return the one planner for all people of a size who plan alike: to share its paths."""

@@ -30,6 +30,7 @@ from .minds import Mind
 from .percepts import Senses
 from .programs import find_program, load_program
 from .steering.crowd import Crowd
+from .steering.manners import Manners
 from .walker import Place, Walker
 
 MOST_AT_ONCE = 1000
@@ -53,6 +54,7 @@ class Person:
         at: Place,
         crowd: Crowd | None,
         index: int,
+        manners: Manners,
         referee: Referee,
         make_mind: Callable[[Person, PersonEntry, Mind | None], Mind],
         thought: Callable[[Person], None],
@@ -72,6 +74,7 @@ class Person:
             arrived=lambda goal: self._errand.arrived(goal),
             crowd=crowd,
             index=index,
+            manners=manners,
             blocked=lambda: self._senses.count("blocked"),
         )
         self._stage = stage

@@ -21,6 +21,7 @@ from floorplan import (
 from navigation import PlannerChoice, PlannerError
 
 from ..core.events import EVENT_KINDS
+from ..core.manners import MannersEntry, Side
 from ..core.rules import NO_TIME, MachineMeasure, PersonMeasure, RuleSet
 from ..core.scenario import PersonalityChange, PersonEntry, Scenario, TrialError
 from ..core.start import Start
@@ -40,6 +41,9 @@ LARGEST_SEED = 2**63 - 1
 
 MOST_BYTES = 200
 """Longest name of a trial or a study, in UTF-8: folders are called after them."""
+
+DENSEST = 0.9
+"""Share of a floor that discs can cover, side by side."""
 
 CONDITIONS = ("time", "part_placed", "order_submitted", "event")
 """Conditions of a start or a change of personality, one of them."""
@@ -69,6 +73,7 @@ def faults(trial: Scenario) -> Iterator[Fault]:
             yield f"another body is called {person.name!r} already", ("people", k, "name")
         taken.add(person.name)
     yield from _overlaps(trial)
+    yield from _crowding(trial)
     yield from _floor_faults(trial)
     yield from _below(machine_faults(trial), "machines")
     yield from _below(expectation_problems(trial), "expect")
@@ -132,6 +137,7 @@ def _person_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:
     for name in ("radius", "max_speed", "max_acceleration"):
         yield from _size(getattr(person, name), name)
     yield from _place_faults(person, trial)
+    yield from _below(_manners_faults(person.manners), "manners")
     if person.planner is not None:
         yield from _planner_faults(person.planner, trial, "planner")
     for k, belief in enumerate(person.beliefs):
@@ -146,7 +152,7 @@ def _overlaps(trial: Scenario) -> Iterator[Fault]:
     usual = trial.floorplan.human.radius
     for k, person in enumerate(trial.people):
         for other in trial.people[:k]:
-            if person.at is None or other.at is None:
+            if not (isinstance(person.at, tuple) and isinstance(other.at, tuple)):
                 continue
             needed = (person.radius or usual) + (other.radius or usual)
             apart = math.dist(person.at, other.at)
@@ -156,6 +162,28 @@ def _overlaps(trial: Scenario) -> Iterator[Fault]:
                     f" their size need {needed:g} m between their centres"
                 )
                 yield message, ("people", k, "at")
+
+
+def _manners_faults(manners: MannersEntry) -> Iterator[Fault]:
+    for name, least in (("comfort", 0), ("foresight", 0.5), ("reaction_time", 0), ("patience", 0)):
+        value = getattr(manners, name)
+        if value is None:
+            continue
+        low, high = value if isinstance(value, tuple) else (value, value)
+        if not (least <= low <= high <= LARGEST):
+            yield f"must be {least} or more, or [least, most] of that, not {value!r}", (name,)
+    if manners.passing_side not in (None, *get_args(Side)):
+        yield f"must be right or left, not {manners.passing_side!r}", ("passing_side",)
+
+
+def _crowding(trial: Scenario) -> Iterator[Fault]:
+    """Yield that there are more people than the floor has room for."""
+    plan = trial.floorplan
+    bodies = sum(math.pi * (one.radius or plan.human.radius) ** 2 for one in trial.people)
+    room = plan.free(0.0, plan.human.height).area
+    if len(trial.people) > 1 and bodies > DENSEST * room:
+        message = f"{len(trial.people)} people don't fit on the {room:.0f} m² that are free"
+        yield message, ("people",)
 
 
 def _personality_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:
@@ -204,8 +232,10 @@ def _name_faults(
 
 def _place_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:
     plan, zone = trial.floorplan, trial.floorplan.safe_zone
+    if isinstance(person.at, str) and person.at != "anywhere":
+        yield f"must be [x, y] or anywhere, not {person.at!r}", ("at",)
     for key, place in (("at", person.at), ("home", person.home)):
-        if place is not None and (fault := starting_fault(plan, place, person.radius)):
+        if isinstance(place, tuple) and (fault := starting_fault(plan, place, person.radius)):
             yield fault, (key,)
     if person.home_on(plan) is None:
         yield "the floorplan has no safe zone to start in; give at: [x, y]", ()

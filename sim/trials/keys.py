@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from dataclasses import replace
+from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field, Strict, model_validator
 from pydantic_core import PydanticCustomError
 
-from floorplan import NotNegative, Pair, Positive, Strictly
+from floorplan import NotNegative, Pair, Positive, Range, Strictly
 from navigation import PlannerChoice
 
 from ..core.keys import Flag, Keys
+from ..core.manners import MannersEntry, Side
 from ..core.rules import PAPER
 from ..core.scenario import USUAL_PLANNER, PersonalityChange, PersonEntry
 from ..core.start import Start
@@ -60,13 +62,29 @@ class _Change(Keys):
         return PersonalityChange(**self.fields())
 
 
+class MannersKeys(Keys):
+    """Manners of people towards others: a figure, or [least, most] to draw each person's from."""
+
+    comfort: NotNegative | Range | None = None
+    foresight: Positive | Range | None = None
+    reaction_time: NotNegative | Range | None = None
+    patience: Positive | Range | None = None
+    passing_side: Side | None = None
+    steps_aside: Flag | None = None
+
+    def value(self) -> MannersEntry:
+        """Return the manners."""
+        return MannersEntry(**self.fields())
+
+
 class PersonKeys(Keys):
     """One person."""
 
     name: Annotated[str, Field(pattern=f"^{NAME}$")]
     personality: str = "indifferent"
     start: _Start = _Start(time=0.0)
-    at: Pair | None = None
+    count: Annotated[int, Strict(), Field(ge=1)] | None = None
+    at: Pair | Literal["anywhere"] | None = None
     home: Pair | None = None
     beliefs: list[str] = []
     radius: Positive | None = None
@@ -74,10 +92,20 @@ class PersonKeys(Keys):
     max_acceleration: Positive | None = None
     changes: list[_Change] = []
     planner: _Planner | None = None
+    manners: MannersKeys = MannersKeys()
 
     def value(self) -> PersonEntry:
         """Return the person."""
-        return PersonEntry(**self.fields())
+        fields = self.fields()
+        del fields["count"]
+        return PersonEntry(**fields)
+
+    def values(self) -> list[PersonEntry]:
+        """Return the people: the one, or `count` of them, who are numbered from 1."""
+        one = self.value()
+        if self.count is None:
+            return [one]
+        return [replace(one, name=f"{one.name}{k + 1}") for k in range(self.count)]
 
 
 def _name_or_keys(value: Any) -> Any:

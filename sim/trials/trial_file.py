@@ -109,7 +109,7 @@ def people_of(entries: Sequence[PersonKeys], folder: Path) -> tuple[PersonEntry,
 
     Each program is read once, however many people run it.
     """
-    people = tuple(keys.value() for keys in entries)
+    people = tuple(person for keys in entries for person in keys.values())
     changes = [change.personality for keys in entries for change in keys.changes]
     for personality in dict.fromkeys([*(keys.personality for keys in entries), *changes]):
         # One that isn't there is reported together with everything else that is wrong.
@@ -149,8 +149,12 @@ def _problems(trial: Scenario, document: Document) -> Iterator[Problem]:
 
 
 def _in_file(place: Place, data: Any) -> Place:
-    """Return the place in the file: the moves of an AGV may have a key of their own."""
+    """Return the place in the file: moves may have a key, and an entry be many people."""
     match place:
         case ("agvs", name, int(k), key) if not isinstance(data["agvs"][name], list):
             return ("agvs", name, "moves", k, key)
+        case ("people", int(k), *key) if isinstance(data.get("people"), list):
+            counts = [entry.get("count") or 1 for entry in data["people"]]
+            owners = [n for n, count in enumerate(counts) for _ in range(count)]
+            return ("people", owners[k], *key)
     return place

@@ -40,6 +40,9 @@ APART = 0.5
 ANEW = 1.5
 """Seconds until somebody who is not on the course that they wish for looks again."""
 
+PAUSE = 2.0
+"""Seconds until somebody who waits looks again for a way round what has not changed."""
+
 WORTH = 0.6
 """Metres. Who would lose more than this on their own looks whether both could shift aside."""
 
@@ -61,6 +64,10 @@ class _Party:
     deciding: Alarm
     arriving: Alarm
     waits_for: Traveller | None = None
+    waits_on: Motion | None = None
+    """The motion of whom they wait for, when they last looked for a way round it."""
+    tries_again: float = 0.0
+    """When they look again though it is still the same, seconds."""
     said: bool = False
 
 
@@ -185,11 +192,14 @@ class Crowd:
         if hit is not None and self._may_go_on(hit, now, (*asked, me)):
             self._decide(hit.other, (*asked, me))
             hit = outlook.hit(wish)
-        motion = self.steering.replan(me, outlook.others, outlook)
+        if hit is not None and self._waits_on(party, hit, now):
+            self._wait(party, outlook, hit, ask=False)
+            return
+        motion = self.steering.replan(me, outlook.near, outlook)
         loss = math.inf
         if motion is not None:
             if hit is not None or motion is not wish:
-                if outlook.hit(motion) is not None:
+                if first_hit(me, swath(motion, now), outlook.others, now) is not None:
                     motion = None
                 else:
                     loss = outlook.gone(wish, math.inf) - outlook.gone(motion, math.inf)
@@ -205,6 +215,14 @@ class Crowd:
             self._wait(party, outlook, hit)
         else:
             self._again(party, now + APART)
+
+    def _waits_on(self, party: _Party, hit: Hit, now: float) -> bool:
+        """Return whether nothing has changed for somebody who waits since they last looked."""
+        return (
+            hit.other is party.waits_for
+            and hit.other.body.motion is party.waits_on
+            and party.me.body.motion.end <= now < party.tries_again
+        )
 
     def _may_go_on(self, hit: Hit, now: float, asked: tuple[Traveller, ...]) -> bool:
         """Return whether the other may look first whether they can go on: they have not of late."""
@@ -240,7 +258,7 @@ class Crowd:
             return True
         return False
 
-    def _wait(self, party: _Party, outlook: Outlook, hit: Hit) -> None:
+    def _wait(self, party: _Party, outlook: Outlook, hit: Hit, *, ask: bool = True) -> None:
         """Let somebody wait who can't go on; after a while they ask to be let past."""
         me, now = party.me, self._clock.now
         if me.body.motion.end > now:
@@ -249,7 +267,8 @@ class Crowd:
         if me.stands_since is None:
             me.stands_since = now
         stood = now - me.stands_since
-        party.waits_for = hit.other
+        if ask:
+            party.waits_for, party.waits_on = hit.other, hit.other.body.motion
         assert me.goal is not None
         if stood >= me.manners.reaction_time and hit.at_rest and hit.other.body.motion.end <= now:
             here = me.body.motion.state(now).at
@@ -258,8 +277,10 @@ class Crowd:
                 self._goes_on(party)
                 party.arriving.set(now)
                 return
-            if me.rank < hit.other.rank and self._ask(me, outlook, hit):
-                return
+            if ask:
+                party.tries_again = now + PAUSE
+                if me.rank < hit.other.rank and self._ask(me, outlook, hit):
+                    return
         if stood >= me.manners.patience and not party.said:
             party.said = True
             self._stage.record(Blocked(person=me.name, by=hit.other.name))
@@ -321,6 +342,7 @@ class Crowd:
         if me.stands_since is not None:
             me.lost += self._clock.now - me.stands_since
         me.stands_since, party.waits_for, party.said = None, None, False
+        party.waits_on, party.tries_again = None, 0.0
 
     def _meet(self, me: Traveller, hit: Hit, now: float) -> None:
         """Record that somebody has to mind somebody else, once for each time that they meet."""

@@ -35,6 +35,9 @@ STEP = 0.25
 FARTHEST = 25.0
 """Metres. So far a course is looked ahead to find the end of a narrow place."""
 
+AROUND = 3.0
+"""Metres. Those who stay so far from the course are not looked at."""
+
 JUST_NOW = 1e-3
 """Seconds. Who is too close so soon is so already."""
 
@@ -210,11 +213,35 @@ class Outlook:
         ends = [rest(self.course, k * STEP)[0] for k in range(math.ceil(whole / STEP) + 1)]
         return self.ground.narrow(ends)
 
+    def free(self, motion: Motion) -> bool:
+        """Return whether a motion of theirs from now on conflicts with nobody near."""
+        ahead = swath(motion, self.now)
+        return not any(first_hit(self.me, ahead, (other,), self.now) for other in self.near)
+
+    @cached_property
+    def near(self) -> Sequence[Traveller]:
+        """Those of the others who may come near the course, or beside it."""
+        wish = self.wish
+        if wish is None:
+            return self.others
+        ahead = swath(wish, self.now)
+        low_x, high_x = ahead.low_x - AROUND, ahead.high_x + AROUND
+        low_y, high_y = ahead.low_y - AROUND, ahead.high_y + AROUND
+        return [
+            other
+            for other in self.others
+            for theirs in (other.swath,)
+            if theirs.low_x < high_x
+            and theirs.high_x > low_x
+            and theirs.low_y < high_y
+            and theirs.high_y > low_y
+        ]
+
     def hit(
         self, motion: Motion, comfort: float = 0.0, but: Collection[Traveller] = ()
     ) -> Hit | None:
         """Return the first conflict of a motion of theirs from now on, `but` with some people."""
-        others = [o for o in self.others if o not in but] if but else self.others
+        others = [o for o in self.near if o not in but] if but else self.near
         return first_hit(self.me, swath(motion, self.now), others, self.now, comfort)
 
     def gone(self, motion: Motion, t: float) -> float:

@@ -18,7 +18,7 @@ DEEPEST = 4
 MOST = 12
 """At most so many people move for one request."""
 
-TRIES = 400
+TRIES = 200
 """At most so many courses are tried for one request."""
 
 RINGS = (0.3, 0.5, 0.7, 1.0, 1.4, 2.0, 2.8)
@@ -96,7 +96,7 @@ class Request:
     def _may_ask(self, other: Traveller) -> bool:
         return (
             other is not self._asker
-            and not other.firm
+            and other.manners.steps_aside
             and other.body.motion.end <= self._now
             and other.rank > self._asker.rank
         )

@@ -82,7 +82,7 @@ class Foresighted:
         proposals = sorted(self._proposals(body, outlook, wish, hit), key=lambda one: one[0])
         for _, make in proposals:
             motion = make()
-            if motion is not None and outlook.hit(motion) is None:
+            if motion is not None and outlook.free(motion):
                 return motion
         return None
 

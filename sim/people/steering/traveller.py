@@ -19,7 +19,7 @@ class Traveller:
 
     `goal` is where they walk to, if anywhere, `route` the points that lead there from where they
     are; `since` is when they set out (seconds), `index` their place among all people.
-    `top_speed` is in m/s. Others may ask them to step aside unless they are `firm`.
+    `top_speed` is in m/s.
     """
 
     index: int
@@ -30,7 +30,6 @@ class Traveller:
     route: list[Place] = field(default_factory=list)
     since: float = 0.0
     top_speed: float = 1.0
-    firm: bool = False
     decided: float = -math.inf
     """Instant of their last change of course, seconds."""
     stands_since: float | None = None
