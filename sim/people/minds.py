@@ -118,10 +118,10 @@ def make_agent(
 
 
 def live_beliefs(person: Body, stage: Stage) -> bdi.LiveBeliefs:
-    """Return live beliefs: where things are and how fast they move, whenever a program asks.
+    """Return live beliefs: where all are and how fast they move, whenever a program asks.
 
-    `me(X, Y, V)`, `gantry(X, Y, V)` where there is one, `agv(Name, X, Y, V)` of every vehicle and
-    `machine(Name, Kind, X, Y, V)` of every machine: metres and m/s.
+    `me(X, Y, V)`, `person(Name, X, Y, V)` of the others, `gantry(X, Y, V)` where there is one,
+    `agv(Name, X, Y, V)` of vehicles, `machine(Name, Kind, X, Y, V)` of all machines: m and m/s.
     """
 
     def of(body: Body) -> tuple[bdi.Term, ...]:
@@ -130,6 +130,9 @@ def live_beliefs(person: Body, stage: Stage) -> bdi.LiveBeliefs:
 
     live: dict[tuple[str, int], Callable[[], list[tuple[bdi.Term, ...]]]] = {
         ("me", 3): lambda: [of(person)],
+        ("person", 4): lambda: [
+            (_name(one.name), *of(one.body)) for one in stage.people if one.body is not person
+        ],
         ("agv", 4): lambda: [(_name(agv.name), *of(agv.body)) for agv in stage.vehicles],
         ("machine", 5): lambda: [
             (_name(one.name), _name(one.shape.kind), *of(one.body))

@@ -287,3 +287,62 @@ def test_nearest_pair_sees_what_an_oracle_sees():
         if min(apart.values()) >= 0:
             assert found.distance == pytest.approx(min(apart.values()), abs=1e-8)
         assert found.overlaps == sum(gap < -1e-9 for gap in apart.values())
+
+
+CREW = """
+floorplan: ariac2023
+duration: 20
+rules: observe
+seed: {seed}
+people:
+  - {{name: crew, count: 8, at: anywhere, manners: {{comfort: [0.05, 0.2]}}}}
+  - {{name: guest}}
+"""
+
+
+def test_a_crew_is_spread_from_the_seed():
+    runs = [sim.run(sim.Trial.parse(CREW.format(seed=seed))) for seed in (1, 1, 2)]
+    starts = [
+        {name: tuple(run.motions[name].position(0.0)) for name in run.summary["people"]}
+        for run in runs
+    ]
+    assert list(starts[0]) == [*(f"crew{k}" for k in range(1, 9)), "guest"]
+    assert starts[0] == starts[1] and starts[0]["crew3"] != starts[2]["crew3"]
+    for run in runs:
+        assert least(run) >= 0.6 and run.summary["overlaps"] == 0
+        assert through_walls(run) == []
+    trial = sim.Trial.parse(CREW.format(seed=1))
+    assert sim.Trial.parse(trial.to_yaml()).people == trial.people
+
+
+@pytest.mark.parametrize(
+    ("person", "says"),
+    [
+        ("{name: b, at: [-5.2, 0]}", "line 5, people[1].at: .* is 0.2 m from where a starts"),
+        ("{name: b, count: 3, manners: {comfort: -1}}", r"line 5, people[1].manners.comfort"),
+        ("{name: b, count: 2, manners: {patience: [3, 2]}}", r"line 5, people[1].manners.pati"),
+        ("{name: b, count: 0}", r"line 5, people[1].count"),
+        ("{name: b, count: 3000, at: anywhere}", "line 3, people: 3001 people don't fit"),
+        ("{name: b, count: 500}", "no room for b"),
+    ],
+)
+def test_people_who_can_not_be_are_refused_before_the_run(person, says):
+    text = f"floorplan: ariac2023\nduration: 5\npeople:\n  - {{name: a, at: [-5, 0]}}\n  - {person}"
+    with pytest.raises(sim.TrialError, match=says.replace("people[1]", r"people\[1\]")):
+        sim.Simulation(sim.Trial.parse(text))
+
+
+def test_minds_know_where_the_others_are(walks, tmp_path):
+    (tmp_path / "look.asl").write_text(
+        '+human_start <- .wait(1000); ?person(N, X, Y, V); .print(N, " ", X, " ", Y).'
+    )
+    trial = sim.Trial(
+        floorplan=floorplan.parse(hall(6, 6)),
+        people=(
+            sim.PersonEntry(name="a", personality="look.asl", at=(1, 1)),
+            sim.PersonEntry(name="b", personality="look.asl", at=(4, 2)),
+        ),
+        duration=3,
+        folder=tmp_path,
+    )
+    assert [event["text"] for event in events(sim.run(trial), "said")] == ["b 4 2", "a 1 1"]
