@@ -114,6 +114,7 @@ def plan_among(
     moving: Sequence[Mover],
     *,
     at: float = 0.0,
+    heading: float = 0.0,
     max_speed: float = MAX_SPEED,
     max_acceleration: float = MAX_ACCELERATION,
     height: float = PERSON_HEIGHT,
@@ -123,12 +124,13 @@ def plan_among(
     """Return the passage from `start` to `goal` that arrives first of those that are looked at.
 
     Paths are the `planner`'s, for a person of its radius and this `height` (metres), who walks at
-    `max_speed` (m/s) and `max_acceleration` (m/s²) at most, stands at `start` at the time `at`
-    (seconds), and waits `patience` seconds at most, once: there, at a waypoint, or short of a place
-    where a body would touch them. Paths looked at are the shortest one regardless of what is
-    `moving`, and those round where it stands now, where it comes to rest, and all that it covers
-    on its way. Until the arrival, no such body comes closer than `gap` metres, or closer than it is
-    at the beginning where that is less: the monitor has checked it for the motion as it is
+    `max_speed` (m/s) and `max_acceleration` (m/s²) at most. At the time `at` (seconds) they stand
+    at `start` and look in the direction `heading` (radians). They wait `patience` seconds at most,
+    once: there, at a waypoint, or short of a place where a body would touch them. Paths looked at
+    are the shortest one regardless of what is `moving`, and those round where it stands now, where
+    it comes to rest, and all that it covers on its way. Until the arrival, no such body comes
+    closer than `gap` metres, or closer than it is at the beginning where that is less: the monitor
+    has checked it for the motion as it is
     returned. `PlanningError` if there is none.
     """
     watches = [_watch(planner, mover, start, at, height, gap) for mover in moving]
@@ -136,7 +138,7 @@ def plan_among(
     failed: list[PlanningError] = []
     limits = (max_speed, max_acceleration)
     for path in _paths(planner, start, goal, moving, at, failed):
-        for passage in _passages(path, watches, at, limits, patience):
+        for passage in _passages(path, watches, at, heading, limits, patience):
             if best is None or passage.arrives < best.arrives:
                 best = passage
     if best is not None:
@@ -202,7 +204,12 @@ def _footprint(mover: Mover, t: float) -> Polygon:
 
 
 def _passages(
-    path: Path, watches: Sequence[_Watch], at: float, limits: Limits, patience: float
+    path: Path,
+    watches: Sequence[_Watch],
+    at: float,
+    heading: float,
+    limits: Limits,
+    patience: float,
 ) -> Iterator[Passage]:
     """Yield the passages along `path` that wait once at most, one for each place to wait at."""
     points: list[Point] = [(x, y) for x, y in path.points.tolist()]
@@ -214,7 +221,10 @@ def _passages(
         yield Passage(path, straight)
         return
     for before, after in _splits(points, straight.state(first).at):
-        before_it = walk(before, at, max_speed=speed, max_acceleration=acceleration)
+        if len(before) == 1:
+            before_it = standing(before[0], heading=heading, start=at)
+        else:
+            before_it = walk(before, at, max_speed=speed, max_acceleration=acceleration)
         found = _delayed(before_it, after, watches, at, limits, patience)
         if found is not None:
             motion, delay = found

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable
+from contextlib import suppress
 
 from floorplan import Human
 from navigation import (
@@ -23,6 +24,7 @@ from ..core.body import PERSON, Body
 from ..core.clock import Alarm, Turn
 from ..core.events import PathBlocked, Replanned
 from ..core.stage import Stage
+from .foreseen import among_vehicles
 from .steering.crowd import Crowd
 from .steering.manners import Manners
 from .steering.traveller import Traveller
@@ -62,6 +64,7 @@ class Walker:
         self.goal: Place | None = None
         self.speed_share = 1.0
         self.replans = 0
+        self._stage = stage
         self._clock = stage.clock
         self._planner = planner
         self._record = stage.record
@@ -154,20 +157,24 @@ class Walker:
             len(points) < 2 or can_go_on(state, points[1], acceleration)
         )
         if goes_on:
-            try:
-                return walk(
+            motion: Motion | None = None
+            with suppress(ValueError):  # too short to come to rest on
+                motion = walk(
                     points,
                     now,
                     max_speed=top,
                     max_acceleration=acceleration,
                     initial_speed=state.speed,
                 )
-            except ValueError:  # too short to come to rest on
-                pass
+            if motion is not None:
+                return motion if state.speed > 0 else self._among_vehicles(goal, motion, top)
         braking = self.braking()
         points = self._path(braking.state(braking.end).at, goal)
         onwards = walk(points, braking.end, max_speed=top, max_acceleration=acceleration)
         return join([braking, onwards])
+
+    def _among_vehicles(self, goal: Place, motion: Motion, top: float) -> Motion:
+        return among_vehicles(self._stage, self._planner, self.human, self.body, goal, motion, top)
 
     def _path(self, start: Place, goal: Place) -> list[Place]:
         try:

@@ -122,7 +122,7 @@ def test_an_agv_that_drives_across_is_let_pass(run, tmp_path):
     text = (
         "floorplan: floor.yaml\nduration: 30\nrules: close.yaml\n"
         "people: [{name: a, personality: mine.asl, at: [11, 1.5]}]\n"
-        "agvs: {cart: [{time: 0, to: far}]}\n"
+        "agvs: {cart: [{time: 0.05, to: far}]}\n"
     )
     found = sim.run(sim.Trial.parse(text, folder=tmp_path))
     blocked, replanned = events(found, "path_blocked", "replanned")
