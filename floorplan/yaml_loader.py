@@ -76,8 +76,18 @@ def _misfit(node: yaml.Node, message: str) -> ConstructorError:
     return ConstructorError(None, None, message, node.start_mark)
 
 
+def _decimal(construct: Callable[[Any, yaml.Node], Any]) -> Callable[[Any, yaml.Node], Any]:
+    """Return a constructor that takes 10:30 for text: to YAML 1.1 it is a number of base 60."""
+
+    def constructed(loader: Any, node: yaml.Node) -> Any:
+        return node.value if ":" in str(node.value) else construct(loader, node)
+
+    return constructed
+
+
 for _tag, _construct in SafeConstructor.yaml_constructors.items():
-    _Constructor.add_constructor(_tag, _placed(_construct))
+    _is_number = _tag in ("tag:yaml.org,2002:int", "tag:yaml.org,2002:float")
+    _Constructor.add_constructor(_tag, _placed(_decimal(_construct) if _is_number else _construct))
 
 
 class _Plain(Reader, Scanner, Parser, _Counting, _Constructor, Resolver):

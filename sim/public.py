@@ -12,6 +12,7 @@ from .core.scenario import AgvMove, GantryEntry, Job, PersonalityChange, PersonE
 from .core.scene import Figure, Scene
 from .core.stage import Stage
 from .core.start import Start
+from .core.work import Duration, WorkList, WorkTask
 from .exports import export
 from .live.live import LiveRun
 from .machines.gantry.controllers import (
@@ -53,6 +54,7 @@ __all__ = [
     "Clock",
     "Controller",
     "ControllerError",
+    "Duration",
     "Event",
     "EventKind",
     "Figure",
@@ -101,6 +103,8 @@ __all__ = [
     "Trial",
     "TrialError",
     "Verdict",
+    "WorkList",
+    "WorkTask",
     "builtin_trials",
     "export",
     "find_controller",

@@ -102,8 +102,7 @@ class Simulation:
         if self.dispatcher is not None:
             self.dispatcher.begin()
         self._end_with_jobs()
-        for person in self.people:
-            person.begin()
+        self._company.begin()
 
     @property
     def bodies(self) -> list[Body]:

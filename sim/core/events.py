@@ -363,6 +363,62 @@ class Deadlock(EventKind):
     people: list[str]
 
 
+class ShiftBegan(EventKind):
+    """From now on tasks are offered to a person."""
+
+    person: _Person
+
+
+class ShiftEnded(EventKind):
+    """No more tasks are offered to a person; the one that they have is theirs."""
+
+    person: _Person
+
+
+class TaskTaken(EventKind):
+    """A person takes on a task, so that nobody else does."""
+
+    person: _Person
+    task: str
+    station: _Station
+
+
+class TaskBegun(EventKind):
+    """A person sets to work, at the station of their task; also after a pause."""
+
+    person: _Person
+    task: str
+    station: _Station
+
+
+class TaskPaused(EventKind):
+    """A person leaves a task that takes `left` more seconds at the usual pace."""
+
+    person: _Person
+    task: str
+    station: _Station
+    left: float
+
+
+class TaskDone(EventKind):
+    """A person has done a task: `waited` seconds untouched, `took` from its begin to its end."""
+
+    person: _Person
+    task: str
+    station: _Station
+    waited: float
+    took: float
+
+
+class TaskGivenBack(EventKind):
+    """A person gives a task back, for others, or does not take it on at all (`refused`)."""
+
+    person: _Person
+    task: str
+    station: _Station
+    refused: bool
+
+
 class Said(EventKind):
     """A program prints something."""
 

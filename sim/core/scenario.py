@@ -15,6 +15,7 @@ from .machine_model import MachineEntry
 from .manners import AS_USUAL, MannersEntry
 from .rules import PAPER, RuleSet
 from .start import AT_ONCE, Start
+from .work import Shift, WorkList, WorkTask
 from .workload import Workload
 
 USUAL_PLANNER = PlannerChoice()
@@ -45,6 +46,9 @@ class PersonEntry:
     `personality` is a built-in name, an .asl file, "external", or a program itself. A file is read
     when the trial is run. `changes` are what it changes to, and when. `at` is where the person
     starts; "anywhere" is a free place that is drawn from the trial's seed.
+
+    `work` names the lists that the person takes tasks from; `schedule` and `breaks` are for them
+    alone. Where there are `shifts`, tasks are offered to them within these only.
     """
 
     name: str
@@ -59,6 +63,15 @@ class PersonEntry:
     home: tuple[float, float] | None = None
     manners: MannersEntry = AS_USUAL
     planner: PlannerChoice | None = None
+    work: tuple[str, ...] = ()
+    schedule: tuple[WorkTask, ...] = ()
+    breaks: tuple[WorkTask, ...] = ()
+    shifts: tuple[Shift, ...] = ()
+
+    @property
+    def works(self) -> bool:
+        """Whether there may be anything to do for them."""
+        return bool(self.work or self.schedule or self.breaks)
 
     @property
     def personality_name(self) -> str:
@@ -134,8 +147,8 @@ class Scenario:
     from no file. `workload` are the orders of an ARIAC trial; `until_submitted` ends the run as
     soon as they are all submitted, or without a workload those of the gantry's jobs. `notices` are
     what the file says that makes no difference, or may mean something else than its author thought.
-    Without `own_code` a controller, a law or a planner of the user's own is refused that it, or
-    whatever changes it, names.
+    `work` are the lists of tasks that people share, by name. Without `own_code` a controller, a law
+    or a planner of the user's own is refused that it, or whatever changes it, names.
     """
 
     floorplan: Floorplan
@@ -156,6 +169,12 @@ class Scenario:
     until_submitted: bool = False
     notices: tuple[Problem, ...] = field(default=(), compare=False)
     own_code: bool = field(default=True, compare=False)
+    work: dict[str, WorkList] = field(default_factory=dict)
+
+    @property
+    def has_work(self) -> bool:
+        """Whether there are tasks for people."""
+        return bool(self.work) or any(person.works for person in self.people)
 
 
 def _personality_name(personality: str | bdi.Program) -> str:

@@ -15,12 +15,17 @@ from ..core.stage import Stage
 from .errand import Errand
 from .steering.crowd import Crowd
 from .walker import Place, Walker
+from .worker import Worker
 
 GLANCE_AHEAD = 2.0
 """Seconds. `step_between` goes to where the gantry will be after this time."""
 
 SMALLEST_STEP = 0.05
 """Metres. `move_away` fails where there is less room than this."""
+
+
+BESIDE_WORK = ("walk_speed", "begin_task", "take", "refuse", "work_pace")
+"""Actions that leave what a person does otherwise as it is."""
 
 
 class MindError(ValueError):
@@ -34,7 +39,13 @@ class Actions:
     """
 
     def __init__(
-        self, stage: Stage, walker: Walker, errand: Errand, home: SafeZone, crowd: Crowd | None
+        self,
+        stage: Stage,
+        walker: Walker,
+        errand: Errand,
+        home: SafeZone,
+        crowd: Crowd | None,
+        worker: Worker | None = None,
     ) -> None:
         self.put_home_at: float | None = None
         """Instant at which they were last put home (seconds)."""
@@ -43,6 +54,7 @@ class Actions:
         self._errand = errand
         self._home = home
         self._crowd = crowd
+        self._worker = worker
         self._actions: dict[str, Callable[..., bool]] = {
             "move": self._move,
             "stop_movement": self._stop_movement,
@@ -54,6 +66,14 @@ class Actions:
             "move_away": self._move_away,
             "step_between": self._step_between,
         }
+        if worker is not None:
+            self._actions |= {
+                "take": worker.take,
+                "begin_task": worker.begin,
+                "give_back": worker.give_back,
+                "refuse": worker.refuse,
+                "work_pace": worker.work_pace,
+            }
         self._signatures = {name: inspect.signature(act) for name, act in self._actions.items()}
 
     def perform(self, action: bdi.Literal) -> bool:
@@ -61,8 +81,8 @@ class Actions:
 
         `MindError` if there is no such action, or if its arguments are wrong.
         """
-        if action.functor != "walk_speed":
-            self._errand.give_up()
+        if action.functor not in BESIDE_WORK:
+            self._leave()
         perform = self._actions.get(action.functor)
         name = self._walker.body.name
         if perform is None:
@@ -81,13 +101,19 @@ class Actions:
     def teleport(self, reason: str) -> bool:
         """Put the person home, for this reason; return True if there is room."""
         self.put_home_at = self._stage.clock.now
-        self._errand.give_up()
+        self._leave()
         at = self._place_at_home()
         if at is None:
             return self._errand.fail(self._home.position, "there is no room at home")
         self._stage.record(Teleport(person=self._walker.body.name, reason=reason, to=at))
         self._walker.put(at, self._home.heading)
         return True
+
+    def _leave(self) -> None:
+        """Give up waiting for anything, and leave the task that is under way."""
+        self._errand.give_up()
+        if self._worker is not None:
+            self._worker.pause()
 
     def _place_at_home(self) -> Place | None:
         """Return home, or the nearest free place beside the vehicle that stands there, if any."""

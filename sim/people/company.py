@@ -22,6 +22,7 @@ from .programs import EXTERNAL
 from .steering.crowd import Crowd
 from .steering.manners import drawn
 from .steering.starting import starting_places
+from .work_board import WorkBoard
 
 MOST_PATHS = 256
 """Number of paths that people of a size keep in mind: patrols ask for the same ones all day."""
@@ -46,6 +47,8 @@ class Company:
         self._planners: dict[tuple[float, PlannerChoice], PathPlanner] = {}
         self._society = bdi.Society()
         self._inspectors: dict[str, MindInspector] = {}
+        board = WorkBoard(scenario, stage.clock) if scenario.has_work else None
+        self._board = board
         self.people: list[Person] = []
         self._crowd = crowd = Crowd(stage) if len(scenario.people) > 1 else None
         starts = starting_places(scenario, stage.world, crowd)
@@ -65,8 +68,16 @@ class Company:
                 referee=referee,
                 make_mind=self._make_mind,
                 thought=self._thought,
+                board=board,
             )
             self.people.append(person)
+
+    def begin(self) -> None:
+        """Let people wait for their start, and work appear."""
+        if self._board is not None:
+            self._board.begin()
+        for person in self.people:
+            person.begin()
 
     @property
     def deadlocks(self) -> int:
@@ -98,7 +109,7 @@ class Company:
             society=self._society,
             start=self._stage.clock.now,
             kept=kept_beliefs(before),
-            live=live_beliefs(person.body, self._stage),
+            live={**live_beliefs(person.body, self._stage), **person.work_beliefs},
         )
 
     def _keep(self, thought: Thought) -> None:

@@ -131,11 +131,11 @@ def live_beliefs(person: Body, stage: Stage) -> bdi.LiveBeliefs:
     live: dict[tuple[str, int], Callable[[], list[tuple[bdi.Term, ...]]]] = {
         ("me", 3): lambda: [of(person)],
         ("person", 4): lambda: [
-            (_name(one.name), *of(one.body)) for one in stage.people if one.body is not person
+            (as_term(one.name), *of(one.body)) for one in stage.people if one.body is not person
         ],
-        ("agv", 4): lambda: [(_name(agv.name), *of(agv.body)) for agv in stage.vehicles],
+        ("agv", 4): lambda: [(as_term(agv.name), *of(agv.body)) for agv in stage.vehicles],
         ("machine", 5): lambda: [
-            (_name(one.name), _name(one.shape.kind), *of(one.body))
+            (as_term(one.name), as_term(one.shape.kind), *of(one.body))
             for one in stage.machines.values()
         ],
     }
@@ -154,7 +154,7 @@ def kept_beliefs(mind: Mind | None) -> list[bdi.Literal]:
 def first_beliefs(entry: PersonEntry, plan: Floorplan, rules: RuleSet) -> list[bdi.Literal | str]:
     """Return what a person believes before the trial starts: the stations, home, and pauses."""
     beliefs: list[bdi.Literal | str] = [
-        bdi.Literal("station", (_name(station.name), *station.position))
+        bdi.Literal("station", (as_term(station.name), *station.position))
         for station in plan.patrolled
     ]
     home = entry.home_on(plan)
@@ -168,7 +168,7 @@ def first_beliefs(entry: PersonEntry, plan: Floorplan, rules: RuleSet) -> list[b
     return [*beliefs, *entry.beliefs]
 
 
-def _name(name: str) -> bdi.Term:
+def as_term(name: str) -> bdi.Term:
     """Return a name as an AgentSpeak term: an atom where it can be one, else a string."""
     return bdi.Literal(name) if re.fullmatch(r"[a-z][A-Za-z0-9_]*", name) else name
 

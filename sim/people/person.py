@@ -32,6 +32,8 @@ from .programs import find_program, load_program
 from .steering.crowd import Crowd
 from .steering.manners import Manners
 from .walker import Place, Walker
+from .work_board import WorkBoard
+from .worker import Worker
 
 MOST_AT_ONCE = 1000
 """Number of times a person may think or act at one instant; more count as an endless program."""
@@ -41,7 +43,8 @@ class Person:
     """One person of a stage, as `entry` has them.
 
     `make_mind` makes a mind of theirs that runs the program of an entry; `thought` is called when
-    a mind of theirs has thought, so that others can hear the messages it sent.
+    a mind of theirs has thought, so that others can hear the messages it sent. Tasks are on the
+    `board`, if there are any.
     """
 
     def __init__(
@@ -58,6 +61,7 @@ class Person:
         referee: Referee,
         make_mind: Callable[[Person, PersonEntry, Mind | None], Mind],
         thought: Callable[[Person], None],
+        board: WorkBoard | None = None,
     ) -> None:
         home = entry.home_on(stage.floorplan)
         assert home is not None  # else the trial is refused
@@ -84,7 +88,14 @@ class Person:
         self._thought = thought
         self._senses = Senses(stage.clock, self._think)
         self._errand = Errand(stage, self.walker, self._senses)
-        self._actions = Actions(stage, self.walker, self._errand, home, crowd)
+        self.worker = (
+            None
+            if board is None
+            else Worker(
+                stage, entry, board, body=self.walker.body, human=human, senses=self._senses
+            )
+        )
+        self._actions = Actions(stage, self.walker, self._errand, home, crowd, self.worker)
         self._enforcing = Alarm(stage.clock, self._enforce, Turn.INSISTENCE)
         self._reason = "gantry"
         self._instant = (stage.clock.now, 0)
@@ -136,10 +147,17 @@ class Person:
         name = Path(program.source).stem
         self._stage.record(PersonalityChanged(person=self.name, personality=name))
         self._errand.give_up()
+        if self.worker is not None:
+            self.worker.give_back()
         self.walker.stop()
         self.walker.speed_share = 1.0
         self.mind = self._make_mind(replace(self._entry, personality=program), self.mind)
         self._senses.belong_to(self.mind)
+
+    @property
+    def work_beliefs(self) -> bdi.LiveBeliefs:
+        """What they always know about their work, if there is any."""
+        return {} if self.worker is None else self.worker.beliefs()
 
     def start(self) -> None:
         """Begin; a second time does nothing."""
@@ -147,6 +165,8 @@ class Person:
             self.started_at = self._clock.now
             self._stage.record(HumanStarted(person=self.name))
             self._referee.started(self)
+            if self.worker is not None:
+                self.worker.start()
             self._senses.see("human_start")
 
     def warn(self, percept: str, machine: Machine) -> None:

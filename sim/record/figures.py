@@ -8,6 +8,7 @@ from operator import attrgetter
 from typing import Any, Literal
 
 from ..core import events
+from ..core.scenario import Scenario
 from ..machines.law_audit import short_laws
 from . import words
 from .finished import CAUSES
@@ -25,11 +26,12 @@ class SummaryFigure:
 
     `events` are those that made it what it is: their kind, and fields that they have. With
     `instant` it has the time of the figure of that name beside it; with `short` it is also found
-    by the name of the figure that it is a part of. `of_orders` is one of trials with orders only.
-    `of_several` one of trials with more people than one. `label` is what people read; `words`,
-    if given, how much it is on a terminal. A study has it as a column unless not `column`; its
-    report compares it as a `measure`, "rare" ones only where there is something, and its first
-    rows are worth a look if it is among the `worst`: the least (1), or the most (-1).
+    by the name of the figure that it is a part of. `of_orders` is one of trials with orders only,
+    `of_several` one of trials with more people than one, `of_work` one of trials with tasks for
+    people. `label` is what people read; `words`, if given, how much it is on a terminal. A study
+    has it as a column unless not `column`; its report compares it as a `measure`, "rare" ones only
+    where there is something, and its first rows are worth a look if it is among the `worst`: the
+    least (1), or the most (-1).
     """
 
     path: str
@@ -42,11 +44,20 @@ class SummaryFigure:
     short: bool = False
     of_orders: bool = False
     of_several: bool = False
+    of_work: bool = False
     label: str = ""
     words: words.Words | None = None
     column: bool = True
     measure: Literal["", "plain", "chief", "rare"] = ""
     worst: int = 0
+
+    def belongs_to(self, trial: Scenario) -> bool:
+        """Return whether runs of `trial` have it."""
+        return (
+            (trial.workload is not None or not self.of_orders)
+            and (len(trial.people) > 1 or not self.of_several)
+            and (trial.has_work or not self.of_work)
+        )
 
 
 PEOPLE = "people.NAME."
@@ -236,6 +247,17 @@ FIGURES: dict[str, SummaryFigure] = {
             for part in ("announced", "submitted", "time", "score")
         ),
         SummaryFigure(
+            path="tasks_done",
+            of=lambda run: sum(person.worker.tasks_done for person in run.people),
+            of_work=True,
+            label="tasks done",
+            meaning="by all people, without breaks",
+            words=words.plain,
+            events=(events.TaskDone, {}),
+            measure="chief",
+            worst=1,
+        ),
+        SummaryFigure(
             path="law_audit",
             form="parts",
             of=lambda run: [asdict(short) for short in short_laws(run.trial)],
@@ -352,6 +374,37 @@ FIGURES: dict[str, SummaryFigure] = {
             unit="s",
             of_several=True,
             measure="rare",
+        ),
+        SummaryFigure(
+            path=f"{PEOPLE}tasks_done",
+            of=lambda run, person: person.worker.tasks_done,
+            of_work=True,
+            label="tasks done",
+            meaning="tasks done, without breaks",
+            words=words.plain,
+            events=(events.TaskDone, {"person": "NAME"}),
+            measure="chief",
+            worst=1,
+        ),
+        SummaryFigure(
+            path=f"{PEOPLE}time_working",
+            of=lambda run, person: person.worker.time_working,
+            of_work=True,
+            label="worked",
+            meaning="at tasks, without breaks",
+            unit="s",
+            words=words.seconds,
+            measure="plain",
+        ),
+        SummaryFigure(
+            path=f"{PEOPLE}throughput",
+            of=lambda run, person: person.worker.throughput,
+            of_work=True,
+            label="throughput",
+            meaning="tasks done in an hour on shift (or since the start, without shifts)",
+            unit="1/h",
+            measure="chief",
+            worst=1,
         ),
         SummaryFigure(
             path=f"{PEOPLE}violations",

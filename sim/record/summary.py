@@ -17,20 +17,19 @@ _LACKING = (ArithmeticError, AttributeError, LookupError, TypeError, ValueError)
 
 def summarise(run: Finished) -> dict[str, Any]:
     """Return the summary of a run, but for what it cost."""
-    several = len(run.people) > 1
     summary = {
         path: figure.of(run)
         for path, figure in FIGURES.items()
         if figure.of
         and not path.startswith(PEOPLE)
         and (run.work or not figure.of_orders)
-        and (several or not figure.of_several)
+        and figure.belongs_to(run.trial)
     }
     summary["people"] = {
         person.name: {
             path.removeprefix(PEOPLE): figure.of(run, person)
             for path, figure in FIGURES.items()
-            if figure.of and path.startswith(PEOPLE) and (several or not figure.of_several)
+            if figure.of and path.startswith(PEOPLE) and figure.belongs_to(run.trial)
         }
         for person in run.people
     }

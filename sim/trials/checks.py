@@ -32,6 +32,7 @@ from ..people.planners import planner_source
 from ..people.programs import EXTERNAL, find_program
 from .expectations import expectation_problems
 from .names import agvs, checked_name, orders, parts, people
+from .work_checks import list_faults, person_faults
 
 NAME = r"[A-Za-z][A-Za-z0-9_-]*"
 """Names that people may have."""
@@ -74,6 +75,7 @@ def faults(trial: Scenario) -> Iterator[Fault]:
         taken.add(person.name)
     yield from _overlaps(trial)
     yield from _crowding(trial)
+    yield from _below(list_faults(trial), "work")
     yield from _floor_faults(trial)
     yield from _below(machine_faults(trial), "machines")
     yield from _below(expectation_problems(trial), "expect")
@@ -140,6 +142,7 @@ def _person_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:
     yield from _below(_manners_faults(person.manners), "manners")
     if person.planner is not None:
         yield from _planner_faults(person.planner, trial, "planner")
+    yield from person_faults(person, trial)
     for k, belief in enumerate(person.beliefs):
         try:
             bdi.parse_literal(belief)

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BeforeValidator, Field, Strict, model_validator
 from pydantic_core import PydanticCustomError
 
-from floorplan import NotNegative, Pair, Positive, Range, Strictly
+from floorplan import NotNegative, Number, Pair, Positive, Range, Strictly
 from navigation import PlannerChoice
 
 from ..core.keys import Flag, Keys
@@ -20,6 +20,7 @@ from ..machines.agv.keys import AgvKeys
 from ..machines.gantry.keys import GantryKeys
 from .checks import CONDITIONS, LARGEST_SEED, NAME
 from .rules_file import RuleKeys
+from .work_keys import TimeOfDay, WorkerKeys, WorkListEntry, time_of_day
 
 _Planner = Annotated[Any, AfterValidator(PlannerChoice.of)]
 """A planner: its name, or `{name: RRTConnect, range: 1.0}`."""
@@ -77,7 +78,7 @@ class MannersKeys(Keys):
         return MannersEntry(**self.fields())
 
 
-class PersonKeys(Keys):
+class PersonKeys(WorkerKeys):
     """One person."""
 
     name: Annotated[str, Field(pattern=f"^{NAME}$")]
@@ -114,6 +115,12 @@ def _name_or_keys(value: Any) -> Any:
     return value
 
 
+def _begin(value: Any) -> TimeOfDay:
+    if not isinstance(value, str):
+        raise ValueError(f"expected a time of day in quotes, as '09:00', found {value!r}")
+    return time_of_day(value)
+
+
 class TrialKeys(Strictly):
     """A whole trial."""
 
@@ -130,4 +137,6 @@ class TrialKeys(Strictly):
     machines: dict[Annotated[str, Field(pattern=f"^{NAME}$")], dict[str, Any]] = {}
     ariac: str | None = None
     until_submitted: Flag | None = None
+    begins: Annotated[Number, BeforeValidator(_begin)] = 0.0
+    work: dict[Annotated[str, Field(pattern=f"^{NAME}$")], WorkListEntry] = {}
     expect: dict[str, Any] = {}

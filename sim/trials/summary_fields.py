@@ -60,9 +60,7 @@ def summary_fields(trial: Scenario) -> dict[str, SummaryField]:
     found: dict[str, SummaryField] = {}
     alone: dict[str, SummaryField] = {}
     for figure in FIGURES.values():
-        if figure.form in ("text", "parts") or (figure.of_orders and trial.workload is None):
-            continue
-        if figure.of_several and len(trial.people) < 2:
+        if figure.form in ("text", "parts") or not figure.belongs_to(trial):
             continue
         for path, name in _paths(figure.path, trial):
             field = SummaryField(figure, path, name)

@@ -14,6 +14,7 @@ from floorplan import Document, Floorplan, Place, Problem, suggestion
 
 from ..core.machine_model import MachineEntry
 from ..core.scenario import PersonEntry, Scenario, TrialError
+from ..core.work import WorkList
 from ..machines.gantry.controllers import ControllerError, controller_source
 from ..orders import reading
 from ..people.programs import load_program
@@ -21,6 +22,7 @@ from .checks import faults
 from .keys import PersonKeys, TrialKeys
 from .own_names import out_of_reach
 from .rules_file import build_rules
+from .work_keys import at_instants, shift_at_instants
 
 _Made = TypeVar("_Made", bound=Scenario)
 
@@ -64,7 +66,7 @@ def build(form: type[_Made], document: Document, folder: Path, own_code: bool) -
         seed=schema.seed,
         rules=rules,
         planner=schema.planner,
-        people=people_of(schema.people, folder),
+        people=tuple(_timed(one, schema.begins) for one in people_of(schema.people, folder)),
         gantry=schema.gantry.value(),
         agvs={name: tuple(move.value() for move in agv.moves) for name, agv in schema.agvs.items()},
         yielding=frozenset(name for name, agv in schema.agvs.items() if agv.yields),
@@ -74,6 +76,12 @@ def build(form: type[_Made], document: Document, folder: Path, own_code: bool) -
         floorplan_source=schema.floorplan if isinstance(schema.floorplan, str) else "",
         until_submitted=bool(schema.until_submitted),
         own_code=own_code,
+        work={
+            name: WorkList(
+                tuple(at_instants(task, schema.begins) for task in keys.value().tasks), keys.repeat
+            )
+            for name, keys in schema.work.items()
+        },
     )
     if schema.ariac is not None:
         trial = _with_orders(trial, schema, schema.ariac, document)
@@ -116,6 +124,18 @@ def people_of(entries: Sequence[PersonKeys], folder: Path) -> tuple[PersonEntry,
         with suppress(TrialError):
             load_program(personality, folder)
     return people
+
+
+def _timed(person: PersonEntry, begins: float) -> PersonEntry:
+    """Return the person with times of day as instants of a trial that `begins` then."""
+    return replace(
+        person,
+        schedule=tuple(at_instants(task, begins) for task in person.schedule),
+        breaks=tuple(
+            replace(at_instants(task, begins), name=task.name or "break") for task in person.breaks
+        ),
+        shifts=tuple(shift_at_instants(shift, begins) for shift in person.shifts),
+    )
 
 
 def _machine(keys: dict[str, Any]) -> MachineEntry:

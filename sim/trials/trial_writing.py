@@ -17,6 +17,7 @@ from navigation import PlannerChoice
 from ..core.machine_model import MachineEntry
 from ..core.scenario import USUAL_PLANNER, AgvMove, Job, PersonalityChange, PersonEntry, Scenario
 from ..core.start import Start
+from ..core.work import Duration
 from ..machines.gantry.controllers import CONTROLLERS
 from ..machines.kinds import KINDS
 from ..orders import Workload
@@ -54,6 +55,7 @@ def _trial(trial: Scenario) -> Data:
         },
         "machines": {name: _machine(name, entry) for name, entry in trial.machines.items()},
         "until_submitted": trial.until_submitted or None,
+        "work": {name: _value(held, trial) for name, held in trial.work.items()},
         "expect": trial.expect,
     }
     data = _without(data, None, [], {})
@@ -105,6 +107,11 @@ def _value(value: Any, trial: Scenario) -> Any:
             return {"submit": value.order}
         case Job():
             return {"pick": value.pick, "place": value.place, "part": value.part}
+        case Duration(kind="fixed"):
+            return value.values[0]
+        case Duration():
+            one = len(value.values) == 1
+            return {value.kind: value.values[0] if one else [*value.values]}
         case Start():
             return _fields(value, trial) if value.time is None else {"time": value.time}
         case PersonEntry() | PersonalityChange():

@@ -11,6 +11,7 @@ from floorplan import starting_fault
 
 from .floors import random_floor, standing_place
 
+PERSONALITIES = [name for name in bdi.programs() if name != "worker"]  # there is no work
 CONTROLLERS = ("parked", "oblivious", "pausing", "avoiding")
 
 LAWS = (
@@ -100,7 +101,7 @@ def _start_place(random, plan, radius):
 
 
 def _personality(random, plan):
-    name = random.choice([*bdi.programs(), "wanderer", "wanderer"])
+    name = random.choice([*PERSONALITIES, "wanderer", "wanderer"])
     if name != "wanderer":
         return name
     return bdi.parse(_wanderer(random, plan))
@@ -156,7 +157,7 @@ def _changes(random):
         when = sim.Start(random.uniform(0.0, 60.0))
         if random.random() < 0.3:
             when = sim.Start(event="violation")
-        yield sim.PersonalityChange(when, random.choice([*bdi.programs()]))
+        yield sim.PersonalityChange(when, random.choice(PERSONALITIES))
 
 
 def _gantry(random, plan):

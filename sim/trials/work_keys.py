@@ -1,0 +1,195 @@
+"""The keys of people's work in a trial file: tasks, lists of them, shifts and breaks."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from typing import Annotated, Any
+
+from pydantic import (
+    BeforeValidator,
+    Field,
+    Strict,
+    ValidatorFunctionWrapHandler,
+    WrapValidator,
+    field_validator,
+    model_validator,
+)
+
+from floorplan import NotNegative, Number, Positive
+
+from ..core.keys import Flag, Keys
+from ..core.work import Duration, Shift, WorkList, WorkTask
+
+DAY = 86_400.0
+
+_UNITS = {"s": 1.0, "sec": 1.0, "min": 60.0, "h": 3600.0}
+_LENGTH = re.compile(r"(\d+(?:\.\d+)?)\s*(s|sec|min|h)")
+_TIME = r"\d{1,2}:\d{2}(?::\d{2})?"
+_ENTRY = re.compile(rf"({_TIME})\s+(\S.*?)\s+for\s+(\S.*)")
+_SHIFT = re.compile(rf"({_TIME})\s*(?:-|–|to)\s*({_TIME})")
+
+
+class TimeOfDay(float):
+    """A time of day in seconds since midnight: an instant once it is known when a trial begins."""
+
+    def instant(self, begins: float) -> float:
+        """Return the seconds from `begins` (a time of day) to it, on the same day or the next."""
+        return (float(self) - begins) % DAY
+
+
+def time_of_day(text: str) -> TimeOfDay:
+    """Return the time of day in `text`, as 09:00 or 09:00:30; `ValueError` if it is none."""
+    parts = [int(part) for part in text.split(":")] if re.fullmatch(_TIME, text) else [24]
+    hours, minutes, seconds = (*parts, 0, 0)[:3]
+    if not (hours < 24 and minutes < 60 and seconds < 60):
+        raise ValueError(f"expected a time of day as 09:00, found {text!r}")
+    return TimeOfDay(3600 * hours + 60 * minutes + seconds)
+
+
+def _seconds(text: str) -> float:
+    found = _LENGTH.fullmatch(text)
+    if found is None:
+        raise ValueError(f"expected a length of time as 12 min, 90 s or 1.5 h, found {text!r}")
+    return float(found[1]) * _UNITS[found[2]]
+
+
+def _time(value: Any, number: ValidatorFunctionWrapHandler) -> Any:
+    return time_of_day(value) if isinstance(value, str) else number(value)
+
+
+Time = Annotated[NotNegative, WrapValidator(_time)]
+"""Seconds, or a time of day."""
+
+
+class _Drawn(Keys):
+    uniform: tuple[NotNegative, NotNegative] | None = None
+    triangular: tuple[NotNegative, NotNegative, NotNegative] | None = None
+    normal: tuple[Number, NotNegative] | None = None
+    lognormal: tuple[Positive, NotNegative] | None = None
+    exponential: Positive | None = None
+
+    @model_validator(mode="after")
+    def _one(self) -> _Drawn:
+        if len(self.model_fields_set) != 1:
+            raise ValueError(f"give one of {', '.join(type(self).model_fields)}")
+        for name in ("uniform", "triangular"):
+            given = getattr(self, name)
+            if given is not None and list(given) != sorted(given):
+                raise ValueError(f"{name} must rise, found {list(given)}")
+        return self
+
+    def value(self) -> Duration:
+        (kind,) = self.model_fields_set
+        given = getattr(self, kind)
+        values = given if isinstance(given, tuple) else (given,)
+        return Duration(kind, tuple(map(float, values)))  # type: ignore[arg-type]
+
+
+def _duration(value: Any) -> Any:
+    return _seconds(value) if isinstance(value, str) else value
+
+
+class TaskKeys(Keys):
+    """One task, or a text: `09:00 station2 for 12 min`."""
+
+    at: Annotated[str, Field(min_length=1)]
+    duration: Annotated[Positive | _Drawn, BeforeValidator(_duration)]
+    name: str = ""
+    time: Time = 0.0
+    priority: Annotated[int, Strict()] = 0
+    every: Annotated[Positive | None, BeforeValidator(_duration)] = None
+    count: Annotated[int, Strict(), Field(ge=1)] | None = None
+
+    @model_validator(mode="after")
+    def _count_of_what(self) -> TaskKeys:
+        if self.count is not None and self.every is None:
+            raise ValueError("a count needs every: the seconds from one to the next")
+        return self
+
+    def value(self) -> WorkTask:
+        """Return the task."""
+        given = self.fields()
+        if not isinstance(self.duration, _Drawn):
+            given["duration"] = Duration("fixed", (float(self.duration),))
+        return WorkTask(**given)
+
+
+def _entry(value: Any) -> Any:
+    if not isinstance(value, str):
+        return value
+    found = _ENTRY.fullmatch(value.strip())
+    if found is None:
+        raise ValueError(f"expected keys, or text as '09:00 station2 for 12 min', found {value!r}")
+    return {"time": found[1], "at": found[2], "duration": found[3]}
+
+
+TaskEntry = Annotated[TaskKeys, BeforeValidator(_entry)]
+
+
+class WorkListKeys(Keys):
+    """A list of tasks, or only the tasks."""
+
+    tasks: Annotated[list[TaskEntry], Field(min_length=1)]
+    repeat: Flag = False
+
+    @model_validator(mode="after")
+    def _repeats_once(self) -> WorkListKeys:
+        if self.repeat and any(task.every is not None for task in self.tasks):
+            raise ValueError(
+                "tasks of a list that repeats come again when they are done, not every"
+            )
+        return self
+
+    def value(self) -> WorkList:
+        """Return the list."""
+        return WorkList(**self.fields())
+
+
+def _as_list(value: Any) -> Any:
+    return {"tasks": value} if isinstance(value, list) else value
+
+
+WorkListEntry = Annotated[WorkListKeys, BeforeValidator(_as_list)]
+
+
+def _shift(value: Any) -> Any:
+    if not isinstance(value, str):
+        return value
+    found = _SHIFT.fullmatch(value.strip())
+    if found is None:
+        raise ValueError(f"expected [begin, end] in seconds or '06:00 - 14:00', found {value!r}")
+    return [found[1], found[2]]
+
+
+ShiftEntry = Annotated[tuple[Time, Time], BeforeValidator(_shift)]
+
+
+class WorkerKeys(Keys):
+    """Keys of a person about their work."""
+
+    work: list[str] = []
+    schedule: list[TaskEntry] = []
+    breaks: list[TaskEntry] = []
+    shifts: list[ShiftEntry] = []
+
+    @field_validator("work", mode="before")
+    @classmethod
+    def _one_list(cls, value: Any) -> Any:
+        return [value] if isinstance(value, str) else value
+
+
+def at_instants(task: WorkTask, begins: float) -> WorkTask:
+    """Return `task` with its time of day, if it has one, as an instant of a trial."""
+    return replace(task, time=_instant(task.time, begins))
+
+
+def shift_at_instants(shift: Shift, begins: float) -> Shift:
+    """Return `shift` as instants of a trial; one by times of day may end on the next day."""
+    begin, end = (_instant(time, begins) for time in shift)
+    over_midnight = isinstance(shift[1], TimeOfDay) and end < begin
+    return (begin, end + DAY if over_midnight else end)
+
+
+def _instant(time: float, begins: float) -> float:
+    return time.instant(begins) if isinstance(time, TimeOfDay) else time

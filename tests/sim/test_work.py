@@ -1,0 +1,262 @@
+"""People at work: tasks, lists, schedules, shifts and breaks, and minds that decide about them."""
+
+import pytest
+
+import floorplan
+import sim
+from sim import Duration, WorkList, WorkTask
+
+FLOOR = """\
+floorplan:
+  boundary: [[0, 0], [20, 0], [20, 10], [0, 10]]
+  stations: {press: [2, 2], bench: [18, 2], canteen: [10, 8]}
+  safe_zone: {at: [10, 2]}
+"""
+
+
+def trial(text, folder="."):
+    return sim.Trial.parse(FLOOR + text, folder=folder)
+
+
+def happened(run, *kinds):
+    return [
+        (round(e["t"], 1), e["kind"], e["person"], e.get("task"))
+        for e in run.events
+        if e["kind"] in kinds
+    ]
+
+
+def test_people_share_a_list_and_do_the_urgent_first():
+    run = sim.run(
+        trial("""\
+duration: 100
+people:
+  - {name: ann, personality: worker, work: line}
+  - {name: bob, personality: worker, work: line}
+work:
+  line:
+    - {name: low, at: press, duration: 20}
+    - {name: high, at: bench, duration: 10 s, priority: 2}
+    - {name: late, at: press, duration: 5, time: 60}
+""")
+    )
+    taken = happened(run, "task_taken")
+    assert taken[:2] == [(0.0, "task_taken", "ann", "high"), (0.0, "task_taken", "bob", "low")]
+    assert taken[2][::3] == (60.0, "late")
+    done = [e for e in run.events if e["kind"] == "task_done"]
+    assert [(e["task"], round(e["took"], 6)) for e in done] == [
+        ("high", 10.0),
+        ("low", 20.0),
+        ("late", 5.0),
+    ]
+    assert run.summary["tasks_done"] == 3
+    ann = run.summary["people"]["ann"]
+    assert ann["throughput"] == pytest.approx(ann["tasks_done"] * 36)
+    assert sum(p["time_working"] for p in run.summary["people"].values()) == pytest.approx(35)
+
+
+def test_shifts_breaks_and_schedules_by_the_clock():
+    run = sim.run(
+        trial("""\
+duration: 1200
+begins: 05:50
+people:
+  - name: ann
+    personality: worker
+    work: line
+    shifts: [06:00 - 06:08]
+    schedule: ["06:01 bench for 1 min"]
+    breaks: [06:04 canteen for 2 min]
+work:
+  line: {tasks: [{at: press, duration: 25}], repeat: true}
+""")
+    )
+    kinds = ("shift_began", "shift_ended", "task_done")
+    found = happened(run, *kinds)
+    assert found[0] == (600.0, "shift_began", "ann", None)
+    names = [task for _, kind, _, task in found if kind == "task_done"]
+    assert names.count("bench") == names.count("break") == 1
+    times = {e["task"]: e for e in run.events if e["kind"] == "task_done"}
+    assert times["break"]["t"] - times["break"]["took"] - times["break"]["waited"] == 840.0
+    assert found[-1][0] < 1080 + 25 + 30
+    # Only work counts; breaks do not, and throughput is per hour of the shift.
+    ann = run.summary["people"]["ann"]
+    assert ann["tasks_done"] == len(names) - 1
+    assert ann["throughput"] == pytest.approx(ann["tasks_done"] / 480 * 3600)
+    # After the shift she goes home.
+    assert run.motions["ann"].position(1199.0)[:2] == pytest.approx([10, 2], abs=0.01)
+
+
+def test_draws_are_the_same_whoever_does_the_work():
+    def took(people):
+        run = sim.run(
+            trial(f"""\
+duration: 400
+people: [{people}]
+work:
+  line: [{{at: press, duration: {{lognormal: [10, 0.5]}}, every: 20, count: 6}}]
+""")
+        )
+        done = [e for e in run.events if e["kind"] == "task_done"]
+        return sorted(round(e["took"], 6) for e in done)
+
+    ann = "{name: ann, personality: worker, work: line}"
+    assert took(ann) == took(f"{ann}, {ann.replace('ann', 'bob')}")
+    assert len(set(took(ann))) == 6
+
+
+@pytest.mark.parametrize(
+    ("kind", "values", "mean"),
+    [
+        ("fixed", (7.0,), 7.0),
+        ("uniform", (4.0, 6.0), 5.0),
+        ("triangular", (1.0, 2.0, 6.0), 3.0),
+        ("normal", (8.0, 1.0), 8.0),
+        ("lognormal", (5.0, 0.5), 5.0 * 2.718281828**0.125),
+        ("exponential", (4.0,), 4.0),
+    ],
+)
+def test_means_of_durations(kind, values, mean):
+    from random import Random
+
+    random = Random(1)
+    draws = [Duration(kind, values).draw(random) for _ in range(4000)]
+    assert sum(draws) / 4000 == pytest.approx(mean, rel=0.06)
+    assert min(draws) >= 0.1
+
+
+def test_a_mind_of_ones_own_refuses_hurries_and_hands_over(tmp_path):
+    (tmp_path / "picky.asl").write_text("""\
++work_offered(_) : offer(Id, "dull", _, _, _) <- refuse(Id); !look_for_work.
++!hurry <- work_pace(2).
++human_start <- !hurry; !look_for_work.
+choice(Id, S) :- offer(Id, "best", S, _, _).
+{ include("worker.asl") }
+""")
+    (tmp_path / "shy.asl").write_text("""\
++human_start : offer(Id, "best", S, _, _) <- take(Id); .wait(1000); give_back.
+""")
+    run = sim.run(
+        trial(
+            """\
+duration: 60
+people:
+  - {name: bob, personality: shy.asl, work: line}
+  - {name: ann, personality: picky.asl, work: line}
+work:
+  line:
+    - {name: dull, at: press, duration: 10, time: 2}
+    - {name: usual, at: canteen, duration: 10}
+    - {name: best, at: bench, duration: 10}
+""",
+            tmp_path,
+        )
+    )
+    assert happened(run, "task_given_back") == [
+        (1.0, "task_given_back", "bob", "best"),
+        (2.0, "task_given_back", "ann", "dull"),
+    ]
+    assert [task for *_, task in happened(run, "task_taken")] == ["best", "usual", "best"]
+    done = [e for e in run.events if e["kind"] == "task_done"]
+    assert {e["task"]: round(e["took"], 6) for e in done} == {"usual": 5.0, "best": 5.0}
+
+
+def test_work_that_is_left_goes_on_where_it_was(tmp_path):
+    (tmp_path / "restless.asl").write_text("""\
++human_start : offer(Id, _, S, _, _) <- take(Id); !walk_to(S); .wait(14000); stop_movement;
+   .wait(5000); begin_task.
+{ include("worker.asl") }
+""")
+    run = sim.run(
+        trial(
+            """\
+duration: 60
+people: [{name: ann, personality: restless.asl, work: line}]
+work: {line: [{at: press, duration: 20}]}
+""",
+            tmp_path,
+        )
+    )
+    paused, done = (
+        next(e for e in run.events if e["kind"] == kind) for kind in ("task_paused", "task_done")
+    )
+    begun = next(e["t"] for e in run.events if e["kind"] == "task_begun")
+    assert paused["left"] == pytest.approx(20 - (14 - begun))
+    assert done["took"] == pytest.approx(25)
+    assert run.summary["people"]["ann"]["time_working"] == pytest.approx(20)
+
+
+def test_what_can_not_be():
+    def found(text):
+        with pytest.raises(sim.TrialError) as wrong:
+            trial(text)
+        return [f"{p.line}: {p.field}: {p.message}" for p in wrong.value.problems]
+
+    assert found("""\
+duration: 600
+begins: "6"
+people:
+  - {name: ann, work: line, schedule: [at noon], shifts: [6 to 14], breaks: [09:00 bench for 1 hr]}
+work:
+  line: [{at: press}, {at: press, duration: 5, count: 2}]
+""")[:3] == [
+        "8: people[0].schedule[0]: expected keys, or text as '09:00 station2 for 12 min', found"
+        " 'at noon'",
+        "8: people[0].breaks[0]: expected a length of time as 12 min, 90 s or 1.5 h, found '1 hr'",
+        "8: people[0].shifts[0]: expected [begin, end] in seconds or '06:00 - 14:00', found"
+        " '6 to 14'",
+    ]
+    assert found("""\
+duration: 600
+begins: 06:00
+people:
+  - name: ann
+    work: [lines]
+    schedule: [06:01 bench for 5 min, 06:05 press for 1 min, 05:00 press for 1 min]
+    breaks: [06:02 counter for 1 min]
+    shifts: [[10, 5], [20, 30], [25, 40]]
+work:
+  line: [{at: pres, duration: 5, time: 700}]
+""") == [
+        "9: people[0].work[0]: no list of tasks is called 'lines'; did you mean 'line'?",
+        "10: people[0].schedule[2].time: is at 82800 s of the trial, which ends at 600 s",
+        "11: people[0].breaks[0].at: no station is called 'counter'; there are: press, bench,"
+        " canteen",
+        "11: people[0].breaks[0]: begins at 120 s, before schedule[0] ends at 360 s",
+        "10: people[0].schedule[1]: begins at 300 s, before schedule[0] ends at 360 s",
+        "12: people[0].shifts[0]: ends before it begins, or at once: 10 … 5 s",
+        "12: people[0].shifts[2]: begins at 25 s, before the one in front of it ends",
+        "14: work.line.tasks[0].at: no station is called 'pres'; did you mean 'press'?",
+        "14: work.line.tasks[0].time: is at 700 s of the trial, which ends at 600 s",
+        "14: work.line: nobody takes tasks from this list: name it in the work of a person",
+    ]
+
+
+def test_work_made_in_python_is_written_and_read_again():
+    plan = floorplan.load("warehouse")
+    place = plan.stations[0].name
+    made = sim.Trial(
+        plan,
+        floorplan_source="warehouse",
+        people=(
+            sim.PersonEntry(
+                "ann",
+                "worker",
+                work=("line",),
+                breaks=(WorkTask(place, Duration("fixed", (60.0,)), time=100.0),),
+                shifts=((0.0, 200.0),),
+            ),
+        ),
+        work={
+            "line": WorkList(
+                (
+                    WorkTask(place, Duration("exponential", (5.0,)), "pick", every=9.0, count=3),
+                    WorkTask(place, Duration("triangular", (1.0, 2.0, 4.0)), priority=-1),
+                )
+            )
+        },
+    )
+    again = sim.Trial.parse(made.to_yaml(), file="trial.yaml")
+    assert again.work == made.work
+    assert again.people[0].shifts == made.people[0].shifts
+    assert again.people[0].breaks[0].time == 100.0
