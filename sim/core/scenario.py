@@ -142,7 +142,8 @@ class Scenario:
 
     `planner` finds the paths of people that have none of their own.
     `machines` are those beside the floorplan's own gantry and AGVs. The AGVs named in `yielding`
-    yield to people. Files are looked up from `folder`;
+    yield to people. `steering` is how people walk among people, as `module:Class`, if it is their
+    own. Files are looked up from `folder`;
     `floorplan_source` is the name or file that the floorplan was read from, or empty if it came
     from no file. `workload` are the orders of an ARIAC trial; `until_submitted` ends the run as
     soon as they are all submitted, or without a workload those of the gantry's jobs. `notices` are
@@ -161,6 +162,7 @@ class Scenario:
     gantry: GantryEntry = GantryEntry()
     agvs: dict[str, tuple[AgvMove, ...]] = field(default_factory=dict)
     yielding: frozenset[str] = frozenset()
+    steering: str | None = None
     machines: dict[str, MachineEntry] = field(default_factory=dict)
     expect: dict[str, Any] = field(default_factory=dict)
     folder: Path = Path()

@@ -21,6 +21,7 @@ from .planners import find_planner, planner_of
 from .programs import EXTERNAL
 from .steering.crowd import Crowd
 from .steering.manners import drawn
+from .steering.own_steering import find_steering
 from .steering.starting import starting_places
 from .work_board import WorkBoard
 
@@ -50,7 +51,7 @@ class Company:
         board = WorkBoard(scenario, stage.clock) if scenario.has_work else None
         self._board = board
         self.people: list[Person] = []
-        self._crowd = crowd = Crowd(stage) if len(scenario.people) > 1 else None
+        self._crowd = crowd = self._make_crowd() if len(scenario.people) > 1 else None
         starts = starting_places(scenario, stage.world, crowd)
         for index, entry in enumerate(scenario.people):
             human = _human(entry, stage.floorplan.human)
@@ -78,6 +79,12 @@ class Company:
             self._board.begin()
         for person in self.people:
             person.begin()
+
+    def _make_crowd(self) -> Crowd:
+        stage, name = self._stage, self._scenario.steering
+        if name is None:
+            return Crowd(stage)
+        return Crowd(stage, find_steering(name, stage.folder, own_code=stage.own_code))
 
     @property
     def deadlocks(self) -> int:

@@ -17,6 +17,7 @@ from ..machines.gantry.controllers import controller_source, find_controller
 from ..machines.kinds import is_own, own_kind
 from ..people.planners import planner_of, planner_source
 from ..people.programs import load_program
+from ..people.steering.own_steering import steering_source
 from ..trials.trial import Trial
 from .study import Study
 
@@ -57,6 +58,9 @@ def _parts(trial: Trial) -> Iterator[tuple[str, str]]:
         source = planner_source(choice, trial.folder)
         if source is not None:
             yield f"the planner {choice.name}", _digest(source.file.read_text(encoding="utf-8"))
+    if trial.steering is not None:
+        source = steering_source(trial.steering, trial.folder)
+        yield f"the steering {trial.steering}", _digest(source.file.read_text(encoding="utf-8"))
     if trial.workload is not None:
         yield f"the orders of {trial.name}", _digest(repr(trial.workload))
     controller = trial.gantry.controller

@@ -22,6 +22,7 @@ from navigation import PlannerChoice, PlannerError
 
 from ..core.events import EVENT_KINDS
 from ..core.manners import MannersEntry, Side
+from ..core.own_source import OwnCodeError
 from ..core.rules import NO_TIME, MachineMeasure, PersonMeasure, RuleSet
 from ..core.scenario import PersonalityChange, PersonEntry, Scenario, TrialError
 from ..core.start import Start
@@ -30,6 +31,7 @@ from ..machines.gantry.robot import GANTRY
 from ..machines.kinds import machine_faults, on_floor
 from ..people.planners import planner_source
 from ..people.programs import EXTERNAL, find_program
+from ..people.steering.own_steering import steering_source
 from .expectations import expectation_problems
 from .names import agvs, checked_name, orders, parts, people
 from .work_checks import list_faults, person_faults
@@ -73,6 +75,11 @@ def faults(trial: Scenario) -> Iterator[Fault]:
         if person.name in taken:
             yield f"another body is called {person.name!r} already", ("people", k, "name")
         taken.add(person.name)
+    if trial.steering is not None:
+        try:
+            steering_source(trial.steering, trial.folder, own_code=trial.own_code)
+        except OwnCodeError as why:
+            yield f"the steering {why}", ("steering",)
     yield from _overlaps(trial)
     yield from _crowding(trial)
     yield from _below(list_faults(trial), "work")

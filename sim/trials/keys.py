@@ -132,6 +132,7 @@ class TrialKeys(Strictly):
     rules: RuleKeys = RuleKeys.model_validate(PAPER.name)
     planner: _Planner = USUAL_PLANNER
     people: list[PersonKeys] = []
+    steering: str | None = None
     gantry: GantryKeys = GantryKeys()
     agvs: dict[str, AgvKeys] = {}
     machines: dict[Annotated[str, Field(pattern=f"^{NAME}$")], dict[str, Any]] = {}

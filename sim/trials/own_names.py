@@ -12,12 +12,14 @@ from ..safety.own_law import own_laws
 
 
 def own_names(trial: Scenario) -> Iterator[str]:
-    """Yield the names of controller, planners and laws that stand in the trial's folder."""
+    """Yield the names of all own code that stands in the trial's folder."""
     controller = trial.gantry.controller
     if controller not in (*CONTROLLERS, *CONTROLLERS.values()):
         yield trial.gantry.controller_name
     planners = (trial.planner, *(person.planner for person in trial.people))
     yield from dict.fromkeys(one.name for one in planners if one is not None and one.is_own)
+    if trial.steering is not None:
+        yield trial.steering
     yield from (str(entry.kind) for entry in trial.machines.values() if is_own(entry))
     for law in dict.fromkeys(own_laws(trial.rules)):
         if law.folder == trial.folder.resolve():

@@ -67,6 +67,7 @@ def build(form: type[_Made], document: Document, folder: Path, own_code: bool) -
         rules=rules,
         planner=schema.planner,
         people=tuple(_timed(one, schema.begins) for one in people_of(schema.people, folder)),
+        steering=schema.steering,
         gantry=schema.gantry.value(),
         agvs={name: tuple(move.value() for move in agv.moves) for name, agv in schema.agvs.items()},
         yielding=frozenset(name for name, agv in schema.agvs.items() if agv.yields),

@@ -48,6 +48,7 @@ def _trial(trial: Scenario) -> Data:
         "rules": written_rules(trial.rules),
         "planner": None if trial.planner == USUAL_PLANNER else _value(trial.planner, trial),
         "people": _value(trial.people, trial),
+        "steering": trial.steering,
         "gantry": _value(replace(trial.gantry, controller=_controller(trial)), trial),
         "agvs": {
             name: _agv(trial.agvs.get(name, ()), name in trial.yielding)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
 import math
 import random
@@ -346,3 +347,36 @@ def test_minds_know_where_the_others_are(walks, tmp_path):
         folder=tmp_path,
     )
     assert [event["text"] for event in events(sim.run(trial), "said")] == ["b 4 2", "a 1 1"]
+
+
+OWN = """
+class Reckless:
+    def replan(self, body, neighbours, outlook):
+        return outlook.wish
+
+
+class Broken:
+    def replan(self, body, neighbours, outlook):
+        return outlook.nothing
+"""
+
+
+def own(tmp_path, name):
+    (tmp_path / "mine.py").write_text(OWN)
+    text = "floorplan: ariac2023\nduration: 40\nrules: observe\npeople: [{name: a, count: 5}]\n"
+    return sim.Trial.parse(f'{text}steering: "mine:{name}"', folder=tmp_path)
+
+
+def test_nobody_overlaps_whatever_a_steering_of_ones_own_does(tmp_path):
+    run = sim.run(own(tmp_path, "Reckless"))
+    assert least(run) >= 0.6 and all(run.motions[name].end > 5 for name in run.summary["people"])
+    assert run.events != sim.run(dataclasses.replace(run.trial, steering=None)).events
+    written = run.trial.to_yaml(folder=tmp_path)
+    assert sim.Trial.parse(written, folder=tmp_path).steering == "mine:Reckless"
+
+
+def test_what_is_wrong_with_a_steering_is_said(tmp_path):
+    with pytest.raises(ValueError, match=r"steering mine:Broken, for a1 at t = 0 s: Attribute"):
+        sim.run(own(tmp_path, "Broken"))
+    with pytest.raises(sim.TrialError, match=r"line 5, steering: the steering .*Missing"):
+        own(tmp_path, "Missing")
