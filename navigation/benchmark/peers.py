@@ -233,8 +233,6 @@ def peer_named(name: str) -> PeerInfo | None:
     for peer in PEERS:
         if peer.name == name:
             if not peer.installed:
-                raise ValueError(
-                    f"{name} is not installed: pip install 'floorwalker[peers]', or {name} alone"
-                )
+                raise ValueError(f"{name} is not installed: pip install {name.lower()}")
             return peer
     return None
