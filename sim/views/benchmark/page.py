@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 import platform
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import date
 from importlib import resources
@@ -13,7 +13,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 from floorplan import Floorplan
-from navigation.benchmark import SHORTFALL, TOUCHES, Attempt, Estimate, Row, groups, summary
+from navigation.benchmark import PEERS, SHORTFALL, TOUCHES, Attempt, Estimate, Row, groups, summary
 
 from ...core.output import write_whole
 from .charts import Chart, charts, looks
@@ -72,7 +72,7 @@ def write_page(
     page = environment.from_string(text).render(
         floors=floors,
         answers=len(attempts),
-        terms={**terms, **_machine()},
+        terms={**terms, **_machine(styles)},
         on_the_clock=on_the_clock,
         shortfall=100 * SHORTFALL,
         touches=1000 * TOUCHES,
@@ -100,8 +100,9 @@ def interval(estimate: Estimate, digits: int = 2) -> str:
     return f"{low} … {high}" if low != high else ""
 
 
-def _machine() -> dict[str, str]:
-    """Return what the times depend on, by name."""
+def _machine(planners: Collection[str]) -> dict[str, str]:
+    """Return what the times of these planners depend on, by name."""
+    peers = [peer for peer in PEERS if peer.name in planners]
     return {
         "machine": f"{_processor()}, {os.cpu_count()} cores, {platform.system()}",
         "software": ", ".join(
@@ -109,6 +110,7 @@ def _machine() -> dict[str, str]:
                 f"Floorwalker {version('floorwalker')}",
                 f"OMPL {version('ompl')}",
                 f"Python {platform.python_version()}",
+                *(f"{peer.name} {version(peer.name)}" for peer in peers),
             ]
         ),
     }

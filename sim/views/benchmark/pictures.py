@@ -86,7 +86,8 @@ def _lines(attempts: Sequence[Attempt], styles: dict[str, Look]) -> Iterator[Lin
             continue
         words = f"{attempt.length:.2f} m"
         if math.isfinite(attempt.ratio):
-            words += f", {100 * (attempt.ratio - 1):+.2f} %"
+            longer = round(100 * (attempt.ratio - 1), 2) + 0.0  # and no -0.00
+            words += f", {longer:+.2f} %"
         if attempt.wrong:
             words += f", {attempt.wrong}"
         corners = " ".join(_numbers(x, -y, between=",") for x, y in attempt.points.tolist())
