@@ -53,12 +53,14 @@ def plan(
 
     import floorplan as floors
     import navigation
+    from sim.people.planners import find_planner
 
     world = navigation.CollisionWorld(floors.load(floorplan))
     for name, place in _pairs(agv or [], "--agv"):
         _move(world, name, place)
     parameters = {name: _value(text) for name, text in _pairs(parameter or [], "--parameter")}
-    seeker = navigation.PathPlanner(world, radius, planner=planner or navigation.PlannerChoice())
+    choice = navigation.PlannerChoice() if planner is None else navigation.PlannerChoice.of(planner)
+    seeker = navigation.PathPlanner(world, radius, planner=find_planner(choice, Path()))
     begin = time.process_time()
     planned = seeker.plan((x0, y0), (x1, y1), parameters=parameters, seed=seed)
     cpu_seconds = time.process_time() - begin
