@@ -380,3 +380,18 @@ def test_what_is_wrong_with_a_steering_is_said(tmp_path):
         sim.run(own(tmp_path, "Broken"))
     with pytest.raises(sim.TrialError, match=r"line 5, steering: the steering .*Missing"):
         own(tmp_path, "Missing")
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "people_frontal",
+        "people_crossing",
+        "people_aisle",
+        pytest.param("people_door", marks=pytest.mark.slow),
+        pytest.param("people_counterflow", marks=pytest.mark.slow),
+    ],
+)
+def test_the_scenes_that_come_with_it_are_as_expected(name):
+    run = sim.run(sim.Trial.load(name))
+    assert run.unmet == [] and least(run) >= 0.6 and through_walls(run) == []
