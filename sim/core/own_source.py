@@ -71,7 +71,7 @@ def find_source(name: str, folder: Path, kind: Kind) -> Source:
             f"{name!r} can't be found: there is no {'/'.join(parts)}.py in {folder.resolve()};"
             " code of your own stands beside the file that names it"
         )
-    definitions = _definitions(name, file)
+    definitions = definitions_in(name, file)
     if attribute not in definitions:
         hint = f"; {suggestion(attribute, definitions)}" if definitions else ""
         raise OwnCodeError(
@@ -122,7 +122,8 @@ def _is_name(text: str) -> bool:
     return text.isidentifier() and not keyword.iskeyword(text)
 
 
-def _definitions(name: str, file: Path) -> dict[str, Definition]:
+def definitions_in(name: str, file: Path) -> dict[str, Definition]:
+    """Return the classes and functions of a file; `OwnCodeError` if it can't be read."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # they are shown when the file is imported

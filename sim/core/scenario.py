@@ -45,7 +45,8 @@ class PersonEntry:
 
     `personality` is a built-in name, an .asl file, "external", or a program itself. A file is read
     when the trial is run. `changes` are what it changes to, and when. `at` is where the person
-    starts; "anywhere" is a free place that is drawn from the trial's seed.
+    starts; "anywhere" is a free place that is drawn from the trial's seed. `actions` is a module
+    beside the trial with internal actions for the program.
 
     `work` names the lists that the person takes tasks from; `schedule` and `breaks` are for them
     alone. Where there are `shifts`, tasks are offered to them within these only.
@@ -63,6 +64,7 @@ class PersonEntry:
     home: tuple[float, float] | None = None
     manners: MannersEntry = AS_USUAL
     planner: PlannerChoice | None = None
+    actions: str | None = None
     work: tuple[str, ...] = ()
     schedule: tuple[WorkTask, ...] = ()
     breaks: tuple[WorkTask, ...] = ()

@@ -14,6 +14,7 @@ from ..core.body import Body
 from ..core.rules import RuleSet
 from ..core.scenario import PersonEntry, Scenario
 from ..core.stage import Stage
+from .own_actions import import_actions, sources_of
 from .programs import load_program
 
 MOST_CYCLES = 200_000
@@ -99,11 +100,14 @@ def make_agent(
     It begins at `start` (seconds), believes what is `kept` from a mind before it, and always what
     is `live` (see `live_beliefs`).
     """
-    program = load_program(entry.personality, trial.folder)
+    own_code, folder = trial.own_code, trial.folder
+    program = load_program(entry.personality, folder, actions=entry.actions, own_code=own_code)
     if program is None:
         raise ValueError(f"{entry.name} runs no program")
+    own = sources_of(program, entry.actions, folder, own_code=own_code)
     return bdi.Agent(
         program,
+        actions=import_actions(own) if own else None,
         beliefs=[*first_beliefs(entry, trial.floorplan, trial.rules), *kept],
         act=act,
         name=entry.name,

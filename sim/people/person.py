@@ -114,7 +114,12 @@ class Person:
         triggers, entry = self._stage.triggers, self._entry
         triggers.add(entry.start, self.start, who=self.name)
         for change in entry.changes:
-            program = load_program(change.personality, self._stage.folder)
+            program = load_program(
+                change.personality,
+                self._stage.folder,
+                actions=entry.actions,
+                own_code=self._stage.own_code,
+            )
             assert program is not None  # nobody changes to somebody outside: it was checked
             triggers.add(change.when, partial(self.change_personality, program), who=self.name)
 

@@ -10,6 +10,7 @@ import bdi
 from floorplan import Problem, is_there, suggestion
 
 from ..core.scenario import TrialError
+from .own_actions import names_of, sources_of
 
 EXTERNAL = "external"
 """The personality of a person who runs no program, but is commanded from outside; likewise the
@@ -19,11 +20,15 @@ controller of a gantry."""
 def find_program(personality: str, folder: Path) -> str | Path:
     """Return the name of a built-in personality, or the path of an .asl file seen from `folder`.
 
+    A folder NAME stands for the program NAME/NAME.asl.
+
     `TrialError` says what there is.
     """
     if personality in bdi.programs():
         return personality
     path = folder / personality
+    if is_there(path) and path.is_dir():
+        path = path / f"{path.name}.asl"
     if is_there(path) and path.is_file():
         return path
     known = (*bdi.programs(), EXTERNAL)
@@ -31,16 +36,23 @@ def find_program(personality: str, folder: Path) -> str | Path:
     raise TrialError("personality", [Problem(f"{message} {suggestion(personality, known)}")])
 
 
-def load_program(personality: str | bdi.Program, folder: Path) -> bdi.Program | None:
+def load_program(
+    personality: str | bdi.Program,
+    folder: Path,
+    *,
+    actions: str | None = None,
+    own_code: bool = True,
+) -> bdi.Program | None:
     """Return the program of a personality; None for somebody who runs none (`EXTERNAL`).
 
-    Raises what `find_program` does, and `bdi.ProgramError`.
+    It may use the internal actions in the module `actions`, of which nothing is imported here.
+    Raises what `find_program` and `sources_of` do, and `bdi.ProgramError`.
     """
     if personality == EXTERNAL:
         return None
     if isinstance(personality, str):
         personality = bdi.load(find_program(personality, folder))
-    _try_out(personality)
+    _try_out(personality, names_of(sources_of(personality, actions, folder, own_code=own_code)))
     return personality
 
 
@@ -59,9 +71,11 @@ def written_personality(personality: str | bdi.Program, folder: Path) -> str:
 
 
 @lru_cache(maxsize=64)
-def _try_out(program: bdi.Program) -> None:
-    """Refuse what nobody can begin with, as internal actions that aren't there.
+def _try_out(program: bdi.Program, own: frozenset[str]) -> None:
+    """Refuse what nobody can begin with, as internal actions that aren't there or among `own`.
 
     That takes as long as a person's mind at the start, and a study loads programs for each row.
     """
-    bdi.Agent(program)
+    actions = bdi.InternalActions({name: bdi.InternalAction(lambda call, *a: True) for name in own})
+    actions.functions.update(dict.fromkeys(own, lambda *numbers: 0.0))
+    bdi.Agent(program, actions=actions)

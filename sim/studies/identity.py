@@ -15,6 +15,7 @@ from shapely.geometry.base import BaseGeometry
 from ..core.scenario import PersonalityChange, PersonEntry
 from ..machines.gantry.controllers import controller_source, find_controller
 from ..machines.kinds import is_own, own_kind
+from ..people.own_actions import sources_of
 from ..people.planners import planner_of, planner_source
 from ..people.programs import load_program
 from ..people.steering.own_steering import steering_source
@@ -52,8 +53,17 @@ def _parts(trial: Trial) -> Iterator[tuple[str, str]]:
     for person in trial.people:
         named: list[PersonEntry | PersonalityChange] = [person, *person.changes]
         for one in named:
-            program = load_program(one.personality, trial.folder)
+            program = load_program(
+                one.personality,
+                trial.folder,
+                actions=person.actions,
+                own_code=trial.own_code,
+            )
             yield f"the program {one.personality_name}", _digest(str(program))
+            if program is not None:
+                for module in sources_of(program, person.actions, trial.folder, own_code=True):
+                    text = module.file.read_text(encoding="utf-8")
+                    yield f"the actions {module.module}", _digest(text)
         choice = planner_of(person, trial)
         source = planner_source(choice, trial.folder)
         if source is not None:

@@ -14,7 +14,7 @@ import bdi
 
 from ..core.rules import RULE_SETS, RuleSet
 from ..machines.gantry.controllers import CONTROLLERS, controller_source
-from ..people.programs import EXTERNAL, load_program
+from ..people.programs import EXTERNAL, find_program
 from ..trials.rules_file import find_rules
 from ..trials.trial import Trial
 from ..trials.trial_file import builtin_trials
@@ -154,8 +154,9 @@ def _trial(value: Any, place: _Place) -> Trial:
 def _personality(value: Any, place: _Place) -> Change:
     name = _text(value)
     path = place.folder / name
-    chosen = str(path) if path.suffix == ".asl" else name
-    load_program(chosen, place.folder)
+    chosen = str(path) if path.suffix == ".asl" or path.is_dir() else name
+    if chosen != EXTERNAL:
+        find_program(chosen, place.folder)
     return lambda trial: trial.with_personality(chosen)
 
 

@@ -29,6 +29,7 @@ from ..core.start import Start
 from ..machines.gantry.model import GantryModel
 from ..machines.gantry.robot import GANTRY
 from ..machines.kinds import machine_faults, on_floor
+from ..people.own_actions import sources_of
 from ..people.planners import planner_source
 from ..people.programs import EXTERNAL, find_program
 from ..people.steering.own_steering import steering_source
@@ -207,6 +208,12 @@ def _personality_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]
                 find_program(one.personality, trial.folder)
         except TrialError as why:
             yield why.problems[0].message, place
+            continue
+        try:
+            given = one.personality
+            sources_of(given, person.actions, trial.folder, own_code=trial.own_code)
+        except OwnCodeError as why:
+            yield str(why), ("actions",)
 
 
 def _start_faults(start: Start, trial: Scenario, *place: str | int) -> Iterator[Fault]:

@@ -94,6 +94,7 @@ class PersonKeys(WorkerKeys):
     changes: list[_Change] = []
     planner: _Planner | None = None
     manners: MannersKeys = MannersKeys()
+    actions: str | None = None
 
     def value(self) -> PersonEntry:
         """Return the person."""

@@ -64,7 +64,8 @@ class Trial(Scenario):
         It is as in `PersonEntry`. `TrialError` if there is none of that name, `bdi.ProgramError`
         if there is something wrong in it.
         """
-        load_program(personality, self.folder)
+        for actions in dict.fromkeys(person.actions for person in self.people):
+            load_program(personality, self.folder, actions=actions, own_code=self.own_code)
         people = tuple(
             replace(person, personality=personality, changes=()) for person in self.people
         )

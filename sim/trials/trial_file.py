@@ -13,6 +13,7 @@ import floorplan
 from floorplan import Document, Floorplan, Place, Problem, suggestion
 
 from ..core.machine_model import MachineEntry
+from ..core.own_source import OwnCodeError
 from ..core.scenario import PersonEntry, Scenario, TrialError
 from ..core.work import WorkList
 from ..machines.gantry.controllers import ControllerError, controller_source
@@ -119,11 +120,15 @@ def people_of(entries: Sequence[PersonKeys], folder: Path) -> tuple[PersonEntry,
     Each program is read once, however many people run it.
     """
     people = tuple(person for keys in entries for person in keys.values())
-    changes = [change.personality for keys in entries for change in keys.changes]
-    for personality in dict.fromkeys([*(keys.personality for keys in entries), *changes]):
+    named = [
+        (personality, keys.actions)
+        for keys in entries
+        for personality in (keys.personality, *(change.personality for change in keys.changes))
+    ]
+    for personality, actions in dict.fromkeys(named):
         # One that isn't there is reported together with everything else that is wrong.
-        with suppress(TrialError):
-            load_program(personality, folder)
+        with suppress(TrialError, OwnCodeError):
+            load_program(personality, folder, actions=actions)
     return people
 
 

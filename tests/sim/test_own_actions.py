@@ -1,0 +1,78 @@
+"""Internal actions and functions of one's own in a trial."""
+
+import pytest
+
+import bdi
+import sim
+
+MODULE = """
+import bdi
+
+actions = bdi.InternalActions()
+
+@actions.add("floor.twice", least=2, most=2)
+def twice(call, x, result):
+    return call.unify(result, 2 * x)
+
+@actions.function("my.half")
+def half(x):
+    return x / 2
+"""
+PROGRAM = """+human_start <- floor.twice(3, X); .print("got ", X, " ", my.half(X) + 1)."""
+TRIAL = """
+floorplan: ariac2023
+duration: 1
+gantry: {controller: parked}
+people:
+  - {name: ann, personality: one.asl, actions: own.module}
+  - {name: bob, personality: polite, at: [-18.0, 0.0]}
+"""
+
+
+@pytest.fixture
+def folder(tmp_path):
+    for name in ("own", "polite"):
+        (tmp_path / name).mkdir()
+    (tmp_path / "own" / "module.py").write_text(MODULE, encoding="utf-8")
+    (tmp_path / "polite" / "helpers.py").write_text(MODULE, encoding="utf-8")
+    (tmp_path / "polite" / "words.py").write_text("raise SystemExit", encoding="utf-8")
+    for file in ("one.asl", "polite/polite.asl"):
+        (tmp_path / file).write_text(PROGRAM, encoding="utf-8")
+    (tmp_path / "own.trial.yaml").write_text(TRIAL, encoding="utf-8")
+    return tmp_path
+
+
+def said(run):
+    return [(event["person"], event["text"]) for event in run.events if event["kind"] == "said"]
+
+
+def test_programs_use_the_actions_that_a_trial_names_and_those_in_their_folder(folder):
+    trial = sim.Trial.load(folder / "own.trial.yaml")
+    assert said(sim.run(trial)) == [("ann", "got 6 4"), ("bob", "got 6 4")]
+    again = sim.Trial.parse(trial.to_yaml(folder), folder=folder)
+    assert again.people[0].actions == "own.module"
+    polite = trial.with_personality("polite")
+    assert said(sim.run(polite)) == [("ann", "got 6 4"), ("bob", "got 6 4")]
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (("own.module", "own.nothing"), "there is no own/nothing.py"),
+        (("own.module", "polite.words"), "has no function with @actions.add"),
+        (("floor.twice", "floor.thrice"), "there is no internal action floor.twice"),
+    ],
+)
+def test_what_is_missing_is_said_with_its_place(folder, change, message):
+    for file in ("own.trial.yaml", "own/module.py"):
+        path = folder / file
+        path.write_text(path.read_text(encoding="utf-8").replace(*change), encoding="utf-8")
+    with pytest.raises((sim.TrialError, bdi.ProgramError)) as error:
+        sim.Trial.load(folder / "own.trial.yaml")
+    assert message in str(error.value)
+
+
+def test_they_are_refused_where_own_code_is(folder):
+    with pytest.raises(sim.TrialError) as error:
+        sim.Trial.load(folder / "own.trial.yaml", own_code=False)
+    assert str(error.value).count("code of your own is refused here") == 2
