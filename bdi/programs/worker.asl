@@ -34,11 +34,12 @@ choice(Id, S) :- offer(Id, _, S, _, _).
 -!go_home.
 
 +work_completed(_) : works & errand(home) <- .abolish(errand(_)).
-+work_completed(_) : doing(_, _, _, _, _) & not errand(_) <- .abolish(tried(_)); !work_here.
++work_completed(_) : doing(_, _, _, _, _) & not errand(_) <- !work_here.
 +work_completed(_) : works & not errand(_).
 
-+!work_here <- begin_task.
--!work_here : doing(_, _, S, _, _) & blocked_pause(Ms) <- .wait(Ms); !walk_to(S).
+// Somebody may stand in the way of the station: after a few tries there may be other things to do.
++!work_here <- begin_task; .abolish(tried(_)).
+-!work_here : doing(_, _, S, _, _) <- !try_again(S).
 -!work_here.
 
 @violation_at_work[atomic]

@@ -37,9 +37,9 @@ class Ticket:
     refused: set[str] = field(default_factory=set)
 
     @property
-    def urgency(self) -> tuple[bool, int, float, int]:
-        """Order of offers: breaks, then by priority, then the oldest first."""
-        return (not self.is_break, -self.task.priority, self.since, self.id)
+    def urgency(self) -> tuple[bool, int, float]:
+        """What puts it in order: breaks, then by priority, then the oldest first."""
+        return (not self.is_break, -self.task.priority, self.since)
 
 
 class WorkBoard:
@@ -101,12 +101,15 @@ class WorkBoard:
         self._open.setdefault(name, []).append(ticket)
         self._notify([ticket])
 
-    def offers(self, lists: list[str], person: str) -> list[Ticket]:
-        """Return the tickets on `lists` that `person` could take, the most urgent first."""
+    def offers(self, lists: list[str], person: str, at: Point) -> list[Ticket]:
+        """Return the tickets on `lists` that `person`, who is `at`, could take.
+
+        The most urgent come first: breaks, then by priority, then the oldest, then the nearest.
+        """
         found = [one for name in lists for one in self._open.get(name, ())]
         return sorted(
             (one for one in found if one.task.at not in self._busy and person not in one.refused),
-            key=lambda one: one.urgency,
+            key=lambda one: (*one.urgency, math.dist(one.at, at), one.id),
         )
 
     def take(self, ticket: Ticket) -> None:

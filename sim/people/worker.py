@@ -25,6 +25,9 @@ from .minds import as_term
 from .percepts import Senses
 from .work_board import Ticket, WorkBoard, own_list
 
+REACH = 1.5
+"""Metres. So near to a station its tasks can be done: somebody else may stand right on it."""
+
 SLOWEST, FASTEST = 0.1, 10.0
 """Least and greatest pace of work."""
 
@@ -56,7 +59,7 @@ class Worker:
         self._shifts = entry.shifts
         self._lists = [own_list(entry.name), *entry.work]
         self._body = body
-        self._tolerance = human.goal_tolerance
+        self._reach = max(REACH, human.goal_tolerance)
         self._senses = senses
         self._pace = 1.0
         self._started: float | None = None
@@ -85,7 +88,8 @@ class Worker:
     @property
     def offers(self) -> list[Ticket]:
         """The tickets that they could take now, the most urgent first."""
-        return self._board.offers(self._lists, self._name) if self.on_shift else []
+        here = self._body.at
+        return self._board.offers(self._lists, self._name, here) if self.on_shift else []
 
     @property
     def time_working(self) -> float:
@@ -140,11 +144,11 @@ class Worker:
         return False
 
     def begin(self) -> bool:
-        """Set to work; False without a task, or elsewhere than at its station."""
+        """Set to work; False without a task, or out of reach of its station."""
         ticket = self.doing
         if ticket is None:
             return False
-        if math.dist(self._body.at, ticket.at) > self._tolerance or self._body.state.speed > 0:
+        if math.dist(self._body.at, ticket.at) > self._reach or self._body.state.speed > 0:
             return False
         if self._since is None:
             now = self._since = self._clock.now
