@@ -22,6 +22,7 @@ CALLS = {
     "benchmark": "benchmark --floorplan hall.yaml --planner RRTConnect --queries 1 --out b",
     "bridge": "bridge short.trial.yaml --port 0 --speed 0 --out bridged",
     "check": "check short.trial.yaml short.study.yaml short.asl hall.yaml",
+    "convert": "convert hall.yaml other.yaml",
     "export": "export run --out run.mcap",
     "list": "list",
     "metrics": "metrics run",
