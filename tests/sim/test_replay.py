@@ -332,6 +332,51 @@ def test_the_list_shows_every_event_and_jumps(viewer, recording):
     assert "blue battery" in current.inner_text()
 
 
+def lengthened(recording, times):
+    """The recording again and again, so many times."""
+    long = copy.deepcopy(recording)
+    period = recording["duration"]
+    long["duration"] = times * period
+    for name, pieces in recording["motions"].items():
+        long["motions"][name] = [
+            [min(begin, period) + k * period, min(end, period) + k * period, *axes]
+            for k in range(times)
+            for begin, end, *axes in pieces
+            if begin < period
+        ]
+    long["events"] = [
+        {**event, "t": event["t"] + k * period}
+        for k in range(times)
+        for event in recording["events"]
+    ]
+    return long
+
+
+def test_a_shift_of_eight_hours_is_shown_in_parts(open_page, recording):
+    viewer = open_page(replay.render(lengthened(recording, 105)))
+    events = viewer.page.evaluate("window.floorwalker.recording.events")
+    assert viewer.text("#clock-end") == "/ 8:01:15"
+    for t in (20_000.0, 28_874.0, 310.0):
+        viewer.seek(t)
+        before = [event for event in events if event["t"] <= t + 1e-9]
+        items = viewer.page.locator(".events li")
+        assert items.count() < 1000 < len(events)
+        current = viewer.page.locator(".events li[aria-current] time").inner_text()
+        hours, minutes, rest = (["0"] * 2 + current.split(":"))[-3:]
+        shown = 3600 * int(hours) + 60 * int(minutes) + float(rest)
+        assert shown == pytest.approx(before[-1]["t"], abs=0.00501)
+    first = viewer.page.locator(".events li time").first
+    viewer.page.evaluate("""async () => {
+        const list = document.querySelector(".events ol");
+        for (let k = 0; k < 4; k++) {
+            list.scrollTop = list.scrollHeight;
+            await new Promise(done => requestAnimationFrame(() => setTimeout(done)));
+        }
+    }""")
+    assert ":" in first.inner_text()  # the list went on to later events
+    assert viewer.complaints == []
+
+
 def test_every_kind_of_event_has_a_look_and_words(viewer):
     for table in ("LOOKS", "WORDS"):
         assert set(viewer.page.evaluate(f"Object.keys({table})")) >= set(EVENT_KINDS)

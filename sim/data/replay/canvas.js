@@ -93,9 +93,11 @@ function textWidth(context, text, { size, weight }) {
   return context.measureText(text).width;
 }
 
+const GLYPHS = {};           // the paths of shapes that were drawn
+
 /** An event's shape in the middle of (x, y); `size` 1 is 12 pixels wide. */
 function drawGlyph(context, { shape, hollow, color }, x, y, palette, size = 1) {
-  const path = new Path2D(SHAPES[shape]);
+  const path = GLYPHS[shape] ??= new Path2D(SHAPES[shape]);
   context.save();
   context.translate(x, y);
   context.scale(size, size);

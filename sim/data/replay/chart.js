@@ -3,6 +3,8 @@
 const ROW_HEIGHT = 17;
 const AXIS_HEIGHT = 16;
 const GUTTER = { left: 52, right: 12, top: 6 };
+const COLUMN = 3;            // pixels of a column where curves or marks are too dense
+const DENSEST = 1.5;         // pixels for a mark, at least, of all rows; with less they are counted
 const SAME = 1e-3;           // metres between equal separations
 const SHORTEST = 2;          // seconds that the chart shows, at least
 
@@ -67,7 +69,7 @@ class Chart {
 
   /** The mark within a few pixels of (x, y), the nearest first. */
   markAt(x, y) {
-    const marks = this.bands.flatMap(band => band.marks.map(mark => ({
+    const marks = this.bands.filter(band => !band.isDense).flatMap(band => band.marks.map(mark => ({
       ...mark, off: Math.hypot(this.toX(mark.event.t) - x, band.rowY(mark.look.row) - y),
     })));
     return marks.filter(mark => mark.off <= 9).sort((a, b) => a.off - b.off)[0];
@@ -96,7 +98,7 @@ class Chart {
   #drawAxis(context, palette) {
     const { width, height } = this.surface;
     const span = this.to - this.from;
-    const step = [0.2, 0.5, 1, 2, 5, 10, 20, 30, 60, 120, 300, 600, 1200, 1800, 3600, 7200]
+    const step = [0.2, 0.5, 1, 2, 5, 10, 20, 30, 60, 120, 300, 600, 1200, 1800, 3600, 7200, 14400, 43200, 86400]
       .find(s => (s / span) * (width - 70) >= 62) ?? span;
     const first = Math.ceil(this.from / step - 1e-9);
     for (let k = first; k * step <= this.to + 1e-9; k++) {
@@ -104,11 +106,19 @@ class Chart {
       const isOuter = k === first || (k + 1) * step > this.to;
       const x = Math.min(this.toX(t), width - 16);
       const y = height - AXIS_HEIGHT / 2 + 2;
-      drawText(context, isOuter ? `${t} s` : `${t}`, x, y, { color: palette.muted });
+      const words = this.to <= LONG ? `${t}${isOuter ? " s" : ""}` : dialTime(t, step);
+      drawText(context, words, x, y, { color: palette.muted });
       context.fillStyle = palette.grid;
       context.fillRect(Math.round(this.toX(t)), GUTTER.top, 1, height - AXIS_HEIGHT - GUTTER.top);
     }
   }
+}
+
+/** A time of the axis of a long run, in h:mm where the step is of whole minutes, and else in h:mm:ss. */
+function dialTime(t, step) {
+  const digits = value => String(value).padStart(2, "0");
+  const [h, m, s] = [Math.floor(t / 3600), Math.floor((t % 3600) / 60), +(t % 60).toFixed(1)];
+  return step % 60 === 0 ? `${h}:${digits(m)}` : `${h}:${digits(m)}:${digits(s)}`;
 }
 
 /** One run's part of the chart: its plot, and below it a row for each kind of mark. */
@@ -133,6 +143,8 @@ class Band {
   }
 
   draw(pen, watch, pair, highest) {
+    const seen = this.marks.filter(({ event }) => event.t >= pen.from && event.t <= pen.to).length;
+    this.isDense = seen * DENSEST > pen.surface.width;
     if (watch) this.#drawPlot(pen, watch, highest);
     this.#drawRows(pen, watch);
     const { context, palette } = pen;
@@ -151,11 +163,17 @@ class Band {
       for (const point of curve) if (point[field] !== null) path.lineTo(toX(point.t), toY(point[field]));
       return path;
     };
-    const curves = watch.curves(pen.from, pen.to);
+    const wide = surface.width - GUTTER.left - GUTTER.right;
     context.save();
     context.beginPath();
-    context.rect(GUTTER.left, this.top, surface.width - GUTTER.left - GUTTER.right, this.bottom - this.top + 1);
+    context.rect(GUTTER.left, this.top, wide, this.bottom - this.top + 1);
     context.clip();
+    if (watch.isDense(pen.from, pen.to, wide)) {
+      this.#drawColumns(pen, watch, toY, Math.ceil(wide / COLUMN));
+      context.restore();
+      return;
+    }
+    const curves = watch.curves(pen.from, pen.to);
     for (const curve of curves) {
       const region = (field, edge) => {
         const path = line(curve, field);
@@ -190,6 +208,30 @@ class Band {
     }
     context.restore();
     this.#drawClosest(pen, watch, toY);
+  }
+
+  /** What is too dense for curves: in each column the nearest distance (a line), and all others (tinted). */
+  #drawColumns({ context, palette, from, to, toX }, watch, toY, count) {
+    const columns = watch.columns(from, to, count).filter(({ nearest }) => nearest < Infinity);
+    const color = palette[watch.person.color];
+    const line = field => {
+      const path = new Path2D();
+      for (const column of columns) path.lineTo(toX(column.t), toY(column[field]));
+      return path;
+    };
+    const tinted = line("nearest");
+    for (const column of [...columns].reverse()) tinted.lineTo(toX(column.t), toY(column.farthest));
+    context.fillStyle = color;
+    alpha(context, 0.14, () => context.fill(tinted));
+    context.lineJoin = "round";
+    context.strokeStyle = palette.danger;
+    context.lineWidth = 1.25;
+    context.setLineDash([5, 3]);
+    context.stroke(line("required"));
+    context.setLineDash([]);
+    context.strokeStyle = color;
+    context.lineWidth = 1.5;
+    context.stroke(line("nearest"));
   }
 
   #drawScale({ context, palette, surface }, toY, highest) {
@@ -238,6 +280,11 @@ class Band {
     context.beginPath();
     context.rect(GUTTER.left - 6, this.bottom, surface.width - GUTTER.left - GUTTER.right + 12, surface.height);
     context.clip();
+    if (this.isDense) {
+      this.#drawCounts(pen);
+      context.restore();
+      return;
+    }
     const y = this.rowY("safety") - 4;
     context.fillStyle = palette.robot;
     for (const { begins, ends } of this.run.disabled.values()) {
@@ -252,6 +299,32 @@ class Band {
       drawGlyph(context, look, toX(event.t), this.rowY(look.row), palette, 0.8);
     }
     context.restore();
+  }
+
+  /** What is too dense for marks: in each column a bar, the higher the more events, violations in their colour. */
+  #drawCounts({ context, palette, toX, surface }) {
+    const count = Math.ceil((surface.width - GUTTER.left - GUTTER.right) / COLUMN);
+    for (const row of ROWS) {
+      const all = new Uint32Array(count + 1);
+      const violations = new Uint32Array(count + 1);
+      for (const { event, look } of this.marks) {
+        const i = Math.floor((toX(event.t) - GUTTER.left) / COLUMN);
+        if (look.row !== row || i < 0 || i > count) continue;
+        all[i] += 1;
+        if (event.kind === "violation") violations[i] += 1;
+      }
+      const most = Math.max(...all);
+      const base = this.rowY(row) + ROW_HEIGHT / 2 - 2;
+      all.forEach((number, i) => {
+        const bar = (part, color) => {
+          const high = part && Math.max(2, (part / most) * (ROW_HEIGHT - 3));
+          context.fillStyle = color;
+          context.fillRect(GUTTER.left + i * COLUMN, base - high, COLUMN - 1, high);
+        };
+        bar(number, palette.muted);
+        bar(violations[i], palette.danger);
+      });
+    }
   }
 }
 

@@ -13,6 +13,7 @@ const SHAPES = {
 };
 
 const ROWS = ["people", "robots", "safety"];
+const LONG = 600;            // seconds from which an instant is written as minutes and hours
 
 /** Of each kind: its row of the timeline, if it has one, and its look; "person" is that person's colour. */
 const LOOKS = {
@@ -28,6 +29,9 @@ const LOOKS = {
   goal_occupied: { row: "people", shape: "cross", color: "notice" },
   goal_free: { row: "people", shape: "turn", color: "person" },
   replanned: { row: "people", shape: "turn", hollow: true, color: "person" },
+  met: { row: "people", shape: "bar", hollow: true, color: "person" },
+  gave_way: { row: "people", shape: "bar", color: "person" },
+  blocked: { row: "people", shape: "cross", hollow: true, color: "notice" },
   agv_moved: { row: "robots", shape: "arrow", color: "vehicle" },
   agv_yielded: { row: "robots", shape: "bar", color: "vehicle" },
   job_started: { row: "robots", shape: "bar", hollow: true, color: "robot-ink" },
@@ -60,6 +64,9 @@ const WORDS = {
   goal_occupied: e => `${who(e)} goes to wait for ${spoken(e.by ?? "an AGV")}`,
   goal_free: e => `${who(e)} can go on`,
   replanned: e => `${who(e)} takes another path`,
+  met: e => `${who(e)} sees ${spoken(e.other)} coming`,
+  gave_way: e => `${who(e)} steps aside for ${spoken(e.to)}`,
+  blocked: e => `${who(e)} can't get past ${spoken(e.by)}`,
   agv_moved: e => `${spoken(e.agv ?? "AGV")} goes to ${where(e)}`,
   agv_yielded: e => `${spoken(e.agv ?? "AGV")} gives way`,
   job_started: e => `${spoken(machineOf(e))} begins: ${jobWords(e)}`,
@@ -118,7 +125,16 @@ function where(event) {
 const spoken = name => String(name).replaceAll("_", " ");
 const fixed = (value, digits) => value.toFixed(digits).replace(/^-(?=[0.]*$)/, "").replace("-", "−");
 const metres = value => `${fixed(value, 2)} m`;
-const seconds = value => `${fixed(value, 2)} s`;
+const seconds = value => (value < LONG ? `${fixed(value, 2)} s` : clockTime(value, 2));
+
+/** An instant (seconds): 42.50 in the first ten minutes, and from then on 10:42.50 or 2:10:42.50. */
+function clockTime(t, digits) {
+  if (t < LONG) return fixed(t, digits);
+  const padded = (value, wide) => fixed(value, wide > 2 ? digits : 0).padStart(wide, "0");
+  const whole = Number(t.toFixed(digits));
+  const [h, m] = [Math.floor(whole / 3600), Math.floor((whole % 3600) / 60)];
+  return [...h ? [h, padded(m, 2)] : [m], padded(whole % 60, digits ? 3 + digits : 2)].join(":");
+}
 const comparison = (distance, required) => (
   Number.isFinite(required) ? `${fixed(distance, 2)} of ${metres(required)}` : metres(distance));
 

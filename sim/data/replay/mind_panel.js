@@ -44,7 +44,7 @@ function intentionItem({ stack, at }) {
 
 function stepItem({ t, kind, text, place }, isLatest) {
   return element("li", { className: `${kind}${isLatest ? " new" : ""}` },
-    element("time", { text: fixed(t, 2) }), element("span", { text: STEP_WORDS[kind] ?? kind }),
+    element("time", { text: clockTime(t, 2) }), element("span", { text: STEP_WORDS[kind] ?? kind }),
     element("code", { text: short(text), title: [text, place].filter(Boolean).join("  ") }));
 }
 

@@ -90,9 +90,10 @@ class Replay {
       ? "" : [floorplan.title || spoken(floorplan.name ?? ""), ...people].join(" · ");
     $("focus").replaceChildren(...this.runs.map((run, i) => this.#focusButton(run, i)));
     const duration = Math.max(...this.runs.map(run => run.duration));
+    document.body.classList.toggle("long", duration >= LONG);
     this.clock.duration = duration;
     this.clock.frontier = first.known < first.duration ? first.known : duration;
-    $("clock-end").textContent = `/ ${+duration.toFixed(2)} s`;
+    $("clock-end").textContent = `/ ${duration < LONG ? `${+duration.toFixed(2)} s` : clockTime(duration, 0)}`;
     $("chart").setAttribute("aria-valuemax", duration);
     this.#offer($("follow"), bodies.map(({ name }) => [name, spoken(name)]), 1);
     this.#offer($("watch"), first.watches.map((watch, i) => [i, watch.name]), 0);

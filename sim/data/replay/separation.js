@@ -1,6 +1,7 @@
 /* The distance of two bodies, and the required distance. */
 
 const SAMPLES = 1200;        // of a curve, beside the changes of motion
+const MOST_CHANGES = 3;      // of the motions in a pixel of a curve; with more it is drawn in columns
 
 /** The distance that a law requires: ISO/TS 15066 in linear form, fixed, or along a curve of time.
  *  Speeds in m/s; `before` asks for the value just before t, where the curve jumps. */
@@ -77,6 +78,38 @@ class Watch {
       this.sampled = { from, to, curves: this.#sample(from, to) };
     }
     return this.sampled.curves;
+  }
+
+  /** True if from one instant to another the motions change too often for a curve of so many pixels. */
+  isDense(from, to, pixels) {
+    const changes = [this.person.motion, this.other.motion].reduce((sum, { begins }) => (
+      sum + lastUpTo(begins, to) - lastUpTo(begins, from)), 0);
+    return changes > MOST_CHANGES * pixels;
+  }
+
+  /**
+   * The same as `columns` of equal time: of each its middle `t`, the nearest and the farthest distance, the
+   * largest required distance, and if in it there was a violation.
+   */
+  columns(from, to, columns) {
+    const kept = this.thinned;
+    if (kept?.from === from && kept.to === to && kept.columns.length === columns) return kept.columns;
+    const span = (to - from) / columns;
+    const found = Array.from({ length: columns }, (_, i) => ({
+      t: from + (i + 0.5) * span, nearest: Infinity, farthest: -Infinity, required: 0, violated: false,
+    }));
+    for (const { t, distance, required } of this.curves(from, to).flat()) {
+      const column = found[Math.min(columns - 1, Math.floor((t - from) / span))];
+      column.nearest = Math.min(column.nearest, distance);
+      column.farthest = Math.max(column.farthest, distance);
+      column.required = Math.max(column.required, required);
+    }
+    for (const [begin, end] of this.violations) {
+      const last = Math.min(columns - 1, Math.floor((end - from) / span));
+      for (let i = Math.max(0, Math.floor((begin - from) / span)); i <= last; i++) found[i].violated = true;
+    }
+    this.thinned = { from, to, columns: found };
+    return found;
   }
 
   /** The largest distance and required distance of the whole run. */

@@ -1,12 +1,29 @@
 /* A motion as points to draw: the path behind a body and the path ahead of it. */
 
-/** A motion as points to draw, cut into legs: a leg is a stretch without a stop or a jump. */
+const TRACK_WINDOW = 60;     // seconds before and after an instant for which points are worked out
+
+/**
+ * A motion as points to draw, cut into legs: a leg is a stretch without a stop or a jump. The points
+ * are worked out round the instant that is asked for, so that a long recording opens as fast as a short one.
+ */
 class Track {
   constructor(motion) {
+    this.motion = motion;
+    this.begin = Infinity;     // the points hold for instants from `begin` to `end`, seconds
+    this.end = -Infinity;
+  }
+
+  /** Works out the points from `since` to the end of the leg at t, and some more on both sides. */
+  #cover(since, t) {
+    if (this.begin <= since && t <= this.end) return;
+    const { motion } = this;
+    const first = Math.max(0, lastUpTo(motion.begins, since - TRACK_WINDOW));
+    this.begin = first === 0 ? -Infinity : motion.begins[first];
+    this.end = t + TRACK_WINDOW;
     const times = [];
     const legs = [];
     let leg = -1;
-    for (let i = 0; i < motion.begins.length; i++) {
+    for (let i = first; i < motion.begins.length; i++) {
       const begin = motion.begins[i];
       const end = motion.ends[i];
       const still = [1, 2, 3, 5, 6, 7].every(k => motion.coefficients[12 * i + k] === 0);
@@ -14,6 +31,7 @@ class Track {
       const goesOn = times.at(-1) === begin && motion.lastJump(begin)?.t !== begin
         && motion.before(begin).speed > STILL;
       if (!goesOn) {
+        if (begin > this.end) break;
         leg += 1;
         times.push(begin);
         legs.push(leg);
@@ -25,7 +43,6 @@ class Track {
       }
     }
     const places = times.map((t, i) => (legs[i + 1] === legs[i] ? motion.at(t) : motion.before(t)));
-    this.motion = motion;
     this.times = Float64Array.from(times);
     this.legs = Int32Array.from(legs);
     this.xs = Float64Array.from(places, place => place.x);
@@ -37,6 +54,7 @@ class Track {
    * stop or a jump, cut so that no stretch is longer than `grain` seconds; oldest first.
    */
   behind(t, seconds, grain, draw) {
+    this.#cover(t - seconds, t);
     const first = lastUpTo(this.times, t - seconds) + 1;
     const last = lastUpTo(this.times, t);
     let points = [];
@@ -58,6 +76,7 @@ class Track {
 
   /** The points still ahead at t until the body stops: [[x, y], …], from where it is; [] if it stands. */
   ahead(t) {
+    this.#cover(t, t);
     const last = lastUpTo(this.times, t);
     if (last < 0 || this.legs[last + 1] !== this.legs[last]) return [];
     const here = this.motion.at(t);
