@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from itertools import takewhile
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -74,7 +75,21 @@ def _page(run: Path, other: Path | None) -> str:
         recordings += _recordings(other)
     if len(recordings) > 2:
         raise ValueError("a page shows two runs at most: give two runs, or one page of two")
+    if other is not None:
+        for recording, name in zip(recordings, _told_apart(run, other), strict=True):
+            recording["folder"] = name
     return render(*recordings)
+
+
+def _told_apart(one: Path, other: Path) -> tuple[str, str]:
+    """Return the ends of two paths from where they differ, without a page's own name."""
+    parts = [
+        path.parts[:-1] if path.suffix == ".html" and path.stem == "replay" else path.parts
+        for path in (one.absolute(), other.absolute())
+    ]
+    same = sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], zip(*parts, strict=False)))
+    first, second = ("/".join(names[same:] or names[-1:]) for names in parts)
+    return first, second
 
 
 def _write(page: str, file: Path) -> None:

@@ -175,7 +175,8 @@ def test_the_numbers_shown_are_those_of_the_instant(viewer, recording, t):
 
 def test_another_watch_can_be_chosen(viewer, recording):
     names = viewer.page.locator("#watch option").all_inner_texts()
-    assert names == [f"{w['person']} – {w['other']}" for w in recording["watches"]]
+    machines = [f"{w['person']} – {w['other']}" for w in recording["watches"]]
+    assert names == [*machines, "operator – visitor"]
     motions = recording["motions"]
     viewer.seek(101.0)
     viewer.page.locator("#watch").select_option(label="visitor – agv2")
@@ -185,6 +186,33 @@ def test_another_watch_can_be_chosen(viewer, recording):
     )
     assert viewer.number("[data-shows=distance]") == pytest.approx(distance, abs=0.00501)
     assert viewer.text("[data-shows=required]") == "2.10 m"
+
+
+def test_two_people_have_a_gap_and_no_required_distance(viewer, recording):
+    viewer.seek(101.0)
+    viewer.page.locator("#watch").select_option(label="operator – visitor")
+    viewer.settle()
+    at = [replay_sample.pose(recording["motions"][name], 101.0) for name in ("operator", "visitor")]
+    distance = math.dist(at[0][:2], at[1][:2])
+    assert viewer.number("[data-shows=distance]") == pytest.approx(distance, abs=0.00501)
+    assert viewer.number("[data-shows=margin]") == pytest.approx(distance - 0.6, abs=0.00501)
+    assert viewer.text("[data-shows=margin-word]") == "gap"
+    assert viewer.text("[data-shows=state]") == "apart"
+    assert "required" not in viewer.text("#legend")
+
+
+def test_without_machines_the_plot_shows_speeds(open_page, recording):
+    alone = copy.deepcopy(recording)
+    alone["bodies"] = [body for body in alone["bodies"] if body["name"] == "operator"]
+    alone["watches"] = []
+    viewer = open_page(replay.render(alone))
+    assert viewer.text("#legend") == "speed of people"
+    plot = viewer.page.locator("#chart canvas").screenshot()
+    for piece in alone["motions"]["operator"]:
+        piece[2], piece[3] = piece[2][:1], piece[3][:1]
+    still = open_page(replay.render(alone))
+    assert still.differ(plot, still.page.locator("#chart canvas").screenshot())
+    assert viewer.complaints == still.complaints == []
 
 
 def test_the_noticing_distance_has_a_law_and_a_cap_of_its_own(open_page, recording):
@@ -398,7 +426,8 @@ def test_a_violation_is_said_in_words(viewer, recording):
     violation = next(e for e in recording["events"] if e["kind"] == "violation")
     viewer.seek(violation["t"])
     figures = f"{violation['distance']:.2f} of {violation['required']:.2f} m"
-    assert viewer.text("[data-shows=state]") == f"violation at {violation['t']:.2f} s: {figures}"
+    state = viewer.text("[data-shows=state]")
+    assert state == f"violation at {violation['t']:.2f} s, too close: {figures}"
     viewer.seek(69.1)
     assert viewer.text("[data-shows=state]") == "too close: violation"
     viewer.seek(0.0)

@@ -54,6 +54,7 @@ def test_two_runs_make_one_page(folder, tmp_path):
     assert (done.returncode, done.stdout) == (0, f"{file}\n")
     html = file.read_text(encoding="utf-8")
     assert html.count('type="application/json"') == 2
+    assert [one["folder"] for one in recordings_in(html)] == ["broken", "whole"]
     assert html.index('id="other"') < html.index('id="recording"')
 
 

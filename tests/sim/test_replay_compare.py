@@ -64,6 +64,19 @@ def test_a_page_can_hold_two_from_the_start(open_page, recording, other):
     assert viewer.complaints == []
 
 
+def test_runs_of_one_title_are_named_by_what_differs(open_page, recording):
+    scared = copy.deepcopy(recording)
+    scared["bodies"][0]["personality"] = "scared"
+    one, two = {**recording, "folder": "monday"}, {**scared, "folder": "tuesday"}
+    viewer = open_page(replay.render(one, two))
+    titles = viewer.page.locator(".view .title").all_inner_texts()
+    assert titles == ["operator: indifferent, monday", "operator: scared, tuesday"]
+    assert viewer.page.locator("#focus button").all_inner_texts() == [
+        "A operator: indifferent",
+        "B operator: scared",
+    ]
+
+
 def test_the_longer_one_gives_the_end(compared, open_page, recording, other):
     compared.page.keyboard.press("End")
     assert compared.time == 275.0
@@ -172,7 +185,7 @@ def test_a_recording_can_be_dropped_on_the_page(open_page, recording, other):
     viewer = open_page(replay.render(recording))
     viewer.page.evaluate(DROP, json.dumps(other))
     viewer.wait_until(lambda: viewer.page.locator(".view").count() == 2)
-    assert viewer.text("#title") == f"A: {recording['title']}, B: {other['title']}"
+    assert viewer.text("#title") == f"A: {recording['title']}; B: {other['title']}"
 
 
 @pytest.mark.parametrize(

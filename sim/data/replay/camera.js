@@ -17,7 +17,7 @@ class Camera {
   /** Show the whole floor. */
   fit() {
     const { left, right, bottom, top } = this.bounds;
-    const border = Math.min(20, this.width / 20);
+    const border = Math.min(10, this.width / 20);
     this.x = (left + right) / 2;
     this.y = (bottom + top) / 2;
     this.scale = Math.max(1, Math.min(

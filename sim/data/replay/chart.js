@@ -146,6 +146,7 @@ class Band {
     const seen = this.marks.filter(({ event }) => event.t >= pen.from && event.t <= pen.to).length;
     this.isDense = seen * DENSEST > pen.surface.width;
     if (watch) this.#drawPlot(pen, watch, highest);
+    else if (!this.run.watches.length) this.#drawSpeeds(pen);
     this.#drawRows(pen, watch);
     const { context, palette } = pen;
     if (!this.letter) return;
@@ -210,6 +211,25 @@ class Band {
     this.#drawClosest(pen, watch, toY);
   }
 
+  /** The speeds of all people, where there is no pair of bodies to look at. */
+  #drawSpeeds(pen) {
+    const { context, palette, from, to, toX } = pen;
+    const count = Math.round(toX(to) - toX(from));
+    const curves = this.run.people.map(({ motion, color }) => ({
+      color, speeds: Array.from({ length: count + 1 }, (_, i) => motion.at(from + ((to - from) * i) / count).speed),
+    }));
+    const highest = 1.1 * Math.max(1, ...curves.map(({ speeds }) => Math.max(...speeds)));
+    const toY = value => this.bottom - (value / highest) * (this.bottom - this.top);
+    this.#drawScale(pen, toY, highest, "m/s");
+    context.lineWidth = 1.5;
+    for (const { color, speeds } of curves) {
+      const path = new Path2D();
+      speeds.forEach((speed, i) => path.lineTo(GUTTER.left + i, toY(speed)));
+      context.strokeStyle = palette[color];
+      context.stroke(path);
+    }
+  }
+
   /** What is too dense for curves: in each column the nearest distance (a line), and all others (tinted). */
   #drawColumns({ context, palette, from, to, toX }, watch, toY, count) {
     const columns = watch.columns(from, to, count).filter(({ nearest }) => nearest < Infinity);
@@ -234,7 +254,7 @@ class Band {
     context.stroke(line("nearest"));
   }
 
-  #drawScale({ context, palette, surface }, toY, highest) {
+  #drawScale({ context, palette, surface }, toY, highest, unit = "m") {
     context.strokeStyle = palette.line;
     context.lineWidth = 1;
     const step = [0.5, 1, 2, 5, 10, 20, 50].find(s => (s / highest) * (this.bottom - this.top) >= 22) ?? 100;
@@ -246,7 +266,7 @@ class Band {
       context.lineTo(surface.width - GUTTER.right, y);
       context.stroke();
       context.globalAlpha = 1;
-      drawText(context, value + step > highest ? `${value} m` : `${value}`, GUTTER.left - 7, y,
+      drawText(context, value + step > highest ? `${value} ${unit}` : `${value}`, GUTTER.left - 7, y,
         { color: palette.muted, size: 11, align: "right" });
     }
   }

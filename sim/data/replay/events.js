@@ -135,8 +135,18 @@ function clockTime(t, digits) {
   const [h, m] = [Math.floor(whole / 3600), Math.floor((whole % 3600) / 60)];
   return [...h ? [h, padded(m, 2)] : [m], padded(whole % 60, digits ? 3 + digits : 2)].join(":");
 }
+/** A distance that is too short, and what is required: by the words also where rounding makes them equal. */
 const comparison = (distance, required) => (
-  Number.isFinite(required) ? `${fixed(distance, 2)} of ${metres(required)}` : metres(distance));
+  `too close: ${Number.isFinite(required) ? `${fixed(distance, 2)} of ${metres(required)}` : metres(distance)}`);
+
+/** The kinds of events of the runs that have a mark on the timeline: a shape each, in words. */
+function showKinds(list, runs) {
+  const kinds = new Set(runs.flatMap(run => run.events.map(event => event.kind)));
+  const shown = Object.entries(LOOKS).filter(([kind, look]) => look.row && kinds.has(kind));
+  list.replaceChildren(...shown.map(([kind, look]) => element("li", {},
+    glyphElement({ ...look, color: look.color === "person" ? "person-1" : look.color }),
+    element("span", { text: spoken(kind) }))));
+}
 
 /** A shape as an SVG element, for lists and legends. */
 function glyphElement({ shape, hollow, color }) {

@@ -1,6 +1,8 @@
 /* The floor: ground, lanes, obstacles, places and their names. */
 
 const TALLEST = 2.5;      // metres: obstacles of this height are drawn darkest
+const NEIGHBOUR = 0.3;    // metres between neighbours, at most
+const PERSON_RADIUS = 0.3;
 const LAYER_MARGIN = 160; // CSS pixels drawn beyond each edge, so that panning mostly shifts the picture
 
 /** The floor as a picture, drawn again only when the camera leaves it. */
@@ -9,6 +11,7 @@ class FloorLayer {
     this.plan = plan;
     this.obstacles = plan.obstacles.map(obstacle => ({ ...obstacle, box: boxOf(obstacle.footprint) }))
       .sort((a, b) => a.top - b.top);
+    this.groups = groupsOf(this.obstacles);
     this.canvas = document.createElement("canvas");
     this.seen = null;
     this.names = [];           // boxes of the names of places in the picture, CSS pixels
@@ -190,19 +193,29 @@ class FloorLayer {
     }
     for (const { name, at } of this.plan.stations) {
       const [px, py] = camera.toScreen(...at);
-      [[0, 18], [0, -18], [44, 0], [-44, 0]].some(([dx, dy]) => write(spoken(name), px + dx, py + dy, bold));
+      const away = Math.max(18, PERSON_RADIUS * camera.scale + 12);      // of a person who stands there
+      [[0, away], [0, -away], [away + 26, 0], [-away - 26, 0]]
+        .some(([dx, dy]) => write(spoken(name), px + dx, py + dy, bold));
     }
     if (this.plan.safe_zone) {
       const [px, py] = camera.toScreen(...this.plan.safe_zone.at);
       const away = Math.max(9, 0.6 * camera.scale) + 9;
       [away, -away].some(dy => write("safe zone", px, py + dy, bold));
     }
-    this.names = taken.slice(this.plan.stations.length);
+    this.names = taken;
+    const writeRound = (words, { left, right, top, bottom }, look, isFree) => {
+      const [px, py] = [(left + right) / 2, (top + bottom) / 2];
+      const beside = (right - left + textWidth(context, words, { weight: 400, ...look })) / 2 + 5;
+      return [[px, bottom + 8], [px, top - 8], [px + beside, py], [px - beside, py]]
+        .some(([x, y]) => write(words, x, y, look, isFree));
+    };
+    const named = new Set();     // the groups that have their name
     const largestFirst = [...this.obstacles].sort((a, b) => area(b.box) - area(a.box));
     for (const obstacle of largestFirst) {
       const box = boxes.get(obstacle);
       const [wide, high] = [box.right - box.left, box.bottom - box.top];
-      if (Math.max(wide, high) < 16 || (obstacle.bottom > 0 && camera.scale < 60)) continue;
+      const group = this.groups.find(({ members }) => members.includes(obstacle));
+      if ((!group && Math.max(wide, high) < 16) || (obstacle.bottom > 0 && camera.scale < 60)) continue;
       const [px, py] = [(box.left + box.right) / 2, (box.top + box.bottom) / 2];
       const words = spoken(obstacle.name);
       context.font = `400 11px ${FONT}`;
@@ -211,10 +224,12 @@ class FloorLayer {
         write(words, px, py, { ...plain, color: palette.text, halo: null });
       } else if (length + 4 <= high && wide >= 13) {
         writeUpwards(context, words, px, py, { ...plain, color: palette.text, halo: null });
-      } else if (Math.min(wide, high) >= 12) {
+        taken.push({ left: px - 7, right: px + 7, top: py - length / 2, bottom: py + length / 2 });
+      } else if (Math.min(wide, high) >= 12 || group) {
+        if (group && named.has(group)) continue;
         const isFree = place => ![...boxes.values()].some(other => other !== box && overlap(other, place));
-        [[0, high / 2 + 8], [0, -high / 2 - 8], [(wide + length) / 2 + 5, 0], [-(wide + length) / 2 - 5, 0]]
-          .some(([dx, dy]) => write(words, px + dx, py + dy, plain, isFree));
+        if (group) named.add(group);
+        writeRound(group ? group.words : words, group ? this.#onScreen(group.box, camera) : box, plain, isFree);
       }
     }
     if (camera.scale < 36) return;
@@ -231,6 +246,27 @@ class FloorLayer {
     const [right, top] = camera.toScreen(box.right, box.top);
     return { left, right, top, bottom };
   }
+}
+
+/** Neighbours whose names differ by a number alone, as {members, box, words}: "bins 1–4". */
+function groupsOf(obstacles) {
+  const parts = obstacle => /^(.*?)[_ ]?(\d+)$/.exec(obstacle.name);
+  const near = (a, b) => a.left - b.right < NEIGHBOUR && b.left - a.right < NEIGHBOUR
+    && a.bottom - b.top < NEIGHBOUR && b.bottom - a.top < NEIGHBOUR;
+  const groups = [];
+  for (const obstacle of obstacles.filter(parts)) {
+    const [, stem] = parts(obstacle);
+    const own = groups.filter(group => group.stem === stem && group.members.some(other => near(other.box, obstacle.box)));
+    const members = [obstacle, ...own.flatMap(group => group.members)];
+    for (const group of own) groups.splice(groups.indexOf(group), 1);
+    groups.push({ stem, members });
+  }
+  return groups.filter(({ members }) => members.length > 1).map(({ stem, members }) => {
+    const numbers = members.map(member => Number(parts(member)[2])).sort((a, b) => a - b);
+    const isRun = numbers.at(-1) - numbers[0] === numbers.length - 1;
+    const words = `${spoken(stem)}s ${isRun ? `${numbers[0]}–${numbers.at(-1)}` : numbers.join(", ")}`;
+    return { members, words, box: boxOf(members.flatMap(member => member.footprint)) };
+  });
 }
 
 function writeUpwards(context, text, x, y, look) {

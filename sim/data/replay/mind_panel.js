@@ -18,13 +18,11 @@ class MindPanel {
     this.root.hidden = !mind;
     if (!mind) return;
     const state = mind.at(t);
+    if (!state.intentions.length) this.#showIdle(run, person, t);
     if (this.shown === state) return;
     this.shown = state;
     write(this.person, `${spoken(person.name)}, ${run.personality(person, t)}`);
-    this.intentions.replaceChildren(...state.intentions.map(intentionItem));
-    if (!state.intentions.length) {
-      this.intentions.append(element("li", { className: "none", text: "none under way: waits for something to happen" }));
-    }
+    if (state.intentions.length) this.intentions.replaceChildren(...state.intentions.map(intentionItem));
     this.steps.replaceChildren(...state.steps.map(step => stepItem(step, step.t === state.t)));
     const beliefs = [...state.beliefs].sort(([, a], [, b]) => b - a);
     const came = beliefs.filter(([text]) => mind.isChanging(text));
@@ -32,6 +30,17 @@ class MindPanel {
     this.beliefs.replaceChildren(
       ...came.map(([text, since]) => beliefItem(text, since === state.t ? "new" : "")),
       ...stayed.map(([text]) => beliefItem(text, "lasting")));
+  }
+
+  /** No plan is at work: what the body does. */
+  #showIdle(run, person, t) {
+    const goal = run.goalOf(person, t);
+    const isWalking = person.motion.at(t).speed > STILL;
+    const words = isWalking ? `walks${goal ? ` to ${where(goal)}` : ""}; no plan is at work meanwhile`
+      : "none: waits for something to happen";
+    if (this.intentions.textContent !== words) {
+      this.intentions.replaceChildren(element("li", { className: "none", text: words }));
+    }
   }
 }
 

@@ -28,9 +28,13 @@ const STATES = {
   noticed: { shape: "diamond", color: "notice", text: "within the noticing distance" },
   short: { shape: "triangle", hollow: true, color: "danger", text: "closer than required, and not counted" },
   violation: { shape: "triangle", color: "danger", text: "too close: violation" },
+  apart: { shape: "disc", hollow: true, color: "muted", text: "apart" },
+  touching: { shape: "triangle", hollow: true, color: "danger", text: "touching" },
 };
+const TOUCH = 0.005;         // metres between two people who seem to touch
 
-function stateOf({ margin, distance, notice, violated }) {
+function stateOf({ margin, distance, notice, violated }, { isOfPeople }) {
+  if (isOfPeople) return margin > TOUCH ? "apart" : "touching";
   if (violated) return "violation";
   if (margin < 0) return "short";
   return notice !== null && distance < notice ? "noticed" : "clear";
@@ -68,10 +72,11 @@ class Readout {
     put("other", spoken(watch.other.name));
     put("other-speed", `${fixed(now.otherSpeed, 2)} m/s`);
     const lately = run.violationLately(watch, t, afterglow);
-    const state = lately ? "violation" : stateOf(now);
+    const state = lately ? "violation" : stateOf(now, watch);
     put("state", lately
-      ? `violation at ${seconds(lately.t)}: ${comparison(lately.distance ?? now.distance, lately.required)}`
+      ? `violation at ${seconds(lately.t)}, ${comparison(lately.distance ?? now.distance, lately.required)}`
       : STATES[state].text);
+    for (const name of ["required", "margin"]) put(`${name}-word`, watch.words[name]);
     if (this.root.dataset.state === state) return;
     this.root.dataset.state = state;
     this.places.glyph.replaceChildren(glyphElement(STATES[state]));

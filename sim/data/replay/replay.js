@@ -1,6 +1,8 @@
 /* The page: one run or two beside each other, one clock, one chosen pair. */
 
 const CONTROL_KEYS = [" ", "ArrowLeft", "ArrowRight", "Home", "End"];    // keys with a meaning in controls
+const NARROWEST_FLOOR = 440;       // CSS pixels of the floor's panel
+const BROAD_SIDE = 740;            // CSS pixels beside the floor, from which two columns stand there
 const PLAY = "M4 2.5v11L13.5 8z";
 const PAUSE = "M3.5 2.5h3v11h-3zm6 0h3v11h-3z";
 
@@ -21,6 +23,7 @@ class Replay {
     this.#wireButtons();
     this.#wireKeys();
     this.#wireChart();
+    addEventListener("resize", () => this.#layOut());
     const systemIsDark = matchMedia("(prefers-color-scheme: dark)");
     systemIsDark.addEventListener("change", () => this.setTheme(systemIsDark.matches));
     this.setTheme(systemIsDark.matches);
@@ -56,7 +59,6 @@ class Replay {
     const letter = LETTERS[this.runs.length];
     const frame = stamp("view");
     frame.querySelector(".letter").textContent = letter;
-    frame.querySelector(".title").textContent = run.title;
     $("views").append(frame);
     const on = {
       pan: (dx, dy) => this.#pan(dx, dy),
@@ -83,12 +85,14 @@ class Replay {
     const people = bodies.filter(body => body.personality)
       .map(body => `${spoken(body.name)}: ${body.personality}`);
     const isCompared = this.runs.length > 1;
+    const names = namesOf(this.runs);
+    this.views.forEach((view, i) => { view.canvas.parentElement.querySelector(".title").textContent = names[i]; });
     document.body.classList.toggle("compared", isCompared);
     document.body.classList.toggle("unwatched", first.watches.length === 0);
-    $("title").textContent = isCompared ? this.runs.map((run, i) => `${LETTERS[i]}: ${run.title}`).join(", ") : title ?? "";
+    $("title").textContent = isCompared ? names.map((name, i) => `${LETTERS[i]}: ${name}`).join("; ") : title ?? "";
     $("subtitle").textContent = isCompared
       ? "" : [floorplan.title || spoken(floorplan.name ?? ""), ...people].join(" · ");
-    $("focus").replaceChildren(...this.runs.map((run, i) => this.#focusButton(run, i)));
+    $("focus").replaceChildren(...namesOf(this.runs, 1).map((name, i) => this.#focusButton(name, i)));
     const duration = Math.max(...this.runs.map(run => run.duration));
     document.body.classList.toggle("long", duration >= LONG);
     this.clock.duration = duration;
@@ -99,7 +103,21 @@ class Replay {
     this.#offer($("watch"), first.watches.map((watch, i) => [i, watch.name]), 0);
     this.panels.forEach((panels, i) => panels.fill(this.runs[i], this.runs));
     this.chart.show(this.runs);
+    showKinds($("kinds"), this.runs);
+    this.#layOut();
     this.redraw();
+  }
+
+  /**
+   * Gives the floor as much room as it fills at the height of the window; where two columns of panels fit beside
+   * it, they stand there, and the plot below all.
+   */
+  #layOut() {
+    const { left, right, bottom, top } = this.views[0].camera.bounds;
+    const wide = () => Math.max($("views").clientHeight * (right - left) / (top - bottom), NARROWEST_FLOOR);
+    const isBroad = this.runs.length === 1 && innerWidth > 860 && innerWidth - wide() >= BROAD_SIDE;
+    document.body.classList.toggle("broad", isBroad);
+    document.documentElement.style.setProperty("--stage", `${Math.round(wide())}px`);
   }
 
   /** Fills a list of options after the first `kept` ones; the selected one stays. */
@@ -109,8 +127,8 @@ class Replay {
     select.append(...options.map(([value, text]) => element("option", { value, text })));
   }
 
-  #focusButton(run, i) {
-    const button = element("button", { type: "button", text: `${LETTERS[i]} ${run.title}` });
+  #focusButton(name, i) {
+    const button = element("button", { type: "button", text: `${LETTERS[i]} ${name}`, title: name });
     button.ariaPressed = String(i === this.focus);
     button.addEventListener("click", () => this.focusOn(i));
     return button;
@@ -141,6 +159,7 @@ class Replay {
     $("watch").value = index;
     const [watch] = this.watches;
     if (watch) document.documentElement.style.setProperty("--shown", `var(--${watch.person.color})`);
+    document.body.classList.toggle("of-people", watch?.isOfPeople ?? false);
     this.redraw();
   }
 
@@ -251,12 +270,13 @@ class Replay {
     const shown = this.runs[this.focus];
     this.panels[this.focus].show(shown, this.#person(shown, watches[this.focus]), t);
     this.chart.moveCursor(t);
+    showScale($("scale"), this.views[0].camera.scale);
     this.#showClock(t);
   }
 
-  /** Seconds of the recording that are as long for the viewer at any speed. */
+  /** Seconds of the recording for which what was over at once is still shown. */
   get #afterglow() {
-    return AFTERGLOW * Math.max(1, this.clock.isPlaying ? this.clock.speed : 1);
+    return Math.max(AFTERGLOW, this.clock.isPlaying ? GLIMPSE * this.clock.speed : 0);
   }
 
   #showClock(t) {
@@ -388,8 +408,9 @@ class Replay {
     const t = this.chart.toTime(event.offsetX);
     const { watches } = this;
     const figures = watches.map((watch, i) => {
+      const figures = watch?.at(t);
       const words = !watch ? [] : ["distance", "required", "margin"]
-        .map(name => `${name} ${metres(watch.at(t)[name])}`);
+        .map(name => `${watch.words[name]} ${metres(figures[name])}`);
       if (this.runs.length > 1) words.unshift(`${[LETTERS[i], pairOf(watch, watches[0])].filter(Boolean).join(" ")}:`);
       return words.join("\n");
     });

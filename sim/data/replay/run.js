@@ -1,5 +1,7 @@
 /* One recording: bodies and their motions, watches, violations, stops. */
 
+const FEW = 4;               // people, of whom each pair can be looked at
+const MEETINGS = ["met", "gave_way", "blocked"];
 const PERSON_COLORS = ["person-1", "person-2", "person-3", "person-4"];
 
 /** A body of the recording with its motion. */
@@ -30,9 +32,11 @@ class Run {
       this.bodies.set(data.name, new Body(data, motions[data.name], color));
     }
     this.people = [...this.bodies.values()].filter(body => body.category === "person");
-    this.watches = watches.map(watch => new Watch(watch, this.bodies, known));
+    this.watches = [...watches, ...pairsOfPeople(this.people, events)]
+      .map(watch => new Watch(watch, this.bodies, known));
     this.minds = new Map(Object.entries(minds ?? {}).map(([name, thoughts]) => [name, new Mind(thoughts)]));
     this.changes = events.filter(event => event.kind === "personality_changed");
+    this.goals = new Map();
     this.jobs = new Jobs(events);
     this.disabled = disabledIntervals(events, known);
     this.violations = this.#violations();
@@ -41,6 +45,22 @@ class Run {
 
   get title() {
     return this.recording.title ?? "";
+  }
+
+  /** What may tell this run from another one, by kind; what comes first says most. */
+  get marks() {
+    const { bodies, folder, summary } = this.recording;
+    const { rules, seed } = summary ?? {};
+    const people = bodies.filter(body => body.personality);
+    const whose = name => (people.length > 1 ? `${spoken(name)}: ` : "");
+    return {
+      title: this.title,
+      ...Object.fromEntries(people.map(({ name, personality }) => (
+        [`personality of ${name}`, `${whose(name)}${spoken(personality)}`]))),
+      rules: rules && `rules ${rules}`,
+      seed: seed !== undefined && `seed ${seed}`,
+      folder,
+    };
   }
 
   /** The watch here that is most like one of another run: the same names, or else the same categories. */
@@ -54,6 +74,20 @@ class Run {
   personality(person, t) {
     const changes = this.changes.filter(event => event.person === person.name && event.t <= t);
     return changes.at(-1)?.personality ?? person.personality ?? "unknown";
+  }
+
+  /** The event with which a person last set out, up to t. */
+  goalOf(person, t) {
+    const { times, events } = this.#goals(person.name);
+    return events[lastUpTo(times, t)];
+  }
+
+  #goals(name) {
+    if (!this.goals.has(name)) {
+      const events = this.events.filter(event => event.kind === "goal" && event.person === name);
+      this.goals.set(name, { events, times: events.map(event => event.t) });
+    }
+    return this.goals.get(name);
   }
 
   /** The watch to show of each person: the chosen one (last, on top), or the first there is. */
@@ -96,6 +130,26 @@ class Run {
         other: this.bodies.get(event.with)?.motion.before(event.t),
       }));
   }
+}
+
+/** A name for each run: the title, or else what differs between them, as far as `most` kinds of it. */
+function namesOf(runs, most = 2) {
+  const marks = runs.map(run => run.marks);
+  const kinds = [...new Set(marks.flatMap(Object.keys))]
+    .filter(kind => new Set(marks.map(mark => mark[kind])).size > 1);
+  const chosen = kinds[0] === "title" ? ["title"] : kinds.slice(0, most);
+  return marks.map((mark, i) => chosen.map(kind => mark[kind]).filter(Boolean).join(", ") || runs[i].title);
+}
+
+/** Watches of two people each: all pairs of a few, and of many those who met. They touch at zero gap. */
+function pairsOfPeople(people, events) {
+  const met = new Set(events.filter(event => MEETINGS.includes(event.kind))
+    .map(event => [event.person, event.other ?? event.to ?? event.by].sort().join()));
+  return people.flatMap((person, i) => people.slice(i + 1)
+    .filter(other => people.length <= FEW || met.has([person.name, other.name].sort().join()))
+    .map(other => ({
+      person: person.name, other: other.name, law: { distance: person.radius + other.radius }, violations: [],
+    })));
 }
 
 /** The times in which machines were disabled, by name: {begins, ends}. */

@@ -2,7 +2,8 @@
 
 const TRAIL = 12;            // seconds of the path behind that are shown
 const TRAIL_GRAIN = 1;       // seconds of it that fade together
-const AFTERGLOW = 2.5;       // seconds for which a violation and a teleport stay on the floor in full
+const AFTERGLOW = 2.5;       // seconds for which a violation and a teleport stay on the floor in full,
+const GLIMPSE = 0.5;         // or, if that is longer, so many of the viewer's time
 const BODY_SIZE = 18;        // pixels round a body that no figure should cover
 const MOST_MARKS = 200;      // of the violations so far, the latest are marked on the floor
 
@@ -27,7 +28,8 @@ function drawScene(tools, run, t, chosen, afterglow) {
     drawTeleport(pen, person, t, afterglow);
     drawPerson(pen, person, t);
   }
-  for (const body of bodies) drawName(pen, run, body, t);
+  const named = [...run.people, ...ofCategory("robot"), ...ofCategory("vehicle")];
+  for (const body of named) drawName(pen, run, body, t);
   drawViolations(pen, run, t, afterglow);
   const violated = run.watches.filter(watch => !shown.includes(watch) && watch.at(t).violated);
   for (const watch of [...violated, ...shown]) drawSeparation(pen, watch, t, watch === chosen);
@@ -164,10 +166,15 @@ function drawName(pen, run, body, t) {
   const { x, y, rotation } = body.motion.at(t);
   const [px, py] = camera.toScreen(x, y);
   if (body.category === "vehicle") {
-    const size = Math.min(12, 0.45 * body.width * camera.scale);
+    const inside = { size: Math.min(12, 0.45 * body.width * camera.scale), weight: 600, color: palette.halo };
     const back = 0.06 * body.length * camera.scale * Math.cos(rotation);
-    if (size < 7) return;
-    drawText(context, spoken(body.name), px - back, py + 0.5, { size, weight: 600, color: palette.halo });
+    const words = spoken(body.name);
+    if (inside.size >= 8 && textWidth(context, words, inside) <= 0.75 * body.length * camera.scale) {
+      drawText(context, words, px - back, py + 0.5, inside);
+      return;
+    }
+    const look = { size: 10, weight: 600, color: palette.muted, halo: palette.halo };
+    drawNameBeside(pen, words, px, py, 0.5 * Math.hypot(body.length, body.width) * camera.scale + 6, look);
     return;
   }
   const isRobot = body.category === "robot";
@@ -175,9 +182,18 @@ function drawName(pen, run, body, t) {
   const look = { halo: palette.halo, size: 12, weight: 600, color: palette[isRobot ? "robot-ink" : body.color] };
   const round = body.reach ?? Math.hypot(body.length, body.width) / 2;
   const away = isRobot ? round * camera.scale + 10 : Math.max(6, body.radius * camera.scale) + 11;
-  const wide = textWidth(context, name, look);
-  const [above, below] = [[px, py - away], [px, py + away]];
-  const beside = away + wide / 2;
-  const places = [...(isRobot ? [below, above] : [above, below]), [px + beside, py], [px - beside, py]];
-  drawText(context, name, ...takePlace(pen, places, wide, 14), look);
+  drawNameBeside(pen, name, px, py, away, look, isRobot);
+}
+
+/** Writes a name where it covers least: above, below, beside or at a slant, `away` pixels from the middle. */
+function drawNameBeside(pen, name, px, py, away, look, isBelow = false) {
+  const wide = textWidth(pen.context, name, look);
+  const up = isBelow ? 1 : -1;
+  const [beside, slant] = [away + wide / 2, 0.7 * away + wide / 2];
+  const places = [
+    [px, py + up * away], [px, py - up * away], [px + beside, py], [px - beside, py],
+    [px + slant, py - 0.7 * away], [px - slant, py - 0.7 * away], [px + slant, py + 0.7 * away],
+    [px - slant, py + 0.7 * away], [px, py - away - 14], [px, py + away + 14],
+  ];
+  drawText(pen.context, name, ...takePlace(pen, places, wide, look.size + 2), look);
 }

@@ -27,6 +27,9 @@ function pairOf(watch, chosen) {
   return watch ? watch.name : "no such pair";
 }
 
+const WORDS_OF_MACHINES = { distance: "distance", required: "required", margin: "margin" };
+const WORDS_OF_PEOPLE = { distance: "distance", required: "touch at", margin: "gap" };
+
 /** One person and one other body, and the law between them. */
 class Watch {
   constructor(data, bodies, duration) {
@@ -41,6 +44,8 @@ class Watch {
     this.violations = [...data.violations].sort((a, b) => a[0] - b[0]);
     this.violationBegins = this.violations.map(violation => violation[0]);
     this.name = `${spoken(data.person)} – ${spoken(data.other)}`;
+    this.isOfPeople = this.other.category === "person";
+    this.words = this.isOfPeople ? WORDS_OF_PEOPLE : WORDS_OF_MACHINES;
   }
 
   /** Distances in metres as the rules measure them, speeds in m/s; `notice` is null where there is no

@@ -61,9 +61,13 @@ function valueText(name, value) {
   return UNITS[name] ? `${figure} ${UNITS[name]}` : figure;
 }
 
+/** A value of a list; an object by its fields. */
+const inWords = value => (isObject(value)
+  ? Object.entries(value).map(([name, inner]) => `${spoken(name)} ${spoken(inner)}`).join(", ") : String(value));
+
 /** The count of each value in a list, in order of first appearance. */
 function counted(values) {
   const counts = new Map();
-  for (const value of values) counts.set(value, (counts.get(value) ?? 0) + 1);
+  for (const value of values.map(inWords)) counts.set(value, (counts.get(value) ?? 0) + 1);
   return [...counts].map(([value, n]) => `${spoken(value)} ${n}×`).join(", ") || "none";
 }

@@ -48,7 +48,6 @@ class View {
     const context = this.surface.clear();
     const names = this.layer.draw(context, camera, palette);
     drawScene({ context, camera, palette, hatch, names }, this.run, t, chosen, afterglow);
-    this.#drawScale(context);
   }
 
   /** The body or obstacle at a pixel, in lines of text; [] if there is none. */
@@ -79,19 +78,6 @@ class View {
   #bodyAt(px, py, t) {
     const [x, y] = this.camera.toFloor(px, py);
     return this.run.bodyAt(t, x, y, Math.max(0.5, 12 / this.camera.scale));
-  }
-
-  #drawScale(context) {
-    const length = [0.5, 1, 2, 5, 10, 20, 50].find(m => m * this.camera.scale >= 48) ?? 100;
-    const y = this.surface.height - 12;
-    const right = 12 + length * this.camera.scale;
-    context.strokeStyle = this.palette.muted;
-    context.lineWidth = 1.25;
-    context.beginPath();
-    for (const point of [[12, y - 4], [12, y], [right, y], [right, y - 4]]) context.lineTo(...point);
-    context.stroke();
-    const { muted: color, halo } = this.palette;
-    drawText(context, `${length} m`, right + 6, y - 2, { color, halo, align: "left" });
   }
 
   #wire() {
@@ -139,6 +125,14 @@ class View {
       on.zoom(zoomFactor(event), ...place(event));
     }, { passive: false });
   }
+}
+
+/** Shows how long a number of metres is at so many CSS pixels a metre. */
+function showScale(bar, scale) {
+  const length = [0.5, 1, 2, 5, 10, 20, 50].find(m => m * scale >= 48) ?? 100;
+  const width = `${Math.round(length * scale)}px`;
+  if (bar.style.width !== width) bar.style.width = width;
+  write(bar, `${length} m`);
 }
 
 /** The factor by which a turn of the wheel zooms in (above 1) or out. */
