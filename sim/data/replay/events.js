@@ -32,6 +32,14 @@ const LOOKS = {
   met: { row: "people", shape: "bar", hollow: true, color: "person" },
   gave_way: { row: "people", shape: "bar", color: "person" },
   blocked: { row: "people", shape: "cross", hollow: true, color: "notice" },
+  deadlock: { row: "people", shape: "diamond", color: "danger" },
+  shift_began: { row: "people", shape: "arrow", hollow: true, color: "person" },
+  shift_ended: { row: "people", shape: "bar", color: "muted" },
+  task_taken: { row: "people", shape: "triangle", hollow: true, color: "person" },
+  task_begun: { row: "people", shape: "triangle", color: "person" },
+  task_paused: { row: "people", shape: "bar", hollow: true, color: "notice" },
+  task_done: { row: "people", shape: "square", color: "person" },
+  task_given_back: { row: "people", shape: "turn", color: "notice" },
   agv_moved: { row: "robots", shape: "arrow", color: "vehicle" },
   agv_yielded: { row: "robots", shape: "bar", color: "vehicle" },
   job_started: { row: "robots", shape: "bar", hollow: true, color: "robot-ink" },
@@ -67,6 +75,14 @@ const WORDS = {
   met: e => `${who(e)} sees ${spoken(e.other)} coming`,
   gave_way: e => `${who(e)} steps aside for ${spoken(e.to)}`,
   blocked: e => `${who(e)} can't get past ${spoken(e.by)}`,
+  deadlock: e => `${(e.people ?? []).map(spoken).join(", ")} block one another`,
+  shift_began: e => `${who(e)}'s shift begins`,
+  shift_ended: e => `${who(e)}'s shift ends`,
+  task_taken: e => `${who(e)} takes ${taskWords(e)}`,
+  task_begun: e => `${who(e)} begins ${taskWords(e)}`,
+  task_paused: e => `${who(e)} leaves ${taskWords(e)} for now`,
+  task_done: e => `${who(e)} has done ${taskWords(e)}`,
+  task_given_back: e => `${who(e)} ${e.refused ? "refuses" : "gives back"} ${taskWords(e)}`,
   agv_moved: e => `${spoken(e.agv ?? "AGV")} goes to ${where(e)}`,
   agv_yielded: e => `${spoken(e.agv ?? "AGV")} gives way`,
   job_started: e => `${spoken(machineOf(e))} begins: ${jobWords(e)}`,
@@ -109,6 +125,7 @@ function detailOf(event) {
 /** The machine that an event is about; that of the floor's own gantry has no name. */
 const machineOf = event => event.machine ?? "gantry";
 const who = event => spoken(event.person ?? "person");
+const taskWords = event => `${spoken(event.task ?? "a task")}${event.station ? ` at ${spoken(event.station)}` : ""}`;
 /** A job in words; a part may be a name, or an object of type, colour and so on. */
 const jobWords = event => [spoken(event.job ?? "a job"), event.name, partWords(event.part),
   event.from && `from ${spoken(event.from)}`, event.to && `to ${spoken(event.to)}`,
