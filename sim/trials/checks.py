@@ -189,10 +189,12 @@ def _manners_faults(manners: MannersEntry) -> Iterator[Fault]:
 
 def _crowding(trial: Scenario) -> Iterator[Fault]:
     """Yield that there are more people than the floor has room for."""
+    if len(trial.people) < 2:
+        return
     plan = trial.floorplan
     bodies = sum(math.pi * (one.radius or plan.human.radius) ** 2 for one in trial.people)
     room = plan.free(0.0, plan.human.height).area
-    if len(trial.people) > 1 and bodies > DENSEST * room:
+    if bodies > DENSEST * room:
         message = f"{len(trial.people)} people don't fit on the {room:.0f} m² that are free"
         yield message, ("people",)
 
