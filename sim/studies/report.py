@@ -12,7 +12,7 @@ import numpy as np
 
 from ..core.output import write_whole
 from .charts import chart
-from .comparison import Comparison
+from .comparison import Comparison, Spread
 from .effects import contrasts
 from .results import StudyResults
 from .table import Cell
@@ -57,6 +57,12 @@ def write_report(results: StudyResults, path: Path) -> None:
         hours=sum(float(t) for t in columns.get("duration", ()) if t is not None) / 3600,
         compared=compared,
         charts=charts,
+        varying={measure: _digits(compared.spreads[measure]) for measure in charts},
+        constant={
+            measure: value
+            for measure in compared.spreads
+            if (value := compared.constant(measure)) is not None
+        },
         contrasts=[*itertools.islice(contrasts(compared), MOST_CONTRASTS)],
         most_contrasts=MOST_CONTRASTS,
         remarkable=list(_remarkable(columns, compared)),
@@ -66,14 +72,27 @@ def write_report(results: StudyResults, path: Path) -> None:
     write_whole(path, page)
 
 
-def figure(value: float | None) -> str:
-    """A number as people read it: three or four digits that count."""
+def figure(value: float | None, digits: int | None = None) -> str:
+    """A number as people read it: three or four digits that count, or `digits` after the point."""
     if value is None or value != value:
         return "–"
-    size = abs(value)
-    if value == round(value) or size >= 1000:
+    if digits is not None:
+        return f"{value:,.{digits}f}"
+    if value == round(value):
         return f"{value:,.0f}"
-    return f"{value:,.{1 if size >= 100 else 2 if size >= 1 else 3}f}"
+    return f"{value:,.{_after_the_point(abs(value))}f}"
+
+
+def _after_the_point(size: float) -> int:
+    return 0 if size >= 1000 else 1 if size >= 100 else 2 if size >= 1 else 3
+
+
+def _digits(spreads: Sequence[Spread | None]) -> int:
+    """Digits after the point of a column: what its largest figure needs, none of whole numbers."""
+    shown = [end for s in spreads if s is not None for end in (s.mean, s.low, s.high)]
+    if all(value == round(value) for value in shown):
+        return 0
+    return _after_the_point(max(map(abs, shown)))
 
 
 def _remarkable(

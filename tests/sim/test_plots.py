@@ -143,6 +143,24 @@ def test_separation_marks_every_violation(run):
         assert len(shown.get("violation", [])) == len(counted) > 0
 
 
+def test_separation_of_a_long_run_is_drawn_in_columns(run, monkeypatch):
+    (axes,) = run.plot.separation("ada").axes
+    _, distance = curve(axes, "distance")
+    _, required = curve(axes, "required distance")
+    module = sys.modules["sim.views.plots.separation"]
+    monkeypatch.setattr(module, "DENSEST", 0)  # as if the run were a long one
+    monkeypatch.setattr(module, "COLUMNS", 20)
+    (axes,) = run.plot.separation("ada").axes
+    t, nearest = curve(axes, "nearest distance")
+    assert len(t) == 20
+    assert np.diff(t) == pytest.approx(run.duration / 20)
+    assert nearest.min() == pytest.approx(np.nanmin(distance))
+    assert curve(axes, "largest required distance")[1].max() == np.nanmax(required)
+    ada, gantry = run.motions["ada"], run.motions["gantry"]
+    for instant, shown in zip(t.tolist(), nearest.tolist(), strict=True):
+        assert shown <= math.dist(ada.state(instant).at, gantry.state(instant).at) + 1e-9
+
+
 def test_nothing_is_required_of_an_agv_that_stands(run):
     (axes,) = run.plot.separation("ben", "agv1").axes
     t, required = curve(axes, "required distance")
@@ -288,6 +306,14 @@ def test_names_of_places_cover_nothing(name, width):
 def outline(axes, text):
     """Where a text stands on the floor, metres."""
     return box(*text.get_window_extent().transformed(axes.transData.inverted()).extents)
+
+
+def test_a_floor_names_every_obstacle_and_location():
+    plan = floorplan.load("ariac2023")
+    (axes,) = plots.floorplan(plan).axes
+    written = {text.get_text().replace("\n", "_") for text in axes.texts}
+    assert {obstacle.name for obstacle in plan.obstacles} <= written
+    assert {name for lane in plan.lanes for name in lane.locations} - written <= {"kitting"}
 
 
 def test_runs_without_a_pair_say_so(run):

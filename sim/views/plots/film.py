@@ -13,7 +13,9 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.lines import Line2D
 from matplotlib.patches import Circle
+from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 from PIL import Image
 
@@ -46,6 +48,15 @@ _MARGIN = 0.7
 
 _ABOVE = 0.25
 """Inches above the floor, for the time."""
+
+_EXPLAINED = 480
+"""Pixels of width from which a film has a legend."""
+
+_LETTERS, _OVER = 6.0, 5.0
+"""Points: the size of a name that moves, and how far above a person's centre it stands."""
+
+_DISTANCE = (0, (3, 3))
+"""The dashes of a line between two bodies."""
 
 _SAMPLES = 12
 """Pictures, spread over a film, from which the colours of a GIF are chosen."""
@@ -127,7 +138,10 @@ class Film:
             )
             self._canvas = FigureCanvasAgg(self._figure)
             self._draw(floor_axes(self._figure.add_subplot(), run.floorplan))
-            self._time = self._figure.text(0.5, 1.0 - above / 2, "", ha="center", va="center")
+            middle = 1.0 - above / 2
+            self._time = self._figure.text(0.99, middle, "", ha="right", va="center")
+            if wide >= _EXPLAINED:
+                self._explain(middle)
             self._time.set_animated(True)
             self._canvas.draw()
         self._floor = self._canvas.copy_from_bbox(self._figure.bbox)
@@ -140,12 +154,29 @@ class Film:
                 self._figure.draw_artist(artist)
         return np.asarray(self._canvas.buffer_rgba())[:, :, :3].copy()
 
+    def _explain(self, middle: float) -> None:
+        """Say at this height what the discs and lines are, in the margin above the floor."""
+        looks: list[Artist] = [
+            Line2D([], [], marker="o", linestyle="", color=(GREY, 0.4), label="required distance"),
+            Line2D([], [], color=GREY, linestyle=_DISTANCE, linewidth=0.8, label="distance"),
+            Line2D([], [], color=VERMILION, marker="v", linestyle="", label="too close"),
+        ]
+        self._figure.legend(
+            handles=looks,
+            loc="center left",
+            bbox_to_anchor=(0.0, middle),
+            ncols=len(looks),
+            borderaxespad=0.2,
+            handletextpad=0.5,
+        )
+
     def _draw(self, axes: Axes) -> None:
         """Draw the floor, and make the artists of what moves, which stay out of it."""
         run = self._run
         draw_floor(axes, run.floorplan, run.scene.machines)
         self._beams: dict[str, Any] = {}
         self._boxes: dict[str, Any] = {}
+        self._names: dict[str, Any] = {}
         for machine in run.scene.machines:
             colour = MACHINES[machine.category]
             if rails_under(machine.name, run.floorplan) is not None:
@@ -161,8 +192,9 @@ class Film:
                 zorder=4,
                 animated=True,
             )
+            self._names[machine.name] = _name(axes, machine.name, BLACK)
         self._people = {
-            person.name: _Person(axes, person.radius, person_colour(index))
+            person.name: _Person(axes, person.name, person.radius, person_colour(index))
             for index, person in enumerate(run.scene.people)
         }
         (self._marks,) = axes.plot(
@@ -194,6 +226,8 @@ class Film:
             disabled = any(begin <= t < end for begin, end in self._disabled[machine.name])
             box.set_facecolor(GREY if disabled else MACHINES["robot"])
         yield box
+        self._names[machine.name].xy = (x, y)
+        yield self._names[machine.name]
 
     def _move_person(self, name: str, person: _Person, t: float) -> list[Artist]:
         run, since = self._run, max(0.0, t - TRAIL)
@@ -202,19 +236,30 @@ class Film:
         robots = [machine.name for machine in run.scene.machines if machine.category == "robot"]
         watched = [robot for robot in robots if (name, robot) in run.violations]
         required = [float(run.required(name, robot, [t])[0]) for robot in watched]
+        apart = [float(run.distance(name, robot, [t])[0]) for robot in watched]
+        nearest = min(zip(apart, watched, strict=True), default=None)
+        line = None
+        if nearest is not None:
+            line = (nearest[0], run.motions[nearest[1]].state(t).at)
         near = any(
             begin <= t <= end
             for (who, _), intervals in run.violations.items()
             for begin, end in intervals
             if who == name
         )
-        return person.moved(motion.state(t).position, trail, max(required, default=None), near)
+        largest = max(required, default=None)
+        return person.moved(motion.state(t).position, trail, largest, line, near)
 
 
 class _Person:
-    """A disc with a nose, the required distance around it, and the path behind it."""
+    """A disc with a nose and a name, the required distance around it, and the path behind it."""
 
-    def __init__(self, axes: Axes, radius: float, colour: str) -> None:
+    def __init__(self, axes: Axes, name: str, radius: float, colour: str) -> None:
+        self._name = _name(axes, name, colour, above=True)
+        (self._line,) = axes.plot(
+            [], [], color=GREY, linestyle=_DISTANCE, linewidth=0.8, animated=True, zorder=3
+        )
+        self._figure = _name(axes, "", BLACK)
         self._radius = radius
         self._colour = colour
         self._zone = axes.add_patch(Circle((0, 0), 1.0, linewidth=0.8, animated=True, zorder=2))
@@ -228,22 +273,47 @@ class _Person:
         pose: tuple[float, float, float],
         trail: NDArray[np.float64],
         required: float | None,
+        line: tuple[float, tuple[float, float]] | None,
         near: bool,
     ) -> list[Artist]:
-        """The artists of the person, put where they are."""
+        """The artists of the person, put where they are; `line` is a distance, and to where."""
         x, y, rotation = pose
         nose = 1.5 * self._radius
         self._trail.set_data(*trail.T)
         self._body.set_center((x, y))
         self._nose.set_data([x, x + nose * math.cos(rotation)], [y, y + nose * math.sin(rotation)])
-        parts: list[Artist] = [self._trail, self._body, self._nose]
-        if required is None:
+        self._name.xy = (x, y)
+        parts: list[Artist] = [self._trail, self._body, self._nose, self._name]
+        if required is None or line is None:
             return parts
         colour = VERMILION if near else self._colour
+        distance, (to_x, to_y) = line
+        self._line.set_data([x, to_x], [y, to_y])
+        self._line.set_color(VERMILION if near else GREY)
+        self._figure.xy = ((x + to_x) / 2, (y + to_y) / 2)
+        self._figure.set_text(f"too close: {distance:.2f} m" if near else f"{distance:.1f} m")
+        self._figure.set_color(VERMILION if near else BLACK)
         self._zone.set(
             center=(x, y), radius=required, facecolor=(colour, 0.15), edgecolor=(colour, 0.6)
         )
-        return [self._zone, *parts]
+        return [self._zone, self._line, *parts, self._figure]
+
+
+def _name(axes: Axes, text: str, colour: str, *, above: bool = False) -> Any:
+    """Return a text that moves with a point of the floor, its `xy`, in it or `above` it."""
+    return axes.annotate(
+        text,
+        (0.0, 0.0),
+        (0.0, _OVER if above else 0.0),
+        textcoords="offset points",
+        ha="center",
+        va="bottom" if above else "center",
+        size=_LETTERS,
+        color=colour,
+        animated=True,
+        zorder=6,
+        path_effects=[withStroke(linewidth=1.5, foreground="white")],
+    )
 
 
 def _times(run: Outcome, speed: float, fps: int, within: Span | None) -> list[float]:

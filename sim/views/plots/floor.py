@@ -41,7 +41,10 @@ _BESIDE = 0.75
 
 @styled()
 def floorplan(plan: Floorplan, *, width: Width = "double") -> Figure:
-    """Draw the floor with everything that has a name on it, AGVs where they start."""
+    """Draw the floor with everything that has a name on it, AGVs where they start.
+
+    The name of an obstacle or a location is left out where it would cover another thing.
+    """
     figure, axes = floor_figure(plan, width)
     draw_floor(axes, plan)
     for lane in plan.lanes:
@@ -50,7 +53,8 @@ def floorplan(plan: Floorplan, *, width: Width = "double") -> Figure:
         _draw_range(axes, plan)
     _label_lines(axes, plan)
     explain(figure, [axes], width)
-    draw_names(axes, plan, with_agvs=True)
+    starts = {lane.name: lane.footprint(lane.locations[lane.start]) for lane in plan.lanes}
+    draw_names(axes, plan, machines=starts, all_names=True)
     return figure
 
 

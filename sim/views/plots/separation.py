@@ -11,10 +11,29 @@ from navigation import STANDING_SPEED
 from ...record.outcome import Outcome
 from .curves import Array, Span, instants, span_of, speeds
 from .incidents import disabled_spans
-from .style import BLACK, BLUE, GREY, VERMILION, Width, explain, new_figure, styled
+from .style import (
+    BLACK,
+    BLUE,
+    GREY,
+    VERMILION,
+    Width,
+    explain,
+    label_time,
+    new_figure,
+    styled,
+)
 
 SHOWN = 3.0
 """Distances of more than this many times the largest required one are cut off."""
+
+COLUMNS = 400
+"""A long run is drawn in so many columns of equal time."""
+
+DENSEST = 12
+"""Instants in a column, from which a run is a long one: its curves would be a solid block."""
+
+MARKS = 60
+"""Of a long run's violations, no more marks than this stand above the plot."""
 
 _PANEL = 1.9
 """Inches. The height of one pair's panel."""
@@ -43,8 +62,8 @@ def separation(
     panels = figure.subplots(len(pairs), 1, sharex=True, squeeze=False)[:, 0]
     for axes, pair in zip(panels, pairs, strict=True):
         _draw_pair(axes, run, pair, (begin, end))
-    panels[-1].set_xlabel("time (s)")
     panels[-1].set_xlim(begin, end)
+    label_time(panels[-1], end - begin)
     explain(figure, panels, width)
     return figure
 
@@ -75,23 +94,54 @@ def _draw_pair(axes: Axes, run: Outcome, pair: Pair, span: Span) -> None:
     required = _required(run, pair, t)
     close = distance < required
     highest = SHOWN * float(np.nanmax(required)) if np.isfinite(required).any() else np.inf
-    axes.fill_between(
-        t,
-        distance,
-        required,
-        where=close,
-        facecolor=VERMILION,
-        alpha=0.35,
-        linewidth=0,
-        interpolate=True,
-    )
-    axes.plot(t, distance, color=BLUE, label="distance")
-    axes.plot(t, required, color=BLACK, linestyle="--", linewidth=0.9, label="required distance")
+    if len(t) > COLUMNS * DENSEST:
+        _draw_columns(axes, t, distance, required, span)
+    else:
+        axes.fill_between(
+            t,
+            distance,
+            required,
+            where=close,
+            facecolor=VERMILION,
+            alpha=0.35,
+            linewidth=0,
+            interpolate=True,
+        )
+        axes.plot(t, distance, color=BLUE, label="distance")
+        axes.plot(
+            t, required, color=BLACK, linestyle="--", linewidth=0.9, label="required distance"
+        )
     axes.set_ylim(0.0, min(highest, 1.08 * float(np.nanmax(distance))))
     axes.set_ylabel("distance (m)")
     axes.set_title(f"{pair[0]} and {pair[1]}", loc="left")
     _mark_violations(axes, run, pair, span)
     _mark_disabled(axes, run, pair[1])
+
+
+def _draw_columns(axes: Axes, t: Array, distance: Array, required: Array, span: Span) -> None:
+    """Draw what is too dense for curves: in each column of time the ends of what was there."""
+    edges = np.linspace(*span, COLUMNS + 1)
+    known = np.isfinite(distance)
+    column = np.clip(np.searchsorted(edges, t[known], "right") - 1, 0, COLUMNS - 1)
+    nearest = np.full(COLUMNS, np.inf)
+    farthest = np.full(COLUMNS, -np.inf)
+    largest = np.full(COLUMNS, -np.inf)
+    np.minimum.at(nearest, column, distance[known])
+    np.maximum.at(farthest, column, distance[known])
+    np.fmax.at(largest, column, required[known])
+    for ends in (nearest, farthest, largest):
+        ends[~np.isfinite(ends)] = np.nan
+    middles = (edges[1:] + edges[:-1]) / 2
+    axes.fill_between(middles, nearest, farthest, facecolor=BLUE, alpha=0.15, linewidth=0)
+    axes.plot(middles, nearest, color=BLUE, label="nearest distance")
+    axes.plot(
+        middles,
+        largest,
+        color=BLACK,
+        linestyle="--",
+        linewidth=0.9,
+        label="largest required distance",
+    )
 
 
 def _required(run: Outcome, pair: Pair, t: Array) -> Array:
@@ -107,11 +157,17 @@ def _required(run: Outcome, pair: Pair, t: Array) -> Array:
 def _mark_violations(axes: Axes, run: Outcome, pair: Pair, span: Span) -> None:
     """Mark the begin of each violation, and shade the time that it lasted."""
     begin, end = span
-    times = []
-    for since, until in run.violations.get(pair, ()):
-        if until >= begin and since <= end:
+    intervals = run.violations.get(pair, ())
+    seen = [(max(a, begin), min(b, end)) for a, b in intervals if b >= begin and a <= end]
+    times = [since for since, _ in seen]
+    if len(seen) > MARKS:
+        grain = (end - begin) / MARKS
+        times = [
+            begin + (k + 0.5) * grain for k in sorted({int((t - begin) / grain) for t in times})
+        ]
+    else:
+        for since, until in seen:
             axes.axvspan(since, until, facecolor=VERMILION, alpha=0.15, linewidth=0)
-            times.append(max(since, begin))
     if times:
         axes.plot(
             times,
@@ -121,7 +177,7 @@ def _mark_violations(axes: Axes, run: Outcome, pair: Pair, span: Span) -> None:
             markersize=5,
             transform=axes.get_xaxis_transform(),
             clip_on=False,
-            label="violation",
+            label="violation" if len(seen) <= MARKS else "violations",
             zorder=5,
         )
 
@@ -129,7 +185,7 @@ def _mark_violations(axes: Axes, run: Outcome, pair: Pair, span: Span) -> None:
 def _mark_disabled(axes: Axes, run: Outcome, machine: str) -> None:
     """Draw a bar at the bottom for the time in which the machine was disabled."""
     bars = [(begin, end - begin) for begin, end in disabled_spans(run, machine)]
-    if bars:
+    if bars and len(bars) <= COLUMNS / 4:
         axes.broken_barh(
             bars,
             (0.0, 0.035),

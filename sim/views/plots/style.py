@@ -11,6 +11,7 @@ from typing import Any, Literal
 import matplotlib.style
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MultipleLocator
 
 from floorplan import Obstacle
 
@@ -26,6 +27,7 @@ WIDTHS: dict[Width, float] = {"single": 3.5, "double": 7.16}
 BLACK = "#222222"
 GREY = "#8a8a8a"
 PALE = "#d9d9d9"
+PALE_ORANGE = "#fbe6bd"
 BLUE = "#0072b2"
 ORANGE = "#e69f00"
 VERMILION = "#d55e00"
@@ -38,6 +40,12 @@ PEOPLE = (BLUE, GREEN, PURPLE, SKY)
 """Colours of people, in their order; from the first again where there are more."""
 
 MACHINES: dict[Category, str] = {"robot": ORANGE, "vehicle": BLACK}
+
+LONG = 3600.0
+"""Seconds from which times are written as hours and minutes."""
+
+HANDY = (600.0, 900.0, 1800.0, 3600.0, 7200.0, 14400.0, 43200.0, 86400.0)
+"""Seconds between two marks of an axis of such times."""
 
 TALL = 2.5
 """Metres. Obstacles of this height and more are drawn darkest."""
@@ -147,6 +155,17 @@ def explain(figure: Figure, axes: Iterable[Axes], width: Width) -> None:
     if known:
         columns = min(len(known), 6 if width == "double" else 2)
         figure.legend(known.values(), known.keys(), loc="outside upper center", ncols=columns)
+
+
+def label_time(axes: Axes, span: float) -> None:
+    """Label the x axis of time, `span` seconds of it: in seconds, or of many in h:mm."""
+    if span < LONG:
+        axes.set_xlabel("time (s)")
+        return
+    step = next(s for s in (*HANDY, span) if span / s <= 10)
+    axes.xaxis.set_major_locator(MultipleLocator(step))
+    axes.xaxis.set_major_formatter(lambda t, _: f"{t // 3600:.0f}:{t % 3600 // 60:02.0f}")
+    axes.set_xlabel("time (h:mm)")
 
 
 def person_colour(index: int) -> str:

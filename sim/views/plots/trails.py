@@ -7,13 +7,14 @@ from typing import Any
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
+from shapely.geometry import Polygon
 
 from ...record.outcome import Outcome
 from .curves import Array, Span, instants, span_of
 from .floor import draw_floor, fill_area, floor_figure
 from .incidents import breaches, mark_breaches
 from .names import draw_names
-from .style import MACHINES, Width, explain, person_colour, styled
+from .style import MACHINES, PALE, PALE_ORANGE, Width, explain, person_colour, styled
 
 _THIN = 1.0
 """Points. The line of the person who is drawn last."""
@@ -45,8 +46,15 @@ def trails(run: Outcome, *, within: Span | None = None, width: Width = "double")
     paths = [_draw_path(axes, run, body, (begin, end)) for body in run.motions]
     mark_breaches(axes, [at for _, at in breaches(run, (begin, end))])
     explain(figure, [axes], width)
-    draw_names(axes, run.floorplan, paths=paths)
+    outlines = {machine.name: _outline(run, machine.name, end) for machine in run.scene.machines}
+    draw_names(axes, run.floorplan, paths=paths, machines=outlines)
     return figure
+
+
+def _outline(run: Outcome, name: str, t: float) -> Polygon:
+    """The outline of a machine at `t` (seconds)."""
+    motion = run.motions[name]
+    return run.scene.machine(name).footprint(motion.state(t).at, float(motion.rotation(t)))
 
 
 def _draw_path(axes: Axes, run: Outcome, body: str, span: Span) -> Array:
@@ -69,11 +77,12 @@ def _draw_path(axes: Axes, run: Outcome, body: str, span: Span) -> Array:
         )
     else:
         machine = run.scene.machine(body)
-        look: dict[str, Any] = {"linewidth": 0.7, "zorder": 3}
+        look: dict[str, Any] = {"linewidth": 0.9, "zorder": 3}
         colour, label = MACHINES[machine.category], _once(axes, machine.kind)
-        axes.plot(*path.T, color=colour, label=label, **look)
-        outline = machine.footprint(motion.state(span[1]).at, float(motion.rotation(span[1])))
-        fill_area(axes, outline, facecolor="none", edgecolor=colour, **look)
+        dashes = "-" if machine.category == "robot" else (0, (4, 1.5))
+        axes.plot(*path.T, color=colour, label=label, linestyle=dashes, **look)
+        face = PALE_ORANGE if machine.category == "robot" else PALE
+        fill_area(axes, _outline(run, body, span[1]), facecolor=face, edgecolor=colour, **look)
     return path
 
 
