@@ -29,8 +29,8 @@ function drawScene(tools, run, t, chosen, afterglow) {
     drawPerson(pen, person, t);
   }
   const named = [...run.people, ...ofCategory("robot"), ...ofCategory("vehicle")];
-  for (const body of named) drawName(pen, run, body, t);
   drawViolations(pen, run, t, afterglow);
+  for (const body of named) drawName(pen, run, body, t);
   const violated = run.watches.filter(watch => !shown.includes(watch) && watch.at(t).violated);
   for (const watch of [...violated, ...shown]) drawSeparation(pen, watch, t, watch === chosen);
 }
