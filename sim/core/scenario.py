@@ -80,6 +80,14 @@ class PersonEntry:
         """The personality's name: as it is given, or of a program the name of its source."""
         return _personality_name(self.personality)
 
+    @property
+    def place(self) -> tuple[float, float] | None:
+        """The place of their own at which they start (x, y in metres)."""
+        if self.at is None or isinstance(self.at, str):
+            return None
+        x, y = self.at
+        return float(x), float(y)
+
     def home_on(self, plan: Floorplan) -> SafeZone | None:
         """Place where the person is put after a violation, and starts if there is no `at`.
 
@@ -87,9 +95,9 @@ class PersonEntry:
         """
         if self.home is not None:
             return SafeZone(self.home)
-        if plan.safe_zone is not None or self.at is None or self.at == "anywhere":
+        if plan.safe_zone is not None or self.place is None:
             return plan.safe_zone
-        return SafeZone(self.at)
+        return SafeZone(self.place)
 
 
 @dataclass(frozen=True)

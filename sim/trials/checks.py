@@ -163,13 +163,13 @@ def _overlaps(trial: Scenario) -> Iterator[Fault]:
     usual = trial.floorplan.human.radius
     for k, person in enumerate(trial.people):
         for other in trial.people[:k]:
-            if not (isinstance(person.at, tuple) and isinstance(other.at, tuple)):
+            if person.place is None or other.place is None:
                 continue
             needed = (person.radius or usual) + (other.radius or usual)
-            apart = math.dist(person.at, other.at)
+            apart = math.dist(person.place, other.place)
             if apart < needed:
                 message = (
-                    f"{person.at} is {apart:.3g} m from where {other.name} starts; two bodies of"
+                    f"{person.place} is {apart:.3g} m from where {other.name} starts; two bodies of"
                     f" their size need {needed:g} m between their centres"
                 )
                 yield message, ("people", k, "at")

@@ -131,7 +131,7 @@ def test_messages_stay_short_whatever_is_in_the_file(tmp_path):
 def test_a_thing_that_ezdxf_does_not_know_has_no_layer(tmp_path):
     path = tmp_path / "floor.dxf"
     path.write_bytes((SAMPLES / "floor.dxf").read_bytes().replace(b"LWPOLYLINE", b"LWPOLY"))
-    with pytest.raises(floorplan.FloorplanError, match="2 LWPOLY can't be read as outlines"):
+    with pytest.raises(floorplan.FloorplanError, match="LWPOLY 2: can't be read as an outline"):
         floorplan.load(path)
 
 

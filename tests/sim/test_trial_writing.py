@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 import bdi
 import floorplan
 import sim
-from sim.trials.keys import AgvKeys, Keys, TrialKeys
+from sim.trials.keys import AgvKeys, Keys, PersonKeys, TrialKeys
 from sim.trials.own_names import own_names
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -51,13 +51,21 @@ starts = st.one_of(
     ),
     st.just(sim.Start(None, order_submitted="no. 7")),
 )
+
+
+def apart(people):
+    """Return False if one starts on another."""
+    places = [person.at for person in people if person.at]
+    return len({*places}) == len(places)
+
+
 people = st.lists(
     st.builds(
         sim.PersonEntry,
         name=st.from_regex(r"[A-Z][A-Za-z0-9_-]{0,5}", fullmatch=True),
         personality=st.sampled_from(["helpful", "curious", "indifferent"]),
         start=starts,
-        at=st.sampled_from([None, (-15.0, -10.0), (-14.25, -9.75)]),
+        at=st.sampled_from([None, (-15.0, -10.0), (-14.0, -9.75), (-13.0, -9.75)]),
         beliefs=st.lists(st.sampled_from(["tired(3)", 'says("no: [yes]")']), max_size=2).map(tuple),
         radius=st.none() | st.floats(0.1, 0.3),
         max_speed=st.none() | sizes,
@@ -65,7 +73,7 @@ people = st.lists(
     ),
     max_size=3,
     unique_by=lambda person: person.name,
-).map(tuple)
+).filter(apart).map(tuple)
 moves = st.lists(
     st.builds(sim.AgvMove, st.floats(0, 1e4), st.sampled_from(["kitting", "as1", 2.5])), max_size=3
 ).map(lambda moves: tuple(sorted(moves, key=lambda move: move.time)))
@@ -116,6 +124,13 @@ people:
   max_acceleration: 2.0
   changes: [{when: {event: arrived, count: 2, person: ada}, personality: curious}]
   planner: BITstar
+  manners:
+    comfort: [0.1, 0.3]
+    foresight: 4.0
+    reaction_time: 0.5
+    patience: [4.0, 6.0]
+    passing_side: left
+    steps_aside: false
   work: [rounds, picks]
   schedule: [{at: station1, duration: 5.0, time: 2.0}]
   breaks: [{at: station2, duration: 4.0, name: break, time: 20.0}]
@@ -189,7 +204,8 @@ def test_every_key_is_read_and_written():
         for f in forms_below(TrialKeys)
         for key, field in f.model_fields.items()
     }
-    elsewhere = {(TrialKeys, key) for key in ("folder", "ariac", "begins")}
+    elsewhere = {(TrialKeys, key) for key in ("folder", "ariac", "begins", "steering")}
+    elsewhere |= {(PersonKeys, key) for key in ("count", "actions")}
     assert known - keys_in(TrialKeys, data) == elsewhere
     assert yaml.safe_load(sim.Trial.parse(EVERY_KEY).to_yaml()) == data
 

@@ -1,5 +1,6 @@
 """AGVs that yield: they never come too close by their own doing, and get there in the end."""
 
+import itertools
 import math
 
 import pytest
@@ -44,7 +45,17 @@ class Law:
 places = st.tuples(st.floats(0.5, 29.5), st.floats(0.5, 15.5))
 errands = st.lists(st.tuples(st.floats(0, 6), places), min_size=1, max_size=8)
 starts = places.filter(lambda at: not (2.3 < at[0] < 3.7 and 4.5 < at[1] < 5.5))
-people = st.lists(st.tuples(starts, st.floats(0.3, 2.0), errands), min_size=1, max_size=3)
+people = st.lists(
+    st.tuples(starts, st.floats(0.3, 2.0), errands),
+    min_size=1,
+    max_size=3,
+    # No two in one place.
+    unique_by=lambda person: (round(person[0][0]), round(person[0][1])),
+).filter(
+    lambda people: all(
+        math.dist(one[0], other[0]) > 0.6 for one, other in itertools.combinations(people, 2)
+    )
+)
 drives = st.lists(st.tuples(st.floats(0, 40), st.floats(0, 13)), min_size=1, max_size=6)
 
 

@@ -31,12 +31,14 @@ def starting_places(trial: Scenario, world: CollisionWorld, crowd: Crowd | None)
     """
     usual = trial.floorplan.human.radius
     radii = [entry.radius or usual for entry in trial.people]
-    places = [entry.at if isinstance(entry.at, tuple) else None for entry in trial.people]
+    places = [entry.place for entry in trial.people]
     for k, entry in enumerate(trial.people):
         taken = [(at, radii[j]) for j, at in enumerate(places) if at is not None]
+        if places[k] is not None:
+            continue
         if entry.at == "anywhere":
             places[k] = _anywhere(entry, trial.seed, world, radii[k], taken)
-        elif entry.at is None:
+        else:
             home = entry.home_on(trial.floorplan)
             assert home is not None  # else the trial is refused
             places[k] = home.position
