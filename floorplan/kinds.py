@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from numbers import Integral, Real
 from pathlib import Path
-from typing import Any, Union, get_args, get_origin
+from typing import Any, Literal, Union, get_args, get_origin
 
 import numpy as np
 
@@ -89,10 +89,15 @@ def _faults(value: object, hint: Any) -> Iterator[Fault]:
         found = [list(_faults(value, option)) for option in options]
         if all(found):
             wanted = " or ".join(map(_article, options))
-            alone = len(options) == 1
-            yield from found[0] if alone else [(f"expected {wanted}, found {shown(value)}", ())]
+            misfit = f"expected {wanted}, found {shown(value)}", ()
+            # Of the right kind, but not right: its faults say more.
+            near = [f for o, f in zip(options, found, strict=True) if f[0] != _misfit(value, o)]
+            yield from near[0] if len(near) == 1 else found[0] if len(found) == 1 else [misfit]
     elif hint is Any:
         return
+    elif origin is Literal:
+        if not isinstance(value, str):
+            yield _misfit(value, str)
     elif hint in _PLAIN:
         kind, _ = _PLAIN[hint]
         odd = isinstance(value, bool) and hint is not bool
@@ -136,5 +141,7 @@ def _misfit(value: object, hint: Any) -> Fault:
 def _article(hint: Any) -> str:
     if hint in _PLAIN:
         return _PLAIN[hint][1]
+    if get_origin(hint) is Literal:
+        return " or ".join(map(repr, get_args(hint)))
     name = getattr(get_origin(hint) or hint, "__name__", str(hint))
     return f"{'an' if name[0] in 'AEIOUaeiou' else 'a'} {name}"

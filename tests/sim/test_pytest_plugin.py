@@ -135,30 +135,32 @@ def test_a_typo_is_an_error_at_collection(pytester, run_pytest, change, said):
 
 
 def test_own_code_may_be_refused(pytester, run_pytest):
-    own = PASSES.replace("expect", "gantry: {controller: 'mine:mine'}\nexpect")
-    write(pytester, mine__py="def mine(gantry):\n    yield gantry.wait(5)\n", own__trial__yaml=own)
+    own = PASSES.replace("expect", "gantry: {controller: 'refused:mine'}\nexpect")
+    write(
+        pytester, refused__py="def mine(gantry):\n    yield gantry.wait(5)\n", own__trial__yaml=own
+    )
     run_pytest().assert_outcomes(passed=1)
     said = "*own.trial.yaml: line 4, gantry.controller: *code of your own is refused here*"
     is_no_test(lambda: run_pytest("--no-own-code"), said)
     (pytester.path / "own.trial.yaml").rename(pytester.path / "own.yaml")
     pytester.makepyfile(
         test_own="""
-        import mine, pytest
+        import pytest, refused
 
         def test_a_file(run_trial):
             with pytest.raises(ValueError, match="is refused here"):
                 run_trial("own.yaml")
 
-        @pytest.mark.controllers.with_args(mine.mine)
+        @pytest.mark.controllers.with_args(refused.mine)
         def test_what_the_test_has_already(run_trial):
             run_trial()
         """
     )
     run_pytest("--no-own-code").assert_outcomes(passed=2)
     (pytester.path / "test_own.py").unlink()
-    marker = "import pytest\n@pytest.mark.controllers('mine:mine')\ndef test_it(run_trial): ..."
+    marker = "import pytest\n@pytest.mark.controllers('refused:mine')\ndef test_it(run_trial): ..."
     pytester.makepyfile(test_marker=marker)
-    is_no_test(lambda: run_pytest("--no-own-code"), "*'mine:mine': code of your own is refused*")
+    is_no_test(lambda: run_pytest("--no-own-code"), "*'refused:mine': code of your own is refused*")
 
 
 def test_a_controller_that_fails_is_reported_in_a_sentence(pytester, run_pytest):

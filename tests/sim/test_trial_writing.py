@@ -59,21 +59,27 @@ def apart(people):
     return len({*places}) == len(places)
 
 
-people = st.lists(
-    st.builds(
-        sim.PersonEntry,
-        name=st.from_regex(r"[A-Z][A-Za-z0-9_-]{0,5}", fullmatch=True),
-        personality=st.sampled_from(["helpful", "curious", "indifferent"]),
-        start=starts,
-        at=st.sampled_from([None, (-15.0, -10.0), (-14.0, -9.75), (-13.0, -9.75)]),
-        beliefs=st.lists(st.sampled_from(["tired(3)", 'says("no: [yes]")']), max_size=2).map(tuple),
-        radius=st.none() | st.floats(0.1, 0.3),
-        max_speed=st.none() | sizes,
-        max_acceleration=st.none() | sizes,
-    ),
-    max_size=3,
-    unique_by=lambda person: person.name,
-).filter(apart).map(tuple)
+people = (
+    st.lists(
+        st.builds(
+            sim.PersonEntry,
+            name=st.from_regex(r"[A-Z][A-Za-z0-9_-]{0,5}", fullmatch=True),
+            personality=st.sampled_from(["helpful", "curious", "indifferent"]),
+            start=starts,
+            at=st.sampled_from([None, (-15.0, -10.0), (-14.0, -9.75), (-13.0, -9.75)]),
+            beliefs=st.lists(st.sampled_from(["tired(3)", 'says("no: [yes]")']), max_size=2).map(
+                tuple
+            ),
+            radius=st.none() | st.floats(0.1, 0.3),
+            max_speed=st.none() | sizes,
+            max_acceleration=st.none() | sizes,
+        ),
+        max_size=3,
+        unique_by=lambda person: person.name,
+    )
+    .filter(apart)
+    .map(tuple)
+)
 moves = st.lists(
     st.builds(sim.AgvMove, st.floats(0, 1e4), st.sampled_from(["kitting", "as1", 2.5])), max_size=3
 ).map(lambda moves: tuple(sorted(moves, key=lambda move: move.time)))
