@@ -97,7 +97,7 @@ def _faults(value: object, hint: Any) -> Iterator[Fault]:
         return
     elif origin is Literal:
         if not isinstance(value, str):
-            yield _misfit(value, str)
+            yield _misfit(value, hint)
     elif hint in _PLAIN:
         kind, _ = _PLAIN[hint]
         odd = isinstance(value, bool) and hint is not bool
