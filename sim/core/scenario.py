@@ -46,7 +46,7 @@ class PersonEntry:
     `personality` is a built-in name, an .asl file, "external", or a program itself. A file is read
     when the trial is run. `changes` are what it changes to, and when. `at` is where the person
     starts; "anywhere" is a free place that is drawn from the trial's seed. `actions` is a module
-    beside the trial with internal actions for the program.
+    beside the trial with internal actions for the program; they go before the trial's.
 
     `work` names the lists that the person takes tasks from; `schedule` and `breaks` are for them
     alone. Where there are `shifts`, tasks are offered to them within these only.
@@ -153,13 +153,14 @@ class Scenario:
     `planner` finds the paths of people that have none of their own.
     `machines` are those beside the floorplan's own gantry and AGVs. The AGVs named in `yielding`
     yield to people. `steering` is how people walk among people, as `module:Class`, if it is their
-    own. Files are looked up from `folder`;
-    `floorplan_source` is the name or file that the floorplan was read from, or empty if it came
-    from no file. `workload` are the orders of an ARIAC trial; `until_submitted` ends the run as
-    soon as they are all submitted, or without a workload those of the gantry's jobs. `notices` are
-    what the file says that makes no difference, or may mean something else than its author thought.
-    `work` are the lists of tasks that people share, by name. Without `own_code` a controller, a law
-    or a planner of the user's own is refused that it, or whatever changes it, names.
+    own. `actions` is a module with internal actions for everybody. Files are looked up from
+    `folder`; `floorplan_source` is the name or file that the floorplan was read from, or empty if
+    it came from no file. `workload` are the orders of an ARIAC trial; `until_submitted` ends the
+    run as soon as they are all submitted, or without a workload those of the gantry's jobs.
+    `notices` are what the file says that makes no difference, or may mean something else than its
+    author thought. `work` are the lists of tasks that people share, by name. Without `own_code` a
+    controller, a law or a planner of the user's own is refused that it, or whatever changes it,
+    names.
     """
 
     floorplan: Floorplan
@@ -173,6 +174,7 @@ class Scenario:
     agvs: dict[str, tuple[AgvMove, ...]] = field(default_factory=dict)
     yielding: frozenset[str] = frozenset()
     steering: str | None = None
+    actions: str | None = None
     machines: dict[str, MachineEntry] = field(default_factory=dict)
     expect: dict[str, Any] = field(default_factory=dict)
     folder: Path = Path()

@@ -18,7 +18,7 @@ from .mind_inspector import MindInspector
 from .minds import Mind, Outside, kept_beliefs, live_beliefs, make_agent
 from .person import Person
 from .planners import find_planner, planner_of
-from .programs import EXTERNAL
+from .programs import EXTERNAL, with_programs
 from .steering.crowd import Crowd
 from .steering.manners import drawn
 from .steering.own_steering import find_steering
@@ -53,7 +53,8 @@ class Company:
         self.people: list[Person] = []
         self._crowd = crowd = self._make_crowd() if len(scenario.people) > 1 else None
         starts = starting_places(scenario, stage.world, crowd)
-        for index, entry in enumerate(scenario.people):
+        for index, named in enumerate(scenario.people):
+            entry = with_programs(named, scenario)
             human = _human(entry, stage.floorplan.human)
             if listener.wants_thoughts:
                 self._inspectors[entry.name] = MindInspector(entry.name, self._keep)

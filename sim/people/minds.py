@@ -14,7 +14,7 @@ from ..core.body import Body
 from ..core.rules import RuleSet
 from ..core.scenario import PersonEntry, Scenario
 from ..core.stage import Stage
-from .own_actions import import_actions, sources_of
+from .own_actions import import_actions, modules_of, sources_of
 from .programs import load_program
 
 MOST_CYCLES = 200_000
@@ -101,10 +101,11 @@ def make_agent(
     is `live` (see `live_beliefs`).
     """
     own_code, folder = trial.own_code, trial.folder
-    program = load_program(entry.personality, folder, actions=entry.actions, own_code=own_code)
+    modules = modules_of(entry.actions, trial.actions)
+    program = load_program(entry.personality, folder, modules, own_code=own_code)
     if program is None:
         raise ValueError(f"{entry.name} runs no program")
-    own = sources_of(program, entry.actions, folder, own_code=own_code)
+    own = sources_of(program, modules, folder, own_code=own_code)
     return bdi.Agent(
         program,
         actions=import_actions(own) if own else None,

@@ -47,15 +47,21 @@ ACTIONS = Kind(
 """The kind of function that a program of a person may use."""
 
 
+def modules_of(of_person: str | None, of_trial: str | None) -> tuple[str, ...]:
+    """Return the modules with actions that a person and the trial name; the person's go before."""
+    return tuple(dict.fromkeys(name for name in (of_trial, of_person) if name is not None))
+
+
 def sources_of(
-    personality: str | bdi.Program | Path, actions: str | None, folder: Path, *, own_code: bool
+    personality: str | bdi.Program | Path, modules: Sequence[str], folder: Path, *, own_code: bool
 ) -> list[Source]:
     """Return the modules with the actions that a person's program may use; none is imported.
 
-    They are the module `actions`, right in `folder`, and those beside a program `NAME/NAME.asl`.
+    They are `modules`, right in `folder`, and those beside a program `NAME/NAME.asl`. Of two
+    actions of one name the later counts.
     `OwnCodeError` says what is missing, or that own code is refused.
     """
-    found = [] if actions is None else [_first(actions, folder)]
+    found = [_first(module, folder) for module in modules]
     program = _file_of(personality, folder)
     if program is not None and program.parent.name == program.stem:
         beside = sorted(program.parent.glob("*.py"))

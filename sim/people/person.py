@@ -28,7 +28,7 @@ from .crossing import CrossingWatch
 from .errand import Errand
 from .minds import Mind
 from .percepts import Senses
-from .programs import find_program, load_program
+from .programs import find_program
 from .steering.crowd import Crowd
 from .steering.manners import Manners
 from .walker import Place, Walker
@@ -114,14 +114,8 @@ class Person:
         triggers, entry = self._stage.triggers, self._entry
         triggers.add(entry.start, self.start, who=self.name)
         for change in entry.changes:
-            program = load_program(
-                change.personality,
-                self._stage.folder,
-                actions=entry.actions,
-                own_code=self._stage.own_code,
-            )
-            assert program is not None  # nobody changes to somebody outside: it was checked
-            triggers.add(change.when, partial(self.change_personality, program), who=self.name)
+            become = partial(self.change_personality, change.personality)
+            triggers.add(change.when, become, who=self.name)
 
     @property
     def body(self) -> Body:

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
+from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 
 import bdi
 from floorplan import Problem, is_there, suggestion
 
-from ..core.scenario import TrialError
-from .own_actions import names_of, sources_of
+from ..core.scenario import PersonEntry, Scenario, TrialError
+from .own_actions import modules_of, names_of, sources_of
 
 EXTERNAL = "external"
 """The personality of a person who runs no program, but is commanded from outside; likewise the
@@ -39,21 +41,37 @@ def find_program(personality: str, folder: Path) -> str | Path:
 def load_program(
     personality: str | bdi.Program,
     folder: Path,
+    modules: Sequence[str] = (),
     *,
-    actions: str | None = None,
     own_code: bool = True,
 ) -> bdi.Program | None:
     """Return the program of a personality; None for somebody who runs none (`EXTERNAL`).
 
-    It may use the internal actions in the module `actions`, of which nothing is imported here.
+    It may use the internal actions in `modules`, of which nothing is imported here.
     Raises what `find_program` and `sources_of` do, and `bdi.ProgramError`.
     """
     if personality == EXTERNAL:
         return None
     if isinstance(personality, str):
         personality = bdi.load(find_program(personality, folder))
-    _try_out(personality, names_of(sources_of(personality, actions, folder, own_code=own_code)))
+    _try_out(personality, names_of(sources_of(personality, modules, folder, own_code=own_code)))
     return personality
+
+
+def with_programs(entry: PersonEntry, scenario: Scenario) -> PersonEntry:
+    """Return the person with the programs themselves of the personalities that come later.
+
+    Raises what `load_program` does.
+    """
+    modules = modules_of(entry.actions, scenario.actions)
+    changes = []
+    for change in entry.changes:
+        program = load_program(
+            change.personality, scenario.folder, modules, own_code=scenario.own_code
+        )
+        assert program is not None  # nobody changes to somebody outside: it was checked
+        changes.append(replace(change, personality=program))
+    return replace(entry, changes=tuple(changes))
 
 
 def written_personality(personality: str | bdi.Program, folder: Path) -> str:

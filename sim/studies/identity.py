@@ -15,7 +15,7 @@ from shapely.geometry.base import BaseGeometry
 from ..core.scenario import PersonalityChange, PersonEntry
 from ..machines.gantry.controllers import controller_source, find_controller
 from ..machines.kinds import is_own, own_kind
-from ..people.own_actions import sources_of
+from ..people.own_actions import modules_of, sources_of
 from ..people.planners import planner_of, planner_source
 from ..people.programs import load_program
 from ..people.steering.own_steering import steering_source
@@ -51,17 +51,13 @@ def _parts(trial: Trial) -> Iterator[tuple[str, str]]:
     facts = {key: value for key, value in asdict(plan).items() if key != "notices"}
     yield f"the floorplan {plan.name}", _digest(json.dumps(facts, default=_wkt))
     for person in trial.people:
+        modules = modules_of(person.actions, trial.actions)
         named: list[PersonEntry | PersonalityChange] = [person, *person.changes]
         for one in named:
-            program = load_program(
-                one.personality,
-                trial.folder,
-                actions=person.actions,
-                own_code=trial.own_code,
-            )
+            program = load_program(one.personality, trial.folder, modules, own_code=trial.own_code)
             yield f"the program {one.personality_name}", _digest(str(program))
             if program is not None:
-                for module in sources_of(program, person.actions, trial.folder, own_code=True):
+                for module in sources_of(program, modules, trial.folder, own_code=True):
                     text = module.file.read_text(encoding="utf-8")
                     yield f"the actions {module.module}", _digest(text)
         choice = planner_of(person, trial)

@@ -29,7 +29,7 @@ from ..core.start import Start
 from ..machines.gantry.model import GantryModel
 from ..machines.gantry.robot import GANTRY
 from ..machines.kinds import machine_faults, on_floor
-from ..people.own_actions import sources_of
+from ..people.own_actions import modules_of, sources_of
 from ..people.planners import planner_source
 from ..people.programs import EXTERNAL, find_program
 from ..people.steering.own_steering import steering_source
@@ -81,6 +81,10 @@ def faults(trial: Scenario) -> Iterator[Fault]:
             steering_source(trial.steering, trial.folder, own_code=trial.own_code)
         except OwnCodeError as why:
             yield f"the steering {why}", ("steering",)
+    try:
+        sources_of(EXTERNAL, modules_of(None, trial.actions), trial.folder, own_code=trial.own_code)
+    except OwnCodeError as why:
+        yield str(why), ("actions",)
     yield from _overlaps(trial)
     yield from _crowding(trial)
     yield from _below(list_faults(trial), "work")
@@ -213,7 +217,8 @@ def _personality_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]
             continue
         try:
             given = one.personality
-            sources_of(given, person.actions, trial.folder, own_code=trial.own_code)
+            modules = modules_of(person.actions, None)
+            sources_of(given, modules, trial.folder, own_code=trial.own_code)
         except OwnCodeError as why:
             yield str(why), ("actions",)
 

@@ -134,6 +134,7 @@ class TrialKeys(Strictly):
     planner: _Planner = USUAL_PLANNER
     people: list[PersonKeys] = []
     steering: str | None = None
+    actions: str | None = None
     gantry: GantryKeys = GantryKeys()
     agvs: dict[str, AgvKeys] = {}
     machines: dict[Annotated[str, Field(pattern=f"^{NAME}$")], dict[str, Any]] = {}

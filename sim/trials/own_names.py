@@ -20,6 +20,8 @@ def own_names(trial: Scenario) -> Iterator[str]:
     yield from dict.fromkeys(one.name for one in planners if one is not None and one.is_own)
     if trial.steering is not None:
         yield trial.steering
+    modules = (trial.actions, *(person.actions for person in trial.people))
+    yield from dict.fromkeys(name for name in modules if name is not None)
     yield from (str(entry.kind) for entry in trial.machines.values() if is_own(entry))
     for law in dict.fromkeys(own_laws(trial.rules)):
         if law.folder == trial.folder.resolve():

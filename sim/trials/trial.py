@@ -9,6 +9,7 @@ import bdi
 
 from ..core.output import write_whole
 from ..core.scenario import Scenario
+from ..people.own_actions import modules_of
 from ..people.programs import load_program
 from . import trial_file
 from .trial_writing import to_yaml
@@ -65,7 +66,8 @@ class Trial(Scenario):
         if there is something wrong in it.
         """
         for actions in dict.fromkeys(person.actions for person in self.people):
-            load_program(personality, self.folder, actions=actions, own_code=self.own_code)
+            modules = modules_of(actions, self.actions)
+            load_program(personality, self.folder, modules, own_code=self.own_code)
         people = tuple(
             replace(person, personality=personality, changes=()) for person in self.people
         )

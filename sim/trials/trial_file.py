@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import replace
 from importlib import resources
@@ -18,9 +18,10 @@ from ..core.scenario import PersonEntry, Scenario, TrialError
 from ..core.work import WorkList
 from ..machines.gantry.controllers import ControllerError, controller_source
 from ..orders import reading
+from ..people.own_actions import modules_of
 from ..people.programs import load_program
 from .checks import faults
-from .keys import PersonKeys, TrialKeys
+from .keys import TrialKeys
 from .own_names import out_of_reach
 from .rules_file import build_rules
 from .work_keys import at_instants, shift_at_instants
@@ -67,8 +68,9 @@ def build(form: type[_Made], document: Document, folder: Path, own_code: bool) -
         seed=schema.seed,
         rules=rules,
         planner=schema.planner,
-        people=tuple(_timed(one, schema.begins) for one in people_of(schema.people, folder)),
+        people=tuple(_timed(one, schema.begins) for one in people_of(schema, folder)),
         steering=schema.steering,
+        actions=schema.actions,
         gantry=schema.gantry.value(),
         agvs={name: tuple(move.value() for move in agv.moves) for name, agv in schema.agvs.items()},
         yielding=frozenset(name for name, agv in schema.agvs.items() if agv.yields),
@@ -114,21 +116,21 @@ def _with_orders(trial: _Made, schema: TrialKeys, name: str, document: Document)
     )
 
 
-def people_of(entries: Sequence[PersonKeys], folder: Path) -> tuple[PersonEntry, ...]:
+def people_of(schema: TrialKeys, folder: Path) -> tuple[PersonEntry, ...]:
     """Return the people, with the programs found from `folder`; one that isn't there is left open.
 
     Each program is read once, however many people run it.
     """
-    people = tuple(person for keys in entries for person in keys.values())
+    people = tuple(person for keys in schema.people for person in keys.values())
     named = [
         (personality, keys.actions)
-        for keys in entries
+        for keys in schema.people
         for personality in (keys.personality, *(change.personality for change in keys.changes))
     ]
     for personality, actions in dict.fromkeys(named):
         # One that isn't there is reported together with everything else that is wrong.
         with suppress(TrialError, OwnCodeError):
-            load_program(personality, folder, actions=actions)
+            load_program(personality, folder, modules_of(actions, schema.actions))
     return people
 
 

@@ -49,6 +49,7 @@ def _trial(trial: Scenario) -> Data:
         "planner": None if trial.planner == USUAL_PLANNER else _value(trial.planner, trial),
         "people": _value(trial.people, trial),
         "steering": trial.steering,
+        "actions": trial.actions,
         "gantry": _value(replace(trial.gantry, controller=_controller(trial)), trial),
         "agvs": {
             name: _agv(trial.agvs.get(name, ()), name in trial.yielding)

@@ -55,6 +55,47 @@ def test_programs_use_the_actions_that_a_trial_names_and_those_in_their_folder(f
     assert said(sim.run(polite)) == [("ann", "got 6 4"), ("bob", "got 6 4")]
 
 
+def test_actions_for_everybody_give_way_to_those_of_a_person_and_of_a_folder(folder):
+    everybody = (
+        MODULE.replace("2 * x", "x").replace("x / 2", "x")
+        + """
+@actions.add("my.name", least=1, most=1)
+def name(call, result):
+    return call.unify(result, call.agent.name)
+"""
+    )
+    (folder / "everybody.py").write_text(everybody, encoding="utf-8")
+    (folder / "two.asl").write_text(PROGRAM[:-1] + "; my.name(N); .print(N).", encoding="utf-8")
+    (folder / "all.trial.yaml").write_text(
+        f"actions: everybody\n{TRIAL}"
+        "  - {name: cyd, personality: two.asl, at: [-17.0, 2.0]}\n"
+        "  - name: dan\n"
+        "    at: [-17.0, 4.0]\n"
+        "    changes: [{when: {time: 0.5}, personality: late.asl}]\n",
+        encoding="utf-8",
+    )
+    (folder / "late.asl").write_text("!go. +!go <- my.name(N); .print(N).", encoding="utf-8")
+    trial = sim.Trial.load(folder / "all.trial.yaml")
+    expected = [
+        ("ann", "got 6 4"),
+        ("bob", "got 6 4"),
+        ("cyd", "got 3 4"),
+        ("cyd", "cyd"),
+        ("dan", "dan"),
+    ]
+    assert said(sim.run(trial)) == expected
+    again = sim.Trial.parse(trial.to_yaml(folder), folder=folder)
+    assert said(sim.run(again)) == expected
+    with pytest.raises(
+        sim.TrialError,
+        match=r"line 1, actions: the actions of 'everybody': code of your own is refused",
+    ):
+        sim.Trial.load(folder / "all.trial.yaml", own_code=False)
+    elsewhere = f"folder: ../{folder.name}\n{trial.to_yaml(folder)}"
+    with pytest.raises(sim.TrialError, match=r"its code, everybody, own\.module, stands in"):
+        sim.Trial.parse(elsewhere, folder=folder.parent / "elsewhere")
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [

@@ -210,7 +210,7 @@ def test_every_key_is_read_and_written():
         for f in forms_below(TrialKeys)
         for key, field in f.model_fields.items()
     }
-    elsewhere = {(TrialKeys, key) for key in ("folder", "ariac", "begins", "steering")}
+    elsewhere = {(TrialKeys, key) for key in ("folder", "ariac", "begins", "steering", "actions")}
     elsewhere |= {(PersonKeys, key) for key in ("count", "actions")}
     assert known - keys_in(TrialKeys, data) == elsewhere
     assert yaml.safe_load(sim.Trial.parse(EVERY_KEY).to_yaml()) == data
