@@ -6,6 +6,7 @@ Topics and types are those of the ARIAC 2023 competition. `/ariac_human/gantry_d
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from functools import partial
 
@@ -69,6 +70,10 @@ _HAPPENINGS = {
 """The percept that an event is for its person."""
 
 
+_TOLERANCE = 0.5
+"""Metres. A goal without room is moved by so much at most, as Nav2's planners do by default."""
+
+
 class HumanTopics:
     """Publishes the percepts of `person`, and carries out commands from outside."""
 
@@ -80,6 +85,7 @@ class HumanTopics:
         self._person = person
         self._clock = simulation.clock
         self._boundary = simulation.trial.floorplan.boundary
+        self._simulation = simulation
         self._referee = simulation.referee
         self._exchange = exchange
         self._admit = admit
@@ -132,6 +138,7 @@ class HumanTopics:
             raise RefusedError(f"{message['data'][:60]!r} is no action: {why}") from None
         if topic == GOAL:
             self._require_on_floor(message["x"], message["y"])
+            action = self._with_room(message["x"], message["y"])
         if action is not None and not self._is_done(topic):
             self._act(action)
         if action is not None and topic in _ANSWERS:
@@ -152,6 +159,20 @@ class HumanTopics:
                 f"the goal ({x:g}, {y:g}) is outside the floor"
                 f" (x {low_x:g} … {high_x:g}, y {low_y:g} … {high_y:g})"
             )
+
+    def _with_room(self, x: float, y: float) -> bdi.Literal:
+        """Return the action that leads to a goal, or close to it if something fixed is there.
+
+        A goal on which only a vehicle stands is left: people wait for it to be free.
+        """
+        world, radius = self._simulation.world, self._person.walker.human.radius
+        if world.fixed_space(radius).nearest((x, y)) != (x, y):
+            for agv in self._simulation.agvs:
+                agv.stand_in(world)
+            near = world.nearest_free((x, y), radius)
+            if near is not None and math.dist(near, (x, y)) <= _TOLERANCE:
+                x, y = near
+        return bdi.Literal("move", (x, y))
 
     def _start(self, message: Values) -> None:
         if message["data"]:

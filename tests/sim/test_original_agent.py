@@ -1,6 +1,8 @@
 """The competition's own agent on our bridge, played from its protocol and its two windows."""
 
+import math
 import time
+from dataclasses import replace
 
 import pytest
 from bridge_parts import Client, served, trial
@@ -12,6 +14,9 @@ from sim.people.percepts import Percepts
 DROPS = 10.0
 """Seconds for which it drops violations after its start, after the last one, after a teleport."""
 
+LOOKS = 20.0
+"""Seconds after its start, after a teleport and after noticing the gantry, till it looks for it."""
+
 SPEED = 20.0
 """Of the trial here, and of its windows, which are of the wall's clock and so belong to speed 1."""
 
@@ -20,6 +25,7 @@ MAKES_READY = 0.5
 
 COMMANDS = {
     "move": ("/ariac_human/goal_position", "geometry_msgs/Point"),
+    "move_to_gantry": ("/ariac_human/goal_position", "geometry_msgs/Point"),
     "stop_movement": ("/ariac_human/stop", "std_msgs/Bool"),
     "teleport_safe": ("/ariac_human/go_home", "std_msgs/Bool"),
     "teleport_agv": ("/ariac_human/go_home", "std_msgs/Bool"),
@@ -28,6 +34,7 @@ HEARD = {
     "/ariac/start_human": "std_msgs/Bool",
     "/ariac_human/position_reached": "std_msgs/Bool",
     "/ariac_human/unsafe_distance": "std_msgs/Bool",
+    "/ariac_human/state": "ariac_msgs/HumanState",
     "/ariac/competition_state": "ariac_msgs/CompetitionState",
 }
 
@@ -35,9 +42,8 @@ HEARD = {
 class Original:
     """Drives a person as the original does: by the wall's clock, with what it drops."""
 
-    def __init__(self, client, personality):
+    def __init__(self, client, a_trial):
         self._client = client
-        a_trial = trial(personality)
         self._agent = make_agent(
             a_trial.people[0],
             a_trial,
@@ -48,6 +54,8 @@ class Original:
         self._percepts = Percepts(self._agent)
         self._came = time.monotonic()
         self._unsafe_at = self._came
+        self._looks_from = math.inf
+        self._distance = math.inf
         self.dropped = 0
 
     def drive(self):
@@ -71,6 +79,9 @@ class Original:
         if topic == "/ariac/start_human" and now - self._came > MAKES_READY:
             self._percepts.see("human_start")
             self._unsafe_at = now
+            self._looks_from = now + LOOKS / SPEED
+        elif topic == "/ariac_human/state":
+            self._look(now, message)
         elif topic == "/ariac_human/position_reached":
             self._percepts.count("work_completed")
         elif topic == "/ariac_human/unsafe_distance":
@@ -81,37 +92,91 @@ class Original:
             self._percepts.count("gantry_disabled" if message["data"] else "agv_danger")
         return True
 
+    def _look(self, now, state):
+        here, self._gantry = (
+            (state[f"{who}_position"]["x"], state[f"{who}_position"]["y"])
+            for who in ("human", "robot")
+        )
+        walks, moves = (
+            math.hypot(state[f"{who}_velocity"]["x"], state[f"{who}_velocity"]["y"])
+            for who in ("human", "robot")
+        )
+        before, self._distance = self._distance, math.dist(here, self._gantry)
+        is_near = self._distance < 1.75 * min(walks * (1.0 + 1.5) + moves * 1.0 + 1.2, 5.0)
+        if is_near and self._distance < before and now >= self._looks_from:
+            self._looks_from = now + LOOKS / SPEED
+            self._percepts.see("gantry_at", *self._gantry)
+            self._percepts.count("gantry_detected")
+
     def _act(self, action):
         topic, _ = COMMANDS[action.functor]
-        if action.functor == "move":
+        if action.functor == "move_to_gantry":
+            self._client.publish("/ariac_human/stop", data=True)
+            self._client.publish(topic, x=self._gantry[0], y=self._gantry[1], z=0.0)
+        elif action.functor == "move":
             x, y, z = action.args
             self._client.publish(topic, x=x, y=y, z=z)
         else:
             if action.functor.startswith("teleport"):
                 self._unsafe_at = time.monotonic()
+                self._looks_from = self._unsafe_at + LOOKS / SPEED
             self._client.publish(topic, data=action.functor != "teleport_agv")
         return True
 
 
-@pytest.mark.parametrize("duration", [90.0, pytest.param(275.0, marks=pytest.mark.slow)])
-def test_the_original_agent_goes_on_to_the_end(duration):
-    within = sim.run(trial("indifferent", duration))
-    with served(trial("external", duration), speed=SPEED, grace=1.0) as session:
+def driven(a_trial):
+    """The run of a trial whose person the original drives, the one by itself, and the original."""
+    (person,) = a_trial.people
+    outside = replace(a_trial, people=(replace(person, personality="external"),))
+    with served(outside, speed=SPEED, grace=1.0) as session:
         with Client(session.url) as client:
-            original = Original(client, "indifferent")
+            original = Original(client, a_trial)
             original.drive()
-        across = session.join()
+        return session.join(), sim.run(a_trial), original
 
-    def of(run, kind):
-        return [event for event in run.events if event["kind"] == kind]
 
-    # It goes where it would go within, as often as its lateness leaves time for.
-    goals, expected = ([event["at"] for event in of(run, "goal")] for run in (across, within))
+def times(run, kind):
+    return [event["t"] for event in run.events if event["kind"] == kind]
+
+
+def require_same_goals(across, within):
+    """It goes where it would go within, as often as its lateness leaves time for."""
+    goals, expected = (
+        [event["at"] for event in run.events if event["kind"] == "goal"] for run in (across, within)
+    )
     assert len(expected) >= len(goals) >= len(expected) - 2
     assert goals == expected[: len(goals)]
+
+
+# Helpful turns so often that the order of its goals hangs on tenths of a second after 40 s.
+@pytest.mark.parametrize(
+    ("personality", "duration"),
+    [
+        ("indifferent", 90.0),
+        ("antagonistic", 60.0),
+        ("helpful", 40.0),
+        pytest.param("indifferent", 275.0, marks=pytest.mark.slow),
+        pytest.param("antagonistic", 275.0, marks=pytest.mark.slow),
+    ],
+)
+def test_the_original_agent_goes_on_to_the_end(personality, duration):
+    across, within, _ = driven(replace(trial(personality, duration), rules=sim.ARIAC2023))
+    require_same_goals(across, within)
+    violations = times(across, "violation")
+    assert bool(violations) == (personality != "helpful")
+    assert times(across, "teleport") == violations
+
+
+def test_what_the_original_drops_after_its_start_it_hears_later():
+    at_once = sim.GantryEntry(at=(-10.8, -1.0, 0.0))
+    a_trial = replace(trial("indifferent", 30.0), rules=sim.ARIAC2023, gantry=at_once)
+    across, within, original = driven(a_trial)
     assert original.dropped > 0
-    assert of(across, "violation")
-    assert len(of(across, "teleport")) == len(of(across, "violation"))
+    require_same_goals(across, within)
+    assert (
+        times(across, "goal")[1]
+        > times(across, "violation")[0] + sim.ARIAC2023.pause_after_violation
+    )
 
 
 def test_a_violation_is_repeated_until_it_is_answered():
