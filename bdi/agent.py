@@ -56,7 +56,10 @@ class Agent:
         plans: its plan library.
 
     Raises:
-        ProgramError: the program uses internal actions that do not exist, or one label twice.
+        ProgramError: the program uses internal actions that do not exist, or one label twice; or
+            a belief that is given as text cannot be read.
+        TypeError: `program` is none, as where it is the name of a file.
+        ValueError: an agent of that name is in the society already.
     """
 
     def __init__(
@@ -138,6 +141,9 @@ class Agent:
         Everything due before that is done at its own time, in order. Percepts and outcomes that
         came since the last call count at `time`.
 
+        Args:
+            time: the instant up to which it runs (s).
+
         Raises:
             ValueError: the time is before `now`, or not finite.
             EndlessProgramError: a plan does not end at one instant, or there are too many
@@ -185,11 +191,24 @@ class Agent:
         """Add a percept from the time of the next `advance` on.
 
         While the agent runs, as in `act`, it is added at once.
+
+        Args:
+            percept: a literal, or its text; it is believed with the source `percept`.
+
+        Raises:
+            ProgramError: the text is not one literal.
         """
         self._state.percepts.arrive(_as_literal(percept), added=True, at_once=self._running)
 
     def remove_percept(self, percept: str | Literal) -> None:
-        """Remove a percept from the time of the next `advance` on, or at once as `add_percept`."""
+        """Remove a percept from the time of the next `advance` on, or at once as `add_percept`.
+
+        Args:
+            percept: a literal, or its text; one that is not there makes no difference.
+
+        Raises:
+            ProgramError: the text is not one literal.
+        """
         self._state.percepts.arrive(_as_literal(percept), added=False, at_once=self._running)
 
     @property
@@ -207,6 +226,7 @@ class Agent:
 
         Raises:
             ValueError: no such action is open.
+            ProgramError: the text of the action is not one literal.
         """
         wanted = action if isinstance(action, int) else _as_literal(action)
         circumstance = self._state.circumstance
@@ -240,6 +260,9 @@ class Agent:
 
     def add_program(self, program: Program) -> None:
         """Add plans after those there are, then beliefs and goals, which raise events.
+
+        Args:
+            program: what it is to believe, want and know besides.
 
         Raises:
             ProgramError: it uses internal actions that do not exist, or a label that is taken.

@@ -37,7 +37,11 @@ class Call:
         return unified(make_term(one), make_term(other), self.unifier)
 
     def each(self, variable: Term, values: Iterable[object]) -> Iterator[Unifier]:
-        """Yield a unifier for each of the values with which `variable` unifies."""
+        """Yield a unifier for each of the values with which `variable` unifies.
+
+        It is the answer of an action that has several: a plan takes the first, a query tries all.
+        Python numbers, strs and lists are made terms.
+        """
         for value in values:
             solution = self.unify(variable, value)
             if solution is not None:

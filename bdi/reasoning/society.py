@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import count
@@ -140,7 +141,16 @@ class Society:
         return next(self._numbers)
 
     def advance(self, time: float) -> None:
-        """Advance all agents to `time` (s), each wake-up and message in its order."""
+        """Advance all agents to `time` (s), each wake-up and message in its order.
+
+        An agent that is further already stays where it is.
+
+        Raises:
+            ValueError: the time is not finite.
+            EndlessProgramError: an agent does not end at one instant.
+        """
+        if not math.isfinite(time):
+            raise ValueError(f"expected a time in seconds, found {time}")
         while True:
             due = [a.next_wakeup for a in self._members.values() if a.next_wakeup is not None]
             soonest = min((at for at in due if at < time), default=time)

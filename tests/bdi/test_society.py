@@ -1,5 +1,7 @@
 """Messages between agents."""
 
+import math
+
 import pytest
 from goals import printed
 
@@ -160,3 +162,12 @@ def test_a_name_is_taken_once():
     society.leave("ann")
     society.leave("nobody")
     assert [agent.name for agent in society] == []
+
+
+@pytest.mark.parametrize("time", [math.nan, math.inf])
+def test_time_that_is_no_instant_is_refused(time):
+    society = bdi.Society()
+    agent = bdi.Agent(bdi.parse("p."), society=society)
+    with pytest.raises(ValueError, match="expected a time in seconds"):
+        society.advance(time)
+    assert agent.now == 0.0
