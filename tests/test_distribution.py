@@ -45,10 +45,13 @@ def built(tmp_path_factory):
     return folder
 
 
+BY_PRODUCTS = {"__pycache__", ".hypothesis"}
+
+
 def ours(folder):
     """Files in a folder of the sources that are no by-products, with paths from above."""
     for path in folder.rglob("*"):
-        if path.is_file() and path.suffix != ".pyc" and ".hypothesis" not in path.parts:
+        if path.is_file() and not BY_PRODUCTS & {*path.parts}:
             yield path.relative_to(folder.parent).as_posix()
 
 
@@ -58,7 +61,7 @@ def test_the_sdist_has_all_it_takes_to_test_and_document(built):
         names = {name.partition("/")[2] for name in archive.getnames()}
     expected = {path for folder in FOLDERS for path in ours(ROOT / folder)}
     assert expected | {*FILES, ENTRY, "pyproject.toml"} <= names
-    assert not [name for name in names if name.endswith(".pyc")]
+    assert not [name for name in names if "__pycache__" in name]
 
 
 def test_the_wheel_has_the_packages_and_nothing_else(built):

@@ -54,13 +54,15 @@ def _rules(random, number):
 
 
 def _apart(people, plan):
-    """Let those start at home who would start on somebody else."""
+    """Let those start at home who would start on somebody else; anywhere, if others do so."""
     found = []
     for person in people:
         for other in found:
             radii = [entry.radius or plan.human.radius for entry in (person, other)]
-            if person.at and other.at and math.dist(person.at, other.at) < sum(radii):
+            if person.place and other.place and math.dist(person.place, other.place) < sum(radii):
                 person = replace(person, at=None)
+        if person.at is None and any(other.at is None for other in found):
+            person = replace(person, at="anywhere")
         found.append(person)
     return tuple(found)
 

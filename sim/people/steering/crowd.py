@@ -128,8 +128,9 @@ class Crowd:
                 angle = 2 * math.pi * k / ANGLES
                 at = (place[0] + away * math.cos(angle), place[1] + away * math.sin(angle))
                 stand = swath(standing(at, start=now), now)
+                # The place itself was found fit by whoever chose it, however close to a wall.
                 if (
-                    ground.free(place, at)
+                    (ring == 0 or ground.free(place, at))
                     and all(math.dist(at, other) >= radius + r + GAP for other, r in taken)
                     and not any(
                         first_conflict(stand, other.swath, radius + other.radius + GAP, now)

@@ -19,7 +19,7 @@ class Traveller:
 
     `goal` is where they walk to, if anywhere, `route` the points that lead there from where they
     are; `since` is when they set out (seconds), `index` their place among all people.
-    `top_speed` is in m/s.
+    `top_speed` is that of the errand they are on, in m/s; before the first it is the most they can.
     """
 
     index: int
@@ -29,7 +29,7 @@ class Traveller:
     goal: Place | None = None
     route: list[Place] = field(default_factory=list)
     since: float = 0.0
-    top_speed: float = 1.0
+    top_speed: float = field(init=False)
     decided: float = -math.inf
     """Instant of their last change of course, seconds."""
     stands_since: float | None = None
@@ -38,6 +38,7 @@ class Traveller:
     """Seconds that others have cost them."""
 
     def __post_init__(self) -> None:
+        self.top_speed = self.human.max_speed
         self._of: Motion | None = None
         self._swath: Swath | None = None
 
