@@ -132,6 +132,7 @@ for call in sys.argv[1:]:
 """
 
 
+@pytest.mark.slow
 def test_so_do_the_others_one_after_another(samples):
     """In one process, since most of what a command takes is its start."""
     calls = {name: call for name, call in CALLS.items() if name not in ALONE}

@@ -153,8 +153,8 @@ def require_same_goals(across, within):
     ("personality", "duration"),
     [
         ("indifferent", 90.0),
-        ("antagonistic", 60.0),
-        ("helpful", 40.0),
+        pytest.param("antagonistic", 60.0, marks=pytest.mark.slow),
+        pytest.param("helpful", 40.0, marks=pytest.mark.slow),
         pytest.param("indifferent", 275.0, marks=pytest.mark.slow),
         pytest.param("antagonistic", 275.0, marks=pytest.mark.slow),
     ],
