@@ -34,6 +34,7 @@ from .reading import (
     read_bytes,
     read_lines,
     read_text,
+    require_readable,
 )
 from .schema import NotNegative, Number, Pair, Positive, Range, Strictly
 from .writing import floor_keys, lost
@@ -85,6 +86,7 @@ __all__ = [
     "refuse",
     "require",
     "require_fields",
+    "require_readable",
     "size_fault",
     "standing_fault",
     "starting_fault",

@@ -6,6 +6,7 @@ from .core.events import EventKind
 from .core.machine import Machine, MachineShape
 from .core.machine_model import MachineEntry, MachineModel
 from .core.output import OutputError
+from .core.recorded_track import RecordedTrack
 from .core.recorder import Event, Listener
 from .core.rules import ARIAC2023, PAPER, RULE_SETS, Notice, RuleSet, rule_set
 from .core.scenario import AgvMove, GantryEntry, Job, PersonalityChange, PersonEntry, TrialError
@@ -81,6 +82,7 @@ __all__ = [
     "PersonEntry",
     "PersonalityChange",
     "Recorded",
+    "RecordedTrack",
     "Recording",
     "RecordingError",
     "Row",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections import Counter
+from collections.abc import Mapping
 from itertools import takewhile
 
 from floorplan import require, suggestion
@@ -24,6 +25,7 @@ from .machines.kinds import models_of
 from .orders import Dispatcher
 from .people.company import Company
 from .people.person import Person
+from .people.tracks.walks import RecordedWalk, recorded_walks
 from .record.finished import Finished
 from .record.summary import summarise
 from .runs.run import Run
@@ -62,6 +64,7 @@ class Simulation:
         self._listener = Listeners(_Keeper(self.events), *listeners, _Reactor(triggers))
         self._over = self.clock.end()
         self._started = False
+        walks = recorded_walks(trial)
         self._stage = Stage(
             floorplan=trial.floorplan,
             rules=trial.rules,
@@ -71,7 +74,7 @@ class Simulation:
             record=recording_to(self._listener, lambda: self.clock.now),
             triggers=triggers,
             world=CollisionWorld(trial.floorplan),
-            fastest=_fastest(trial),
+            fastest=_fastest(trial, walks),
             own_code=trial.own_code,
         )
         self.world = self._stage.world
@@ -80,7 +83,7 @@ class Simulation:
             self.machines[name] = model.make(name, self._stage)
         self.referee = Referee(self._stage)
         self.dispatcher = self._make_dispatcher()
-        self._company = Company(self._stage, trial, self.referee, self._listener)
+        self._company = Company(self._stage, trial, self.referee, self._listener, walks)
         self.people = self._stage.people = self._company.people
         self.clock.most = MOST_AT_ONCE + MOST_AT_ONCE_EACH * len(self.bodies)
         self.scene = self._scene()
@@ -262,10 +265,11 @@ def run(trial: Trial, *listeners: Listener) -> Run:
     return simulation.finish()
 
 
-def _fastest(trial: Trial) -> float:
+def _fastest(trial: Trial, walks: Mapping[str, RecordedWalk]) -> float:
     """Return the highest speed (m/s) of people, those of the trial and anybody else."""
     usual = trial.floorplan.human.max_speed
-    return max([usual, *(entry.max_speed or usual for entry in trial.people)])
+    speeds = [entry.max_speed or usual for entry in trial.people]
+    return max([usual, *speeds, *(walk.top_speed for walk in walks.values())])
 
 
 def _in_words(event: Event) -> str:

@@ -9,14 +9,18 @@ from typing import Any, Literal
 
 import bdi
 from floorplan import Floorplan, InputError, Problem, SafeZone
-from navigation import PlannerChoice
+from navigation import Motion, PlannerChoice
 
 from .machine_model import MachineEntry
 from .manners import AS_USUAL, MannersEntry
+from .recorded_track import RecordedTrack
 from .rules import PAPER, RuleSet
 from .start import AT_ONCE, Start
 from .work import Shift, WorkList, WorkTask
 from .workload import Workload
+
+RECORDED = "recorded"
+"""The personality, in reports, of those who walk as they were measured."""
 
 USUAL_PLANNER = PlannerChoice()
 """The planner of people's paths where a trial names none."""
@@ -50,6 +54,9 @@ class PersonEntry:
 
     `work` names the lists that the person takes tasks from; `schedule` and `breaks` are for them
     alone. Where there are `shifts`, tasks are offered to them within these only.
+
+    Somebody who was `recorded` walks as they were measured, whatever happens: a track in a file, or
+    a motion whose t = 0 is their start. They have no mind, and no home.
     """
 
     name: str
@@ -69,6 +76,7 @@ class PersonEntry:
     schedule: tuple[WorkTask, ...] = ()
     breaks: tuple[WorkTask, ...] = ()
     shifts: tuple[Shift, ...] = ()
+    recorded: RecordedTrack | Motion | None = None
 
     @property
     def works(self) -> bool:
@@ -78,6 +86,8 @@ class PersonEntry:
     @property
     def personality_name(self) -> str:
         """The personality's name: as it is given, or of a program the name of its source."""
+        if self.recorded is not None:
+            return RECORDED
         return _personality_name(self.personality)
 
     @property

@@ -31,6 +31,11 @@ class Bystander(Protocol):
         """Their body."""
         ...
 
+    @property
+    def is_recorded(self) -> bool:
+        """True of somebody who walks as they were measured: nobody can put them elsewhere."""
+        ...
+
     def warn(self, percept: str, machine: Machine) -> None:
         """Perceive `percept` about a machine, and go home for a violation."""
         ...

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,7 +16,7 @@ from ..core.scenario import PersonEntry, Scenario
 from ..core.stage import Stage
 from ..safety.referee import Referee
 from .mind_inspector import MindInspector
-from .minds import Mind, Outside, kept_beliefs, live_beliefs, make_agent
+from .minds import Mind, Mindless, Outside, kept_beliefs, live_beliefs, make_agent
 from .person import Person
 from .planners import find_planner, planner_of
 from .programs import EXTERNAL, with_programs
@@ -23,6 +24,7 @@ from .steering.crowd import Crowd
 from .steering.manners import drawn
 from .steering.own_steering import find_steering
 from .steering.starting import starting_places
+from .tracks.walks import RecordedWalk, with_places
 from .work_board import WorkBoard
 
 MOST_PATHS = 256
@@ -35,11 +37,17 @@ SEEDS = 2**32 - 1
 class Company:
     """The people of a scenario on a stage: they share planners by size, and can hear each other.
 
+    Those who were recorded walk their `walks`, by name.
     Their thoughts are kept in `thoughts`, and passed to `listener`, if it `wants_thoughts`.
     """
 
     def __init__(
-        self, stage: Stage, scenario: Scenario, referee: Referee, listener: Listener
+        self,
+        stage: Stage,
+        scenario: Scenario,
+        referee: Referee,
+        listener: Listener,
+        walks: Mapping[str, RecordedWalk],
     ) -> None:
         self.thoughts: list[Thought] = []
         self._stage = stage
@@ -52,10 +60,12 @@ class Company:
         self._board = board
         self.people: list[Person] = []
         self._crowd = crowd = self._make_crowd() if len(scenario.people) > 1 else None
+        scenario = replace(scenario, people=with_places(scenario, walks))
         starts = starting_places(scenario, stage.world, crowd)
         for index, named in enumerate(scenario.people):
             entry = with_programs(named, scenario)
-            human = _human(entry, stage.floorplan.human)
+            walk = walks.get(entry.name)
+            human = _human(entry, stage.floorplan.human, walk)
             if listener.wants_thoughts:
                 self._inspectors[entry.name] = MindInspector(entry.name, self._keep)
             person = Person(
@@ -71,6 +81,7 @@ class Company:
                 make_mind=self._make_mind,
                 thought=self._thought,
                 board=board,
+                walk=walk,
             )
             self.people.append(person)
 
@@ -103,6 +114,8 @@ class Company:
         return known
 
     def _make_mind(self, person: Person, entry: PersonEntry, before: Mind | None) -> Mind:
+        if person.is_recorded:
+            return Mindless()
         if entry.personality == EXTERNAL:
             return Outside()
         if before is not None:
@@ -141,11 +154,17 @@ class Company:
             self._stage.record(Warning(person=person, text=entry.text, file=file, line=line))
 
 
-def _human(entry: PersonEntry, usual: Human) -> Human:
-    """Return the measures of a person: their own, else those of the floor."""
+def _human(entry: PersonEntry, usual: Human, walk: RecordedWalk | None) -> Human:
+    """Return the measures of a person: their own, else those of the floor.
+
+    A recorded `walk` may be faster: machines have to reckon with that.
+    """
     given = {
         name: getattr(entry, name)
         for name in ("radius", "max_speed", "max_acceleration")
         if getattr(entry, name) is not None
     }
-    return replace(usual, **given)
+    human = replace(usual, **given)
+    if walk is None:
+        return human
+    return replace(human, max_speed=max(human.max_speed, walk.top_speed))

@@ -83,6 +83,21 @@ class Outside:
         return perceived
 
 
+class Mindless:
+    """Mind of somebody who walks as they were measured: nothing that happens changes that."""
+
+    next_wakeup: float | None = None
+
+    def add_percept(self, percept: bdi.Literal) -> None:
+        """Take no note of `percept`."""
+
+    def remove_percept(self, percept: bdi.Literal) -> None:
+        """Take no note of the end of `percept`."""
+
+    def advance(self, time: float) -> None:
+        """Think nothing until `time` (seconds)."""
+
+
 def make_agent(
     entry: PersonEntry,
     trial: Scenario,

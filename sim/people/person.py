@@ -28,9 +28,11 @@ from .crossing import CrossingWatch
 from .errand import Errand
 from .minds import Mind
 from .percepts import Senses
+from .playback import Playback
 from .programs import find_program
 from .steering.crowd import Crowd
 from .steering.manners import Manners
+from .tracks.walks import RecordedWalk
 from .walker import Place, Walker
 from .work_board import WorkBoard
 from .worker import Worker
@@ -44,7 +46,7 @@ class Person:
 
     `make_mind` makes a mind of theirs that runs the program of an entry; `thought` is called when
     a mind of theirs has thought, so that others can hear the messages it sent. Tasks are on the
-    `board`, if there are any.
+    `board`, if there are any. Somebody who was recorded walks their `walk`.
     """
 
     def __init__(
@@ -62,6 +64,7 @@ class Person:
         make_mind: Callable[[Person, PersonEntry, Mind | None], Mind],
         thought: Callable[[Person], None],
         board: WorkBoard | None = None,
+        walk: RecordedWalk | None = None,
     ) -> None:
         home = entry.home_on(stage.floorplan)
         assert home is not None  # else the trial is refused
@@ -79,11 +82,15 @@ class Person:
             crowd=crowd,
             index=index,
             manners=manners,
+            recorded=walk is not None,
             blocked=lambda: self._senses.count("blocked"),
         )
         self._stage = stage
         self._clock = stage.clock
         self._entry = entry
+        self._playback = (
+            None if walk is None else Playback(stage, self.walker.traveller, walk, crowd)
+        )
         self._referee = referee
         self._thought = thought
         self._senses = Senses(stage.clock, self._think)
@@ -121,6 +128,11 @@ class Person:
     def body(self) -> Body:
         """Their body."""
         return self.walker.body
+
+    @property
+    def is_recorded(self) -> bool:
+        """True of somebody who walks as they were measured."""
+        return self._playback is not None
 
     @property
     def visits(self) -> list[str]:
@@ -167,6 +179,8 @@ class Person:
             if self.worker is not None:
                 self.worker.start()
             self._senses.see("human_start")
+            if self._playback is not None:
+                self._playback.begin()
 
     def warn(self, percept: str, machine: Machine) -> None:
         """Perceive `percept`, the referee's warning about `machine`.
@@ -178,7 +192,7 @@ class Person:
         if is_robot:
             self._senses.see("gantry_at", *machine.body.at)
         self._senses.count(percept)
-        if percept != "gantry_detected":
+        if percept != "gantry_detected" and not self.is_recorded:
             self._reason = "gantry" if is_robot else "agv"
             self._enforcing.set(self._clock.now)
 

@@ -55,6 +55,7 @@ class Walker:
         crowd: Crowd | None = None,
         manners: Manners | None = None,
         index: int = 0,
+        recorded: bool = False,
         blocked: Callable[[], None] = lambda: None,
     ) -> None:
         self.human = human
@@ -71,7 +72,7 @@ class Walker:
         self._arrived = arrived
         self._arrival = Alarm(stage.clock, self._arrive, Turn.MOTION_ENDS)
         self._crowd = crowd
-        self.traveller = Traveller(index, self.body, human, manners or Manners())
+        self.traveller = Traveller(index, self.body, human, manners or Manners(), recorded)
         if crowd is not None:
             crowd.enter(
                 self.traveller,

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from navigation import Motion, Nearest, minimum_separation, nearest_pair
+from navigation import Motion, Nearest, Odometer, minimum_separation, nearest_pair
 
 from ..core.machine import Category, Machine
 from ..core.scenario import Scenario
@@ -132,4 +132,6 @@ class Finished:
                 )
             else:
                 standing += max(0.0, piece.end - max(piece.begin, begin or 0.0))
+        if person.is_recorded and begin is not None:
+            walked = Odometer(self.motions[person.name]).reading(self.duration)
         return walked, standing

@@ -137,7 +137,7 @@ class Referee:
         if is_penalty and sanction is not None:
             self._penalise(sanction)
         if is_reported and rules.person == "teleport":
-            self.agv_teleports += sanction is None
+            self.agv_teleports += sanction is None and not person.is_recorded
             self._report(person)
             person.warn("agv_danger" if sanction is None else "gantry_disabled", machine)
 

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from shapely.geometry.base import BaseGeometry
 
+from ..core.recorded_track import RecordedTrack
 from ..core.scenario import PersonalityChange, PersonEntry
 from ..machines.gantry.controllers import controller_source, find_controller
 from ..machines.kinds import is_own, own_kind
@@ -60,6 +61,9 @@ def _parts(trial: Trial) -> Iterator[tuple[str, str]]:
                 for module in sources_of(program, modules, trial.folder, own_code=True):
                     text = module.file.read_text(encoding="utf-8")
                     yield f"the actions {module.module}", _digest(text)
+        if isinstance(person.recorded, RecordedTrack):
+            track = (trial.folder / person.recorded.file).read_bytes()
+            yield f"the track {person.recorded.file}", hashlib.sha256(track).hexdigest()[:16]
         choice = planner_of(person, trial)
         source = planner_source(choice, trial.folder)
         if source is not None:

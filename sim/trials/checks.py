@@ -33,6 +33,7 @@ from ..people.own_actions import modules_of, sources_of
 from ..people.planners import planner_source
 from ..people.programs import EXTERNAL, find_program
 from ..people.steering.own_steering import steering_source
+from ..people.tracks.walks import track_faults
 from .expectations import expectation_problems
 from .names import agvs, checked_name, orders, parts, people
 from .work_checks import list_faults, person_faults
@@ -150,7 +151,10 @@ def _person_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:
         yield from _start_faults(change.when, trial, "changes", k, "when")
     for name in ("radius", "max_speed", "max_acceleration"):
         yield from _size(getattr(person, name), name)
-    yield from _place_faults(person, trial)
+    if person.recorded is None:
+        yield from _place_faults(person, trial)
+    for message in track_faults(person, trial):
+        yield message, ("recorded",)
     yield from _below(_manners_faults(person.manners), "manners")
     if person.planner is not None:
         yield from _planner_faults(person.planner, trial, "planner")

@@ -13,6 +13,7 @@ from navigation import PlannerChoice
 
 from ..core.keys import Flag, Keys
 from ..core.manners import MannersEntry, Side
+from ..core.recorded_track import RecordedTrack
 from ..core.rules import PAPER
 from ..core.scenario import USUAL_PLANNER, PersonalityChange, PersonEntry
 from ..core.start import Start
@@ -63,6 +64,11 @@ class _Change(Keys):
         return PersonalityChange(**self.fields())
 
 
+def _as_name(value: Any) -> Any:
+    number = isinstance(value, int) and not isinstance(value, bool)
+    return str(value) if number else value
+
+
 class MannersKeys(Keys):
     """Manners of people towards others: a figure, or [least, most] to draw each person's from."""
 
@@ -76,6 +82,26 @@ class MannersKeys(Keys):
     def value(self) -> MannersEntry:
         """Return the manners."""
         return MannersEntry(**self.fields())
+
+
+class _RecordedKeys(Keys):
+    file: Annotated[str, Field(min_length=1)]
+    body: Annotated[str, BeforeValidator(_as_name)] | None = None
+    since: Number = 0.0
+    longest_gap: Positive = 1.0
+    top_speed: Positive = 4.0
+    frame_rate: Positive | None = None
+
+    def value(self) -> RecordedTrack:
+        return RecordedTrack(**self.fields())
+
+
+def _as_track(value: Any) -> Any:
+    return {"file": value} if isinstance(value, str) else value
+
+
+OF_RECORDED = frozenset({"name", "start", "radius", "recorded"})
+"""Keys of somebody who walks as they were measured."""
 
 
 class PersonKeys(WorkerKeys):
@@ -95,6 +121,16 @@ class PersonKeys(WorkerKeys):
     planner: _Planner | None = None
     manners: MannersKeys = MannersKeys()
     actions: str | None = None
+    recorded: Annotated[_RecordedKeys, BeforeValidator(_as_track)] | None = None
+
+    @model_validator(mode="after")
+    def _recorded_or_not(self) -> PersonKeys:
+        needless = sorted(self.model_fields_set - OF_RECORDED)
+        if self.recorded is not None and needless:
+            raise ValueError(
+                f"somebody who is recorded walks as measured: leave out {', '.join(needless)}"
+            )
+        return self
 
     def value(self) -> PersonEntry:
         """Return the person."""

@@ -12,9 +12,10 @@ from typing import Any
 import numpy as np
 
 import floorplan
-from navigation import PlannerChoice
+from navigation import Motion, PlannerChoice
 
 from ..core.machine_model import MachineEntry
+from ..core.recorded_track import RecordedTrack
 from ..core.scenario import USUAL_PLANNER, AgvMove, Job, PersonalityChange, PersonEntry, Scenario
 from ..core.start import Start
 from ..core.work import Duration
@@ -114,6 +115,12 @@ def _value(value: Any, trial: Scenario) -> Any:
         case Duration():
             one = len(value.values) == 1
             return {value.kind: value.values[0] if one else [*value.values]}
+        case RecordedTrack():
+            return _fields(value, trial)
+        case Motion():
+            raise ValueError(
+                f"the trial {trial.name!r} can't be written: a recorded motion came from no file"
+            )
         case Start():
             return _fields(value, trial) if value.time is None else {"time": value.time}
         case PersonEntry() | PersonalityChange():

@@ -145,6 +145,14 @@ people:
   start: {part_placed: {part: pump, agv: agv1}}
 - name: cy
   start: {order_submitted: first}
+- name: eve
+  recorded:
+    file: tracks.csv
+    body: '7'
+    since: 1.0
+    longest_gap: 2.0
+    top_speed: 5.0
+    frame_rate: 25.0
 gantry:
   controller: oblivious
   at: [-5.0, 2.5, 0.0]
@@ -203,7 +211,8 @@ def forms_below(form):
     return {form}.union(*map(forms_below, inner))
 
 
-def test_every_key_is_read_and_written():
+def test_every_key_is_read_and_written(tmp_path):
+    (tmp_path / "tracks.csv").write_text("id,frame,x,y\n7,20,-14,-8\n7,40,-14,-8\n")
     data = yaml.safe_load(EVERY_KEY)
     known = {
         (f, field.alias or key)
@@ -213,7 +222,8 @@ def test_every_key_is_read_and_written():
     elsewhere = {(TrialKeys, key) for key in ("folder", "ariac", "begins", "steering", "actions")}
     elsewhere |= {(PersonKeys, key) for key in ("count", "actions")}
     assert known - keys_in(TrialKeys, data) == elsewhere
-    assert yaml.safe_load(sim.Trial.parse(EVERY_KEY).to_yaml()) == data
+    trial = sim.Trial.parse(EVERY_KEY, folder=tmp_path)
+    assert yaml.safe_load(trial.to_yaml(tmp_path)) == data
 
 
 @pytest.mark.parametrize("path", sorted((ROOT / "examples").glob("*.trial.yaml")), ids=str)

@@ -49,6 +49,9 @@ WORTH = 0.6
 BESIDE = 1.25
 """Metres. Whoever is kept from a goal so near by somebody who stands there has arrived."""
 
+LOOK = 0.5
+"""Seconds from point to point of a recorded course that others step off."""
+
 RINGS, ANGLES = 24, 24
 """Places that are looked at around one that is taken: so many circles, and places on each."""
 
@@ -148,6 +151,27 @@ class Crowd:
             me.since = self._clock.now
         me.goal, me.route, me.top_speed = goal, route, top_speed
         self._decide(me)
+
+    def make_way_for(self, me: Traveller) -> None:
+        """Let others mind the new motion of somebody who walks as they were measured."""
+        now, ahead, others = self._clock.now, me.swath, self._near(me)
+
+        def in_the_way(other: Traveller) -> bool:
+            return first_hit(me, ahead, (other,), now) is not None
+
+        for other in others:
+            if other.goal is not None and in_the_way(other):
+                self._decide(other)
+        if not any(map(in_the_way, others)):
+            return
+        steps = math.ceil((me.body.motion.end - now) / LOOK)
+        course = [me.body.motion.state(now + k * LOOK).at for k in range(steps + 1)]
+        request = Request(me, now, others, self._ground)
+        request.make_way(course)
+        for who, motion in request.motions.items():
+            if who is not me:
+                self._stage.record(GaveWay(person=who.name, to=me.name))
+                self._commit(self._parties[who], motion)
 
     def rest(self, me: Traveller) -> None:
         """Let somebody have no goal any more; their motion goes on."""

@@ -77,6 +77,11 @@ class Request:
                 self._swaths.clear()
         return False
 
+    def make_way(self, course: Sequence[Place]) -> None:
+        """Let all who can step off the motion that the asker is committed to, along `course`."""
+        self._put(self._asker, self._asker.body.motion)
+        self._clear(self._asker, course, 0)
+
     def _put(self, who: Traveller, motion: Motion) -> None:
         self.motions[who] = motion
         self._swaths[who] = swath(motion, self._now)
@@ -97,6 +102,7 @@ class Request:
         return (
             other is not self._asker
             and other.manners.steps_aside
+            and not other.recorded
             and other.body.motion.end <= self._now
             and other.rank > self._asker.rank
         )

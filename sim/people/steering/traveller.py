@@ -20,12 +20,14 @@ class Traveller:
     `goal` is where they walk to, if anywhere, `route` the points that lead there from where they
     are; `since` is when they set out (seconds), `index` their place among all people.
     `top_speed` is that of the errand they are on, in m/s; before the first it is the most they can.
+    Somebody who is `recorded` walks as they were measured, and gives way to nobody.
     """
 
     index: int
     body: Body
     human: Human
     manners: Manners
+    recorded: bool = False
     goal: Place | None = None
     route: list[Place] = field(default_factory=list)
     since: float = 0.0
@@ -69,7 +71,10 @@ class Traveller:
 
         Who walks goes before who rests, who set out earlier before who set out later; whoever has
         just arrived comes last with their next errand. It is fixed while somebody is under way.
+        Everybody gives way to who is recorded.
         """
+        if self.recorded:
+            return (False, -math.inf, self.index)
         return (self.goal is None, self.since, self.index)
 
     def time_lost(self, now: float) -> float:

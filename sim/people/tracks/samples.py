@@ -1,0 +1,45 @@
+"""Samples of bodies that were tracked, as files have them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floorplan import InputError
+
+Array = NDArray[np.float64]
+
+
+class TrackError(InputError):
+    """A file of tracks that can't be used."""
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """One body at N instants: `t` in seconds or frames, `x` and `y` in metres, each (N,).
+
+    `rotation` is in radians, None where the file has none; `rows` says where in the file each
+    sample stands: its line, or its frame.
+    """
+
+    rows: NDArray[np.int64]
+    t: Array
+    x: Array
+    y: Array
+    rotation: Array | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Tracks:
+    """The bodies of a file, by name or number.
+
+    Where `t` counts frames, `frame_rate` is how many a second has, None if the file says nothing.
+    """
+
+    bodies: dict[str, Samples]
+    counts_frames: bool = False
+    frame_rate: float | None = None
+    row: Literal["line", "frame"] = "line"

@@ -1,0 +1,147 @@
+"""Tracks in text: CSV with a header, or the columns id, frame, x, y as PedPy and PeTrack have them.
+
+A recording's own `trajectory.csv` is such a file.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from floorplan import Problem, read_lines
+
+from .samples import Samples, TrackError, Tracks
+
+NAMES = {
+    "t": ("t", "time"),
+    "frame": ("frame", "fr"),
+    "body": ("name", "body", "person", "id"),
+    "x": ("x",),
+    "y": ("y",),
+    "rotation": ("rotation", "heading"),
+}
+"""Names that a column may have, by what is in it."""
+
+METRE = {"m": 1.0, "cm": 0.01, "mm": 0.001}
+
+MOST_PROBLEMS = 20
+"""Reading stops after so many rows that can't be read."""
+
+_UNIT = re.compile(r"\bx\s*(?:/|\[|\(|in)\s*(?:in\s+)?(m|cm|mm)\b", re.IGNORECASE)
+_RATE = re.compile(r"frame\s*rate\s*[:=]?\s*([0-9.]+)", re.IGNORECASE)
+
+
+@dataclass
+class _Track:
+    rows: list[int] = field(default_factory=list)
+    figures: list[list[float]] = field(default_factory=list)
+
+
+def read_text_tracks(path: Path) -> Tracks:
+    """Return the tracks in the text file at `path`; `TrackError` with the rows that are unfit."""
+    rate: float | None = None
+    metre = 1.0
+    split: Callable[[str], list[str]] = str.split
+    columns: dict[str, int] = {}
+    wanted: list[str] = []
+    found: dict[str, _Track] = {}
+    problems: list[Problem] = []
+    for number, line in enumerate(read_lines(path, TrackError), start=1):
+        text = line.strip().removeprefix("\ufeff")
+        if not text:
+            continue
+        if text.startswith("#"):
+            rate = float(told[1]) if (told := _RATE.search(text)) else rate
+            metre = METRE[told[1].lower()] if (told := _UNIT.search(text)) else metre
+            continue
+        if not columns:
+            split = _splitting(text)
+            columns, is_header = _columns(split(text), path, number)
+            metre = METRE[told[1].lower()] if (told := _UNIT.search(text)) else metre
+            time = "t" if "t" in columns else "frame"
+            wanted = [time, "x", "y", *(["rotation"] if "rotation" in columns else [])]
+            if is_header:
+                continue
+        cells = split(text)
+        try:
+            figures = [_number(cells, columns[name], name) for name in wanted]
+            body = cells[columns["body"]].strip()
+        except ValueError as why:
+            problems.append(Problem(str(why), line=number))
+            if len(problems) == MOST_PROBLEMS:
+                break
+            continue
+        track = found.get(body)
+        if track is None:
+            track = found[body] = _Track()
+        track.rows.append(number)
+        track.figures.append(figures)
+    if not columns:
+        problems.append(Problem("is empty: there are no rows"))
+    if problems:
+        raise TrackError(str(path), problems)
+    bodies = {name: _samples(track, metre) for name, track in found.items()}
+    return Tracks(bodies, counts_frames="t" not in columns, frame_rate=rate)
+
+
+def _samples(track: _Track, metre: float) -> Samples:
+    t, x, y, *rotation = np.array(track.figures).T
+    turned = rotation[0] if rotation else None
+    return Samples(np.array(track.rows), t, x * metre, y * metre, turned)
+
+
+def _splitting(line: str) -> Callable[[str], list[str]]:
+    """Return how the rows of a file that begin with `line` are split."""
+    for mark in (",", ";", "\t"):
+        if mark in line:
+            return lambda row: [cell.strip().strip('"') for cell in row.split(mark)]
+    return str.split
+
+
+def _columns(cells: list[str], path: Path, line: int) -> tuple[dict[str, int], bool]:
+    """Return where in a row everything stands, and whether the first row is a header."""
+    if all(_is_number(cell) for cell in cells):
+        if len(cells) < 4:
+            message = f"expected a header, or the columns id, frame, x, y; found {len(cells)}"
+            raise TrackError.of(path, message, line)
+        return {"body": 0, "frame": 1, "x": 2, "y": 3}, False
+    plain = [re.split(r"[\s/\[(]", cell.strip().lower())[0] for cell in cells]
+    columns = {
+        name: plain.index(known[0])
+        for name, words in NAMES.items()
+        if (known := [word for word in words if word in plain])
+    }
+    missing = [name for name in ("x", "y") if name not in columns]
+    if "body" not in columns:
+        missing.append("name (or body, id)")
+    if not {"t", "frame"} & {*columns}:
+        missing.append("t (or frame)")
+    if missing:
+        message = f"the header has no column {', '.join(missing)}; found {', '.join(cells)}"
+        raise TrackError.of(path, message, line)
+    return columns, True
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return True
+
+
+def _number(cells: list[str], column: int, name: str) -> float:
+    if column >= len(cells):
+        raise ValueError(f"has {len(cells)} columns, and none for {name}")
+    try:
+        value = float(cells[column])
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise ValueError(f"{name} must be a number, found {cells[column][:40]!r}")
+    return value

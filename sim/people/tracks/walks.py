@@ -1,0 +1,214 @@
+"""Recorded walks: the motions of people who walk as they were measured."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+import shapely
+
+from floorplan import Floorplan, Problem, suggestion
+from navigation import Motion
+
+from ...core.recorded_track import RecordedTrack
+from ...core.scenario import PersonEntry, Scenario
+from .jupedsim_tracks import read_jupedsim_tracks
+from .samples import Array, Samples, TrackError, Tracks
+from .text_tracks import read_text_tracks
+
+READERS = {
+    ".csv": read_text_tracks,
+    ".txt": read_text_tracks,
+    ".sqlite": read_jupedsim_tracks,
+}
+"""Readers of files with tracks, by suffix."""
+
+STROLL = 0.1
+"""m/s. Who is slower than this looks where they looked before."""
+
+SHORTEST = 1e-6
+"""Seconds. Samples are further apart than this."""
+
+
+@dataclass(frozen=True, eq=False)
+class RecordedWalk:
+    """The motion of somebody since their start (seconds), and a speed (m/s) they never exceed."""
+
+    motion: Motion
+    top_speed: float
+
+    @property
+    def at(self) -> tuple[float, float]:
+        """Where they start (x, y in metres)."""
+        return self.motion.state(0.0).at
+
+
+def recorded_walks(scenario: Scenario) -> dict[str, RecordedWalk]:
+    """Return the walks of all people of a scenario who were recorded, by name.
+
+    `TrackError` says in which row of which file a track is unfit.
+    """
+    return {
+        entry.name: recorded_walk(entry, scenario.folder)
+        for entry in scenario.people
+        if entry.recorded is not None
+    }
+
+
+def recorded_walk(entry: PersonEntry, folder: Path) -> RecordedWalk:
+    """Return the walk of somebody who was recorded, their file seen from `folder`."""
+    recorded = entry.recorded
+    assert recorded is not None
+    if isinstance(recorded, Motion):
+        return RecordedWalk(recorded, _top_speed(recorded))
+    tracks, samples = _samples(recorded, entry.name, folder)
+    t = samples.t / (_frame_rate(recorded, tracks) or 1.0) - recorded.since
+    k = max(0, int(np.searchsorted(t, 0.0, side="right")) - 1)
+    t, xy = t[k:], np.column_stack([samples.x, samples.y])[k:]
+    turned = _headings(t, xy) if samples.rotation is None else samples.rotation[k:]
+    motion = Motion.from_samples(t, xy, turned)
+    return RecordedWalk(motion, _top_speed(motion))
+
+
+def track_faults(entry: PersonEntry, scenario: Scenario) -> Iterator[str]:
+    """Yield what can't be about the track of somebody in a scenario."""
+    recorded = entry.recorded
+    if recorded is None or isinstance(recorded, Motion):
+        return
+    try:
+        tracks, samples = _samples(recorded, entry.name, scenario.folder)
+        problems = list(_problems(recorded, tracks, samples, scenario))
+    except TrackError as why:
+        yield str(why)
+        return
+    if problems:
+        yield str(TrackError(recorded.file, problems))
+
+
+def with_places(scenario: Scenario, walks: Mapping[str, RecordedWalk]) -> tuple[PersonEntry, ...]:
+    """Return the people of a scenario; those who were recorded start where their walks do."""
+    return tuple(
+        replace(entry, at=walks[entry.name].at) if entry.name in walks else entry
+        for entry in scenario.people
+    )
+
+
+def _samples(recorded: RecordedTrack, name: str, folder: Path) -> tuple[Tracks, Samples]:
+    """Return the tracks of a file, and the samples of the body that is meant there."""
+    path = folder / recorded.file
+    if path.suffix.lower() not in READERS:
+        known = ", ".join(READERS)
+        raise TrackError.of(recorded.file, f"the name of a file of tracks ends in one of {known}")
+    try:
+        stamp = path.stat()
+        tracks = _read(path, stamp.st_mtime_ns, stamp.st_size)
+    except TrackError as why:
+        raise TrackError(recorded.file, why.problems) from None
+    except (OSError, ValueError):  # a name that no file can have
+        raise TrackError.of(recorded.file, "there is no such file") from None
+    bodies = tracks.bodies
+    wanted = name if recorded.body is None else recorded.body
+    if wanted not in bodies and recorded.body is None and len(bodies) == 1:
+        (wanted,) = bodies
+    if wanted not in bodies:
+        hint = suggestion(wanted, bodies)
+        raise TrackError.of(recorded.file, f"no body is called {wanted!r}; {hint}")
+    return tracks, bodies[wanted]
+
+
+@lru_cache(maxsize=8)
+def _read(path: Path, changed: int, size: int) -> Tracks:
+    """Return the tracks at `path`, read anew when the file has `changed` or has another `size`."""
+    return READERS[path.suffix.lower()](path)
+
+
+def _frame_rate(recorded: RecordedTrack, tracks: Tracks) -> float | None:
+    return (recorded.frame_rate or tracks.frame_rate) if tracks.counts_frames else None
+
+
+def _problems(
+    recorded: RecordedTrack, tracks: Tracks, samples: Samples, scenario: Scenario
+) -> Iterator[Problem]:
+    """Yield what is wrong with the samples, each with its row."""
+    rate = _frame_rate(recorded, tracks)
+    if tracks.counts_frames and not rate:
+        yield Problem("counts frames, and does not say how many a second has: give frame_rate")
+        return
+
+    def at(k: int, message: str) -> Problem:
+        row = int(samples.rows[k])
+        if tracks.row == "line":
+            return Problem(message, line=row)
+        return Problem(f"{tracks.row} {row}: {message}")
+
+    t = samples.t / (rate or 1.0)
+    steps = np.diff(t)
+    if (late := np.flatnonzero(steps < SHORTEST)).size:
+        for k in late.tolist():
+            before = f"{tracks.row} {samples.rows[k]}"
+            yield at(k + 1, f"t = {t[k + 1]:.9g} s is not after the {t[k]:.9g} s of {before}")
+        return
+    gaps = np.flatnonzero(steps > recorded.longest_gap * (1 + 1e-9))
+    for k in gaps.tolist():
+        yield at(
+            k + 1,
+            f"a gap of {steps[k]:.3g} s: there is nothing from t = {t[k]:.9g} s on; mend the"
+            f" track, or give a longest_gap of more than {recorded.longest_gap:g} s",
+        )
+    gone = np.hypot(np.diff(samples.x), np.diff(samples.y))
+    jumps = np.flatnonzero(gone > recorded.top_speed * steps)
+    for k in jumps.tolist():
+        yield at(
+            k + 1,
+            f"a jump of {gone[k]:.3g} m in {steps[k]:.3g} s; mend the track, or give a top_speed"
+            f" of more than {recorded.top_speed:g} m/s",
+        )
+    yield from (at(k, message) for k, message in _outside(samples, scenario.floorplan))
+    if t[-1] < recorded.since:
+        yield at(len(t) - 1, f"the track ends at t = {t[-1]:.9g} s, before since")
+    elif t[0] - recorded.since >= scenario.duration:
+        yield at(
+            0,
+            f"the track begins at t = {t[0]:.9g} s, and the trial is over by then;"
+            " give since: the time of the file at the person's start",
+        )
+
+
+def _outside(samples: Samples, plan: Floorplan) -> Iterator[tuple[int, str]]:
+    inside = shapely.intersects_xy(plan.boundary, samples.x, samples.y)
+    outside = np.flatnonzero(~inside)
+    if outside.size:
+        k = int(outside[0])
+        more = f", as are {outside.size - 1} more" if outside.size > 1 else ""
+        place = f"({samples.x[k]:g}, {samples.y[k]:g})"
+        yield k, f"{place} is outside the boundary of the floor (metres){more}"
+
+
+def _headings(t: Array, xy: Array) -> Array:
+    """Return the direction in which somebody looks at each sample: where they walk."""
+    steps = np.diff(xy, axis=0)
+    angles = np.arctan2(steps[:, 1], steps[:, 0])
+    walks = np.hypot(*steps.T) > STROLL * np.diff(t)
+    if not walks.any():
+        return np.zeros(len(t))
+    # The last direction in which they walked; before the first, that one.
+    known = np.maximum.accumulate(np.where(walks, np.arange(len(walks)), -1))
+    known[known < 0] = int(np.argmax(walks))
+    looks: Array = angles[known]
+    return np.append(looks, looks[-1])
+
+
+def _top_speed(motion: Motion) -> float:
+    """Return a speed (m/s) that `motion` never exceeds.
+
+    The velocity of a piece is a quadratic of time, and stays within its control points.
+    """
+    durations = np.array([piece.end - piece.begin for piece in motion.pieces])[:, None]
+    curves = np.array([[piece.x, piece.y] for piece in motion.pieces])
+    first = curves[..., 1]
+    second = first + curves[..., 2] * durations
+    third = first + (2 * curves[..., 2] + 3 * curves[..., 3] * durations) * durations
+    return float(max(np.hypot(*one.T).max() for one in (first, second, third)))
