@@ -10,26 +10,23 @@ from __future__ import annotations
 import argparse
 import statistics
 import time
-from collections.abc import Callable
 
 import navigation.planner
 import sim
 from floorplan import Point
-from navigation.roadmap_planner import Links, RoadmapSearch, roadmap_path
-from navigation.world import CollisionWorld
+from navigation.roadmap_planner import RoadmapQuestions, RoadmapSearch
 
 
-def directly(
-    world: CollisionWorld, start: Point, goal: Point, radius: float, step: float
-) -> list[Point] | None:
+class Directly(RoadmapQuestions):
     """The same search, without OMPL around it."""
-    links = Links(world, radius)
-    return RoadmapSearch(links, start, goal, step, links.free).path()
+
+    def path(self, start: Point, goal: Point, step: float) -> list[Point] | None:
+        return RoadmapSearch(self._links, start, goal, step, self._links.free).path()
 
 
-def cpu_seconds(trial: sim.Trial, plan: Callable[..., list[Point] | None]) -> float:
-    """CPU seconds of a run with paths by `plan`."""
-    navigation.planner.roadmap_path = plan
+def cpu_seconds(trial: sim.Trial, questions: type[RoadmapQuestions]) -> float:
+    """CPU seconds of a run with paths by `questions`."""
+    navigation.planner.RoadmapQuestions = questions
     begin = time.process_time()
     sim.run(trial)
     return time.process_time() - begin
@@ -41,11 +38,11 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=15)
     options = parser.parse_args()
     trial = sim.Trial.load(options.trial)
-    cpu_seconds(trial, directly)
+    cpu_seconds(trial, Directly)
     through, without = [], []
     for _ in range(options.rounds):
-        through.append(cpu_seconds(trial, roadmap_path))
-        without.append(cpu_seconds(trial, directly))
+        through.append(cpu_seconds(trial, RoadmapQuestions))
+        without.append(cpu_seconds(trial, Directly))
     one, other = statistics.median(through), statistics.median(without)
     print(f"through OMPL {1000 * one:.1f} ms, directly {1000 * other:.1f} ms: {one / other:.3f}")
 

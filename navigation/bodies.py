@@ -26,6 +26,12 @@ TOLERANCE = 1e-6
 _POINT = 1e-6
 """Metres. The radius of the sphere that stands for a point."""
 
+_HALF_TURN = math.sqrt(0.5)
+"""Cosine and sine of half of a quarter turn, as quaternions have it."""
+
+_ANY = fcl.CollisionRequest()
+"""Question to FCL that any contact answers."""
+
 _STEP = math.radians(1.0)
 """Radians. How finely a round body's footprint is drawn as a polygon, from outside: 4e-5 of its
 radius too large at most, less than paths keep beyond theirs."""
@@ -126,21 +132,25 @@ class Sweep:
         self._capsule = fcl.Capsule(1.0, 1.0)
         self._still = fcl.CollisionObject(self._ball, fcl.Transform())
         self._moving = fcl.CollisionObject(self._capsule, fcl.Transform())
+        self._middle = np.zeros(3)
+        self._turn = np.array([_HALF_TURN, 0.0, 0.0, 0.0])
 
     def between(self, a: Point, b: Point, radius: float) -> Any:
         """Return the object for the segment from `a` to `b`, valid until the next call."""
         dx, dy = b[0] - a[0], b[1] - a[1]
         length = math.hypot(dx, dy)
-        middle = np.array([(a[0] + b[0]) / 2, (a[1] + b[1]) / 2, 0.0])
+        self._middle[0], self._middle[1] = (a[0] + b[0]) / 2, (a[1] + b[1]) / 2
         if length == 0:
             self._ball.radius = radius
-            self._still.setTranslation(middle)
+            self._still.setTranslation(self._middle)
             return self._still
-        c, s = dx / length, dy / length
-        # FCL's capsules lie along z: this turns z into the direction of the segment.
-        turn = np.array([[0.0, -s, c], [0.0, c, s], [-1.0, 0.0, 0.0]])
+        # FCL's capsules lie along z: a quarter turn about the normal of the segment that lies in
+        # the plane turns z into its direction.
+        share = _HALF_TURN / length
+        self._turn[1], self._turn[2] = -dy * share, dx * share
         self._capsule.radius, self._capsule.lz = radius, length
-        self._moving.setTransform(fcl.Transform(turn, middle))
+        self._moving.setQuatRotation(self._turn)
+        self._moving.setTranslation(self._middle)
         return self._moving
 
     def distance(self, point: Point, other: Any) -> float:
@@ -155,4 +165,4 @@ class Sweep:
 
 def touch(one: Any, other: Any) -> bool:
     """Return whether two FCL objects share a point."""
-    return bool(fcl.collide(one, other, fcl.CollisionRequest(), fcl.CollisionResult()))
+    return bool(fcl.collide(one, other, _ANY, fcl.CollisionResult()))

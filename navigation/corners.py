@@ -66,27 +66,27 @@ class Bends:
         """Those of the bends that are marked in `keep` (N,), or that it has the numbers of."""
         return Bends(*(column[keep] for column in vars(self).values()))
 
+    def beyond(self, places: Floats) -> tuple[Floats, Floats]:
+        """Return the ways along x and y from each of `places` (K, 2) to every bend: (K, N)."""
+        here, there = places.T[:, :, None], np.ascontiguousarray(self.point.T)
+        return there[0] - here[0], there[1] - here[1]
+
     @staticmethod
     def join(parts: Sequence[Bends]) -> Bends:
         """Return the bends of all parts; corners keep the numbers they have in their part."""
         columns = zip(*(vars(part).values() for part in parts), strict=True)
         return Bends(*map(np.concatenate, columns))
 
-    def graze(self, along: Floats) -> NDArray[np.bool_]:
-        """Return whether segments along `along` (…, N, 2) only graze the corner at the bend.
+    def graze(self, dx: Floats, dy: Floats) -> NDArray[np.bool_]:
+        """Return whether segments along (`dx`, `dy`) (…, N) only graze the corner at the bend.
 
         A shortest path bends only where it grazes; all others would enter the grown corner.
         """
-        slack = 1e-9 * (1 + np.abs(along[..., 0]) + np.abs(along[..., 1]))
-        entering = _cross(self.before, along)
-        leaving = _cross(self.after, along)
+        slack = 1e-9 * (1 + np.abs(dx) + np.abs(dy))
+        entering = self.before[:, 0] * dy - self.before[:, 1] * dx
+        leaving = self.after[:, 0] * dy - self.after[:, 1] * dx
         clockwise = (entering <= slack) & (leaving >= -slack)
         return clockwise | ((entering >= -slack) & (leaving <= slack))
-
-
-def _cross(a: Floats, b: Floats) -> Floats:
-    product: Floats = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
-    return product
 
 
 def edges_of_room(room: shapely.Geometry) -> list[Floats]:

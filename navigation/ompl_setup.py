@@ -45,6 +45,35 @@ def no_log() -> Iterator[None]:
         ou.setLogLevel(level)
 
 
+class OmplFloor:
+    """OMPL's space of places between `low` and `high` (metres), where `free` says what is free.
+
+    After `most` checks a search is ended by `TooManyChecksError`. `release` must be called in the
+    end.
+    """
+
+    def __init__(self, low: Point, high: Point, free: Free, most: float = math.inf) -> None:
+        bounds = ob.RealVectorBounds(2)
+        for axis in (0, 1):
+            bounds.setLow(axis, low[axis])
+            bounds.setHigh(axis, high[axis])
+        self._space: Any = ob.RealVectorStateSpace(2)
+        self._space.setBounds(bounds)
+        self.information: Any = ob.SpaceInformation(self._space)
+        self._motions: Any = _Motions(self.information, free, most)
+        self._places: Any = _Places(self.information, free, most)
+        self.information.setMotionValidator(self._motions)
+        self.information.setStateValidityChecker(self._places)
+        self.information.setup()
+
+    def release(self) -> None:
+        """Release OMPL's objects in an order that it survives."""
+        self._motions = None
+        self._places = None
+        self.information = None
+        self._space = None
+
+
 class OmplSetup:
     """OMPL's objects for one question: nothing is left over for the next.
 
@@ -54,18 +83,9 @@ class OmplSetup:
 
     def __init__(self, question: Question, most: float = math.inf) -> None:
         self._question = question
-        bounds = ob.RealVectorBounds(2)
-        for axis in (0, 1):
-            bounds.setLow(axis, question.low[axis])
-            bounds.setHigh(axis, question.high[axis])
-        self._space: Any = ob.RealVectorStateSpace(2)
-        self._space.setBounds(bounds)
-        self._setup: Any = og.SimpleSetup(self._space)
-        self.information: Any = self._setup.getSpaceInformation()
-        self._motions: Any = _Motions(self.information, question.free, most)
-        self._places: Any = _Places(self.information, question.free, most)
-        self.information.setMotionValidator(self._motions)
-        self._setup.setStateValidityChecker(self._places)
+        self._floor = OmplFloor(question.low, question.high, question.free, most)
+        self.information: Any = self._floor.information
+        self._setup: Any = og.SimpleSetup(self.information)
         self._setup.setStartAndGoalStates(self.state(question.start), self.state(question.goal))
         self.planner: Any = None
 
@@ -82,9 +102,7 @@ class OmplSetup:
 
     def points(self, path: Any) -> list[Point]:
         """Return the places of a path of OMPL's, from the start to the goal, each once in a row."""
-        points = [(float(at[0]), float(at[1])) for at in path.getStates()]
-        points[0], points[-1] = self._question.start, self._question.goal
-        return [points[0], *(b for a, b in itertools.pairwise(points) if a != b)]
+        return points_of(path, self._question.start, self._question.goal)
 
     def path(self, points: list[Point]) -> Any:
         """Return OMPL's path along `points`."""
@@ -98,10 +116,8 @@ class OmplSetup:
         """Release OMPL's objects in an order that it survives."""
         self.planner = None
         self._setup = None
-        self._motions = None
-        self._places = None
         self.information = None
-        self._space = None
+        self._floor.release()
 
 
 def path_along(information: Any, points: list[Point]) -> Any:
@@ -110,6 +126,13 @@ def path_along(information: Any, points: list[Point]) -> Any:
     for place in points:
         path.append(state_at(information, place))
     return path
+
+
+def points_of(path: Any, start: Point, goal: Point) -> list[Point]:
+    """Return the places of a path of OMPL's, from `start` to `goal`, each once in a row."""
+    points = [(float(at[0]), float(at[1])) for at in path.getStates()]
+    points[0], points[-1] = start, goal
+    return [points[0], *(b for a, b in itertools.pairwise(points) if a != b)]
 
 
 def state_at(information: Any, place: Point) -> Any:

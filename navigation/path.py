@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
@@ -18,8 +19,8 @@ class Path:
 
     points: NDArray[np.float64]
     """(N, 2) metres, the start first and the goal last, exactly as they were given."""
-    clearance: float
-    """Metres from the polyline to the nearest thing anywhere along it."""
+    clear: float | Callable[[], float] = field(repr=False)
+    """Its `clearance`, or a function that works it out."""
     planner: str
     """The name of the planner that found it."""
     checks: int
@@ -28,6 +29,17 @@ class Path:
     def __repr__(self) -> str:
         figures = f"{len(self.points)} waypoints, {self.clearance:.3f} m clear"
         return f"<{type(self).__name__} of {self.length:.3f} m by {self.planner}: {figures}>"
+
+    def __reduce__(self) -> tuple[type[Path], tuple[NDArray[np.float64], float, str, int]]:
+        return (type(self), (self.points, self.clearance, self.planner, self.checks))
+
+    @cached_property
+    def clearance(self) -> float:
+        """Metres from the polyline to the nearest thing anywhere along it.
+
+        It is computed when first read, from the world as it was.
+        """
+        return self.clear if isinstance(self.clear, float) else self.clear()
 
     @property
     def length(self) -> float:

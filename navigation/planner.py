@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Hashable, Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -18,7 +19,7 @@ from .obstruction import blocked_place, explain_cut_off
 from .ompl_setup import Question
 from .path import Path, PlanningError, Reason, Watch
 from .roadmap import HAIR, Roadmap
-from .roadmap_planner import SLACK, roadmap_path
+from .roadmap_planner import SLACK, RoadmapQuestions
 from .sampling import sample_path
 from .world import CollisionWorld
 
@@ -69,6 +70,7 @@ class PathPlanner:
         """The planner that is asked where a question names no other."""
         self.choice.check()
         self.seed = seed
+        self._questions: RoadmapQuestions | None = None
         self._keep = keep
         self._kept: dict[Hashable, Path] = {}
         self._kept_at = world.changes
@@ -114,7 +116,7 @@ class PathPlanner:
         self, a: Point, b: Point, choice: PlannerChoice, seed: int, watch: Watch | None
     ) -> Path:
         """Return the path from `a` to `b` that is found now."""
-        if away := self.ignore & {body.name for body in self.world.bodies}:
+        if self.ignore and (away := self.ignore & {body.name for body in self.world.bodies}):
             without = PathPlanner(self.world.as_if(away=away), self.radius, step=self.step)
             return without.plan(a, b, planner=choice, seed=seed, watch=watch)
         before = self.world.checks
@@ -125,8 +127,8 @@ class PathPlanner:
         else:
             found = self._sampled(leave, arrive, choice, seed, watch)
         points = np.array(_distinct([a, leave, *found, arrive, b]), dtype=float)
-        clearance = self.world.clearance(points)
-        return Path(points, clearance, choice.name, self.world.checks - before)
+        clear = partial(self.world.clearance, points, self.world.bodies)
+        return Path(points, clear, choice.name, self.world.checks - before)
 
     def roadmap(self, step: float | None = None) -> Roadmap:
         """Return the network of paths between the fixed things, made when first needed."""
@@ -173,7 +175,9 @@ class PathPlanner:
         raise PlanningError("not_found", message)
 
     def _shortest(self, start: Point, goal: Point) -> list[Point]:
-        points = roadmap_path(self.world, start, goal, self.radius, self.step)
+        if self._questions is None:
+            self._questions = RoadmapQuestions(self.world, self.radius)
+        points = self._questions.path(start, goal, self.step)
         if points is not None:
             return points
         if not self._connected(start, goal):

@@ -12,7 +12,7 @@ polyhedral obstacles", Communications of the ACM 22 (1979).
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from weakref import WeakKeyDictionary
 
@@ -45,22 +45,28 @@ Link = tuple[int, float]
 
 @dataclass(frozen=True, eq=False)
 class BodyBends:
-    """The bends around one body, and their links to those of the floor."""
+    """The bends around one body, and lines that may link them to those of the floor.
+
+    Line number k goes from bend `of[k]` of the body to bend `to[k]` of the floor, `length[k]`
+    metres, and only grazes both corners. What else is in its way is not known.
+    """
 
     bends: Bends
-    links: list[list[Link]]
+    of: Ints
+    to: Ints
+    length: Floats
 
 
 @dataclass(frozen=True, eq=False)
 class Ends:
-    """A start and a goal, and their links to the floor's network."""
+    """A start and a goal, and what may link them to the floor's network."""
 
     start: Point
     goal: Point
     from_start: list[Link]
     to_goal: dict[int, float]
     straight: bool
-    """True if only bodies may stand between them."""
+    """True if there may be a direct link."""
 
 
 class Roadmap:
@@ -79,6 +85,7 @@ class Roadmap:
         shapely.prepare(self._edges)
         edges = edges_of_room(floor)
         self.bends = self._standing_bends(corners(edges))
+        self._points: list[Point] = [(x, y) for x, y in self.bends.point.tolist()]
         self.asked: dict[tuple[int, int], bool] = {}
         """FCL's answers about links between bends, by the numbers of both, the lower first."""
         self._links: dict[int, list[Link]] = {}
@@ -109,19 +116,20 @@ class Roadmap:
         near: NDArray[np.bool_] = shapely.dwithin(self._edges, lines, self.radius + HAIR / 2)
         return ~near
 
-    def distances_to(self, goal: Point, last: list[Link]) -> Floats:
+    def distances_to(self, goal: Point, last: Floats) -> Floats:
         """Return a lower bound of the path length (metres) from each bend to `goal`.
 
-        `last` has the bends from which a path leaves the network, and the distances from there.
+        `last` (N,) are lower bounds for a path that leaves the network from there; infinite where
+        it does not.
         """
         if self.between is None:
             away = self.bends.point - np.array(goal)
             straight: Floats = np.hypot(away[:, 0], away[:, 1])
             return straight
-        if not last:
-            return np.full(len(self.bends), math.inf)
-        to, far = zip(*last, strict=True)
-        nearest: Floats = (self.between[:, to] + np.array(far)).min(axis=1)
+        (ends,) = np.nonzero(last < math.inf)
+        if not len(ends):
+            return last
+        nearest: Floats = (self.between[:, ends] + last[ends]).min(axis=1)
         return nearest
 
     def link_all(self, most: int) -> None:
@@ -131,16 +139,22 @@ class Roadmap:
             for k in range(0, len(left), _AT_ONCE):
                 self.links_of(left[k], left[k : k + _AT_ONCE])
 
-    def passable_from(self, place: Point) -> tuple[Ints, Floats]:
-        """Return the bends that a path could go on from after coming from `place`, seen or not.
+    def point(self, bend: int) -> Point:
+        """Return the place of bend number `bend`."""
+        return self._points[bend]
 
-        With them, their distances in metres.
+    def passable_from(self, *places: Point) -> Iterator[tuple[Ints, Floats]]:
+        """Yield the bends that a path could go on from after coming from each of `places`.
+
+        With them, their distances in metres. What is in the way does not matter.
         """
-        along = self.bends.point - np.array(place)
-        length = np.hypot(along[:, 0], along[:, 1])
+        dx, dy = self.bends.beyond(np.array(places))
+        length = np.hypot(dx, dy)
         # From between the arc and the bends drawn around it, a bend is seen but not grazed.
-        (bends,) = np.nonzero(self.bends.graze(along) | (length <= self.bends.reach * 1.01))
-        return bends, length[bends]
+        passable = self.bends.graze(dx, dy) | (length <= self.bends.reach * 1.01)
+        for some, far in zip(passable, length, strict=True):
+            (bends,) = np.nonzero(some)
+            yield bends, far[bends]
 
     def between_bends(self, first: int, last: int) -> list[int]:
         """Return the bends of the shortest path from one bend to another, with both."""
@@ -170,7 +184,7 @@ class Roadmap:
         length = np.hypot(along[:, 0], along[:, 1])
         there = self.bends.take(to)
         # From between the arc and the bends drawn around it, a bend is seen but not grazed.
-        passable = there.graze(along) | (length <= there.reach * 1.01)
+        passable = there.graze(*along.T) | (length <= there.reach * 1.01)
         of, to, length = of[passable], to[passable], length[passable]
         seen = self.visible(places[of], self.bends.point[to])
         links: list[list[Link]] = [[] for _ in places]
@@ -197,6 +211,8 @@ class Roadmap:
         """
         wide = bends(around, self.radius + HAIR, self.step)
         clear = self._standing(wide)
+        if clear.all():
+            return wide
         close = np.bincount(wide.corner[~clear], minlength=len(around.turn)) > 0
         fine = bends(around.take(close), self.radius + HAIR, STEP)
         return Bends.join([wide.take(~close[wide.corner]), fine.take(self._standing(fine))])
@@ -211,7 +227,7 @@ class Roadmap:
     def _network(self) -> list[list[Link]]:
         """Return the links of all bends."""
         place = self.bends.point
-        there = self.bends.graze(place[None] - place[:, None])
+        there = self.bends.graze(*self.bends.beyond(place))
         one, other = np.nonzero(np.triu(there & there.T, 1))
         seen = self.visible(place[one], place[other])
         links: list[list[Link]] = [[] for _ in place]
@@ -240,7 +256,8 @@ class Roadmap:
     def _graze_both(self, bends: Bends, of: Ints, to: Ints) -> NDArray[np.bool_]:
         """Return whether lines from some of `bends` to some of the floor's graze both corners."""
         along = self.bends.point[to] - bends.point[of]
-        both: NDArray[np.bool_] = bends.take(of).graze(along) & self.bends.take(to).graze(along)
+        here, there = bends.take(of), self.bends.take(to)
+        both: NDArray[np.bool_] = here.graze(*along.T) & there.graze(*along.T)
         return both
 
     def around(self, body: Body) -> BodyBends:
@@ -249,17 +266,16 @@ class Roadmap:
         if known is not None:
             return known
         around = self._standing_bends(body.corners)
-        of, to = self._beyond(around)
-        grazing = self._graze_both(around, of, to)
-        of, to = of[grazing], to[grazing]
+        if self._sight:
+            of, to = self._sight.beyond(around)
+            grazing = self._graze_both(around, of, to)
+            of, to = of[grazing], to[grazing]
+        else:
+            dx, dy = self.bends.beyond(around.point)
+            of, to = np.nonzero(self.bends.graze(dx, dy) & around.graze(dx.T, dy.T).T)
         along = self.bends.point[to] - around.point[of]
-        seen = self.visible(around.point[of], self.bends.point[to])
-        links: list[list[Link]] = [[] for _ in around.point]
-        for i, j, away in zip(
-            of[seen].tolist(), to[seen].tolist(), along[seen].tolist(), strict=True
-        ):
-            links[i].append((j, math.hypot(*away)))
-        fresh = self._bodies[body] = BodyBends(around, links)
+        fresh = BodyBends(around, of, to, np.hypot(along[:, 0], along[:, 1]))
+        self._bodies[body] = fresh
         return fresh
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import weakref
 from collections.abc import Callable
 from functools import partial
 from typing import Any
@@ -14,8 +15,8 @@ from floorplan import Point
 from .bodies import Body
 from .catalog import ROADMAP
 from .freespace import STEP
-from .lookup import look_up
-from .ompl_setup import OmplSetup, Question, no_log, path_along, state_at
+from .lookup import LookUp
+from .ompl_setup import OmplFloor, path_along, points_of, state_at
 from .roadmap import HAIR, Ends, Roadmap
 from .search import shortest_path
 from .world import CollisionWorld
@@ -109,14 +110,18 @@ class RoadmapSearch:
         self._links.met = met
         free = partial(self._free_on, roadmap)
         points = None
+        known: LookUp | None = None
+        if roadmap.between is not None:
+            known = LookUp(roadmap, self._start, self._goal, free)
         if self._links.bodies(self._start, self._goal) and self._ask(self._start, self._goal):
             points = [self._start, self._goal]  # but for bodies
-        elif roadmap.between is not None:
-            points = look_up(roadmap, self._start, self._goal, free)
+        elif known is not None:
+            points = known.path()
         ends: Ends | None = None
         while True:
             if points is None:
-                ends = ends or roadmap.ends(self._start, self._goal)
+                if ends is None:
+                    ends = known.ends() if known else roadmap.ends(self._start, self._goal)
                 points = shortest_path(roadmap, ends, met, free, self._hopeless)
             if points is None:
                 return None
@@ -151,11 +156,12 @@ class RoadmapPlanner(ob.Planner):  # type: ignore[misc]
         self, information: Any, links: Links, start: Point, goal: Point, step: float
     ) -> None:
         super().__init__(information, ROADMAP)
+        self._information = information
         self._question = (links, start, goal, step)
 
     def solve(self, _: Any) -> Any:
         """Add the shortest path to the problem, if there is one."""
-        information = self.getSpaceInformation()
+        information = self._information
 
         def ask(a: Point, b: Point) -> bool:
             return bool(information.checkMotion(state_at(information, a), state_at(information, b)))
@@ -167,21 +173,28 @@ class RoadmapPlanner(ob.Planner):  # type: ignore[misc]
         return ob.PlannerStatus(ob.PlannerStatus.EXACT_SOLUTION)
 
 
-def roadmap_path(
-    world: CollisionWorld, start: Point, goal: Point, radius: float, step: float
-) -> list[Point] | None:
-    """Return the shortest path of a disc of `radius` metres in bends of `step` radians at most.
+class RoadmapQuestions:
+    """Questions to the roadmap of `world` for discs of `radius` metres, put by OMPL.
 
-    None where there is no path. OMPL puts the question, and FCL decides for it what is free.
+    FCL decides for OMPL what is free. Its space is made once; each question is a problem, and a
+    planner, of its own.
     """
-    links = Links(world, radius)
-    low_x, low_y, high_x, high_y = world.plan.boundary.bounds
-    question = Question(start, goal, (low_x, low_y), (high_x, high_y), links.free)
-    setup = OmplSetup(question)
-    try:
-        with no_log():
-            setup.use(RoadmapPlanner(setup.information, links, start, goal, step))
-            path = setup.solve(ob.plannerNonTerminatingCondition())
-            return None if path is None else setup.points(path)
-    finally:
-        setup.release()
+
+    def __init__(self, world: CollisionWorld, radius: float) -> None:
+        self._links = Links(world, radius)
+        low_x, low_y, high_x, high_y = world.plan.boundary.bounds
+        self._floor = OmplFloor((low_x, low_y), (high_x, high_y), self._links.free)
+        # At exit OMPL must let go before Python does; nobody may ask any more then.
+        self.release = weakref.finalize(self, self._floor.release)
+
+    def path(self, start: Point, goal: Point, step: float) -> list[Point] | None:
+        """Return the shortest path in bends of `step` radians at most; None where there is none."""
+        information = self._floor.information
+        problem = ob.ProblemDefinition(information)
+        problem.setStartAndGoalStates(state_at(information, start), state_at(information, goal))
+        planner = RoadmapPlanner(information, self._links, start, goal, step)
+        planner.setProblemDefinition(problem)
+        planner.solve(ob.plannerNonTerminatingCondition())
+        if not problem.hasExactSolution():
+            return None
+        return points_of(problem.getSolutionPath(), start, goal)

@@ -52,7 +52,7 @@ def shortest_path(
 
 
 class _Search:
-    """One A* search. Links are checked only when the search takes them.
+    """One A* search. Links are asked for only when the search takes them.
 
     The floor's bends have the numbers below N; those of bodies, then the start and the goal
     follow.
@@ -73,79 +73,73 @@ class _Search:
         self._start = self._fixed + len(extra) - 2
         self._goal = self._start + 1
         self._roadmap = roadmap
-        self._points = roadmap.bends.point
+        self._around = around
         self._extra = [(float(x), float(y)) for x, y in extra]
-        self._links: list[list[Link]] = [[] for _ in extra]
-        self._links[-2] += ends.from_start
+        self._links: dict[int, list[Link]] = {}
         self._to_goal = dict(ends.to_goal)
         if ends.straight:
             self._to_goal[self._start] = math.dist(ends.start, ends.goal)
-        self._back: dict[int, list[Link]] = {}
-        if around:
-            self._link_bodies(roadmap, around, extra)
-        self._left = self._bounds(roadmap, ends.goal)
+        self._among_bodies(extra)
+        self._links[self._start] += ends.from_start
+        self._left = self._bounds(extra, ends)
 
-    def _link_bodies(self, roadmap: Roadmap, around: Sequence[BodyBends], extra: Floats) -> None:
-        loose = Bends.join([part.bends for part in around])
-        along = loose.point[None] - extra[:, None]
-        length = np.hypot(along[..., 0], along[..., 1])
-        there = loose.graze(along)
-        here = np.ones_like(there)
-        here[:-2] = loose.graze(along[:-2].swapaxes(0, 1)).T
+    def _among_bodies(self, extra: Floats) -> None:
+        """List the lines from one bend of a body to another, and between these and both ends."""
+        count = len(extra) - 2
+        self._links = {self._fixed + k: [] for k in range(count + 1)}
+        if not count:
+            return
+        loose = Bends.join([part.bends for part in self._around])
+        dx, dy = loose.beyond(extra)
+        length = np.hypot(dx, dy)
+        there = loose.graze(dx, dy)
+        there[:-2] &= loose.graze(dx[:-2].T, dy[:-2].T).T
         there[-2:] |= length[-2:] <= loose.reach * 1.01
-        one, other = np.nonzero(there & here & (length > 0))
-        seen = roadmap.visible(extra[one], loose.point[other])
-        for i, j in zip(one[seen].tolist(), other[seen].tolist(), strict=True):
-            k = self._fixed + j
-            if i == len(extra) - 1:
-                self._to_goal[k] = length[i, j]
+        one, other = np.nonzero(there & (length > 0))
+        for i, k, far in zip(
+            one.tolist(), (self._fixed + other).tolist(), length[one, other].tolist(), strict=True
+        ):
+            if i == count + 1:
+                self._to_goal[k] = far
             else:
-                self._links[i].append((k, length[i, j]))
-        k = self._fixed
-        for part in around:
-            for links in part.links:
-                self._links[k - self._fixed].extend(links)
-                for to, far in links:
-                    self._back.setdefault(to, []).append((k, far))
-                k += 1
+                self._links[self._fixed + i].append((k, far))
 
-    def _bounds(self, roadmap: Roadmap, goal: Point) -> list[float]:
+    def _bounds(self, extra: Floats, ends: Ends) -> list[float]:
         """Lower bounds of the path length left from each place (metres): the heuristic of A*.
 
         From a bend of the floor the path goes on over others to one that is linked to the goal, or
         to a body's bend, from where it is not shorter than the straight line.
         """
-        away = np.array(self._extra) - np.array(goal)
-        loose: list[float] = np.hypot(away[:, 0], away[:, 1]).tolist()
-        last = [(k, far) for k, far in self._to_goal.items() if k < self._fixed]
-        for k, links in self._back.items():
-            last += [(k, far + loose[to - self._fixed]) for to, far in links]
-        fixed: list[float] = roadmap.distances_to(goal, last).tolist()
-        return fixed + loose
+        away = extra - np.array(ends.goal)
+        straight = np.hypot(away[:, 0], away[:, 1])
+        last = np.full(self._fixed, math.inf)
+        last[[*ends.to_goal]] = [*ends.to_goal.values()]
+        for first, part in self._parts():
+            np.minimum.at(last, part.to, part.length + straight[first + part.of])
+        fixed = self._roadmap.distances_to(ends.goal, last)
+        return [*fixed.tolist(), *straight.tolist()]
 
     def run(self, hopeless: Callable[[], bool]) -> list[Point] | None:
         """Return the points of the shortest path, or None."""
         best = {self._start: 0.0}
         before: dict[int, int] = {}
-        left = self._left
         queue: list[_Entry] = []
         self._expand(self._start, 0.0, best, queue)
         taken = 0
         while queue:
-            taken += 1
-            if taken == PATIENCE and hopeless():
-                return None
             _, so_far, here, there = heapq.heappop(queue)
             if so_far >= best.get(there, math.inf):
                 continue
+            taken += 1
+            if taken == PATIENCE and hopeless():
+                return None
             if not self._free(here, there, self._point(here), self._point(there)):
                 continue
             best[there] = so_far
             before[there] = here
             if there == self._goal:
                 return self._trace(before)
-            if left[there] < math.inf:
-                self._expand(there, so_far, best, queue)
+            self._expand(there, so_far, best, queue)
         return None
 
     def _expand(
@@ -158,17 +152,43 @@ class _Search:
         left = self._left
         for there, length in self._links_of(here, queue):
             then = so_far + length
-            if then < best.get(there, math.inf):
+            if then < best.get(there, math.inf) and left[there] < math.inf:
                 heapq.heappush(queue, (then + left[there], then, here, there))
         if here in self._to_goal:
             then = so_far + self._to_goal[here]
             heapq.heappush(queue, (then, then, here, self._goal))
 
     def _links_of(self, here: int, queue: list[_Entry]) -> list[Link]:
-        if here >= self._fixed:
-            return self._links[here - self._fixed]
-        links = self._roadmap.links_of(here, self._next(queue))
-        return links + self._back[here] if here in self._back else links
+        if here == self._start:
+            return self._links[here]
+        if here < self._fixed:
+            links = self._roadmap.links_of(here, self._next(queue))
+            return links + self._back_from(here) if self._around else links
+        return self._links[here] + self._onward_from(here)
+
+    def _onward_from(self, here: int) -> list[Link]:
+        """Return the lines from a body's bend to those of the floor."""
+        found: list[Link] = []
+        for first, part in self._parts():
+            (lines,) = np.nonzero(first + part.of == here - self._fixed)
+            found += zip(part.to[lines].tolist(), part.length[lines].tolist(), strict=True)
+        return found
+
+    def _back_from(self, here: int) -> list[Link]:
+        """Return the lines from a bend of the floor to those of bodies."""
+        found: list[Link] = []
+        for first, part in self._parts():
+            (lines,) = np.nonzero(part.to == here)
+            numbers = self._fixed + first + part.of[lines]
+            found += zip(numbers.tolist(), part.length[lines].tolist(), strict=True)
+        return found
+
+    def _parts(self) -> Iterator[tuple[int, BodyBends]]:
+        """Yield the bends around each body, with the number among bodies' bends of the first."""
+        first = 0
+        for part in self._around:
+            yield first, part
+            first += len(part.bends)
 
     def _next(self, queue: list[_Entry]) -> Iterator[int]:
         """The floor's bends that will be taken soon: a heap has those not far from its top."""
@@ -177,8 +197,7 @@ class _Search:
     def _point(self, index: int) -> Point:
         if index >= self._fixed:
             return self._extra[index - self._fixed]
-        x, y = self._points[index].tolist()
-        return (x, y)
+        return self._roadmap.point(index)
 
     def _trace(self, before: dict[int, int]) -> list[Point]:
         index = self._goal

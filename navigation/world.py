@@ -15,7 +15,7 @@ from floorplan import Floorplan, Named, Point, check, suggestion
 
 from . import ground
 from .bodies import TOLERANCE, Body, Disc, Sweep, touch
-from .freespace import FreeSpace, without
+from .freespace import FreeSpace
 from .roadmap import HAIR, Roadmap
 
 _ROUNDING = 10 * TOLERANCE
@@ -131,7 +131,7 @@ class CollisionWorld:
         return Named(self._bodies.values())
 
     def _put(self, name: str, shape: Polygon | Disc, bottom: float, top: float) -> None:
-        body = Body.of(name, shape)
+        body = ground.body(name, shape) if isinstance(shape, Polygon) else Body.of(name, shape)
         if bottom < self.top and self.bottom < top:
             self._bodies[name] = body
         else:
@@ -151,7 +151,7 @@ class CollisionWorld:
         known = self._free_space.get(radius)
         if known is not None and known[0] == there:
             return known[1]
-        fresh = without(self.fixed_space(radius), there, radius)
+        fresh = ground.free_space(self.floor, radius, there)
         self._free_space[radius] = (there, fresh)
         return fresh
 
@@ -218,8 +218,11 @@ class CollisionWorld:
         solids = [self._solid, *(body.solid for body in self._bodies.values())]
         return min(self._sweep.distance(point, solid) for solid in solids)
 
-    def clearance(self, points: ArrayLike) -> float:
-        """Return the least distance (metres) along the polyline `points` ((N, 2), metres)."""
+    def clearance(self, points: ArrayLike, among: Iterable[Body] | None = None) -> float:
+        """Return the least distance (metres) along the polyline `points` ((N, 2), metres).
+
+        Of the bodies only those `among` the given ones count, by default all.
+        """
         self.checks += 1
         along = np.asarray(points, dtype=float)
         still = bool((along == along[0]).all())
@@ -227,7 +230,8 @@ class CollisionWorld:
         if not self.floor.covers(line):
             return 0.0
         least = float(shapely.distance(self.edges, line))
-        return min([least, *(body.clear_of(line) for body in self._bodies.values())])
+        bodies = self._bodies.values() if among is None else among
+        return min([least, *(body.clear_of(line) for body in bodies)])
 
     def nearest(self, point: Point) -> tuple[str, float]:
         """Return the name of the thing nearest to `point`, and its distance (metres, 0 inside it).

@@ -66,7 +66,7 @@ def test_no_link_is_missed(seed, kind):
     of = np.repeat(some, len(bends))
     to = np.tile(np.arange(len(bends)), len(some))
     along = bends.point[to] - bends.point[of]
-    worth = (of != to) & bends.take(of).graze(along) & bends.take(to).graze(along)
+    worth = (of != to) & bends.take(of).graze(*along.T) & bends.take(to).graze(*along.T)
     of, to = of[worth], to[worth]
     one, other = np.minimum(of, to), np.maximum(of, to)
     lines = shapely.linestrings(np.stack([bends.point[one], bends.point[other]], axis=1))
