@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from .encounter import Encounter
-from .odometer import Enclosure
-from .separation import AnyLaw, is_of_speeds, require_sense, requirement
+from .kernels import encounter as kernel
+from .separation import AnyLaw, kernel_of, require_sense
 
 STANDING_SPEED = 0.01
 """m/s. A machine that is no faster counts as standing where a rule asks for one that moves."""
@@ -38,48 +38,7 @@ class TooClose:
 
     def holds(self, encounter: Encounter, begin: float, end: float) -> bool | None:
         """See `Condition`."""
-        law = self.law
-        if not is_of_speeds(law):
-            return _short_of(requirement(law, encounter, begin, end), encounter, begin, end)
-        b = encounter.bounds(begin, end)
-        most = law.distance(b.human_high, b.robot_high)
-        # The second limit is below the first, so that rounding can't leave a tie undecided.
-        if b.distance_low + encounter.rounding >= most:
-            return False
-        least = law.distance(b.human_low, b.robot_low)
-        if b.distance_high + encounter.rounding / 2 < least:
-            return True
-        if not least <= most:
-            raise ValueError(
-                f"{law} requires {least} m at speeds of {b.human_low:g} and {b.robot_low:g} m/s,"
-                f" but {most} m at {b.human_high:g} and {b.robot_high:g} m/s;"
-                " a law must not ask for less when speeds grow"
-            )
-        return None
-
-
-def _short_of(required: Enclosure, encounter: Encounter, begin: float, end: float) -> bool | None:
-    """Return whether the distance is less than `required`."""
-    low, high = margin_bounds(required, encounter, begin, end)[:2]
-    if low >= -ROUNDING:
-        return False
-    if high < -ROUNDING / 2:
-        return True
-    if not low <= high:
-        raise ValueError(f"a law requires {required} from t = {begin} s to {end} s")
-    return None
-
-
-def margin_bounds(
-    required: Enclosure, encounter: Encounter, begin: float, end: float
-) -> tuple[float, float, float]:
-    """Return bounds on distance − required over an interval, and an instant near the least."""
-    if begin == end:
-        margin = encounter.distance(begin) - required.value
-        return margin, margin, begin
-    low, high, candidate = encounter.apart(begin, end, required.slope, required.curve)
-    slack = required.slack
-    return low - required.value - slack, high - required.value + slack, candidate
+        return judge_of(self).verdict(encounter, begin, end)
 
 
 @dataclass(frozen=True)
@@ -88,10 +47,7 @@ class Moving:
 
     def holds(self, encounter: Encounter, begin: float, end: float) -> bool | None:
         """See `Condition`."""
-        b = encounter.bounds(begin, end)
-        if b.robot_high <= STANDING_SPEED:
-            return False
-        return True if b.robot_low > STANDING_SPEED else None
+        return judge_of(self).verdict(encounter, begin, end)
 
 
 @dataclass(frozen=True)
@@ -100,10 +56,7 @@ class Approaching:
 
     def holds(self, encounter: Encounter, begin: float, end: float) -> bool | None:
         """See `Condition`."""
-        low, high = encounter.closing(begin, end)
-        if low >= 0.0:
-            return False
-        return True if high < 0.0 else None
+        return judge_of(self).verdict(encounter, begin, end)
 
 
 @dataclass(frozen=True)
@@ -114,10 +67,7 @@ class Apart:
 
     def holds(self, encounter: Encounter, begin: float, end: float) -> bool | None:
         """See `Condition`."""
-        b = encounter.bounds(begin, end)
-        if b.distance_high + encounter.rounding / 2 < self.metres:
-            return False
-        return True if b.distance_low + encounter.rounding >= self.metres else None
+        return judge_of(self).verdict(encounter, begin, end)
 
 
 @dataclass(frozen=True)
@@ -128,8 +78,7 @@ class Not:
 
     def holds(self, encounter: Encounter, begin: float, end: float) -> bool | None:
         """See `Condition`."""
-        verdict = self.condition.holds(encounter, begin, end)
-        return None if verdict is None else not verdict
+        return judge_of(self).verdict(encounter, begin, end)
 
 
 @dataclass(frozen=True)
@@ -141,10 +90,22 @@ class Both:
 
     def holds(self, encounter: Encounter, begin: float, end: float) -> bool | None:
         """See `Condition`."""
-        one = self.first.holds(encounter, begin, end)
-        if one is False:
-            return False
-        other = self.second.holds(encounter, begin, end)
-        if other is False:
-            return False
-        return True if one and other else None
+        return judge_of(self).verdict(encounter, begin, end)
+
+
+def judge_of(condition: Condition) -> kernel.Judge:
+    """Return what decides about `condition` in the monitor's kernel."""
+    match condition:
+        case TooClose(law):
+            return kernel.TooClose(kernel_of(law), ROUNDING)
+        case Moving():
+            return kernel.Faster(STANDING_SPEED)
+        case Approaching():
+            return kernel.Approaching()
+        case Apart(metres):
+            return kernel.Apart(metres)
+        case Not(other):
+            return kernel.Not(judge_of(other))
+        case Both(first, second):
+            return kernel.Both(judge_of(first), judge_of(second))
+    return kernel.OwnJudge(condition)

@@ -11,14 +11,15 @@ encounters, not with the time watched.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 from floorplan import require
 
-from .conditions import Condition, TooClose, margin_bounds
-from .encounter import Encounter, encounters
+from .conditions import Condition, TooClose, judge_of
+from .encounter import Encounter
+from .kernels import encounter as kernel
 from .motion import Motion
-from .separation import AnyLaw, Scaled, is_of_motions, require_sense, requirement
+from .separation import AnyLaw, Scaled, is_of_motions, kernel_of, require_sense
 from .surfaces import Shapes
 
 RESOLUTION = 1e-7
@@ -45,12 +46,11 @@ def when(
     It is a condition on the motions of `person` and `machine`. Distances are taken between the
     centres on the floor, or between the surfaces of `shapes`.
     """
-    since = begin
-    for t, holds in _changes(condition, _meetings(person, machine, begin, end, shapes)):
-        if holds:
-            since = t
-        else:
-            yield since, t
+    watch = _watch(condition, person, machine, begin, end, shapes)
+    while (since := watch.change()) is not None:
+        until = watch.change()
+        assert until is not None  # what holds at the end ceases to hold there
+        yield since, until
 
 
 def first_time(
@@ -66,44 +66,29 @@ def first_time(
 
     `person`, `machine` and `shapes` are as in `when`.
     """
-    for t, _ in _changes(condition, _meetings(person, machine, begin, end, shapes)):
-        return t
-    return None
+    return _watch(condition, person, machine, begin, end, shapes).change()
 
 
-def _meetings(
+def _watch(
+    condition: Condition,
+    person: Motion,
+    machine: Motion,
+    begin: float,
+    end: float,
+    shapes: Shapes | None,
+) -> kernel.Watch:
+    encounter = _encounter(person, machine, begin, end, shapes)
+    return kernel.Watch(judge_of(condition), encounter, float(begin), float(end), RESOLUTION)
+
+
+def _encounter(
     person: Motion, machine: Motion, begin: float, end: float, shapes: Shapes | None
-) -> Iterator[Encounter]:
+) -> Encounter:
     require(person, Motion)
     require(machine, Motion)
     if not (math.isfinite(begin) and math.isfinite(end) and begin <= end):
         raise ValueError(f"can't watch from {begin} s to {end} s")
-    make = Encounter if shapes is None else shapes.encounter
-    return encounters(person, machine, begin, end, make)
-
-
-def _changes(condition: Condition, meetings: Iterator[Encounter]) -> Iterator[tuple[float, bool]]:
-    """Yield the instants at which `condition` begins (True) and ceases (False) to hold, in turn."""
-    held = False
-    for encounter in meetings:
-        undecided = [(encounter.begin, encounter.end)]
-        while undecided:
-            lower, upper = undecided.pop()
-            t = lower
-            holds = condition.holds(encounter, lower, upper)
-            if holds is None:
-                middle = lower + (upper - lower) / 2
-                if upper - lower > RESOLUTION and lower < middle < upper:
-                    undecided += [(middle, upper), (lower, middle)]
-                    continue
-                holds = condition.holds(encounter, lower, lower) is True
-                if not holds and condition.holds(encounter, upper, upper):
-                    t, holds = upper, True
-            if holds != held:
-                held = holds
-                yield float(t), held
-    if held:
-        yield float(encounter.end), False
+    return Encounter(person, machine, () if shapes is None else shapes.gauges)
 
 
 def first_violation(
@@ -154,7 +139,8 @@ def minimum_separation(
     Between the centres on the floor, or between the surfaces of `shapes`. The first of several
     such instants. The distance is exact to 1e-9 m.
     """
-    return _least(Encounter.apart, _meetings(person, machine, begin, end, shapes), EXACT)
+    encounter = _encounter(person, machine, begin, end, shapes)
+    return kernel.least(None, encounter, float(begin), float(end), EXACT)
 
 
 def minimum_margin(
@@ -174,38 +160,9 @@ def minimum_margin(
     1e-9 m for every law that is a `MotionLaw`, to 1e-6 m for those that only know speeds.
     """
     require_sense(law)
-    meetings = _meetings(person, machine, begin, end, shapes)
-
-    def bounds(encounter: Encounter, begin: float, end: float) -> tuple[float, float, float]:
-        return margin_bounds(requirement(law, encounter, begin, end), encounter, begin, end)
-
+    encounter = _encounter(person, machine, begin, end, shapes)
     judged = law
     while isinstance(judged, Scaled):
         judged = judged.law
-    return _least(bounds, meetings, EXACT if is_of_motions(judged) else PLAIN)
-
-
-_Bounds = Callable[[Encounter, float, float], tuple[float, float, float]]
-"""The least and the most of a figure over an interval, and an instant near the least."""
-
-
-def _least(bounds: _Bounds, meetings: Iterator[Encounter], tolerance: float) -> tuple[float, float]:
-    """Return the first instant at which a figure is least (seconds), and how much it is then."""
-    best = (0.0, math.inf)
-    for encounter in meetings:
-        undecided = [(encounter.begin, encounter.end)]
-        while undecided:
-            lower, upper = undecided.pop()
-            low, high, candidate = bounds(encounter, lower, upper)
-            if low >= best[1] - tolerance:
-                continue
-            if math.isnan(low + high):
-                raise ValueError(f"the law asks for no finite distance from {lower} s to {upper} s")
-            for t in (lower, candidate, upper):
-                figure = bounds(encounter, t, t)[0]
-                if figure < best[1] - 1e-12:
-                    best = (float(t), float(figure))
-            middle = lower + (upper - lower) / 2
-            if low < best[1] - tolerance and lower < middle < upper:
-                undecided += [(middle, upper), (lower, middle)]
-    return best
+    tolerance = EXACT if is_of_motions(judged) else PLAIN
+    return kernel.least(kernel_of(law), encounter, float(begin), float(end), tolerance)

@@ -195,6 +195,11 @@ class Motion:
         return [piece.begin for piece in self.pieces]
 
     @cached_property
+    def table(self) -> list[float]:
+        """Begin, end and coefficients of x, y and rotation of each piece, one after another."""
+        return [c for p in self.pieces for c in (p.begin, p.end, *p.x, *p.y, *p.rotation)]
+
+    @cached_property
     def _tables(self) -> tuple[Array, Array, Array]:
         """Begins (P,), durations (P,) and coefficients (P, 3, 4)."""
         begins = np.array(self._begins)

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, fields
-from typing import Protocol, TypeAlias, TypeGuard
+from typing import Any, Protocol, TypeAlias, TypeGuard
 
 from .encounter import Encounter, encounters
+from .kernels import encounter as kernel
 from .machines import Machine, longest_stop
 from .motion import Motion, Piece
 from .odometer import Enclosure
@@ -100,9 +102,7 @@ class SeparationLaw:
 
     def required(self, encounter: Encounter, begin: float, end: float) -> Enclosure:
         """See `MotionLaw`."""
-        human = encounter.human_speed(begin, end) * (self.t1 + self.t2)
-        robot = encounter.robot_speed(begin, end) * self.t1
-        return human + robot + (self.stopping + self.intrusion)
+        return requirement(self, encounter, begin, end)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -139,13 +139,7 @@ class IntegralLaw:
 
     def required(self, encounter: Encounter, begin: float, end: float) -> Enclosure:
         """See `MotionLaw`."""
-        human = encounter.human.ahead(begin, end, self.t1 + self.t2)
-        robot = encounter.robot.ahead(begin, end, self.t1)
-        allowance = self.intrusion + self.human_uncertainty + self.robot_uncertainty
-        if self.stopping is not None:
-            return human + robot + (self.stopping + allowance)
-        braking = encounter.robot.speed(begin + self.t1, end + self.t1) * (self.t2 / 2)
-        return human + robot + braking + allowance
+        return requirement(self, encounter, begin, end)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -172,7 +166,7 @@ class ApproachLaw:
 
     def required(self, encounter: Encounter, begin: float, end: float) -> Enclosure:
         """See `MotionLaw`."""
-        return Enclosure(self.speed * self.time + self.intrusion)
+        return requirement(self, encounter, begin, end)
 
 
 @dataclass(frozen=True)
@@ -190,7 +184,7 @@ class FixedDistance:
 
     def required(self, encounter: Encounter, begin: float, end: float) -> Enclosure:
         """See `MotionLaw`."""
-        return Enclosure(self.metres)
+        return requirement(self, encounter, begin, end)
 
 
 @dataclass(frozen=True)
@@ -220,11 +214,7 @@ class Scaled:
 
     def required(self, encounter: Encounter, begin: float, end: float) -> Enclosure:
         """See `MotionLaw`."""
-        whole = requirement(self.law, encounter, begin, end)
-        low, high = whole.range((end - begin) / 2)
-        if high <= self.cap:
-            return whole * self.factor
-        return Enclosure.between(self.factor * min(low, self.cap), self.factor * self.cap)
+        return requirement(self, encounter, begin, end)
 
 
 def is_of_speeds(law: AnyLaw) -> TypeGuard[Law]:
@@ -244,12 +234,31 @@ def requirement(law: AnyLaw, encounter: Encounter, begin: float, end: float) -> 
 
     See `MotionLaw`.
     """
-    if is_of_motions(law):
-        return law.required(encounter, begin, end)
-    assert is_of_speeds(law)  # a law is of one kind or the other
-    b = encounter.bounds(begin, end)
-    least = law.distance(b.human_low, b.robot_low)
-    return Enclosure.between(least, law.distance(b.human_high, b.robot_high))
+    return Enclosure(*kernel_of(law).required(encounter, begin, end))
+
+
+def kernel_of(law: AnyLaw) -> kernel.Law:
+    """Return what computes `law` in the monitor's kernel: a law of one's own is asked in Python."""
+    make = _KERNELS.get(type(law))  # derived classes may change what they ask for
+    if make is None:
+        return kernel.OwnLaw(law, is_of_speeds(law), is_of_motions(law))
+    return make(law)
+
+
+_KERNELS: dict[type, Callable[[Any], kernel.Law]] = {
+    SeparationLaw: lambda law: kernel.LinearLaw(
+        law.t1 + law.t2, law.t1, law.stopping, law.intrusion
+    ),
+    IntegralLaw: lambda law: kernel.IntegralLaw(
+        law.t1,
+        law.t2,
+        -1.0 if law.stopping is None else law.stopping,
+        law.intrusion + law.human_uncertainty + law.robot_uncertainty,
+    ),
+    ApproachLaw: lambda law: kernel.LinearLaw(0.0, 0.0, 0.0, law.distance(0.0, 0.0)),
+    FixedDistance: lambda law: kernel.LinearLaw(0.0, 0.0, 0.0, law.metres),
+    Scaled: lambda law: kernel.ScaledLaw(kernel_of(law.law), law.factor, law.cap),
+}
 
 
 def required_at(law: AnyLaw, person: Motion, machine: Motion, t: float) -> float:

@@ -40,7 +40,10 @@ def _version(asked: bool) -> None:
     if asked:
         from importlib.metadata import version
 
-        say(f"floorwalker {version('floorwalker')}")
+        from navigation.kernels import COMPILED
+
+        kernels = "compiled" if COMPILED else "not compiled: slower"
+        say(f"floorwalker {version('floorwalker')} (kernels {kernels})")
         raise typer.Exit
 
 

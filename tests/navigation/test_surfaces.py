@@ -71,7 +71,7 @@ def by_shapely(person, machine, shapes, ts):
 
 
 def distance_at(person, machine, shapes, t):
-    (encounter,) = encounters(person, machine, t, t, shapes.encounter)
+    (encounter,) = encounters(person, machine, t, t, shapes.gauges)
     return encounter.distance(t)
 
 
@@ -81,6 +81,21 @@ def test_the_distance_is_that_of_rotated_footprints(at, pose, shapes):
     machine = navigation.standing(pose[:2], heading=pose[2])
     expected = by_shapely(person, machine, shapes, np.array([0.0]))[0]
     assert distance_at(person, machine, shapes, 0.0) == pytest.approx(expected, abs=1e-12)
+
+
+@given(point, poses)
+def test_the_distance_is_the_one_that_fcl_measures(at, pose):
+    box, turn, probe = TORSO.machine[0], fcl.Transform(), 1e-6
+    turn.setQuatRotation([math.cos(pose[2] / 2), 0.0, 0.0, math.sin(pose[2] / 2)])
+    turn.setTranslation([*pose[:2], 0.0])
+    torso = fcl.CollisionObject(fcl.Box(box.length, box.width, 1.0), turn)
+    axis = fcl.CollisionObject(fcl.Sphere(probe), fcl.Transform(np.array([*at, 0.0])))
+    away = fcl.distance(torso, axis, fcl.DistanceRequest(), fcl.DistanceResult()) + probe
+    flat = Shapes(person=Cylinder(radius=0.25, top=2.0), machine=TORSO.machine)
+    expected = max(away - 0.25, 0.0)
+    machine = navigation.standing(pose[:2], heading=pose[2])
+    found = distance_at(navigation.standing(at), machine, flat, 0.0)
+    assert found == pytest.approx(expected, abs=1e-9)
 
 
 def test_the_distance_to_the_faces_and_the_corners_of_the_torso():
@@ -178,7 +193,7 @@ def test_the_minimum_is_that_of_dense_sampling(person, machine, shapes):
 
 @given(walks, gantry_motions, all_shapes, st.floats(-1, 1), st.floats(0, 1), st.floats(0, 1))
 def test_bounds_hold_throughout_an_interval(person, machine, shapes, slope, low, high):
-    for encounter in encounters(person, machine, 0.0, END, shapes.encounter):
+    for encounter in encounters(person, machine, 0.0, END, shapes.gauges):
         length = encounter.end - encounter.begin
         begin = encounter.begin + length * min(low, high)
         end = encounter.begin + length * max(low, high)
@@ -211,7 +226,7 @@ def test_a_violation_of_a_millisecond_is_not_missed(milliseconds):
     assert end == pytest.approx(middle + half_chord, abs=1e-6)
 
 
-def test_beside_a_wall_that_turns_the_minimum_takes_few_steps(monkeypatch):
+def test_beside_a_wall_that_turns_the_minimum_takes_few_steps():
     """The face of a torso that turns: bounds of first order would need 100 000 intervals."""
     person, machine = (
         navigation.Motion((navigation.Piece(0.0, 2.0, *((c, v, 0.0, 0.0) for c, v in axes)),))
@@ -221,16 +236,17 @@ def test_beside_a_wall_that_turns_the_minimum_takes_few_steps(monkeypatch):
         )
     )
     asked = 0
-    measure = fcl.distance
 
-    def counting(*arguments):
-        nonlocal asked
-        asked += 1
-        return measure(*arguments)
+    class Nothing:
+        def required(self, encounter, begin, end):
+            nonlocal asked
+            asked += 1
+            return navigation.Enclosure(0.0)
 
-    monkeypatch.setattr(fcl, "distance", counting)
-    _, nearest = navigation.minimum_separation(person, machine, 0.0, 2.0, shapes=TORSO)
+    span = (0.0, 2.0)
+    _, nearest = navigation.minimum_margin(person, machine, Nothing(), *span, shapes=TORSO)
     assert nearest > 0.1
+    assert nearest == navigation.minimum_separation(person, machine, *span, shapes=TORSO)[1]
     assert 10 < asked < 3000
 
 

@@ -1,0 +1,37 @@
+"""Compiles the kernels where there is a compiler; without one, they run as the Python they are.
+
+All else that there is to say of the distribution stands in `pyproject.toml`.
+"""
+
+import os
+from pathlib import Path
+
+from Cython.Build import cythonize
+from setuptools import setup
+
+ROOT = Path(__file__).parent
+MODULES = sorted(
+    str(module.relative_to(ROOT))
+    for package in ("floorplan", "navigation", "bdi", "sim")
+    for module in (ROOT / package).glob("**/kernels/*.py")
+    if module.name not in ("__init__.py", "uncompiled.py")
+)
+
+extensions = cythonize(
+    MODULES,
+    build_dir="build",
+    compiler_directives={
+        "language_level": 3,
+        "boundscheck": False,
+        "wraparound": False,
+        "cdivision": True,
+        "initializedcheck": False,
+    },
+)
+for extension in extensions:
+    extension.optional = True  # cythonize leaves this out
+    if os.name == "posix":
+        # A multiplication and an addition in one instruction would have other last bits.
+        extension.extra_compile_args += ["-O2", "-g0", "-ffp-contract=off"]
+
+setup(ext_modules=extensions)

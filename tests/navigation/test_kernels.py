@@ -1,0 +1,75 @@
+"""Kernels give the same, to the last bit, whether they are compiled or not."""
+
+import subprocess
+import sys
+
+import pytest
+
+from navigation.kernels import COMPILED
+
+AS_PYTHON = """
+import importlib.machinery, importlib.util, pathlib, sys
+
+class Sources:
+    def find_spec(self, name, path=None, target=None):
+        if ".kernels." in name:
+            file = pathlib.Path(path[0]) / (name.rpartition(".")[2] + ".py")
+            return importlib.util.spec_from_file_location(name, file)
+
+sys.meta_path.insert(0, Sources())
+"""
+"""Code after which kernels are imported from their sources."""
+
+RUN = """
+import hashlib, pathlib, random, sys, tempfile
+import navigation, sim
+from navigation.kernels import COMPILED
+
+print(COMPILED, file=sys.stderr)
+digest = hashlib.sha256()
+rng = random.Random(3)
+place = lambda: (rng.uniform(-4, 4), rng.uniform(-4, 4))
+laws = (
+    navigation.SeparationLaw(t1=1.0, t2=1.5, intrusion=1.0),
+    navigation.IntegralLaw(t1=0.5, t2=1.0, intrusion=0.3),
+    navigation.Scaled(navigation.IntegralLaw(t1=0.5, t2=1.0), 1.5, cap=1.2),
+    navigation.FixedDistance(1.0),
+)
+shapes = navigation.Shapes(
+    machine=(navigation.Box(length=1.05, width=0.95, bottom=1.2, top=2.7),
+             navigation.Cylinder(radius=1.2, bottom=1.9, top=2.7))
+)
+for _ in range(40):
+    person = navigation.walk([place() for _ in range(4)], rng.uniform(0, 3))
+    machine = navigation.gantry_move((*place(), 0.0), (*place(), rng.uniform(-3, 3)), 1.0)
+    pair = (person, machine)
+    for law in laws:
+        for solids in (None, shapes):
+            digest.update(repr((
+                navigation.violations(*pair, law, 0.0, 20.0, shapes=solids),
+                navigation.minimum_margin(*pair, law, 0.0, 20.0, shapes=solids),
+                navigation.minimum_separation(*pair, 0.0, 20.0, shapes=solids),
+            )).encode())
+for name in ("ariac2023", "people_aisle"):
+    with tempfile.TemporaryDirectory() as folder:
+        recording = sim.Recording(pathlib.Path(folder))
+        recording.finish(sim.run(sim.Trial.load(name), recording))
+        for file in ("events.jsonl", "motions.jsonl", "trajectory.csv"):
+            digest.update(pathlib.Path(folder, file).read_bytes())
+print(digest.hexdigest())
+"""
+
+
+@pytest.mark.skipif(not COMPILED, reason="the kernels are not compiled here")
+def test_results_are_the_same_compiled_and_not():
+    runs = [
+        subprocess.run(
+            [sys.executable, "-c", before + RUN],
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+        for before in ("", AS_PYTHON)
+    ]
+    assert [run.stderr for run in runs] == ["True\n", "False\n"]
+    assert runs[0].stdout == runs[1].stdout
