@@ -7,6 +7,7 @@ import sys
 import tarfile
 import venv
 import zipfile
+from importlib.machinery import EXTENSION_SUFFIXES
 from pathlib import Path
 
 import pytest
@@ -22,6 +23,7 @@ FILES = (
     "MANIFEST.in",
     "mkdocs.yml",
     "noxfile.py",
+    "setup.py",
 )
 REBUILT = {".git", "build", "dist", "site", "runs"}
 
@@ -51,7 +53,8 @@ BY_PRODUCTS = {"__pycache__", ".hypothesis"}
 def ours(folder):
     """Files in a folder of the sources that are no by-products, with paths from above."""
     for path in folder.rglob("*"):
-        if path.is_file() and not BY_PRODUCTS & {*path.parts}:
+        compiled = path.name.endswith(tuple(EXTENSION_SUFFIXES))
+        if path.is_file() and not (compiled or BY_PRODUCTS & {*path.parts}):
             yield path.relative_to(folder.parent).as_posix()
 
 
@@ -68,6 +71,7 @@ def test_the_wheel_has_the_packages_and_nothing_else(built):
     (file,) = built.glob("floorwalker-*.whl")
     with zipfile.ZipFile(file) as archive:
         names = {name for name in archive.namelist() if ".dist-info/" not in name}
+        names = {name for name in names if not name.endswith(tuple(EXTENSION_SUFFIXES))}
         licence = [name for name in archive.namelist() if name.endswith("LICENSE")]
     assert names == {ENTRY} | {path for package in PACKAGES for path in ours(ROOT / package)}
     assert licence
@@ -97,3 +101,15 @@ def test_a_wheel_installs_and_runs_in_an_empty_environment(built, tmp_path):
         )
         assert (done.returncode, done.stderr) == (0, "")
     assert (tmp_path / "out" / "replay.html").stat().st_size > 50_000
+
+
+def test_the_sdist_installs_without_a_compiler(built, tmp_path):
+    (sdist,) = built.glob("floorwalker-*.tar.gz")
+    environment = tmp_path / "environment"
+    venv.create(environment, with_pip=True)
+    python = environment / ("Scripts" if os.name == "nt" else "bin") / "python"
+    pip = [str(python), "-m", "pip", "--quiet", "--disable-pip-version-check"]
+    nothing = {**os.environ, "CC": str(tmp_path / "nothing")}
+    subprocess.run([*pip, "install", "--no-deps", str(sdist)], check=True, env=nothing)
+    found = [*environment.rglob("kernels/encounter*")]
+    assert [path.suffix for path in found if path.is_file()] == [".py"]

@@ -85,9 +85,9 @@ def test_the_distance_is_that_of_rotated_footprints(at, pose, shapes):
 
 @given(point, poses)
 def test_the_distance_is_the_one_that_fcl_measures(at, pose):
-    box, turn, probe = TORSO.machine[0], fcl.Transform(), 1e-6
-    turn.setQuatRotation([math.cos(pose[2] / 2), 0.0, 0.0, math.sin(pose[2] / 2)])
-    turn.setTranslation([*pose[:2], 0.0])
+    box, probe = TORSO.machine[0], 1e-6
+    heading = np.array([math.cos(pose[2] / 2), 0.0, 0.0, math.sin(pose[2] / 2)])
+    turn = fcl.Transform(heading, np.array([*pose[:2], 0.0]))
     torso = fcl.CollisionObject(fcl.Box(box.length, box.width, 1.0), turn)
     axis = fcl.CollisionObject(fcl.Sphere(probe), fcl.Transform(np.array([*at, 0.0])))
     away = fcl.distance(torso, axis, fcl.DistanceRequest(), fcl.DistanceResult()) + probe
