@@ -60,7 +60,34 @@ def gallery(out: Path) -> None:
     plots.render(run, out / "film.gif", speed=6.0, fps=10, width=480, within=(0.0, 60.0))
 
 
+SCENES = {
+    "people_frontal": 22.0,
+    "people_overtaking": 28.0,
+    "people_crossing": 12.0,
+    "people_corner": 26.0,
+    "people_door": 14.0,
+    "people_aisle": 24.0,
+    "people_counterflow": 26.0,
+    "people_group": 26.0,
+    "people_queue": 30.0,
+    "people_bottleneck": 28.0,
+    "people_parallel": 36.0,
+    "people_perpendicular": 20.0,
+    "people_blind_spot": 12.0,
+}
+"""The scenes among people, and how much of each (seconds) its picture shows."""
+
+
+def scenes(out: Path) -> None:
+    """The paths of people in the scenes that come with Floorwalker."""
+    for name, end in SCENES.items():
+        run = sim.run(sim.Trial.load(name))
+        figure = run.plot.trails(within=(0.0, end))
+        plots.save(figure, out / f"{name.replace('_', '-')}.svg")
+
+
 if __name__ == "__main__":
     folder = Path(sys.argv[1]) if len(sys.argv) > 1 else DOCS / "images"
     tutorial(folder)
     gallery(folder)
+    scenes(folder)

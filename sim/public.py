@@ -9,7 +9,15 @@ from .core.output import OutputError
 from .core.recorded_track import RecordedTrack
 from .core.recorder import Event, Listener
 from .core.rules import ARIAC2023, PAPER, RULE_SETS, Notice, RuleSet, rule_set
-from .core.scenario import AgvMove, GantryEntry, Job, PersonalityChange, PersonEntry, TrialError
+from .core.scenario import (
+    AgvMove,
+    GantryEntry,
+    Job,
+    PersonalityChange,
+    PersonEntry,
+    Source,
+    TrialError,
+)
 from .core.scene import Figure, Scene
 from .core.stage import Stage
 from .core.start import Start
@@ -92,6 +100,7 @@ __all__ = [
     "Scene",
     "Sighting",
     "Simulation",
+    "Source",
     "Stage",
     "StandstillError",
     "Start",

@@ -24,9 +24,13 @@ _HANDED_OVER = re.compile(r"/dev/(stdin|fd/\d+)|/proc/self/fd/\d+")
 _TOO_LONG = f"is longer than {MAX_TEXT:,} characters, the most that is read"
 
 
+PARTS = ("group.asl", "patrol.asl")
+"""Programs that are parts of others, and no personalities."""
+
+
 def programs() -> dict[str, Path]:
     """Return the built-in personalities: their names and files."""
-    return {path.stem: path for name, path in _built_in().items() if name != "patrol.asl"}
+    return {path.stem: path for name, path in _built_in().items() if name not in PARTS}
 
 
 @cache
@@ -42,7 +46,8 @@ def load(name: str | Path) -> Program:
     Raises:
         ProgramError: the program cannot be read or has mistakes.
     """
-    return parse_file(programs().get(name, name) if isinstance(name, str) else name)
+    known = {**programs(), **{Path(part).stem: _built_in()[part] for part in PARTS}}
+    return parse_file(known.get(name, name) if isinstance(name, str) else name)
 
 
 def parse_file(path: str | Path, *, namespace: str = "default") -> Program:

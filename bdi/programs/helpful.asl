@@ -19,4 +19,7 @@ turned_lately :- turned_at(T) & now(N) & no_turn_for(Ms) & N - T < Ms.
 +!turn_round : reversed & now(T) <- -reversed; -+turned_at(T).
 +!turn_round : now(T) <- +reversed; -+turned_at(T).
 
+// Whoever comes in the way is let pass.
++in_the_way(Who, _) : bound_for(_) <- let_pass(Who).
+
 { include("patrol.asl") }

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import itertools
+import re
+from importlib import resources
 from pathlib import Path
 
 from .consoles import say
+
+_TRIALS = Path(str(resources.files("sim").joinpath("data", "trials")))
 
 
 def list_all() -> None:
@@ -17,9 +21,11 @@ def list_all() -> None:
 
     sections = {
         "floorplans": {name: floorplan.load(name).title for name in floorplan.builtin()},
-        "trials": dict.fromkeys(builtin_trials(), ""),
+        "trials": {name: _opening(_TRIALS / f"{name}.yaml", "#") for name in builtin_trials()},
         "planners": {info.name: info.summary for info in navigation.planners()},
-        "personalities": {name: _opening(path) for name, path in bdi.programs().items()},
+        "personalities": {
+            name: _opening(path, "//").partition(": ")[2] for name, path in bdi.programs().items()
+        },
         "controllers": {
             name: (controller.__doc__ or "").split("\n")[0].rstrip(".")
             for name, controller in CONTROLLERS.items()
@@ -33,12 +39,11 @@ def list_all() -> None:
             say(f"  {name:<{width}}  {summary}".rstrip())
 
 
-def _opening(program: Path) -> str:
-    """Return the first sentence of the comment that a personality's file begins with."""
-    lines = program.read_text(encoding="utf-8").splitlines()
+def _opening(file: Path, mark: str) -> str:
+    """Return the first sentence of the comment that a file begins with, after a `mark` a line."""
+    lines = file.read_text(encoding="utf-8").splitlines()
     comment = " ".join(
-        line.removeprefix("//").strip()
-        for line in itertools.takewhile(lambda line: line.startswith("//"), lines)
+        line.removeprefix(mark).strip()
+        for line in itertools.takewhile(lambda line: line.startswith(mark), lines)
     )
-    _, _, who = comment.partition(": ")
-    return who.partition(".")[0]
+    return re.split(r"\.(?:\s|$)", comment)[0]

@@ -158,6 +158,27 @@ class HumanStarted(EventKind):
     person: _Person
 
 
+class Awaited(EventKind):
+    """A person is not on the floor yet: they come in later, at about that place."""
+
+    person: _Person
+    at: Point
+
+
+class Entered(EventKind):
+    """A person comes in."""
+
+    person: _Person
+    at: Point
+
+
+class Left(EventKind):
+    """A person leaves the floor for good."""
+
+    person: _Person
+    at: Point
+
+
 class PersonalityChanged(EventKind):
     """Another program decides for a person from now on."""
 

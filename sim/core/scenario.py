@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import zlib
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
+from random import Random
 from typing import Any, Literal
 
 import bdi
-from floorplan import Floorplan, InputError, Problem, SafeZone
+from floorplan import Floorplan, InputError, Point, Problem, SafeZone
 from navigation import Motion, PlannerChoice
 
 from .machine_model import MachineEntry
@@ -44,6 +46,27 @@ class PersonalityChange:
 
 
 @dataclass(frozen=True)
+class Source:
+    """Somebody who is not on the floor at the beginning comes in `at` a place.
+
+    That is a station's name, or x, y in metres. They are the one of that `number` (from 1) in a
+    `stream` of people who come at `rate` (people per second) from `start` (seconds) on; the times
+    between them are exponentially distributed, and drawn from the trial's seed.
+    """
+
+    at: Point | str
+    rate: float
+    start: float = 0.0
+    stream: str = ""
+    number: int = 1
+
+    def time(self, seed: int) -> float:
+        """Return the instant at which they want to come in, of a trial with this seed."""
+        random = Random(zlib.crc32(f"{seed} source {self.stream}".encode()))
+        return self.start + sum(random.expovariate(self.rate) for _ in range(self.number))
+
+
+@dataclass(frozen=True)
 class PersonEntry:
     """One person of a trial. Figures that are None are the floorplan's, the planner the trial's.
 
@@ -57,6 +80,9 @@ class PersonEntry:
 
     Somebody who was `recorded` walks as they were measured, whatever happens: a track in a file, or
     a motion whose t = 0 is their start. They have no mind, and no home.
+
+    Who has a `source` comes in later, and starts then. Who arrives at their `sink`, a station or a
+    place, leaves the floor. People of the same `group` walk with the first of them.
     """
 
     name: str
@@ -77,6 +103,9 @@ class PersonEntry:
     breaks: tuple[WorkTask, ...] = ()
     shifts: tuple[Shift, ...] = ()
     recorded: RecordedTrack | Motion | None = None
+    source: Source | None = None
+    sink: Point | str | None = None
+    group: str | None = None
 
     @property
     def works(self) -> bool:
@@ -101,13 +130,14 @@ class PersonEntry:
     def home_on(self, plan: Floorplan) -> SafeZone | None:
         """Place where the person is put after a violation, and starts if there is no `at`.
 
-        Their own `home`, else the safe zone of `plan`, else `at`.
+        Their own `home`, else the safe zone of `plan`, else `at`, else where they come in.
         """
         if self.home is not None:
             return SafeZone(self.home)
-        if plan.safe_zone is not None or self.place is None:
+        place = self.place if self.source is None else spot(plan, self.source.at)
+        if plan.safe_zone is not None or place is None:
             return plan.safe_zone
-        return SafeZone(self.place)
+        return SafeZone(place)
 
 
 @dataclass(frozen=True)
@@ -195,10 +225,35 @@ class Scenario:
     own_code: bool = field(default=True, compare=False)
     work: dict[str, WorkList] = field(default_factory=dict)
 
+    def leader(self, person: PersonEntry) -> PersonEntry | None:
+        """Return whom somebody walks with: the first of their group, None for that one."""
+        if person.group is None:
+            return None
+        first = next(one for one in self.people if one.group == person.group)
+        return None if first.name == person.name else first
+
+    def led_by(self, person: PersonEntry) -> tuple[PersonEntry, ...]:
+        """Return who walks with somebody: the others of their group, if they are its first."""
+        if person.group is None or self.leader(person) is not None:
+            return ()
+        return tuple(one for one in self.people if one.group == person.group)[1:]
+
+    @property
+    def has_traffic(self) -> bool:
+        """Whether people come in or leave."""
+        return any(person.source or person.sink for person in self.people)
+
     @property
     def has_work(self) -> bool:
         """Whether there are tasks for people."""
         return bool(self.work) or any(person.works for person in self.people)
+
+
+def spot(plan: Floorplan, at: Point | str) -> Point | None:
+    """Return a place that is given as such, or by a station's name; None if there is none."""
+    if not isinstance(at, str):
+        return float(at[0]), float(at[1])
+    return next((one.position for one in plan.stations if one.name == at), None)
 
 
 def _personality_name(personality: str | bdi.Program) -> str:

@@ -36,6 +36,11 @@ class Bystander(Protocol):
         """True of somebody who walks as they were measured: nobody can put them elsewhere."""
         ...
 
+    @property
+    def away(self) -> bool:
+        """Whether they are not on the floor: not yet, or not any more."""
+        ...
+
     def warn(self, percept: str, machine: Machine) -> None:
         """Perceive `percept` about a machine, and go home for a violation."""
         ...

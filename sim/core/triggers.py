@@ -28,6 +28,7 @@ class Triggers:
     def __init__(self, clock: Clock) -> None:
         self._clock = clock
         self._waiting: list[_Waiting] = []
+        self._each: dict[str, list[Callable[[Event], None]]] = {}
 
     def add(self, start: Start, action: Action, who: str | None = None) -> None:
         """Call `action` at the time of `start`, or as soon as what it names has happened.
@@ -39,8 +40,14 @@ class Triggers:
         else:
             self._waiting.append(_Waiting(start, who, action))
 
+    def each(self, kind: str, action: Callable[[Event], None]) -> None:
+        """Call `action` with every event of this kind from now on."""
+        self._each.setdefault(kind, []).append(action)
+
     def notify(self, event: Event) -> None:
         """Call the actions that have waited for the event, in the order of their waiting."""
+        for told in self._each.get(event["kind"], ()):
+            told(event)
         due = []
         for waiting in self._waiting:
             if _is(event, waiting.start, waiting.who):

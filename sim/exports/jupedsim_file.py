@@ -2,7 +2,8 @@
 
 Only people are in it, as agents; the walkable area is the floor minus its obstacles. An agent is
 never put elsewhere: a person who was is another agent from then on, so that no speed, flow or
-crossing is made up. `floorwalker_agents` in `metadata` has the person of each agent.
+crossing is made up. Who comes in later, or leaves, is an agent only in between.
+`floorwalker_agents` in `metadata` has the person of each agent.
 """
 
 from __future__ import annotations
@@ -85,8 +86,10 @@ def _write(run: Outcome, database: sqlite3.Connection, rate: float) -> None:
 def _agents(run: Outcome) -> Iterator[Agent]:
     number = 0
     for person in run.scene.people:
-        jumps = sorted(run.motions[person.name].jumps)
-        for begin, end in zip([0.0, *jumps], [*jumps, run.duration], strict=True):
+        first, last = run.presence[person.name]
+        jumps = sorted(t for t in run.motions[person.name].jumps if first < t < last)
+        ends = [*jumps, last] if first < run.duration else []
+        for begin, end in zip([first, *jumps], ends, strict=False):
             number += 1
             yield Agent(number, person.name, begin, end)
 

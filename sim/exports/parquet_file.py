@@ -26,7 +26,7 @@ SCHEMA = pa.schema(
 
 
 def write(run: Outcome, path: Path, rate: float) -> None:
-    """Write `run` to `path` at `rate` (Hz)."""
+    """Write `run` to `path` at `rate` (Hz); who is not on the floor has no row."""
     names = pa.array(list(run.motions), pa.string())
     about = {"trial": run.scene.trial, "floorplan": run.floorplan.name, "rate": f"{rate:g}"}
     with ParquetWriter(path, SCHEMA.with_metadata(about), compression="zstd") as writer:
@@ -40,4 +40,6 @@ def write(run: Outcome, path: Path, rate: float) -> None:
                 pa.DictionaryArray.from_arrays(pa.array(bodies), names),
                 *map(pa.array, figures.reshape(-1, figures.shape[-1]).T),
             ]
-            writer.write_table(pa.table(columns, schema=SCHEMA))
+            there = np.array([run.is_present(name, times) for name in run.motions], dtype=bool)
+            seen = pa.array(there.T.reshape(-1))
+            writer.write_table(pa.table(columns, schema=SCHEMA).filter(seen))

@@ -20,6 +20,11 @@ ROUNDING = 1e-8
 """Seconds. Instants of events are rounded to less than this, instants of motions are exact."""
 
 
+_SETS_OUT = ("goal", "replanned")
+_IS_PUT = ("teleport", "left")
+"""Events at which a path begins, and at which one ends that was under way."""
+
+
 @dataclass(frozen=True)
 class Pose:
     """The pose of a body: x, y (metres), rotation (radians); and its velocity (m/s)."""
@@ -54,6 +59,8 @@ class Moment:
 def moments(run: Outcome, rate: float) -> Iterator[Moment]:
     """Return the moments of a run in order of time, with the pose of every body at `rate` (Hz).
 
+    Who is not on the floor has none but the jump by which they come or go, from or to far outside.
+
     Viewers draw a straight line from one pose to the next: another pose a nanosecond before
     every jump, and one at it, keep them from drawing a body that slides over the floor.
     """
@@ -73,12 +80,12 @@ def walked_paths(run: Outcome) -> list[WalkedPath]:
         changes = [
             event
             for event in run.events
-            if event["kind"] in ("goal", "replanned", "teleport") and event["person"] == person.name
+            if event["kind"] in (*_SETS_OUT, *_IS_PUT) and event["person"] == person.name
         ]
         ends = [*(event["t"] for event in changes[1:]), run.duration]
         for event, end in zip(changes, ends, strict=False):
             begin = event["t"] + ROUNDING
-            if event["kind"] != "teleport" and end - ROUNDING > begin:
+            if event["kind"] in _SETS_OUT and end - ROUNDING > begin:
                 motion = run.motions[person.name].cut(begin, end - ROUNDING)
                 found.append(WalkedPath(event["t"], person.name, _corners(motion)))
     return sorted(found, key=attrgetter("t"))
@@ -97,8 +104,10 @@ def nanoseconds(t: float) -> int:
 def _regular(run: Outcome, rate: float) -> Iterator[Moment]:
     for times in blocks_of_instants(run.duration, rate):
         tables = {name: sample(m, times).tolist() for name, m in run.motions.items()}
+        there = {name: run.is_present(name, times).tolist() for name in run.motions}
         for k, t in enumerate(times.tolist()):
-            yield Moment(t, tuple(Pose(name, *table[k]) for name, table in tables.items()))
+            poses = (Pose(name, *table[k]) for name, table in tables.items() if there[name][k])
+            yield Moment(t, tuple(poses))
 
 
 def _jumps(run: Outcome) -> list[Moment]:

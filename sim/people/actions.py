@@ -12,8 +12,10 @@ from floorplan import SafeZone
 from ..core.events import Teleport
 from ..core.machine import Machine
 from ..core.stage import Stage
+from .attention import Attention, NobodyError
 from .errand import Errand
 from .steering.crowd import Crowd
+from .steering.traveller import Traveller
 from .walker import Place, Walker
 from .worker import Worker
 
@@ -24,7 +26,10 @@ SMALLEST_STEP = 0.05
 """Metres. `move_away` fails where there is less room than this."""
 
 
-BESIDE_WORK = ("walk_speed", "begin_task", "take", "refuse", "work_pace")
+OUT_OF_THE_WAY = 3.0
+"""Metres. So far people go from somebody whom they avoid."""
+
+BESIDE_WORK = ("walk_speed", "begin_task", "take", "refuse", "work_pace", "let_pass")
 """Actions that leave what a person does otherwise as it is."""
 
 
@@ -43,6 +48,7 @@ class Actions:
         stage: Stage,
         walker: Walker,
         errand: Errand,
+        attention: Attention,
         home: SafeZone,
         crowd: Crowd | None,
         worker: Worker | None = None,
@@ -52,6 +58,7 @@ class Actions:
         self._stage = stage
         self._walker = walker
         self._errand = errand
+        self._attention = attention
         self._home = home
         self._crowd = crowd
         self._worker = worker
@@ -65,6 +72,11 @@ class Actions:
             "face_gantry": self._face_gantry,
             "move_away": self._move_away,
             "step_between": self._step_between,
+            "let_pass": self._let_pass,
+            "follow": self._follow,
+            "walk_with": self._walk_with,
+            "approach": self._approach,
+            "avoid": self._avoid,
         }
         if worker is not None:
             self._actions |= {
@@ -89,14 +101,21 @@ class Actions:
             known = ", ".join(self._actions)
             raise MindError(f"{name}: there is no action {action.functor!r} (there are: {known})")
         try:
-            arguments = [_number(argument) for argument in action.args]
-            self._signatures[action.functor].bind(*arguments)
+            arguments = [*map(_value, action.args)]
+            bound = self._signatures[action.functor].bind(*arguments).arguments
+            for parameter, value in bound.items():
+                wanted = self._signatures[action.functor].parameters[parameter].annotation
+                if wanted != type(value).__name__:
+                    raise ValueError(f"{value} is no {wanted}")
         except (TypeError, ValueError):
             takes = ", ".join(self._signatures[action.functor].parameters)
             raise MindError(
                 f"{name}: the action {action} should be {action.functor}({takes})"
             ) from None
-        return perform(*arguments)
+        try:
+            return perform(*arguments)
+        except NobodyError as why:
+            raise MindError(f"{name}: the action {action}: {why}") from None
 
     def teleport(self, reason: str) -> bool:
         """Put the person home, for this reason; return True if there is room."""
@@ -112,6 +131,7 @@ class Actions:
     def _leave(self) -> None:
         """Give up waiting for anything, and leave the task that is under way."""
         self._errand.give_up()
+        self._attention.give_up()
         if self._worker is not None:
             self._worker.pause()
 
@@ -146,10 +166,12 @@ class Actions:
 
     def _move_away(self, metres: float) -> bool:
         robot = self._robot()
-        if robot is None:
-            return False
+        return robot is not None and self._step_back(robot.body.at, metres)
+
+    def _step_back(self, point: Place, metres: float) -> bool:
+        """Walk so far away from `point`, straight, as far as it is free."""
         self._stage.place_machines()
-        (x, y), (gx, gy) = self._walker.body.at, robot.body.at
+        (x, y), (gx, gy) = self._walker.body.at, point
         away = math.atan2(y - gy, x - gx)
         step, radius = metres, self._walker.human.radius
         while step >= SMALLEST_STEP:
@@ -172,6 +194,30 @@ class Actions:
         self._walker.turn_to(robot.body.at)
         return True
 
+    def _let_pass(self, who: str) -> bool:
+        other = self._other(who)
+        return other is not None and self._attention.let_pass(other)
+
+    def _follow(self, who: str) -> bool:
+        other = self._other(who)
+        return other is not None and self._attention.follow(other)
+
+    def _walk_with(self, who: str) -> bool:
+        other = self._other(who)
+        return other is not None and self._attention.walk_with(other)
+
+    def _approach(self, who: str) -> bool:
+        other = self._other(who)
+        return other is not None and self._attention.approach(other)
+
+    def _avoid(self, who: str, metres: float = OUT_OF_THE_WAY) -> bool:
+        other = self._other(who)
+        return other is not None and self._step_back(other.body.at, metres)
+
+    def _other(self, who: str) -> Traveller | None:
+        self._stage.place_machines()
+        return self._attention.find(who)
+
     def _go_near(self, point: Place) -> bool:
         self._stage.place_machines()
         free = self._stage.world.nearest_free(point, self._walker.human.radius)
@@ -184,7 +230,10 @@ class Actions:
         return min(self._stage.robots, key=lambda r: math.dist(r.body.at, here), default=None)
 
 
-def _number(term: bdi.Term) -> float:
-    if isinstance(term, float):
+def _value(term: bdi.Term) -> float | str:
+    """Return a number, or a name; `ValueError` for anything else."""
+    if isinstance(term, float | str):
         return term
-    raise ValueError(f"{term} is not a number")
+    if isinstance(term, bdi.Literal) and not term.args:
+        return term.functor
+    raise ValueError(f"{term} is neither a number nor a name")

@@ -11,7 +11,7 @@ from floorplan import Human
 from navigation import PathPlanner, PlannerChoice
 
 from ..core.events import Said, Warning
-from ..core.recorder import Listener, Thought, rounded
+from ..core.recorder import Event, Listener, Thought, rounded
 from ..core.scenario import PersonEntry, Scenario
 from ..core.stage import Stage
 from ..safety.referee import Referee
@@ -29,6 +29,10 @@ from .work_board import WorkBoard
 
 MOST_PATHS = 256
 """Number of paths that people of a size keep in mind: patrols ask for the same ones all day."""
+
+GROUP_PACE = 0.85
+"""Share of the top speed of the slowest of a group at which it walks, so that who has fallen
+behind can catch up."""
 
 SEEDS = 2**32 - 1
 """Number of seeds that OMPL tells apart."""
@@ -66,6 +70,9 @@ class Company:
             entry = with_programs(named, scenario)
             walk = walks.get(entry.name)
             human = _human(entry, stage.floorplan.human, walk)
+            if led := scenario.led_by(entry):
+                slowest = min(_human(one, stage.floorplan.human).max_speed for one in led)
+                human = replace(human, max_speed=min(human.max_speed, GROUP_PACE * slowest))
             if listener.wants_thoughts:
                 self._inspectors[entry.name] = MindInspector(entry.name, self._keep)
             person = Person(
@@ -82,15 +89,28 @@ class Company:
                 thought=self._thought,
                 board=board,
                 walk=walk,
+                slot=_slot(entry, scenario),
+                seed=scenario.seed,
             )
             self.people.append(person)
+        self._named = {person.name: person for person in self.people}
 
     def begin(self) -> None:
         """Let people wait for their start, and work appear."""
+        if self._crowd is not None:
+            self._stage.triggers.each("met", self._perceive_meeting)
+            self._stage.triggers.each("gave_way", self._perceive_request)
         if self._board is not None:
             self._board.begin()
         for person in self.people:
             person.begin()
+
+    def _perceive_meeting(self, met: Event) -> None:
+        self._named[met["person"]].perceive("in_the_way", met["other"])
+
+    def _perceive_request(self, gave_way: Event) -> None:
+        self._named[gave_way["to"]].perceive("gives_way", gave_way["person"])
+        self._named[gave_way["person"]].perceive("wants_to_pass", gave_way["to"])
 
     def _make_crowd(self) -> Crowd:
         stage, name = self._stage, self._scenario.steering
@@ -130,7 +150,7 @@ class Company:
             society=self._society,
             start=self._stage.clock.now,
             kept=kept_beliefs(before),
-            live={**live_beliefs(person.body, self._stage), **person.work_beliefs},
+            live={**live_beliefs(person.body, self._stage), **person.beliefs},
         )
 
     def _keep(self, thought: Thought) -> None:
@@ -154,7 +174,13 @@ class Company:
             self._stage.record(Warning(person=person, text=entry.text, file=file, line=line))
 
 
-def _human(entry: PersonEntry, usual: Human, walk: RecordedWalk | None) -> Human:
+def _slot(entry: PersonEntry, scenario: Scenario) -> int | None:
+    """Return the place of somebody among those who walk with the same one, if they do."""
+    leader = scenario.leader(entry)
+    return None if leader is None else scenario.led_by(leader).index(entry)
+
+
+def _human(entry: PersonEntry, usual: Human, walk: RecordedWalk | None = None) -> Human:
     """Return the measures of a person: their own, else those of the floor.
 
     A recorded `walk` may be faster: machines have to reckon with that.

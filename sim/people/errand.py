@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 from navigation import PlanningError
 
@@ -28,6 +29,8 @@ class Errand:
     def __init__(self, stage: Stage, walker: Walker, senses: Senses) -> None:
         self.visits: list[str] = []
         """The stations where the person arrived, in order."""
+        self.escorts: Callable[[], bool] | None = None
+        """Returns whether an arrival counts, where the person goes where somebody else goes."""
         self._stage = stage
         self._record = stage.record
         self._walker = walker
@@ -46,6 +49,19 @@ class Errand:
     def give_up(self) -> None:
         """Stop waiting, for a goal to be free or for a vehicle to pass."""
         self._waits_for = self._lets_pass_on_way_to = None
+
+    def interrupt(self) -> Place | None:
+        """Stop, and return the goal to `go_on` to; None if they are not on the way to one."""
+        goal = self._walker.goal
+        if goal is None or self._waits_for is not None or self._lets_pass_on_way_to is not None:
+            return None
+        self._walker.stop()
+        return goal
+
+    def go_on(self, goal: Place) -> None:
+        """Set out anew for the goal of an errand that was interrupted."""
+        self._stage.place_machines()
+        self._set_out(goal)
 
     def fail(self, goal: Place, message: str, *, at_the_goal: bool = False) -> bool:
         """Perceive that there is no path to `goal`; False, as the outcome of the action."""
@@ -90,6 +106,8 @@ class Errand:
         """Take note that the walker has reached `goal`, or the place to wait for it."""
         if self._waits_for is not None:
             self._senses.count("goal_occupied")
+            return
+        if self.escorts is not None and not self.escorts():
             return
         station = self._station_at(goal)
         beside = math.dist(self._walker.body.at, goal) > BESIDE

@@ -12,10 +12,10 @@ from floorplan import Floorplan
 
 from ..core.body import Body
 from ..core.rules import RuleSet
-from ..core.scenario import PersonEntry, Scenario
+from ..core.scenario import PersonEntry, Scenario, spot
 from ..core.stage import Stage
 from .own_actions import import_actions, modules_of, sources_of
-from .programs import load_program
+from .programs import in_group, load_program
 
 MOST_CYCLES = 200_000
 """Number of reasoning cycles that a person may take at one instant; a handful is usual."""
@@ -120,11 +120,14 @@ def make_agent(
     program = load_program(entry.personality, folder, modules, own_code=own_code)
     if program is None:
         raise ValueError(f"{entry.name} runs no program")
+    leader = trial.leader(entry)
+    if leader is not None:
+        program = in_group(program)
     own = sources_of(program, modules, folder, own_code=own_code)
     return bdi.Agent(
         program,
         actions=import_actions(own) if own else None,
-        beliefs=[*first_beliefs(entry, trial.floorplan, trial.rules), *kept],
+        beliefs=[*first_beliefs(entry, trial.floorplan, trial.rules, leader), *kept],
         act=act,
         name=entry.name,
         seed=_seed_of(trial.seed, f"{entry.name} {start}" if start else entry.name),
@@ -151,7 +154,9 @@ def live_beliefs(person: Body, stage: Stage) -> bdi.LiveBeliefs:
     live: dict[tuple[str, int], Callable[[], list[tuple[bdi.Term, ...]]]] = {
         ("me", 3): lambda: [of(person)],
         ("person", 4): lambda: [
-            (as_term(one.name), *of(one.body)) for one in stage.people if one.body is not person
+            (as_term(one.name), *of(one.body))
+            for one in stage.people
+            if one.body is not person and not one.away
         ],
         ("agv", 4): lambda: [(as_term(agv.name), *of(agv.body)) for agv in stage.vehicles],
         ("machine", 5): lambda: [
@@ -171,8 +176,13 @@ def kept_beliefs(mind: Mind | None) -> list[bdi.Literal]:
     return [belief for belief in mind.beliefs if belief.functor in KEPT]
 
 
-def first_beliefs(entry: PersonEntry, plan: Floorplan, rules: RuleSet) -> list[bdi.Literal | str]:
-    """Return what a person believes before the trial starts: the stations, home, and pauses."""
+def first_beliefs(
+    entry: PersonEntry, plan: Floorplan, rules: RuleSet, leader: PersonEntry | None = None
+) -> list[bdi.Literal | str]:
+    """Return what a person believes before the trial starts: the stations, home, and pauses.
+
+    Also where they leave the floor, and whom they walk with.
+    """
     beliefs: list[bdi.Literal | str] = [
         bdi.Literal("station", (as_term(station.name), *station.position))
         for station in plan.patrolled
@@ -180,6 +190,11 @@ def first_beliefs(entry: PersonEntry, plan: Floorplan, rules: RuleSet) -> list[b
     home = entry.home_on(plan)
     if home is not None:
         beliefs.append(bdi.Literal("safe_zone", home.position))
+    sink = None if entry.sink is None else spot(plan, entry.sink)
+    if sink is not None:
+        beliefs.append(bdi.Literal("exit", sink))
+    if leader is not None:
+        beliefs.append(bdi.Literal("leader", (as_term(leader.name),)))
     for pause, seconds in (
         ("pause_after_violation", rules.pause_after_violation),
         ("pause_after_agv", rules.pause_after_agv),

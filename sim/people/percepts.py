@@ -7,33 +7,47 @@ from collections.abc import Callable
 import bdi
 
 from ..core.clock import Alarm, Clock, Turn
-from .minds import Mind
+from .minds import Mind, as_term
+
+Key = tuple[str, ...]
+"""A functor, and the name of whom the percept is about, if it is about somebody."""
 
 
 class Percepts:
-    """The percepts of one mind. Of each functor it has the latest alone, so that it stays small."""
+    """The percepts of one mind, which stays small: of each functor it has the latest alone.
+
+    Of percepts about other people it has the latest about each.
+    """
 
     def __init__(self, mind: Mind) -> None:
         self._mind = mind
-        self._counts: dict[str, int] = {}
-        self._latest: dict[str, bdi.Literal] = {}
-        self._unheard: set[str] = set()
+        self._counts: dict[Key, int] = {}
+        self._latest: dict[Key, bdi.Literal] = {}
+        self._unheard: set[Key] = set()
 
     def see(self, functor: str, *arguments: float) -> None:
         """Perceive `functor(arguments)`, and no longer what was perceived of it before."""
-        percept = bdi.Literal(functor, tuple(map(float, arguments)))
-        before = self._latest.get(functor)
+        self._perceive((functor,), *map(float, arguments))
+
+    def count(self, functor: str, *who: str) -> None:
+        """Perceive `functor(N)`, with N the number of times that it was perceived before.
+
+        About somebody, who is named, `functor(Who, N)`.
+        """
+        key = (functor, *who)
+        n = self._counts.get(key, 0)
+        self._counts[key] = n + 1
+        self._perceive(key, *map(as_term, who), float(n))
+
+    def _perceive(self, key: Key, *arguments: bdi.Term) -> None:
+        """Perceive something in place of what was perceived under this key before."""
+        percept = bdi.Literal(key[0], arguments)
+        before = self._latest.get(key)
         if before is not None:
             self._mind.remove_percept(before)
-        self._latest[functor] = percept
-        self._unheard.add(functor)
+        self._latest[key] = percept
+        self._unheard.add(key)
         self._mind.add_percept(percept)
-
-    def count(self, functor: str) -> None:
-        """Perceive `functor(N)`, with N the number of times that it was perceived before."""
-        n = self._counts.get(functor, 0)
-        self._counts[functor] = n + 1
-        self.see(functor, float(n))
 
     def heard(self) -> None:
         """Take note that the mind has thought about all of it."""
@@ -47,10 +61,10 @@ class Percepts:
         """
         new = Percepts(mind)
         new._counts = self._counts
-        for functor, percept in self._latest.items():
-            if functor not in self._counts or functor in self._unheard:
-                new._latest[functor] = percept
-                new._unheard.add(functor)
+        for key, percept in self._latest.items():
+            if key not in self._counts or key in self._unheard:
+                new._latest[key] = percept
+                new._unheard.add(key)
                 mind.add_percept(percept)
         return new
 
@@ -69,10 +83,10 @@ class Senses:
         self._percepts = Percepts(mind) if before is None else before.pass_on(mind)
         self._thinking.set(self._clock.now)
 
-    def count(self, functor: str) -> None:
-        """Perceive `functor(N)` for the Nth time, from 0."""
+    def count(self, functor: str, *who: str) -> None:
+        """Perceive `functor(N)` for the Nth time, from 0; `functor(Who, N)` about somebody."""
         if self._percepts is not None:
-            self._percepts.count(functor)
+            self._percepts.count(functor, *who)
             self._thinking.set(self._clock.now)
 
     def see(self, functor: str, *arguments: float) -> None:

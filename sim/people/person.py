@@ -6,6 +6,7 @@ the actions that their mind decides on (`Actions`) become errands and motions (`
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
@@ -17,25 +18,34 @@ from navigation import PathPlanner
 
 from ..core.body import Body
 from ..core.clock import Alarm, Turn
-from ..core.events import HumanStarted, PersonalityChanged
+from ..core.events import Awaited, Entered, HumanStarted, Left, PersonalityChanged
 from ..core.machine import Machine
-from ..core.scenario import PersonEntry
+from ..core.scenario import PersonEntry, spot
 from ..core.stage import Stage
 from ..safety.referee import Referee
 from ..safety.watches import Pair
 from .actions import Actions, MindError
+from .attention import Attention
 from .crossing import CrossingWatch
 from .errand import Errand
-from .minds import Mind
+from .minds import Mind, as_term
 from .percepts import Senses
 from .playback import Playback
 from .programs import find_program
+from .regard import Regard
 from .steering.crowd import Crowd
 from .steering.manners import Manners
+from .steering.starting import wings
 from .tracks.walks import RecordedWalk
 from .walker import Place, Walker
 from .work_board import WorkBoard
 from .worker import Worker
+
+AT_THE_DOOR = 1.0
+"""Metres. So near to it people come in where they come in, and leave where they leave."""
+
+LOOKS_AGAIN = 0.5
+"""Seconds until somebody who finds no room to come in looks again."""
 
 MOST_AT_ONCE = 1000
 """Number of times a person may think or act at one instant; more count as an endless program."""
@@ -65,12 +75,23 @@ class Person:
         thought: Callable[[Person], None],
         board: WorkBoard | None = None,
         walk: RecordedWalk | None = None,
+        slot: int | None = None,
+        seed: int = 0,
     ) -> None:
         home = entry.home_on(stage.floorplan)
         assert home is not None  # else the trial is refused
         self.name = entry.name
         self.personality = entry.personality_name
         self.started_at: float | None = None
+        self.left_at: float | None = None
+        self.away = entry.source is not None
+        """Whether they are not on the floor: not yet, or not any more."""
+        self.has_source = entry.source is not None
+        self._index = index
+        self._seed = seed
+        plan = stage.floorplan
+        self._sink = None if entry.sink is None else spot(plan, entry.sink)
+        self._entrance = (entry.source and spot(plan, entry.source.at)) or at
         self.walker = Walker(
             stage,
             entry.name,
@@ -78,7 +99,7 @@ class Person:
             planner,
             at=at,
             heading=home.heading if entry.at is None else 0.0,
-            arrived=lambda goal: self._errand.arrived(goal),
+            arrived=self._arrived,
             crowd=crowd,
             index=index,
             manners=manners,
@@ -102,7 +123,12 @@ class Person:
                 stage, entry, board, body=self.walker.body, human=human, senses=self._senses
             )
         )
-        self._actions = Actions(stage, self.walker, self._errand, home, crowd, self.worker)
+        self._attention = Attention(stage, self.walker, self._errand, crowd, slot)
+        self._actions = Actions(
+            stage, self.walker, self._errand, self._attention, home, crowd, self.worker
+        )
+        self._regard = Regard(stage, self.walker.body, self._senses)
+        self._crowd = crowd
         self._enforcing = Alarm(stage.clock, self._enforce, Turn.INSISTENCE)
         self._reason = "gantry"
         self._instant = (stage.clock.now, 0)
@@ -110,6 +136,7 @@ class Person:
         self.mind = self._make_mind(entry, None)
         """The mind that decides for them."""
         self._senses.belong_to(self.mind)
+        self._regard.belong_to(self.mind)
         for machine in stage.machines.values():
             referee.watch(self, machine)
         for machine in stage.vehicles:
@@ -119,10 +146,43 @@ class Person:
     def begin(self) -> None:
         """Wait for what lets them start, and for what changes their personality."""
         triggers, entry = self._stage.triggers, self._entry
-        triggers.add(entry.start, self.start, who=self.name)
+        if entry.source is None:
+            triggers.add(entry.start, self.start, who=self.name)
+        else:
+            self._stage.record(Awaited(person=self.name, at=self._entrance))
+            self._clock.call_at(entry.source.time(self._seed), self._enter, Turn.NOTICE)
         for change in entry.changes:
             become = partial(self.change_personality, change.personality)
             triggers.add(change.when, become, who=self.name)
+
+    def _enter(self) -> None:
+        """Come in, as soon as there is room at the entrance."""
+        self._stage.place_machines()
+        entrance, radius = self._entrance, self.walker.human.radius
+        at: Place | None = entrance if self._stage.world.free(entrance, radius) else None
+        if self._crowd is not None:
+            at = self._crowd.room(entrance, radius, self.walker.traveller)
+        if at is None or math.dist(at, entrance) > AT_THE_DOOR:
+            self._clock.call_at(self._clock.now + LOOKS_AGAIN, self._enter, Turn.NOTICE)
+            return
+        self.away = False
+        self._stage.record(Entered(person=self.name, at=at))
+        self.walker.put(at, 0.0)
+        self.start()
+
+    def _arrived(self, goal: Place) -> None:
+        """Take note that a goal is reached; at their sink people leave the floor."""
+        at = self.body.at
+        self._errand.arrived(goal)
+        sink = self._sink
+        if sink is not None and goal == sink and math.dist(at, sink) <= AT_THE_DOOR:
+            self._leave(at)
+
+    def _leave(self, at: Place) -> None:
+        self.give_up()
+        self.away, self.left_at = True, self._clock.now
+        self._stage.record(Left(person=self.name, at=at))
+        self.walker.put(wings(self._stage.floorplan, self._index), 0.0)
 
     @property
     def body(self) -> Body:
@@ -157,18 +217,36 @@ class Person:
     def _become(self, program: bdi.Program) -> None:
         name = Path(program.source).stem
         self._stage.record(PersonalityChanged(person=self.name, personality=name))
-        self._errand.give_up()
-        if self.worker is not None:
-            self.worker.give_back()
+        self.give_up()
         self.walker.stop()
         self.walker.speed_share = 1.0
         self.mind = self._make_mind(replace(self._entry, personality=program), self.mind)
         self._senses.belong_to(self.mind)
+        self._regard.belong_to(self.mind)
+
+    def give_up(self) -> None:
+        """Drop the errand under way, and the task."""
+        self._errand.give_up()
+        self._attention.give_up()
+        if self.worker is not None:
+            self.worker.give_back()
 
     @property
-    def work_beliefs(self) -> bdi.LiveBeliefs:
-        """What they always know about their work, if there is any."""
-        return {} if self.worker is None else self.worker.beliefs()
+    def beliefs(self) -> bdi.LiveBeliefs:
+        """What they always know about their work, if there is any, and about who is in the way.
+
+        `waits_for(Who)`: who keeps them from going on now.
+        """
+        found = {} if self.worker is None else self.worker.beliefs()
+        crowd = self._crowd
+        if crowd is None:
+            return found
+
+        def waits_for() -> list[tuple[bdi.Term, ...]]:
+            who = crowd.waits_for(self.walker.traveller)
+            return [] if who is None else [(as_term(who),)]
+
+        return {**found, ("waits_for", 1): waits_for}
 
     def start(self) -> None:
         """Begin; a second time does nothing."""
@@ -181,6 +259,7 @@ class Person:
             self._senses.see("human_start")
             if self._playback is not None:
                 self._playback.begin()
+            self._regard.start()
 
     def warn(self, percept: str, machine: Machine) -> None:
         """Perceive `percept`, the referee's warning about `machine`.
@@ -196,6 +275,10 @@ class Person:
             self._reason = "gantry" if is_robot else "agv"
             self._enforcing.set(self._clock.now)
 
+    def perceive(self, percept: str, who: str) -> None:
+        """Perceive something about another person, if the mind heeds it."""
+        self._regard.perceive(percept, who)
+
     def floor_changed(self) -> None:
         """See whether the path is still free: a machine has come to rest on the floor."""
         self._errand.floor_changed()
@@ -203,7 +286,7 @@ class Person:
     def act(self, action: bdi.Literal) -> bool:
         """Carry out an external action of the agent; return True if it could be."""
         self._count_at_once()
-        return self._actions.perform(action)
+        return not self.away and self._actions.perform(action)
 
     @property
     def put_home_at(self) -> float | None:
@@ -216,6 +299,8 @@ class Person:
             self._senses.think_by(self.mind.next_wakeup)
 
     def _think(self) -> None:
+        if self.left_at is not None:
+            return
         self._count_at_once()
         self.mind.advance(self._clock.now)
         self._senses.heard()

@@ -58,6 +58,16 @@ def load_program(
     return personality
 
 
+def in_group(program: bdi.Program) -> bdi.Program:
+    """Return the program of somebody who walks with the leader of a group: that goes first."""
+    group = bdi.load("group")
+    return replace(
+        program,
+        beliefs=(*group.beliefs, *program.beliefs),
+        plans=(*group.plans, *program.plans),
+    )
+
+
 def with_programs(entry: PersonEntry, scenario: Scenario) -> PersonEntry:
     """Return the person with the programs themselves of the personalities that come later.
 

@@ -25,13 +25,13 @@ class SummaryFigure:
     all that is a number, a flag or visits.
 
     `events` are those that made it what it is: their kind, and fields that they have. With
-    `instant` it has the time of the figure of that name beside it; with `short` it is also found
-    by the name of the figure that it is a part of. `of_orders` is one of trials with orders only,
+    `instant` it has the time of the figure of that name beside it; with `short` it is also found by
+    the name of the figure that it is a part of. `of_orders` is one of trials with orders only,
     `of_several` one of trials with more people than one, `of_work` one of trials with tasks for
-    people. `label` is what people read; `words`, if given, how much it is on a terminal. A study
-    has it as a column unless not `column`; its report compares it as a `measure`, "rare" ones only
-    where there is something, and its first rows are worth a look if it is among the `worst`: the
-    least (1), or the most (-1).
+    people, `of_traffic` one of trials in which people come in or leave. `label` is what people
+    read; `words`, if given, how much it is on a terminal. A study has it as a column unless not
+    `column`; its report compares it as a `measure`, "rare" ones only where there is something, and
+    its first rows are worth a look if it is among the `worst`: the least (1), or the most (-1).
     """
 
     path: str
@@ -45,6 +45,7 @@ class SummaryFigure:
     of_orders: bool = False
     of_several: bool = False
     of_work: bool = False
+    of_traffic: bool = False
     label: str = ""
     words: words.Words | None = None
     column: bool = True
@@ -57,6 +58,7 @@ class SummaryFigure:
             (trial.workload is not None or not self.of_orders)
             and (len(trial.people) > 1 or not self.of_several)
             and (trial.has_work or not self.of_work)
+            and (trial.has_traffic or not self.of_traffic)
         )
 
 
@@ -316,6 +318,27 @@ FIGURES: dict[str, SummaryFigure] = {
             measure="rare",
         ),
         SummaryFigure(
+            path="entered",
+            of=lambda run: sum(p.has_source and p.started_at is not None for p in run.people),
+            of_traffic=True,
+            label="people who came in",
+            meaning="people from sources who came in",
+            words=words.plain,
+            events=(events.Entered, {}),
+            measure="plain",
+        ),
+        SummaryFigure(
+            path="left",
+            of=lambda run: sum(person.left_at is not None for person in run.people),
+            of_traffic=True,
+            label="people who left",
+            meaning="people who left the floor at their sinks",
+            words=words.plain,
+            events=(events.Left, {}),
+            measure="plain",
+            worst=1,
+        ),
+        SummaryFigure(
             path=f"{PEOPLE}personality",
             form="text",
             of=lambda run, person: person.personality,
@@ -328,6 +351,14 @@ FIGURES: dict[str, SummaryFigure] = {
             of=lambda run, person: person.started_at,
             meaning="when the person started, null if they did not",
             unit="s",
+        ),
+        SummaryFigure(
+            path=f"{PEOPLE}left",
+            of=lambda run, person: person.left_at,
+            of_traffic=True,
+            meaning="when the person left the floor, null if they did not",
+            unit="s",
+            events=(events.Left, {"person": "NAME"}),
         ),
         SummaryFigure(
             path=f"{PEOPLE}visits",

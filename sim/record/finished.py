@@ -120,7 +120,7 @@ class Finished:
         return self._walked_and_stood(person)[1]
 
     def _walked_and_stood(self, person: Person) -> tuple[float, float]:
-        begin = person.started_at
+        begin, left = person.started_at, person.left_at
         walked = standing = 0.0
         for piece in self.motions[person.name].pieces if begin is not None else ():
             u = piece.end - piece.begin
@@ -131,7 +131,8 @@ class Finished:
                     u * (x[0] + u * (x[1] + u * x[2])), u * (y[0] + u * (y[1] + u * y[2]))
                 )
             else:
-                standing += max(0.0, piece.end - max(piece.begin, begin or 0.0))
+                end = piece.end if left is None else min(piece.end, left)
+                standing += max(0.0, end - max(piece.begin, begin or 0.0))
         if person.is_recorded and begin is not None:
             walked = Odometer(self.motions[person.name]).reading(self.duration)
         return walked, standing

@@ -15,6 +15,7 @@ from navigation import Motion, is_of_speeds
 from ..core.recorder import Event, Thought
 from ..core.scene import Scene
 from ..safety.requirement_curve import Curve
+from .presence import presence
 from .sampling import instants, sample_all
 from .social_metrics import metrics
 
@@ -69,6 +70,17 @@ class Outcome:
             raise KeyError((person, machine))
         speeds = [np.hypot(*self.motions[name].velocity(times).T) for name in (person, machine)]
         return np.asarray(np.vectorize(law.distance, otypes=[np.float64])(*speeds))
+
+    @cached_property
+    def presence(self) -> dict[str, tuple[float, float]]:
+        """From when to when (s) each body is on the floor; it is far outside before and after."""
+        return presence(self.motions, self.events, self.duration)
+
+    def is_present(self, body: str, times: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Return for each of `times` (s) whether a body is on the floor."""
+        begin, end = self.presence[body]
+        until = times <= end if end == self.duration else times < end
+        return np.asarray((times >= begin) & until & (begin < self.duration))
 
     @cached_property
     def metrics(self) -> dict[str, Any]:

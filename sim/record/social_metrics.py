@@ -63,6 +63,9 @@ class _Run(Protocol):
     @property
     def motions(self) -> Mapping[str, Motion]: ...
 
+    @property
+    def presence(self) -> Mapping[str, tuple[float, float]]: ...
+
 
 def metrics(run: _Run, *, radii: Mapping[str, float] | None = None) -> dict[str, Any]:
     """Return the metrics of every person and machine of a run, as plain numbers, lists and dicts.
@@ -85,7 +88,11 @@ def metrics(run: _Run, *, radii: Mapping[str, float] | None = None) -> dict[str,
         for event in run.events
         if event["kind"] == "human_started" and "person" in event
     }
-    spans = [(min(begins.get(name, 0.0), run.duration), run.duration) for name in names]
+    spans = [
+        (min(max(begins.get(name, 0.0), begin), end), end)
+        for name in names
+        for begin, end in (run.presence[name],)
+    ]
     courses = Courses([run.motions[name] for name in names], spans)
     movements = dict(zip(names, _movements(courses), strict=True))
     beside = _companies(courses, names, people, [sizes.get(name, 0.0) for name in names])
@@ -124,7 +131,8 @@ def _progress(person: str, run: _Run) -> dict[str, Any]:
     goals = [event for event in mine if event["kind"] == "goal"]
     times = [leg for leg in _legs(mine) if leg is not None]
     last = goals[-1].get("at") if goals else None
-    left = math.dist(run.motions[person].position(run.duration), last) if last else None
+    at = run.motions[person].state_before(run.presence[person][1]).at
+    left = math.dist(at, last) if last else None
     mean = math.fsum(times) / len(times) if times else None
     return dict(zip(PROGRESS, (len(goals), len(times), mean, left), strict=True))
 

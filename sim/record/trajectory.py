@@ -18,7 +18,7 @@ DECIMALS = 6
 
 
 def write_trajectory(run: Outcome, file: TextIO, rate: float) -> None:
-    """Every body at `rate` instants a second (Hz) as CSV: metres, radians, m/s."""
+    """Every body on the floor, at `rate` instants a second (Hz), as CSV: metres, radians, m/s."""
     decimals = 3 if (1000 / rate).is_integer() else 9
     writer = csv.writer(file, lineterminator="\n")
     writer.writerow(COLUMNS)
@@ -27,5 +27,7 @@ def write_trajectory(run: Outcome, file: TextIO, rate: float) -> None:
         tables = []
         for name, samples in sample_all(run.motions, times).items():
             figures = (np.round(samples, DECIMALS) + 0.0).tolist()
-            tables.append([[stamp, name, *row] for stamp, row in zip(stamps, figures, strict=True)])
-        writer.writerows(row for rows in zip(*tables, strict=True) for row in rows)
+            there = run.is_present(name, times).tolist()
+            rows = zip(stamps, figures, there, strict=True)
+            tables.append([[stamp, name, *row] if seen else None for stamp, row, seen in rows])
+        writer.writerows(row for rows in zip(*tables, strict=True) for row in rows if row)

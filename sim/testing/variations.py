@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fnmatch
 import itertools
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
@@ -86,7 +87,7 @@ class _Place:
 
 @dataclass(frozen=True)
 class _Option:
-    """Values of a marker: all there are by the word "all", and what is made of one.
+    """Values of a marker: all there are by the word "all", or by a pattern; what is made of one.
 
     `read` raises what the library does if there is nothing of that name.
     """
@@ -114,6 +115,8 @@ def _choices(
     for value in mark.args:
         if value == "all" and option.every:
             values += option.every
+        elif isinstance(value, str) and (matching := fnmatch.filter(option.every, value)):
+            values += matching
         elif isinstance(value, Iterable) and not isinstance(value, str):
             values += value
         else:
@@ -187,7 +190,7 @@ def _seed(seed: Any, _: _Place) -> Change:
 
 
 _OPTIONS = {
-    "trials": _Option((), _trial),
+    "trials": _Option(builtin_trials(), _trial),
     "personalities": _Option(sorted(bdi.programs()), _personality),
     "controllers": _Option(sorted({*CONTROLLERS} - {EXTERNAL}), _controller),
     "rule_sets": _Option(sorted(RULE_SETS), _rules),

@@ -24,8 +24,8 @@ from ..core.events import EVENT_KINDS
 from ..core.manners import MannersEntry, Side
 from ..core.own_source import OwnCodeError
 from ..core.rules import NO_TIME, MachineMeasure, PersonMeasure, RuleSet
-from ..core.scenario import PersonalityChange, PersonEntry, Scenario, TrialError
-from ..core.start import Start
+from ..core.scenario import PersonalityChange, PersonEntry, Scenario, TrialError, spot
+from ..core.start import AT_ONCE, Start
 from ..machines.gantry.model import GantryModel
 from ..machines.gantry.robot import GANTRY
 from ..machines.kinds import machine_faults, on_floor
@@ -35,7 +35,7 @@ from ..people.programs import EXTERNAL, find_program
 from ..people.steering.own_steering import steering_source
 from ..people.tracks.walks import track_faults
 from .expectations import expectation_problems
-from .names import agvs, checked_name, orders, parts, people
+from .names import agvs, checked_name, orders, parts, people, stations
 from .work_checks import list_faults, person_faults
 
 NAME = r"[A-Za-z][A-Za-z0-9_-]*"
@@ -46,6 +46,9 @@ LARGEST_SEED = 2**63 - 1
 
 MOST_BYTES = 200
 """Longest name of a trial or a study, in UTF-8: folders are called after them."""
+
+GROUPS = range(2, 6)
+"""Numbers of people who may walk together."""
 
 DENSEST = 0.9
 """Share of a floor that discs can cover, side by side."""
@@ -88,6 +91,7 @@ def faults(trial: Scenario) -> Iterator[Fault]:
         yield str(why), ("actions",)
     yield from _overlaps(trial)
     yield from _crowding(trial)
+    yield from _group_faults(trial)
     yield from _below(list_faults(trial), "work")
     yield from _floor_faults(trial)
     yield from _below(machine_faults(trial), "machines")
@@ -155,6 +159,7 @@ def _person_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:
         yield from _place_faults(person, trial)
     for message in track_faults(person, trial):
         yield message, ("recorded",)
+    yield from _coming_faults(person, trial)
     yield from _below(_manners_faults(person.manners), "manners")
     if person.planner is not None:
         yield from _planner_faults(person.planner, trial, "planner")
@@ -183,6 +188,41 @@ def _overlaps(trial: Scenario) -> Iterator[Fault]:
                 yield message, ("people", k, "at")
 
 
+def _coming_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:
+    """Yield what is wrong with where somebody comes in, and where they leave."""
+    plan, source = trial.floorplan, person.source
+    ends: list[tuple[Place, tuple[float, float] | str | None]] = [(("sink",), person.sink)]
+    if source is not None:
+        ends.append((("source", "at"), source.at))
+        yield from _size(source.rate, "source", "rate")
+        yield from _time(source.start, "source", "start")
+        if source.number < 1:
+            yield f"must be 1 or more, not {source.number!r}", ("source", "number")
+        if person.at is not None:
+            yield "who has a source is not there at the beginning; leave at out", ("at",)
+        if person.start != AT_ONCE:
+            yield "who has a source starts when they come in; leave start out", ("start",)
+    for place, given in ends:
+        if given is None:
+            continue
+        at = spot(plan, given)
+        if at is None:
+            yield from _name_faults(str(given), "station", stations(trial), *place)
+        elif fault := starting_fault(plan, at, person.radius):
+            yield fault, place
+
+
+def _group_faults(trial: Scenario) -> Iterator[Fault]:
+    """Yield the groups that are too small or too large."""
+    groups = [person.group for person in trial.people]
+    for k, group in enumerate(groups):
+        count = groups.count(group)
+        if group is not None and k == groups.index(group) and count not in GROUPS:
+            least, most = min(GROUPS), max(GROUPS)
+            message = f"a group has from {least} to {most} people, and {group!r} has {count}"
+            yield message, ("people", k, "group")
+
+
 def _manners_faults(manners: MannersEntry) -> Iterator[Fault]:
     for name, least in (("comfort", 0), ("foresight", 0.5), ("reaction_time", 0), ("patience", 0)):
         value = getattr(manners, name)
@@ -197,13 +237,14 @@ def _manners_faults(manners: MannersEntry) -> Iterator[Fault]:
 
 def _crowding(trial: Scenario) -> Iterator[Fault]:
     """Yield that there are more people than the floor has room for."""
-    if len(trial.people) < 2:
+    there = [person for person in trial.people if person.source is None]
+    if len(there) < 2:
         return
     plan = trial.floorplan
-    bodies = sum(math.pi * (one.radius or plan.human.radius) ** 2 for one in trial.people)
+    bodies = sum(math.pi * (one.radius or plan.human.radius) ** 2 for one in there)
     room = plan.free(0.0, plan.human.height).area
     if bodies > DENSEST * room:
-        message = f"{len(trial.people)} people don't fit on the {room:.0f} m² that are free"
+        message = f"{len(there)} people don't fit on the {room:.0f} m² that are free"
         yield message, ("people",)
 
 

@@ -15,7 +15,7 @@ from ..core.keys import Flag, Keys
 from ..core.manners import MannersEntry, Side
 from ..core.recorded_track import RecordedTrack
 from ..core.rules import PAPER
-from ..core.scenario import USUAL_PLANNER, PersonalityChange, PersonEntry
+from ..core.scenario import USUAL_PLANNER, PersonalityChange, PersonEntry, Source
 from ..core.start import Start
 from ..machines.agv.keys import AgvKeys
 from ..machines.gantry.keys import GantryKeys
@@ -104,6 +104,26 @@ OF_RECORDED = frozenset({"name", "start", "radius", "recorded"})
 """Keys of somebody who walks as they were measured."""
 
 
+class _Source(Keys):
+    at: Pair | str
+    rate: Positive
+    count: Annotated[int, Strict(), Field(ge=1)] | None = None
+    start: NotNegative = 0.0
+    stream: str = ""
+    number: Annotated[int, Strict(), Field(ge=1)] = 1
+
+    @model_validator(mode="after")
+    def _one_or_many(self) -> _Source:
+        if (self.count is None) == (not self.stream):
+            raise ValueError("give count, the number of people who come")
+        return self
+
+    def value(self) -> Source:
+        fields = self.fields()
+        del fields["count"]
+        return Source(**fields)
+
+
 class PersonKeys(WorkerKeys):
     """One person."""
 
@@ -122,6 +142,9 @@ class PersonKeys(WorkerKeys):
     manners: MannersKeys = MannersKeys()
     actions: str | None = None
     recorded: Annotated[_RecordedKeys, BeforeValidator(_as_track)] | None = None
+    source: _Source | None = None
+    sink: Pair | str | None = None
+    group: Annotated[str, Field(pattern=f"^{NAME}$")] | None = None
 
     @model_validator(mode="after")
     def _recorded_or_not(self) -> PersonKeys:
@@ -132,6 +155,19 @@ class PersonKeys(WorkerKeys):
             )
         return self
 
+    @model_validator(mode="after")
+    def _comes_or_is_there(self) -> PersonKeys:
+        if self.source is not None:
+            for key in ("at", "count", "start"):
+                if key in self.model_fields_set:
+                    raise ValueError(f"{key} and source don't go together; leave it out")
+        return self
+
+    @property
+    def many(self) -> int | None:
+        """The number of people that this stands for, None for one who is called as it says."""
+        return self.count if self.source is None else self.source.count
+
     def value(self) -> PersonEntry:
         """Return the person."""
         fields = self.fields()
@@ -139,11 +175,17 @@ class PersonKeys(WorkerKeys):
         return PersonEntry(**fields)
 
     def values(self) -> list[PersonEntry]:
-        """Return the people: the one, or `count` of them, who are numbered from 1."""
-        one = self.value()
-        if self.count is None:
+        """Return the people: the one, or so many of them, who are numbered from 1."""
+        one, many = self.value(), self.many
+        if many is None:
             return [one]
-        return [replace(one, name=f"{one.name}{k + 1}") for k in range(self.count)]
+        people = [replace(one, name=f"{one.name}{k + 1}") for k in range(many)]
+        if one.source is None:
+            return people
+        return [
+            replace(who, source=replace(one.source, stream=one.name, number=k + 1))
+            for k, who in enumerate(people)
+        ]
 
 
 def _name_or_keys(value: Any) -> Any:

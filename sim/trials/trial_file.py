@@ -167,8 +167,8 @@ def _floorplan(name: str | dict[str, Any], folder: Path, document: Document) -> 
 
 def _problems(trial: Scenario, document: Document) -> Iterator[Problem]:
     """Yield what keys and types can't show: that something a trial names isn't there."""
-    for message, place in faults(trial):
-        yield document.problem(message, *_in_file(place, document.data))
+    found = (document.problem(text, *_in_file(at, document.data)) for text, at in faults(trial))
+    yield from dict.fromkeys(found)  # an entry that is many people has its faults but once
     if trial.floorplan.gantry is not None:
         try:
             controller_source(trial.gantry.controller, trial.folder, own_code=trial.own_code)
@@ -182,7 +182,10 @@ def _in_file(place: Place, data: Any) -> Place:
         case ("agvs", name, int(k), key) if not isinstance(data["agvs"][name], list):
             return ("agvs", name, "moves", k, key)
         case ("people", int(k), *key) if isinstance(data.get("people"), list):
-            counts = [entry.get("count") or 1 for entry in data["people"]]
+            counts = [
+                entry.get("count") or (entry.get("source") or {}).get("count") or 1
+                for entry in data["people"]
+            ]
             owners = [n for n, count in enumerate(counts) for _ in range(count)]
             return ("people", owners[k], *key)
     return place

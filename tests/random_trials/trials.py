@@ -11,7 +11,7 @@ from floorplan import starting_fault
 
 from .floors import random_floor, standing_place
 
-PERSONALITIES = [name for name in bdi.programs() if name != "worker"]  # there is no work
+PERSONALITIES = [name for name in bdi.programs() if name not in ("visitor", "worker")]
 CONTROLLERS = ("parked", "oblivious", "pausing", "avoiding")
 
 LAWS = (

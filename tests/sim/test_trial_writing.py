@@ -143,8 +143,13 @@ people:
   shifts: [[0.0, 30.0]]
 - name: bo
   start: {part_placed: {part: pump, agv: agv1}}
+  group: pair
 - name: cy
   start: {order_submitted: first}
+  group: pair
+- name: dee
+  source: {at: station1, rate: 0.5, start: 2.0, stream: guest, number: 2}
+  sink: station2
 - name: eve
   recorded:
     file: tracks.csv
@@ -221,6 +226,7 @@ def test_every_key_is_read_and_written(tmp_path):
     }
     elsewhere = {(TrialKeys, key) for key in ("folder", "ariac", "begins", "steering", "actions")}
     elsewhere |= {(PersonKeys, key) for key in ("count", "actions")}
+    elsewhere |= {(form, "count") for form, key in known if key == "stream"}
     assert known - keys_in(TrialKeys, data) == elsewhere
     trial = sim.Trial.parse(EVERY_KEY, folder=tmp_path)
     assert yaml.safe_load(trial.to_yaml(tmp_path)) == data

@@ -5,6 +5,7 @@ const TRAIL_GRAIN = 1;       // seconds of it that fade together
 const AFTERGLOW = 2.5;       // seconds for which a violation and a teleport stay on the floor in full,
 const GLIMPSE = 0.5;         // or, if that is longer, so many of the viewer's time
 const BODY_SIZE = 18;        // pixels round a body that no figure should cover
+const AWAY = 900;            // metres: so far only those jump who come in or leave
 const MOST_MARKS = 200;      // of the violations so far, the latest are marked on the floor
 
 /**
@@ -12,27 +13,34 @@ const MOST_MARKS = 200;      // of the violations so far, the latest are marked 
  * already); `chosen` is the watch in focus.
  */
 function drawScene(tools, run, t, chosen, afterglow) {
-  const bodies = [...run.bodies.values()];
+  const isHere = body => !isAway(body.motion.at(t), tools.camera);
+  const bodies = [...run.bodies.values()].filter(isHere);
+  const people = run.people.filter(isHere);
   const pen = {
     ...tools,
     taken: [...tools.names, ...bodies.map(body => boxRound(body.motion.at(t), BODY_SIZE, tools.camera))],
   };
   const ofCategory = category => bodies.filter(body => body.category === category);
-  const shown = run.shown(chosen);
+  const shown = run.shown(chosen).filter(watch => isHere(watch.person));
   for (const watch of shown) drawDistances(pen, watch, t);
   for (const body of bodies) drawTrail(pen, body, t);
   for (const vehicle of ofCategory("vehicle")) drawVehicle(pen, vehicle, t);
-  for (const person of run.people) drawPathAhead(pen, person, t);
+  for (const person of people) drawPathAhead(pen, person, t);
   for (const robot of ofCategory("robot")) drawRobot(pen, robot, t, run.isDisabled(robot, t));
-  for (const person of run.people) {
+  for (const person of people) {
     drawTeleport(pen, person, t, afterglow);
     drawPerson(pen, person, t);
   }
-  const named = [...run.people, ...ofCategory("robot"), ...ofCategory("vehicle")];
+  const named = [...people, ...ofCategory("robot"), ...ofCategory("vehicle")];
   drawViolations(pen, run, t, afterglow);
   for (const body of named) drawName(pen, run, body, t);
   const violated = run.watches.filter(watch => !shown.includes(watch) && watch.at(t).violated);
   for (const watch of [...violated, ...shown]) drawSeparation(pen, watch, t, watch === chosen);
+}
+
+/** Whether somebody there is not on the floor: those who come later, or have left, are far outside. */
+function isAway({ x, y }, { bounds: { left, right, bottom, top } }) {
+  return x < left - AWAY || x > right + AWAY || y < bottom - AWAY || y > top + AWAY;
 }
 
 /** The protective distance as a disc round the person, the noticing distance as a fainter one. */
@@ -87,6 +95,7 @@ function drawPathAhead({ context, camera, palette }, person, t) {
 function drawTeleport({ context, camera, palette }, person, t, afterglow) {
   const jump = person.motion.lastJump(t);
   if (!jump || t - jump.t > afterglow) return;
+  if (Math.hypot(jump.to.x - jump.from.x, jump.to.y - jump.from.y) > AWAY) return;
   context.strokeStyle = palette[person.color];
   context.lineWidth = 1.25;
   context.setLineDash([1, 4]);

@@ -173,6 +173,15 @@ class Crowd:
                 self._stage.record(GaveWay(person=who.name, to=me.name))
                 self._commit(self._parties[who], motion)
 
+    def find(self, name: str) -> Traveller | None:
+        """Return the one in the crowd who is called so."""
+        return next((one for one in self._people if one.name == name), None)
+
+    def waits_for(self, me: Traveller) -> str | None:
+        """Return the name of who keeps somebody from going on now."""
+        other = self._parties[me].waits_for
+        return None if other is None or me.stands_since is None else other.name
+
     def rest(self, me: Traveller) -> None:
         """Let somebody have no goal any more; their motion goes on."""
         party = self._parties[me]

@@ -8,7 +8,7 @@ from random import Random
 
 import shapely
 
-from floorplan import Problem
+from floorplan import Floorplan, Problem
 from navigation import CollisionWorld
 
 from ...core.scenario import PersonEntry, Scenario, TrialError
@@ -18,6 +18,9 @@ from .outlook import GAP
 
 TRIES = 5_000
 """Number of places that are drawn for one person."""
+
+WINGS = 1000.0
+"""Metres beyond the floor at which people are while they are away."""
 
 Standing = tuple[Place, float]
 """The place and the radius of somebody (metres)."""
@@ -36,7 +39,14 @@ def starting_places(trial: Scenario, world: CollisionWorld, crowd: Crowd | None)
         taken = [(at, radii[j]) for j, at in enumerate(places) if at is not None]
         if places[k] is not None:
             continue
-        if entry.at == "anywhere":
+        leader = trial.leader(entry)
+        if entry.source is not None:
+            places[k] = wings(trial.floorplan, k)
+        elif leader is not None and entry.at == "anywhere" and crowd is not None:
+            beside = places[trial.people.index(leader)]
+            assert beside is not None  # leaders come before those whom they lead
+            places[k] = crowd.room(beside, radii[k], taken=taken)
+        elif entry.at == "anywhere":
             places[k] = _anywhere(entry, trial.seed, world, radii[k], taken)
         else:
             home = entry.home_on(trial.floorplan)
@@ -49,6 +59,15 @@ def starting_places(trial: Scenario, world: CollisionWorld, crowd: Crowd | None)
             message = f"people[{k}]: there is no room for {entry.name} {found}"
             raise TrialError(f"trial {trial.name!r}", [Problem(message)])
     return [place for place in places if place is not None]
+
+
+def wings(plan: Floorplan, index: int) -> Place:
+    """Return where the person of that index is while they are not on the floor: far from it all.
+
+    So far that nothing there concerns anybody on the floor, and nobody anybody else there.
+    """
+    low_x, low_y, _, _ = plan.boundary.bounds
+    return (low_x - WINGS, low_y - WINGS - 10.0 * index)
 
 
 def _anywhere(

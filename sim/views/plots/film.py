@@ -206,6 +206,9 @@ class Film:
         """Everything that moves, put where it is at `t`, in order of drawing."""
         run = self._run
         for name, person in self._people.items():
+            begin, end = run.presence[name]
+            if not begin <= t <= end or begin >= end:
+                continue
             yield from self._move_person(name, person, t)
         for machine in run.scene.machines:
             yield from self._move_machine(machine, t)

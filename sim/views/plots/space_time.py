@@ -59,6 +59,10 @@ def _moves(motion: Motion) -> bool:
 
 def _draw_body(axes: Axes, run: Outcome, body: str, axis: int, span: Span) -> None:
     motion = run.motions[body]
+    begin, end = run.presence[body]
+    span = (max(span[0], begin), min(span[1], end))
+    if span[0] >= span[1]:
+        return
     t = instants([motion], *span)
     at = motion.position(t)[:, axis]
     people = [person.name for person in run.scene.people]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
@@ -60,6 +61,10 @@ def _outline(run: Outcome, name: str, t: float) -> Polygon:
 def _draw_path(axes: Axes, run: Outcome, body: str, span: Span) -> Array:
     """Draw the path of a body; return its points (N, 2), NaN where it is broken."""
     motion = run.motions[body]
+    begin, end = run.presence[body]
+    span = (max(span[0], begin), min(span[1], end))
+    if span[0] >= span[1]:
+        return np.empty((0, 2))
     path = motion.position(instants([motion], *span))
     people = [person.name for person in run.scene.people]
     if body in people:

@@ -1,0 +1,15 @@
+// What those have in common who walk with the leader of a group: wherever others would walk to a
+// station, they walk with the leader. A trial puts these plans before those of their personality,
+// and lets them believe
+//     leader(Who)                    whom they walk with
+
+ahead(together, together).
+behind(together, together).
+
++human_start : leader(_) <- !walk_to(together).
+
+// The leader may not be on the floor yet.
++!walk_to(_) : leader(Who) <- -+bound_for(together); walk_with(Who).
+-!walk_to(_) : leader(_) <- .wait(1000); !!walk_to(together).
+
++path_blocked(_) : leader(_) <- !walk_to(together).

@@ -1,0 +1,104 @@
+"""Regard for others: what a person perceives of who is near, in the way, and giving way."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from functools import lru_cache, partial
+
+import bdi
+from navigation import Apart, FixedDistance, TooClose, first_time
+
+from ..core.body import Body
+from ..core.clock import Alarm, Turn
+from ..core.stage import Stage
+from .minds import Mind, Outside
+from .percepts import Senses
+
+NEAR = 3.6
+"""Metres between the centres. Somebody nearer is near: Hall's social space ends there."""
+
+PARTING = 0.5
+"""Metres beyond `NEAR` to which two have to part before one is gone."""
+
+NEARNESS = ("person_near", "person_gone")
+"""Percepts that need a watch on every other person."""
+
+PERCEPTS = (*NEARNESS, "in_the_way", "gives_way", "wants_to_pass")
+"""Percepts about another person, `functor(Who, N)`."""
+
+
+class Regard:
+    """What one person perceives of others, from their start on: what their program mentions."""
+
+    def __init__(self, stage: Stage, body: Body, senses: Senses) -> None:
+        self._stage = stage
+        self._body = body
+        self._senses = senses
+        self._heeded: frozenset[str] = frozenset()
+        self._started = False
+        self._watches: list[_NearWatch] = []
+
+    def belong_to(self, mind: Mind) -> None:
+        """Perceive from now on what the program of `mind` mentions; a mind outside hears all."""
+        if isinstance(mind, bdi.Agent):
+            self._heeded = mentioned(mind.program)
+        elif isinstance(mind, Outside):
+            self._heeded = frozenset(PERCEPTS)
+        self._look_round()
+
+    def start(self) -> None:
+        """Begin to perceive: the person starts."""
+        self._started = True
+        self._look_round()
+
+    def perceive(self, percept: str, who: str) -> None:
+        """Perceive something about `who`, if the mind heeds such percepts."""
+        if self._started and percept in self._heeded:
+            self._senses.count(percept, who)
+
+    def _look_round(self) -> None:
+        if self._started and not self._watches and self._heeded.intersection(NEARNESS):
+            self._watches = [
+                _NearWatch(self._stage, self._body, one.body, partial(self._nearness, one.name))
+                for one in self._stage.people
+                if one.body is not self._body
+            ]
+
+    def _nearness(self, who: str, is_near: bool) -> None:
+        self.perceive(NEARNESS[0] if is_near else NEARNESS[1], who)
+
+
+@lru_cache(maxsize=64)
+def mentioned(program: bdi.Program) -> frozenset[str]:
+    """Return those of the percepts about other people that stand anywhere in a program."""
+    words = set(re.findall(r"\w+", str(program)))
+    return frozenset(words.intersection(PERCEPTS))
+
+
+class _NearWatch:
+    """Calls `notify` when two people get near each other (True), and when they have parted."""
+
+    def __init__(
+        self, stage: Stage, mine: Body, other: Body, notify: Callable[[bool], None]
+    ) -> None:
+        self._stage = stage
+        self._bodies = (mine, other)
+        self._notify = notify
+        self._is_near = False
+        self._alarm = Alarm(stage.clock, self._ring, Turn.NOTICE)
+        for body in self._bodies:
+            body.on_change.append(self._reconsider)
+        self._reconsider()
+
+    def _reconsider(self) -> None:
+        mine, theirs = (body.motion for body in self._bodies)
+        now = self._stage.clock.now
+        end = max(now, min(max(mine.end, theirs.end), self._stage.end))
+        awaited = Apart(NEAR + PARTING) if self._is_near else TooClose(FixedDistance(NEAR))
+        self._alarm.set(first_time(awaited, mine, theirs, now, end))
+
+    def _ring(self) -> None:
+        self._is_near = not self._is_near
+        self._reconsider()
+        self._notify(self._is_near)

@@ -1,0 +1,154 @@
+"""Sources and sinks: people who come in later, and leave the floor."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import sqlite3
+import statistics
+
+import numpy as np
+import pandas as pd
+import pytest
+from run_events import events
+
+import navigation
+import sim
+from sim.exports.formats import export
+
+HALL = """
+floorplan:
+  name: hall
+  boundary: [[0, 0], [12, 0], [12, 6], [0, 6]]
+  stations: {desk: [6, 3], gate: [1, 1], out: [11, 5]}
+  safe_zone: {at: [2, 5]}
+duration: 40.0
+people:
+  - {name: host, personality: external}
+  - name: guest
+    personality: visitor
+    source: {at: gate, rate: 0.5, count: 5}
+    sink: out
+    beliefs: ["calls(1)"]
+expect: {entered: 5, left: 5, overlaps: 0}
+"""
+
+
+@pytest.fixture(scope="module")
+def run() -> sim.Run:
+    return sim.run(sim.Trial.parse(HALL))
+
+
+@pytest.fixture(scope="module")
+def guests(run: sim.Run) -> list[str]:
+    return [name for name in run.summary["people"] if name.startswith("guest")]
+
+
+def test_people_come_in_do_their_errand_and_are_gone(run, guests):
+    assert run.unmet == [] and len(guests) == 5
+    for name in guests:
+        figures = run.summary["people"][name]
+        called, last = figures["visits"]
+        assert called in ("desk", "gate") and last == "out"
+        entered, left = (
+            next(e for e in events(run, k) if e["person"] == name) for k in ("entered", "left")
+        )
+        assert figures["started"] == pytest.approx(entered["t"]) and figures["left"] == left["t"]
+        assert np.hypot(*np.subtract(entered["at"], (1, 1))) <= 1.0
+        assert np.hypot(*np.subtract(left["at"], (11, 5))) <= 1.0
+
+
+def test_nobody_is_anywhere_near_while_they_are_away(run, guests):
+    """Before and after they are far from the floor, and from each other."""
+    for name in guests:
+        begin, end = run.presence[name]
+        inside = run.motions[name].position(np.linspace(begin, end - 1e-6, 200))
+        assert ((inside >= 0) & (inside <= (12, 6))).all()
+        outside = run.motions[name].position(np.array([0.0, begin - 1e-6, end, run.duration]))
+        assert (outside < -900).all()
+    for a, b in itertools.combinations(guests, 2):
+        assert navigation.minimum_separation(run.motions[a], run.motions[b], 0, 40)[1] >= 0.6
+
+
+def test_metrics_are_of_the_time_on_the_floor(run, guests):
+    for name in guests:
+        begin, end = run.presence[name]
+        figures = run.metrics["people"][name]
+        assert figures["time"] == pytest.approx(end - begin)
+        assert figures["path_length"] == pytest.approx(
+            run.summary["people"][name]["distance_walked"]
+        )
+        assert figures["final_distance_to_goal"] < 1.0
+        assert all(
+            apart["maximum"] is None or apart["maximum"] < 14
+            for apart in figures["distance_to"].values()
+        )
+
+
+def test_a_recording_and_its_exports_have_them_only_while_they_are_there(run, guests, tmp_path):
+    recording = sim.Recording(tmp_path / "run")
+    again = sim.run(run.trial, recording)
+    recording.finish(again)
+    read = sim.load_run(tmp_path / "run")
+    assert read.presence == again.presence == run.presence
+    table = pd.read_csv(tmp_path / "run" / "trajectory.csv")
+    for name in guests:
+        begin, end = run.presence[name]
+        t = table[table.body == name].t
+        assert begin <= t.min() < begin + 0.1 and end - 0.1 <= t.max() < end
+    assert table.x.between(0, 12).all() and (table[table.body == "host"].t.max() == 40)
+    export(read, tmp_path / "run.parquet", rate=10.0)
+    columns = pd.read_parquet(tmp_path / "run.parquet")
+    assert len(columns) == len(table) and columns.x.to_numpy() == pytest.approx(table.x, abs=1e-6)
+    export(read, tmp_path / "run.sqlite", rate=10.0)
+    with sqlite3.connect(tmp_path / "run.sqlite") as database:
+        rows = database.execute(
+            "SELECT id, count(*), min(pos_x), max(pos_x) FROM trajectory_data GROUP BY id"
+        ).fetchall()
+    assert len(rows) == 6 and all(low >= 0 and high <= 12 for _, _, low, high in rows)
+    assert sum(count for _, count, _, _ in rows) == len(table)
+
+
+def test_the_times_between_them_are_those_of_the_rate():
+    """As a Poisson process has them: exponential, from the seed alone."""
+    sources = [sim.Source((1.0, 1.0), 0.5, stream="s", number=k) for k in range(1, 2001)]
+    times = [source.time(7) for source in sources[::100]]
+    assert times == sorted(times) and times != [source.time(8) for source in sources[::100]]
+    gaps = np.diff([source.time(7) for source in sources[:400]])
+    assert gaps.min() >= 0 and statistics.mean(gaps) == pytest.approx(2.0, rel=0.15)
+    assert statistics.stdev(gaps) == pytest.approx(2.0, rel=0.2)
+
+
+def test_who_finds_no_room_to_come_in_waits_outside():
+    """Somebody stands on the entrance for ever: nobody comes in."""
+    text = HALL.replace(
+        "{name: host, personality: external}",
+        "{name: host, personality: external, at: [1, 1], radius: 0.9}",
+    )
+    run = sim.run(dataclasses.replace(sim.Trial.parse(text), duration=15.0))
+    assert run.summary["entered"] == 0 and run.summary["people"]["guest1"]["started"] is None
+    assert run.metrics["people"]["guest1"]["time"] == 0.0
+
+
+def test_a_trial_is_written_and_read_back():
+    trial = sim.Trial.parse(HALL)
+    assert [person.name for person in trial.people] == ["host", *(f"guest{k}" for k in range(1, 6))]
+    assert sim.Trial.parse(trial.to_yaml()) == trial
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (("at: gate", "at: gaet"), r"line 12, people\[1\].source.at: no station is called 'gaet'"),
+        (("at: gate", "at: [0.1, 1]"), r"line 12, people\[1\].source.at: .*0\.1"),
+        (("sink: out", "sink: [30, 2]"), r"line 13, people\[1\].sink: .*30"),
+        (("rate: 0.5", "rate: 0"), r"line 12, people\[1\].source.rate: expected more than 0"),
+        (("rate: 0.5, count: 5", "rate: 0.5"), r"line 12, people\[1\].source: .*give count"),
+        (("    sink: out", "    at: [2, 2]"), r"people\[1\]: .*at and source don't go together"),
+        (("host,", "host, group: crew,"), r"line 9, people\[0\].group: a group has from 2 to 5"),
+        (("sink: out", "manners: {comfort: -1}"), "line 13, people.*comfort"),
+    ],
+)
+def test_what_can_not_be_is_said_before_the_run(change, message):
+    with pytest.raises(sim.TrialError, match=message):
+        sim.Trial.parse(HALL.replace(*change))
