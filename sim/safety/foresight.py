@@ -35,7 +35,7 @@ MARGIN = 0.01
 """Metres. Kept beyond the required distance, so that rounding can't decide."""
 
 
-class Plan(NamedTuple):
+class Stoppable(NamedTuple):
     """A motion, and the fastest `stop` from it at an instant (seconds)."""
 
     motion: Motion
@@ -47,7 +47,7 @@ class Plan(NamedTuple):
         return self.motion.end
 
 
-class Walker(NamedTuple):
+class Pedestrian(NamedTuple):
     """Somebody seen at a place (x, y in metres) who walks at `top_speed` (m/s) at most."""
 
     name: str
@@ -93,8 +93,8 @@ class Foresight:
         return required_at_speeds(self.law, human_speed, speed) + MARGIN
 
     def safe_until(
-        self, plan: Plan, people: Sequence[Walker], now: float, least: float
-    ) -> tuple[float, Walker | None]:
+        self, plan: Stoppable, people: Sequence[Pedestrian], now: float, least: float
+    ) -> tuple[float, Pedestrian | None]:
         """Return an instant (seconds) until which `plan` may be followed, and who ends it.
 
         It is found by doubling the time, from `least` seconds on; `now` if not even those are safe.
@@ -114,7 +114,7 @@ class Foresight:
             until, ahead = then, 2 * ahead
         return plan.end, None
 
-    def hindered_for(self, plan: Plan, person: Walker, now: float, least: float) -> float:
+    def hindered_for(self, plan: Stoppable, person: Pedestrian, now: float, least: float) -> float:
         """Return seconds for which `person` hinders `plan` for certain, begun at rest.
 
         They need them to walk as far as the machine would come too close, at two instants: after
@@ -128,11 +128,11 @@ class Foresight:
         ]
         return max(lacking) / person.top_speed
 
-    def _approach(self, person: Walker, now: float) -> Approach:
+    def _approach(self, person: Pedestrian, now: float) -> Approach:
         return Approach(self.law, person.top_speed, now, self.top_speed)
 
     def _hinders(
-        self, person: Walker, law: Approach, motion: Motion, begin: float, end: float
+        self, person: Pedestrian, law: Approach, motion: Motion, begin: float, end: float
     ) -> bool:
         """Return True if `person` may come too close to `motion` between two instants (seconds)."""
         if self._room(person, motion.state(end), end - law.since) < 0.0:
@@ -143,7 +143,7 @@ class Foresight:
         )
 
     def _in_reach(
-        self, person: Walker, law: Approach, motion: Motion, begin: float, end: float
+        self, person: Pedestrian, law: Approach, motion: Motion, begin: float, end: float
     ) -> bool:
         """Return False if the two are too far apart for that, whatever they do on the way."""
         fastest = Odometer(motion).speed(begin, end).range((end - begin) / 2)[1]
@@ -151,7 +151,7 @@ class Foresight:
         reach = fastest * (end - begin) + walked + self.required(person.top_speed, fastest)
         return math.dist(person.at, motion.state(begin).at) < reach
 
-    def _room(self, person: Walker, state: State, seconds: float) -> float:
+    def _room(self, person: Pedestrian, state: State, seconds: float) -> float:
         """Return the metres left beyond what is asked for in `state`, `seconds` from the sight."""
         required = self.required(person.top_speed, state.speed) + person.top_speed * seconds
         return math.dist(person.at, state.at) - required

@@ -5,12 +5,11 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from importlib import resources
 from pathlib import Path
 
 import numpy as np
 
-from ..core.output import write_whole
+from ..views.report_page import write_report_page
 from .charts import chart
 from .comparison import Comparison, Spread
 from .effects import contrasts
@@ -38,20 +37,16 @@ class Remarkable:
 
 def write_report(results: StudyResults, path: Path) -> None:
     """Write the page about a study to `path`."""
-    from jinja2 import Environment, StrictUndefined
-
-    text = resources.files("sim").joinpath("data", "study", "report.html").read_text("utf-8")
-    environment = Environment(
-        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    environment.filters["figure"] = figure
     columns, compared = results.columns, results.comparison
     charts = {
         measure: chart(measure, compared.groups, spreads)
         for measure, spreads in compared.spreads.items()
         if compared.constant(measure) is None
     }
-    page = environment.from_string(text).render(
+    write_report_page(
+        path,
+        "study.html",
+        {"figure": figure},
         study=results.study,
         count=len(results),
         hours=sum(float(t) for t in columns.get("duration", ()) if t is not None) / 3600,
@@ -69,7 +64,6 @@ def write_report(results: StudyResults, path: Path) -> None:
         errors=list(results.failed.items())[:MOST_ERRORS],
         error_count=len(results.failed),
     )
-    write_whole(path, page)
 
 
 def figure(value: float | None, digits: int | None = None) -> str:

@@ -22,7 +22,7 @@ from ...core.events import AgvMoved, AgvYielded
 from ...core.machine import Machine, MachineShape
 from ...core.scenario import AgvMove
 from ...core.stage import Stage
-from ...safety.foresight import Foresight, Plan, Walker
+from ...safety.foresight import Foresight, Pedestrian, Stoppable
 
 LOOK = 0.1
 """Seconds. An AGV that yields looks where people are no sooner than that after the last time."""
@@ -132,7 +132,7 @@ class Agv(Machine):
         elif self._target is not None:
             self.drive(self._target)
 
-    def _try(self) -> Walker | None:
+    def _try(self) -> Pedestrian | None:
         """Set out for the target, or return the person who makes that unsafe."""
         target, now = self._target, self._clock.now
         assert target is not None
@@ -159,7 +159,7 @@ class Agv(Machine):
         if hindered is not None:
             self._wait(hindered)
 
-    def _look_ahead(self, foresight: Foresight, motion: Motion, least: float) -> Walker | None:
+    def _look_ahead(self, foresight: Foresight, motion: Motion, least: float) -> Pedestrian | None:
         """Return who makes it unsafe to follow `motion` for `least` seconds from now.
 
         None if it is safe; it then looks again when it may be no longer.
@@ -172,21 +172,21 @@ class Agv(Machine):
         self._looking.set(until if who is not None else None)
         return None
 
-    def _plan(self, motion: Motion) -> Plan:
+    def _plan(self, motion: Motion) -> Stoppable:
         def stop(t: float) -> Motion:
             return agv_stop(self.lane, lane_state(self.lane, motion.state(t)), t)
 
-        return Plan(motion, stop)
+        return Stoppable(motion, stop)
 
-    def _seen(self) -> list[Walker]:
+    def _seen(self) -> list[Pedestrian]:
         """Return the people it looks out for, from the point at which distances are measured."""
         (c, s), offset = self.lane.direction, self._stage.rules.agv_offset
         return [
-            Walker(body.name, (body.at[0] - offset * c, body.at[1] - offset * s), top_speed)
+            Pedestrian(body.name, (body.at[0] - offset * c, body.at[1] - offset * s), top_speed)
             for body, top_speed in self._people
         ]
 
-    def _wait(self, hindered: Walker) -> None:
+    def _wait(self, hindered: Pedestrian) -> None:
         """Stop, or go on standing, until the path is clear."""
         now, foresight, target = self._clock.now, self._foresight, self._target
         assert foresight is not None and target is not None

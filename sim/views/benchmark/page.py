@@ -8,14 +8,13 @@ import platform
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import date
-from importlib import resources
 from importlib.metadata import version
 from pathlib import Path
 
 from floorplan import Floorplan
 from navigation.benchmark import PEERS, SHORTFALL, TOUCHES, Attempt, Estimate, Row, groups, summary
 
-from ...core.output import write_whole
+from ..report_page import write_report_page
 from .charts import Chart, charts, looks
 from .pictures import Picture, picture, telling
 
@@ -47,13 +46,6 @@ def write_page(
 
     `terms` says how they were made, by name; they depend on the machine if `on_the_clock`.
     """
-    from jinja2 import Environment, StrictUndefined
-
-    text = resources.files("sim").joinpath("data", "benchmark", "report.html").read_text("utf-8")
-    environment = Environment(
-        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    environment.filters |= {"figure": figure, "ms": milliseconds, "interval": interval}
     styles = looks(list(dict.fromkeys(attempt.asked.planner for attempt in attempts)))
     floors = []
     for plan in plans:
@@ -69,7 +61,10 @@ def write_page(
                 picture(plan, drawn, styles),
             )
         )
-    page = environment.from_string(text).render(
+    write_report_page(
+        path,
+        "benchmark.html",
+        {"figure": figure, "ms": milliseconds, "interval": interval},
         floors=floors,
         answers=len(attempts),
         terms={**terms, **_machine(styles)},
@@ -78,7 +73,6 @@ def write_page(
         touches=1000 * TOUCHES,
         day=date.today().isoformat(),
     )
-    write_whole(path, page)
 
 
 def figure(value: float, digits: int = 2) -> str:

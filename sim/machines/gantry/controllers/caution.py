@@ -9,7 +9,7 @@ from simpy.events import Event
 
 from navigation import Motion, State
 
-from ....safety.foresight import Foresight, Plan, Walker
+from ....safety.foresight import Foresight, Pedestrian, Stoppable
 from ..drive import Steps
 from ..robot import GantryRobot, Sighting
 from ..tasks import Pose
@@ -72,8 +72,8 @@ class Caution:
     def safe_for(self, motion: Motion, people: Sequence[Sighting]) -> float:
         """Return the seconds from now for which `motion` is safe, and a stop after them; or 0."""
         gantry = self._gantry
-        plan = Plan(motion, lambda t: gantry.stopping(motion.state(t), t))
-        seen = [Walker(person.name, person.at, self._human_speed) for person in people]
+        plan = Stoppable(motion, lambda t: gantry.stopping(motion.state(t), t))
+        seen = [Pedestrian(person.name, person.at, self._human_speed) for person in people]
         until, who = self._foresight.safe_until(plan, seen, gantry.now, LEAST)
         return until - gantry.now if who is not None else max(until - gantry.now, LEAST)
 
