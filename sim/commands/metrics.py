@@ -88,6 +88,11 @@ def _distances(figures: dict[str, Any]) -> Table:
             f"{name} – nearest": machine["distance_to_people"]
             for name, machine in figures["machines"].items()
         }
+    rows |= {
+        f"{name} – group of {leader}": distances
+        for name, body in (figures["people"] | figures["machines"]).items()
+        for leader, distances in body.get("distance_to_groups", {}).items()
+    }
     title = "How far apart they were, and for how much of the time in whose space"
     table = Table("", title=title, title_justify="left")
     for label in _DISTANCES.values():
@@ -106,6 +111,7 @@ _MOVEMENTS = {
     "average_speed": "average speed, m/s",
     "average_acceleration": "average acceleration, m/s²",
     "average_jerk": "average jerk, m/s³",
+    "social_work": "social work, m/s",
     "goals": "goals",
     "goals_reached": "goals reached",
     "time_to_goal": "time to goal, s",

@@ -371,6 +371,13 @@ class GaveWay(EventKind):
     to: _Person
 
 
+class WalksWith(EventKind):
+    """A person walks with another one from now on, as those of a group with its leader."""
+
+    person: _Person
+    other: _Person
+
+
 class Blocked(EventKind):
     """A person could not go on for as long as their patience lasts, because of somebody else."""
 

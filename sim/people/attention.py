@@ -10,6 +10,7 @@ from floorplan import suggestion
 from navigation import Approaching, Not, PlanningError, first_time
 
 from ..core.clock import Alarm, Turn
+from ..core.events import WalksWith
 from ..core.stage import Stage
 from .errand import Errand
 from .steering.crowd import Crowd
@@ -113,7 +114,10 @@ class Attention:
 
     def walk_with(self, other: Traveller) -> bool:
         """Walk beside `other` from now on, or behind them where there is no room."""
-        return self._attend(other, self._beside)
+        if not self._attend(other, self._beside):
+            return False
+        self._stage.record(WalksWith(person=self._walker.body.name, other=other.name))
+        return True
 
     def approach(self, other: Traveller) -> bool:
         """Walk up to `other`, and after them while they walk; arriving is that of an errand."""

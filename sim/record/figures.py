@@ -100,9 +100,13 @@ def _metrics() -> Iterator[SummaryFigure]:
     person, machine = "metrics.people.NAME.", "metrics.machines.NAME."
     for prefix, keys in (
         (person, (*MOVEMENT, *PROGRESS)),
+        (person, ("social_work",)),
         (f"{person}distance_to.OTHER.", DISTANCES),
+        (f"{person}distance_to_groups.OTHER.", DISTANCES),
         (machine, MOVEMENT),
+        (machine, ("social_work",)),
         (f"{machine}distance_to_people.", DISTANCES),
+        (f"{machine}distance_to_groups.OTHER.", DISTANCES),
     ):
         yield from (SummaryFigure(path=prefix + key) for key in keys)
 

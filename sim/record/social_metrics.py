@@ -17,6 +17,8 @@ from navigation import Company, Courses, Motion
 
 from ..core.recorder import Event, rounded
 from ..core.scene import Scene
+from .groups import Group, groups
+from .social_work import social_work
 
 INTIMATE, PERSONAL, SOCIAL = 0.45, 1.2, 3.6
 """Metres. Where the intimate, personal and social spaces around a person end (E. T. Hall, "The
@@ -88,24 +90,35 @@ def metrics(run: _Run, *, radii: Mapping[str, float] | None = None) -> dict[str,
         for event in run.events
         if event["kind"] == "human_started" and "person" in event
     }
+    walk_together = groups(run.motions, run.events, run.presence)
     spans = [
         (min(max(begins.get(name, 0.0), begin), end), end)
         for name in names
         for begin, end in (run.presence[name],)
     ]
-    courses = Courses([run.motions[name] for name in names], spans)
-    movements = dict(zip(names, _movements(courses), strict=True))
+    courses = Courses(
+        [*(run.motions[name] for name in names), *(one.middle for one in walk_together.values())],
+        [*spans, *(one.span for one in walk_together.values())],
+    )
+    movements = dict(zip(names, _movements(courses), strict=False))
     beside = _companies(courses, names, people, [sizes.get(name, 0.0) for name in names])
+    to_groups = _beside_groups(courses, names, walk_together, sizes)
+    work = _social_work(run, dict(zip(names, spans, strict=True)), people)
     figures: dict[str, Any] = rounded(
         {
             "people": {
                 name: movements[name]
                 | _progress(name, run)
+                | {"social_work": work[name]}
                 | {"distance_to": {other: beside[name, other] for other in names if other != name}}
+                | to_groups.get(name, {})
                 for name in people
             },
             "machines": {
-                name: movements[name] | {"distance_to_people": beside[name, "people"]}
+                name: movements[name]
+                | {"social_work": work[name]}
+                | {"distance_to_people": beside[name, "people"]}
+                | to_groups.get(name, {})
                 for name in names
                 if name not in people
             },
@@ -168,6 +181,39 @@ def _companies(
         beside |= {(name, "people"): beside[name, people[0]] for name in machines}
     alone = _distances(Company(0.0, 0.0, 0.0, 0.0, (0.0, 0.0, 0.0)))
     return {(name, "people"): alone for name in machines} | beside
+
+
+def _beside_groups(
+    courses: Courses, names: list[str], found: Mapping[str, Group], sizes: Mapping[str, float]
+) -> dict[str, dict[str, Any]]:
+    """Distances of each body to the middle of each group, if any, that it is not one of."""
+    asked = {
+        (name, leader): (k, [len(names) + j])
+        for j, (leader, group) in enumerate(found.items())
+        for k, name in enumerate(names)
+        if name not in group.members
+    }
+    radii = [*(sizes.get(name, 0.0) for name in names), *(0.0 for _ in found)]
+    measured = courses.company(list(asked.values()), (INTIMATE, PERSONAL, SOCIAL), radii)
+    beside: dict[str, dict[str, Any]] = {}
+    for (name, leader), company in zip(asked, measured, strict=True):
+        to = beside.setdefault(name, {"distance_to_groups": {}})["distance_to_groups"]
+        to[leader] = _distances(company)
+    return beside
+
+
+def _social_work(
+    run: _Run, spans: Mapping[str, tuple[float, float]], people: Sequence[str]
+) -> dict[str, float]:
+    """Return the social work of each body beside people: m/s."""
+    return {
+        name: social_work(
+            run.motions[name],
+            [(run.motions[other], spans[other]) for other in people if other != name],
+            span,
+        )
+        for name, span in spans.items()
+    }
 
 
 def _distances(company: Company) -> dict[str, Any]:

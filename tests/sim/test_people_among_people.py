@@ -90,8 +90,9 @@ def through_walls(run: sim.Run, radius: float = 0.3) -> list[str]:
     world = navigation.CollisionWorld(run.trial.floorplan)
     found = []
     for name in run.summary["people"]:
-        ends = np.array([piece.end for piece in run.motions[name].pieces])
-        line = run.motions[name].position(np.concatenate([[0.0], ends]))
+        begin, end = run.presence[name]
+        ends = [piece.end for piece in run.motions[name].pieces if begin <= piece.end < end]
+        line = run.motions[name].position(np.array([begin, *ends]))
         if world.clearance(line) < radius - 1e-6:
             found.append(name)
     return found
@@ -390,6 +391,14 @@ def test_what_is_wrong_with_a_steering_is_said(tmp_path):
         "people_aisle",
         pytest.param("people_door", marks=pytest.mark.slow),
         pytest.param("people_counterflow", marks=pytest.mark.slow),
+        "people_overtaking",
+        "people_corner",
+        "people_group",
+        "people_queue",
+        pytest.param("people_bottleneck", marks=pytest.mark.slow),
+        "people_parallel",
+        "people_perpendicular",
+        "people_blind_spot",
     ],
 )
 def test_the_scenes_that_come_with_it_are_as_expected(name):

@@ -1,6 +1,7 @@
 """Metrics of social navigation: what they say of runs, and of runs read back from disk."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -133,3 +134,46 @@ def test_the_command_says_the_same_of_a_recording(run, figures, tmp_path, floorw
         done = floorwalker(*command, "--radius", wrong)
         assert done.returncode == 2
         assert "expected BODY=METRES" in done.stderr
+
+
+def test_social_work_is_the_integral_of_the_forces(run, figures):
+    """Against a sum over samples of the formula as HuNavSim's evaluator has it."""
+    t = np.arange(0.0, run.duration, 0.002)
+    bodies = {name: (m.position(t), m.velocity(t)) for name, m in run.motions.items()}
+
+    def force(me, other):
+        (p, v), (q, w) = bodies[me], bodies[other]
+        apart = q - p
+        unit = apart / np.linalg.norm(apart, axis=1)[:, None]
+        towards = 2.0 * (v - w) + unit
+        size = np.linalg.norm(towards, axis=1)
+        turn = np.angle(unit @ [1, 1j] / (towards @ [1, 1j]))
+        along, width = towards @ [1, 1j] / size, 0.35 * size
+        far = -np.linalg.norm(apart, axis=1) / width
+        slow, side = np.exp(far - (3 * width * turn) ** 2), np.exp(far - (2 * width * turn) ** 2)
+        there = (t >= 20.0) | ("ben" not in (me, other))
+        return -2.1 * (slow + np.sign(turn) * side * 1j) * along * there
+
+    people = list(figures["people"])
+    for name in ("gantry", "ada"):
+        others = [other for other in people if other != name]
+        sums = abs(sum(force(name, o) for o in others)) + sum(abs(force(o, name)) for o in others)
+        found = figures["machines" if name == "gantry" else "people"][name]["social_work"]
+        assert found == pytest.approx(float(sums.sum()) * 0.002, rel=5e-3) and found > 0
+
+
+def test_a_group_has_a_middle_that_others_keep_away_from():
+    trial = replace(sim.Trial.load("people_group"), duration=20.0)
+    run = sim.run(trial)
+    figures = sim.metrics(run)
+    t = np.arange(0.0, 20.0, 0.005)
+    middle = np.mean([run.motions[f"crew{k}"].position(t) for k in (1, 2, 3)], axis=0)
+    away = np.hypot(*(run.motions["ada"].position(t) - middle).T)
+    found = figures["people"]["ada"]["distance_to_groups"]["crew1"]
+    assert found["minimum"] == pytest.approx(away.min(), abs=1e-2)
+    assert found["average"] == pytest.approx(away.mean(), abs=1e-2)
+    near = 100 * ((away >= 1.2) & (away < 3.6)).mean()
+    assert found["social_space_intrusions"] == pytest.approx(near, abs=0.2)
+    assert all("distance_to_groups" not in figures["people"][f"crew{k}"] for k in (1, 2, 3))
+    wanted = {"metrics.people.ada.distance_to_groups.crew1.minimum": f"< {away.min() + 0.01}"}
+    assert replace(run, trial=replace(trial, expect=wanted)).unmet == []
