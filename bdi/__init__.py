@@ -17,7 +17,7 @@ from .language.terms import Literal, Term, Var, text
 from .reasoning.actions import InternalAction, InternalActions
 from .reasoning.beliefs import LiveBeliefs
 from .reasoning.calls import Call
-from .reasoning.cycle import PENDING, Pending
+from .reasoning.circumstance import PENDING, Pending
 from .reasoning.history import Entry, History
 from .reasoning.intentions import Intention
 from .reasoning.society import Message, Society

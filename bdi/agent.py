@@ -16,7 +16,8 @@ from .language.terms import Literal
 from .reasoning.actions import InternalAction
 from .reasoning.beliefs import LiveBeliefs
 from .reasoning.calls import call_in_query
-from .reasoning.cycle import Perform, ReasoningCycle
+from .reasoning.circumstance import Perform
+from .reasoning.cycle import ReasoningCycle
 from .reasoning.history import Entry
 from .reasoning.intentions import Intention
 from .reasoning.society import Message, Society
@@ -94,6 +95,7 @@ class Agent:
             live=live or {},
             seed=seed,
             start=start,
+            act=act,
             print=print,
             on_event=on_event,
             society=Society() if society is None else society,
@@ -104,7 +106,7 @@ class Agent:
         )
         self.beliefs = self._state.beliefs
         self.plans = self._state.plans
-        self._cycle = ReasoningCycle(self._state, act, max_cycles)
+        self._cycle = ReasoningCycle(self._state, max_cycles)
         self._begun = False
         self._running = False
         extra = tuple(Belief(_as_literal(belief)) for belief in beliefs)
@@ -162,7 +164,8 @@ class Agent:
                 self._begun = True
                 cycle.run_instant()
             cycle.run_until(clock, time)
-            state.percepts.come()
+            if state.percepts.coming:
+                state.percepts.come()
             cycle.run_instant()
         except RecursionError:
             raise EndlessProgramError([cycle.problem("a term is nested too deeply")]) from None
@@ -174,7 +177,7 @@ class Agent:
     def _is_idle(self) -> bool:
         state = self._state
         return self._begun and not (
-            state.percepts.are_coming
+            state.percepts.coming
             or state.alarms.heap
             or state.mailbox
             or state.circumstance.feedback
@@ -198,7 +201,7 @@ class Agent:
         Raises:
             ProgramError: the text is not one literal.
         """
-        self._state.percepts.arrive(_as_literal(percept), added=True, at_once=self._running)
+        self._perceive(True, percept)
 
     def remove_percept(self, percept: str | Literal) -> None:
         """Remove a percept from the time of the next `advance` on, or at once as `add_percept`.
@@ -209,7 +212,14 @@ class Agent:
         Raises:
             ProgramError: the text is not one literal.
         """
-        self._state.percepts.arrive(_as_literal(percept), added=False, at_once=self._running)
+        self._perceive(False, percept)
+
+    def _perceive(self, added: bool, percept: str | Literal) -> None:
+        change = (added, percept if isinstance(percept, Literal) else parse_literal(percept))
+        if self._running:
+            self._state.percepts.change([change])
+        else:
+            self._state.percepts.coming.append(change)
 
     @property
     def pending_actions(self) -> dict[int, Literal]:

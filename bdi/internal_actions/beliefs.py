@@ -80,11 +80,11 @@ def answers(call: Call, term: Term, formula: Term) -> list[Term]:
 
 
 def findall(call: Call, term: Term, formula: Term, result: Term) -> object:
-    return call.unify(result, answers(call, term, formula))
+    return call.unify(result, make_list(answers(call, term, formula)))
 
 
 def setof(call: Call, term: Term, formula: Term, result: Term) -> object:
-    return call.unify(result, distinct(answers(call, term, formula)))
+    return call.unify(result, make_list(distinct(answers(call, term, formula))))
 
 
 def count(call: Call, what: Term, *more: Term) -> object:

@@ -8,6 +8,7 @@ from ..language.containers import Container
 from ..language.order import compare, distinct, standard_order
 from ..language.substitution import Unifier
 from ..language.terms import EMPTY, Cons, Nil, Term, Var, make_list, plain_text, text
+from ..language.unification import unified
 from ..reasoning.actions import ActionError, InternalAction
 from ..reasoning.calls import Call
 from .arguments import a_list, a_number, wrong
@@ -79,8 +80,16 @@ def nth(call: Call, index: Term, elements: Term, element: Term) -> object:
         if not 0 <= position < len(items):
             raise ActionError(f"nth: index {position} is out of bounds ({len(items)})")
         return call.unify(element, items[position])
-    pairs = ([float(i), item] for i, item in enumerate(items))
-    return call.each(make_list([index, element]), pairs)
+    return _positions(call, index, items, element)
+
+
+def _positions(call: Call, index: Var, items: list[Term], element: Term) -> Iterator[Unifier]:
+    for position, item in enumerate(items):
+        solution = unified(element, item, call.unifier)
+        if solution is not None:
+            solution = unified(index, float(position), solution)
+        if solution is not None:
+            yield solution
 
 
 def _extreme(name: str, better: Callable[[int], bool]) -> Callable[..., object]:

@@ -101,15 +101,22 @@ class Literal:
         self.ground = True
         self.size = 1
         self.depth = 0
-        try:
-            self._weigh(args)
-        except AttributeError:
-            # An argument is a number of another type: an int, or one of NumPy's.
-            self.args = tuple(map(_term, args))
-            self.size, self.depth, self.ground = 1, 0, True
-            self._weigh(self.args)
+        for arg in args:
+            if arg.__class__ is not float:
+                self._weigh_args()
+                break
         if annots:
             self._weigh(annots)
+
+    def _weigh_args(self) -> None:
+        """Add the arguments to its size and depth; numbers of any type become floats."""
+        try:
+            self._weigh(self.args)
+        except AttributeError:
+            # An argument is a number of another type: an int, or one of NumPy's.
+            self.args = tuple(map(_term, self.args))
+            self.size, self.depth, self.ground = 1, 0, True
+            self._weigh(self.args)
 
     def _weigh(self, terms: tuple[Term, ...]) -> None:
         """Add the terms inside it to its size and depth."""
@@ -146,8 +153,22 @@ class Literal:
 
     def with_annots(self, annots: tuple[Term, ...]) -> Literal:
         """Return this literal with these annotations: in standard order, without duplicates."""
-        other = self.with_args(self.args)
+        other = Literal.__new__(Literal)
+        other.functor = self.functor
+        other.args = self.args
         other.annots = annots
+        other.negated = self.negated
+        other.key = self.key
+        other._hash = self._hash  # annotations do not count in it
+        if self.annots:
+            other.ground = True
+            other.size = 1
+            other.depth = 0
+            other._weigh(self.args)
+        else:
+            other.ground = self.ground
+            other.size = self.size
+            other.depth = self.depth
         if annots:
             other._weigh(annots)
         return other
@@ -155,6 +176,11 @@ class Literal:
     def without_annots(self) -> Literal:
         """Return this literal without annotations."""
         return self.with_annots(()) if self.annots else self
+
+    @property
+    def identity(self) -> tuple[object, ...]:
+        """Functor, negation and arguments: equal for literals that differ in annotations only."""
+        return self.key, self.args
 
     @property
     def is_atom(self) -> bool:
@@ -230,18 +256,32 @@ class Cons:
     """List with elements: a head and a tail, which is a list or a variable."""
 
     __slots__ = ("depth", "ground", "head", "size", "tail")
+    depth: int
+    ground: bool
+    size: int
 
     def __init__(self, head: Term, tail: Term) -> None:
         self.head = head
         self.tail = tail
-        self.ground = is_ground(head) and is_ground(tail)
-        self.size, self.depth = _measure((head,))
+        ground: bool = True
+        size: int = 1
+        depth: int = 0
+        if isinstance(head, str):
+            size += len(head) >> 6
+        elif not isinstance(head, float):
+            ground = head.ground
+            size += head.size
+            depth = head.depth + 1
         if not isinstance(tail, float | str):
             # The elements of a list stand side by side, so the tail is no deeper than the list.
-            self.size += tail.size
-            self.depth = max(self.depth, tail.depth)
-            if self.size > MAX_SIZE:
-                _refuse(self.size)
+            ground = ground and tail.ground
+            size += tail.size
+            depth = max(depth, tail.depth)
+        if size > MAX_SIZE or depth > MAX_DEPTH:
+            _refuse(size)
+        self.ground = ground
+        self.size = size
+        self.depth = depth
 
     def cells(self) -> Iterator[Cons]:
         cell: Term = self
@@ -618,6 +658,8 @@ def _term(value: object) -> Term:
 
 def make_term(value: object) -> Term:
     """Return the term for a Python value: a number, str, list, tuple, or a term itself."""
+    if isinstance(value, Literal | Cons | str) or value.__class__ is float:
+        return cast(Term, value)
     if isinstance(value, bool):
         return TRUE if value else FALSE
     if isinstance(value, int | float):

@@ -277,34 +277,31 @@ def matched(pattern: Literal, belief: Literal, u: Unifier) -> Unifier | None:
     Most of a program's time is spent here, so the frequent arguments, numbers, strings and atoms,
     are compared in place, and `u` is copied only when there is something to bind.
     """
+    if not belief.ground:
+        return unified(pattern, belief, u)
     result = u
     for mine, theirs in zip(pattern.args, belief.args):  # noqa: B905 - equal lengths, and often
         if mine.__class__ is Var:
             value = result.get(mine.name)
             if value is None:
-                kind = theirs.__class__
-                if kind is Var or kind is Arithmetic or kind is Function:
-                    return unified(pattern, belief, u)
                 if result is u:
-                    result = dict(u)
+                    result = u.copy()
                 result[mine.name] = theirs
                 continue
             mine = value
         if mine is theirs:
-            continue
-        if (mine.__class__ is float or mine.__class__ is str) and (
-            theirs.__class__ is float or theirs.__class__ is str
-        ):
-            if mine != theirs:
-                return None
             continue
         if mine.__class__ is Literal and theirs.__class__ is Literal:
             if mine.key != theirs.key:
                 return None
             if not mine.args and not mine.annots:
                 continue
+        elif mine.__class__ is float or mine.__class__ is str:
+            if mine != theirs:
+                return None
+            continue
         if result is u:
-            result = dict(u)
+            result = u.copy()
         if not unify(mine, theirs, result):
             return None
     return result

@@ -52,76 +52,91 @@ class BeliefBase:
     """Beliefs and rules; `live` beliefs answer queries, and are not counted among the others.
 
     Attributes:
-        percepts: the beliefs whose source is `percept`, by their literal without annotations.
-        lost_percepts: percepts no longer believed since the base was last updated from them.
+        shelves: what it holds, by functor, arity and negation.
+        lost_percepts: by their identity, the beliefs that the program has taken the source
+            `percept` off since the base was last updated from percepts.
     """
 
     def __init__(self, live: LiveBeliefs = MappingProxyType({})) -> None:
-        self._shelves: dict[Key, Shelf] = {
+        self.shelves: dict[Key, Shelf] = {
             (functor, arity, False): LiveShelf(functor, arity, source)
             for (functor, arity), source in live.items()
         }
-        self.percepts: dict[Literal, Literal] = {}
-        self.lost_percepts: dict[Literal, None] = {}
+        self.lost_percepts: dict[object, Literal] = {}
 
     def __iter__(self) -> Iterator[Literal]:
         """Iterate over the beliefs, without the rules."""
-        for shelf in self._shelves.values():
+        for shelf in self.shelves.values():
             for clause in shelf.all():
                 if isinstance(clause, Literal):
                     yield clause
 
     def __len__(self) -> int:
-        return sum(len(shelf) - shelf.rules for shelf in self._shelves.values())
-
-    def shelf(self, key: Key) -> Shelf | None:
-        """Return the shelf of a functor, arity and negation, if there is one."""
-        return self._shelves.get(key)
+        return sum(len(shelf) - shelf.rules for shelf in self.shelves.values())
 
     def all_clauses(self) -> tuple[Literal | Rule, ...]:
         """Return all that may answer a query for anything."""
-        return tuple(c for shelf in self._shelves.values() for c in shelf.everything())
+        return tuple(c for shelf in self.shelves.values() for c in shelf.everything())
 
     def find(self, literal: Literal) -> Literal | None:
         """Return the belief that equals a literal, annotations aside."""
-        shelf = self._shelves.get(literal.key)
+        shelf = self.shelves.get(literal.key)
         return None if shelf is None else shelf.find(literal.args)
 
     def add_rule(self, rule: Rule, *, at_end: bool = False) -> None:
         """Add a rule before the clauses of its functor and arity, or after them."""
-        self._shelves.setdefault(rule.head.key, Shelf()).add(rule, at_end=at_end)
+        self.shelves.setdefault(rule.head.key, Shelf()).add(rule, at_end=at_end)
 
     def rules(self) -> list[Rule]:
         """Return the rules."""
-        shelves = self._shelves.values()
+        shelves = self.shelves.values()
         return [clause for shelf in shelves for clause in shelf.all() if isinstance(clause, Rule)]
 
     def add(self, literal: Literal, *, at_end: bool = False) -> Literal | None:
         """Add a belief, or annotations to one. Return what is new of it, or None."""
-        shelf = self._shelves.get(literal.key)
+        shelf = self.shelves.get(literal.key)
         if shelf is None:
-            shelf = self._shelves[literal.key] = Shelf()
+            shelf = self.shelves[literal.key] = Shelf()
         known = shelf.find(literal.args)
         if known is None:
             shelf.add(literal, at_end=at_end)
-            if literal.annots is not ONLY_SELF and FROM_PERCEPT in literal.annots:
-                self.percepts[literal.without_annots()] = literal
             return literal
         added = tuple(annot for annot in literal.annots if annot not in known.annots)
         if not added:
             return None
         shelf.replace(known.with_annots(sorted_annots(known.annots + added)))
-        if FROM_PERCEPT in added:
-            self.percepts[literal.without_annots()] = literal
         return literal.with_annots(added)
 
     def perceive(self, percept: Literal) -> Literal | None:
-        """Believe a percept. Return what is new, as `add`."""
-        return self.add(percept.with_annots(sorted_annots((*percept.annots, FROM_PERCEPT))))
+        """Believe a percept. Return what is new, as `add`; None if it is believed as one."""
+        shelf = self.shelves.get(percept.key)
+        if shelf is None:
+            shelf = self.shelves[percept.key] = Shelf()
+        known = shelf.find(percept.args)
+        if known is not None and FROM_PERCEPT in known.annots:
+            return None
+        annots = ONLY_PERCEPT
+        if percept.annots:
+            annots = sorted_annots((*percept.annots, FROM_PERCEPT))
+        belief = percept.with_annots(annots)
+        if known is not None:
+            return self.add(belief)
+        shelf.add(belief)
+        return belief
 
     def forget_percept(self, percept: Literal) -> Literal | None:
         """Stop believing a percept, unless it has other sources. Return as `remove`."""
-        return self.remove(percept.with_annots(ONLY_PERCEPT), {})
+        shelf = self.shelves.get(percept.key)
+        known = None if shelf is None else shelf.find(percept.args)
+        if shelf is None or known is None or FROM_PERCEPT not in known.annots:
+            return None
+        if known.annots is ONLY_PERCEPT:
+            shelf.remove(known.args)
+            return known
+        removed = percept.with_annots(ONLY_PERCEPT)
+        self._strip(shelf, known, ONLY_PERCEPT)
+        del self.lost_percepts[known.identity]  # nothing that the program has done
+        return removed
 
     def remove(self, literal: Literal, u: Unifier) -> Literal | None:
         """Take annotations off a belief, and remove it when it has no source left.
@@ -129,7 +144,7 @@ class BeliefBase:
         A literal with variables that is not believed as it stands removes the first belief with
         which it unifies, and binds them in `u`. Return the literal removed, or None.
         """
-        shelf = self._shelves.get(literal.key)
+        shelf = self.shelves.get(literal.key)
         if shelf is None:
             return None
         known = shelf.find(literal.args)
@@ -146,16 +161,29 @@ class BeliefBase:
                 return removed if self._strip(shelf, belief, removed.annots) else None
         return None
 
+    def swap(self, literal: Literal) -> Literal | None:
+        """Put a belief of the agent's own in the place of the only one of its functor and arity.
+
+        Return the one that was there, or None if nothing has changed.
+        """
+        shelf = self.shelves.get(literal.key)
+        return None if shelf is None or literal.annots is not ONLY_SELF else shelf.swap(literal)
+
     def remove_first(self, key: Key, annots: tuple[Term, ...]) -> Literal | None:
         """Take annotations off the first belief that has them all, whatever its arguments.
 
         Return what was removed, or None if there is no such belief or it has other sources.
         """
-        shelf = self._shelves.get(key)
+        shelf = self.shelves.get(key)
         if shelf is None:
             return None
         for belief in shelf.all():
-            if isinstance(belief, Literal) and _among(annots, belief.annots):
+            if isinstance(belief, Rule):
+                continue
+            if belief.annots is annots is ONLY_SELF:
+                shelf.remove(belief.args)
+                return belief
+            if _among(annots, belief.annots):
                 removed = belief if belief.annots is annots else belief.with_annots(annots)
                 return removed if self._strip(shelf, belief, annots) else None
         return None
@@ -166,9 +194,7 @@ class BeliefBase:
             shelf.remove(belief.args)
             return True
         if FROM_PERCEPT in belief.annots and FROM_PERCEPT in annots:
-            key = belief.without_annots()
-            self.percepts.pop(key, None)
-            self.lost_percepts[key] = None
+            self.lost_percepts[belief.identity] = belief
         if belief.annots is annots:
             shelf.remove(belief.args)
             return True
@@ -183,7 +209,7 @@ class BeliefBase:
         """Return the beliefs that unify with a pattern, each on its own."""
         clauses: tuple[Literal | Rule, ...]
         if isinstance(pattern, Literal):
-            shelf = self._shelves.get(pattern.key)
+            shelf = self.shelves.get(pattern.key)
             clauses = () if shelf is None else shelf.candidates(pattern, u)
         else:
             clauses = self.all_clauses()

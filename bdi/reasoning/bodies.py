@@ -15,6 +15,7 @@ from ..language.body import (
     Update,
     While,
 )
+from ..language.substitution import Unifier
 from ..language.terms import TRUE, Literal, Term
 from .beliefs import with_source
 from .compiled import Build, Condition, builder, condition
@@ -41,6 +42,8 @@ class Step:
         self.branches: tuple[Step | None, ...] = ()
         if isinstance(formula, Achieve | Update | Act):
             self.build: Build = builder(term)
+            if isinstance(formula, Achieve | Update) and not isinstance(term, Literal):
+                self.build = _with_source(self.build)
         else:
             self.check: Condition = condition(term)
 
@@ -61,9 +64,9 @@ def compile_body(body: Body, following: Step | None = None) -> Step | None:
 def _compile(formula: BodyFormula, following: Step | None) -> Step:
     if isinstance(formula, Achieve):
         operation = "!!" if formula.new_focus else "!"
-        return Step(operation, formula, following, _with_source(formula.goal))
+        return Step(operation, formula, following, _sourced(formula.goal))
     if isinstance(formula, Update):
-        return Step(formula.operator, formula, following, _with_source(formula.belief))
+        return Step(formula.operator, formula, following, _sourced(formula.belief))
     if isinstance(formula, Test):
         return Step("?", formula, following, formula.formula)
     if isinstance(formula, Act):
@@ -95,8 +98,18 @@ def _compile_loop(name: str, formula: While | For, term: Term, following: Step |
     return first
 
 
-def _with_source(literal: Event) -> Event:
+def _sourced(literal: Event) -> Event:
     return with_source(literal) if isinstance(literal, Literal) else literal
+
+
+def _with_source(build: Build) -> Build:
+    """Return the function that gives a source to the literal for which a variable stands."""
+
+    def build_literal(u: Unifier) -> Term:
+        value = build(u)
+        return with_source(value) if isinstance(value, Literal) else value
+
+    return build_literal
 
 
 def _kind(action: Event) -> str:

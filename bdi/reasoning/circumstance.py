@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Iterator
-from typing import Protocol
+from typing import Protocol, TypeAlias
 
 from ..language.substitution import Unifier
 from ..language.terms import Literal, Term
@@ -36,6 +36,19 @@ class States(Protocol):
 
     def post(self) -> None:
         """Post the events of the goals that have changed."""
+
+
+class Pending:
+    """Answer of `act` for an action whose outcome comes later, by `Agent.finish`."""
+
+    def __repr__(self) -> str:
+        return "bdi.PENDING"
+
+
+PENDING = Pending()
+"""The answer of `act` for an action whose outcome is not known yet."""
+
+Perform: TypeAlias = "Callable[[Literal], bool | Pending]"
 
 
 class PendingAction:
@@ -163,17 +176,11 @@ class Circumstance:
         self.running.remove(intention)
         return True
 
-    def select(self) -> Intention | None:
-        """Take out the intention whose turn it is."""
-        if self.atomic is not None:
-            if self.atomic_waits:
-                return None
-            intention, self.atomic = self.atomic, None
-            return intention
-        if not self.running:
+    def take_atomic(self) -> Intention | None:
+        """Take out the atomic intention, unless it is pending."""
+        if self.atomic_waits:
             return None
-        intention = self.running.popleft()
-        intention.in_line = False
+        intention, self.atomic = self.atomic, None
         return intention
 
     def suspend(self, kind: str, intention: Intention, reason: Term | None = None) -> None:
@@ -267,11 +274,6 @@ class Circumstance:
         """Notify `on_end` that an intention has ended."""
         if self.on_end is not None:
             self.on_end(intention)
-
-    @property
-    def size(self) -> int:
-        """Number of intentions that run or are pending."""
-        return len(self.running) + len(self.pending) + len(self.pending_actions)
 
     def intentions(self) -> Iterator[Intention]:
         """Iterate over all intentions, each once, in the order in which Jason searches them."""

@@ -69,7 +69,7 @@ def _build_variable(variable: Var) -> Build:
         if value is None:
             return variable
         cls = value.__class__
-        if cls is float or cls is str:
+        if cls is float or cls is str or (cls is Literal and value.ground):  # type: ignore[union-attr]
             return value
         return substitute(value, u)
 
@@ -103,8 +103,11 @@ def _build_arithmetic(term: Arithmetic) -> Build:
 def _build_literal(literal: Literal) -> Build:
     build_args = [builder(arg) for arg in literal.args]
     if len(build_args) == 1:
-        build_arg = build_args[0]
-        return lambda u: literal.with_args((build_arg(u),))
+        (only,) = build_args
+        return lambda u: literal.with_args((only(u),))
+    if len(build_args) == 2:
+        first, second = build_args
+        return lambda u: literal.with_args((first(u), second(u)))
     return lambda u: literal.with_args(tuple([build(u) for build in build_args]))
 
 
@@ -125,12 +128,12 @@ def condition(formula: Term) -> Condition:
         if isinstance(left, Relation | Not):
             return _both(condition(left), condition(right))
         if _is_plain_query(left):
-            return _query_and(formula)
+            return _query(left, right)
     if isinstance(formula, Not):
         inner = condition(formula.operands[0])
         return lambda logic, u: u if inner(logic, u) is None else None
     if _is_plain_query(formula):
-        return _query(formula)  # type: ignore[arg-type]
+        return _query(formula)
     return lambda logic, u: logic.first(formula, u)
 
 
@@ -174,45 +177,31 @@ def _both(one: Condition, other: Condition) -> Condition:
     return check
 
 
-def _query(query: Literal) -> Condition:
+def _query(query: Term, following: Term | None = None) -> Condition:
+    """Compile a query, and a formula that is to hold as well for the belief that answers it."""
+    assert isinstance(query, Literal)  # a plain query is one
     key = query.key
+    formula: Term = query if following is None else And(query, following)
+    rest = None if following is None else condition(following)
 
     def check(logic: Logic, u: Unifier) -> Unifier | None:
-        shelf = logic.beliefs.shelf(key)
-        if shelf is None:
-            return None
-        if shelf.rules:
-            return logic.first(query, u)
-        for belief in shelf.candidates(query, u):
-            solution = matched(query, belief, u)  # type: ignore[arg-type]
-            if solution is not None:
-                return solution
-        return None
-
-    return check
-
-
-def _query_and(formula: And) -> Condition:
-    """Compile a query followed by a formula: the first of its beliefs for which that holds."""
-    query, following = formula.operands
-    key = query.key  # type: ignore[union-attr]
-    rest = condition(following)
-
-    def check(logic: Logic, u: Unifier) -> Unifier | None:
-        shelf = logic.beliefs.shelf(key)
+        shelf = logic.shelves.get(key)
         if shelf is None:
             return None
         if shelf.rules:
             return logic.first(formula, u)
-        for belief in shelf.candidates(query, u):  # type: ignore[arg-type]
+        for belief in shelf.candidates(query, u):
             solution = matched(query, belief, u)  # type: ignore[arg-type]
+            if solution is None:
+                continue
+            if rest is None:
+                return solution
+            logic.goals_left -= 1
+            if logic.goals_left < 0:
+                logic.give_up(formula)
+            solution = rest(logic, solution)
             if solution is not None:
-                logic.goals_left -= 1
-                if logic.goals_left < 0:
-                    logic.give_up(formula)
-                solution = rest(logic, solution)
-                if solution is not None:
-                    return solution
+                return solution
         return None
 
     return check

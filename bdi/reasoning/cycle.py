@@ -6,14 +6,10 @@ takes the outcome of one action and carries out one step of one intention.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import TypeAlias
-
 from ..errors import EndlessProgramError, Problem
 from ..language.terms import ONLY_SELF, Literal
 from .achievement import finish_satisfied
 from .actions import error_annots
-from .circumstance import PendingAction
 from .deliberation import clear, deliberate, move_on
 from .execution import OPERATIONS
 from .failure import fail
@@ -23,25 +19,11 @@ from .plans import SLEEPING
 from .state import SECOND, AgentState
 
 
-class Pending:
-    """Answer of `act` for an action whose outcome comes later, by `Agent.finish`."""
-
-    def __repr__(self) -> str:
-        return "bdi.PENDING"
-
-
-PENDING = Pending()
-"""The answer of `act` for an action whose outcome is not known yet."""
-
-Perform: TypeAlias = "Callable[[Literal], bool | Pending]"
-
-
 class ReasoningCycle:
-    """Runs the cycles of one agent; `act` carries out its external actions."""
+    """Runs the cycles of one agent."""
 
-    def __init__(self, state: AgentState, act: Perform | None, max_cycles: int) -> None:
+    def __init__(self, state: AgentState, max_cycles: int) -> None:
         self._state = state
-        self._act = act
         self._max_cycles = max_cycles
 
     def run_until(self, clock: int, time: float) -> None:
@@ -65,25 +47,60 @@ class ReasoningCycle:
         Raises:
             EndlessProgramError: that takes more cycles than one instant may have.
         """
-        cycles = 0
-        state = self._state
-        circumstance = state.circumstance
-        state.logic.begin_instant()
-        while (circumstance.running and circumstance.atomic is None) or self._goes_on():
-            cycles += 1
-            if cycles > self._max_cycles:
+        state, left = self._state, self._max_cycles
+        circumstance, logic, percepts, plans = (
+            state.circumstance,
+            state.logic,
+            state.percepts,
+            state.plans,
+        )
+        tasks, mailbox, alarms = state.tasks, state.mailbox, state.alarms.heap
+        running, feedback = circumstance.running, circumstance.feedback
+        logic.begin_instant()
+        while (circumstance.atomic is None and (running or circumstance.events)) or self._goes_on():
+            left -= 1
+            if left < 0:
                 limit = f"more than {self._max_cycles} cycles at {state.now:g} s"
                 raise EndlessProgramError([self.problem(f"{limit}: this plan does not end")])
-            self._cycle()
+            if logic.goals_left != logic.max_goals:
+                logic.begin_cycle()
+            circumstance.selected_event = circumstance.selected = None
+            if (
+                alarms
+                or percepts.changed
+                or tasks
+                or mailbox
+                or plans.has_sleep
+                or circumstance.states is not None
+            ):
+                self._sense()
+            if circumstance.atomic is None and (circumstance.events or circumstance.atomic_event):
+                deliberate(state)
+            if circumstance.has_conditions:
+                finish_satisfied(state)
+            if feedback:
+                self._take_feedback()
+            if circumstance.atomic is not None:
+                intention = circumstance.take_atomic()
+            elif running:
+                intention = running.popleft()
+                intention.in_line = False
+            else:
+                continue
+            if intention is None or not intention.stack:
+                continue
+            circumstance.selected = intention
+            means = intention.stack[-1]
+            step = means.step
+            if step is None:
+                move_on(state, intention, means)
+                continue
+            OPERATIONS[step.operation](state, intention, means, step)
+            if means.step is None and intention.stack:
+                clear(state, intention)
 
     def _goes_on(self) -> bool:
         """Return True if there is work, or a plan may be called because there is none."""
-        state = self._state
-        if self._has_work():
-            return True
-        return state.plans.has_sleep and not state.sleeps and not state.is_stopped
-
-    def _has_work(self) -> bool:
         state, circumstance = self._state, self._state.circumstance
         if state.percepts.changed or state.tasks or state.mailbox:
             return True
@@ -94,52 +111,21 @@ class ReasoningCycle:
         if circumstance.feedback and circumstance.has_feedback():
             return True
         if circumstance.atomic is not None:
-            return not circumstance.atomic_waits
-        return bool(
-            circumstance.events or circumstance.running or circumstance.atomic_event is not None
-        )
-
-    def _cycle(self) -> None:
-        state, circumstance = self._state, self._state.circumstance
-        state.logic.begin_cycle()
-        circumstance.selected_event = circumstance.selected = None
-        if (
-            state.alarms.heap
-            or state.tasks
-            or state.percepts.changed
-            or state.mailbox
-            or state.plans.has_sleep
-            or circumstance.states is not None
-        ):
-            self._sense()
-        if circumstance.atomic is None and (circumstance.events or circumstance.atomic_event):
-            deliberate(state)
-        if circumstance.has_conditions:
-            finish_satisfied(state)
-        if circumstance.feedback:
-            self._take_feedback()
-        intention = circumstance.select()
-        circumstance.selected = intention
-        if intention is None or not intention.stack:
-            return
-        means = intention.stack[-1]
-        step = means.step
-        if step is None:
-            move_on(state, intention, means)
-        else:
-            OPERATIONS[step.operation](state, intention, means, step)
-            if means.step is None and intention.stack:
-                clear(state, intention)
-        if state.requested is not None:
-            self._perform(state.requested)
+            if not circumstance.atomic_waits:
+                return True
+        elif circumstance.events or circumstance.running or circumstance.atomic_event is not None:
+            return True
+        return state.plans.has_sleep and not state.sleeps and not state.is_stopped
 
     def _sense(self) -> None:
         state = self._state
-        state.alarms.ring(state.clock)
+        if state.alarms.heap:
+            state.alarms.ring(state.clock)
         if state.percepts.changed:
             for event in state.percepts.update(state.beliefs):
-                state.note("percept", event)
-                state.circumstance.post(event)
+                if state.is_observed:
+                    state.note("percept", event)
+                state.changed(event.sort, event.literal, None)
         if state.plans.has_sleep:
             self._fall_asleep_or_wake()
         if state.mailbox:
@@ -183,15 +169,6 @@ class ReasoningCycle:
             else:
                 fail(state, intention, error_annots("action_failed", ""))
             return
-
-    def _perform(self, pending: PendingAction) -> None:
-        state = self._state
-        state.requested = None
-        state.circumstance.expect(pending)
-        state.note("action", pending.action, pending.intention)
-        outcome = True if self._act is None else self._act(pending.action)
-        if not isinstance(outcome, Pending):
-            state.circumstance.feedback.append((pending, bool(outcome)))
 
     def problem(self, message: str) -> Problem:
         """Return a problem of the plan that is being carried out or looked for."""

@@ -146,35 +146,35 @@ def adopt(agent: AgentState, plan: LoadedPlan, event: Event, u: Unifier) -> None
     """Put a plan on the intention that waits for the event, or on a new one."""
     literal = event.literal if event.literal.ground else substitute_literal(event.literal, u)
     means = Means(plan, event.sort, literal, u, plan.body)
+    circumstance = agent.circumstance
     if plan.until is not None:
-        agent.circumstance.has_conditions = True
-    if agent.circumstance.states is not None and event.sort == "+!":
-        agent.circumstance.states.note("executing", event.sort, literal)
+        circumstance.has_conditions = True
+    if circumstance.states is not None and event.sort == "+!":
+        circumstance.states.note("executing", event.sort, literal)
     intention = event.intention
     if intention is None:
         intention = Intention(agent.next_intention_number())
     elif intention.stack:
-        _forget_tail_call(agent, intention, means)
+        top = intention.stack[-1]
+        if top.step is not None and top.step.next is None and top.literal.key == literal.key:
+            _forget_tail_call(agent, intention, means)
         if len(intention.stack) >= agent.max_depth:
             raise TooDeepError(f"{plan.plan.trigger} calls itself too deeply")
-    intention.push(means)
-    agent.circumstance.add_running(intention)
-    agent.note("plan", event, intention)
+    intention.stack.append(means)
+    if plan.atomic:
+        intention.atomic += 1
+    circumstance.add_running(intention)
+    if agent.is_observed:
+        agent.note("plan", event, intention)
 
 
 def _forget_tail_call(agent: AgentState, intention: Intention, means: Means) -> None:
-    """Take the calling plan off if its last step was this goal and it has the same functor.
+    """Take the calling plan off, whose last step this goal was, if it was for one of its functor.
 
     Loops by recursion then need no memory. The values that the plan below awaits are handed on.
     """
     top = intention.top
-    if not (
-        top.sort in ("+!", "+?")
-        and means.sort in ("+!", "+?")
-        and top.step is not None
-        and top.step.next is None
-        and top.literal.key == means.literal.key
-    ):
+    if top.sort not in ("+!", "+?") or means.sort not in ("+!", "+?"):
         return
     intention.pop()
     if intention.stack:
@@ -210,7 +210,9 @@ def clear(agent: AgentState, intention: Intention) -> bool:
             reason = Literal("wait_goal_condition")
             agent.circumstance.suspend("wait_goal_condition", intention, reason)
             return False
-        top = intention.pop()
+        top = stack.pop()
+        if top.plan.atomic:
+            intention.atomic -= 1
         if states is not None and top.is_goal:
             states.note("achieved", top.sort, top.literal)
             states.note("finished", top.sort, top.literal)
@@ -220,7 +222,8 @@ def clear(agent: AgentState, intention: Intention) -> bool:
             break
         means = stack[-1]
         if means.step is not None:
-            _hand_over(agent, means.awaited, top.u, means.u)
+            if means.awaited:
+                _hand_over(agent, means.awaited, top.u, means.u)
             means.step = means.step.next
     if not stack:
         agent.circumstance.remove_running(intention)

@@ -18,28 +18,13 @@ from .actions import ActionError, error_annots
 from .beliefs import with_source
 from .bodies import Step, compile_body
 from .calls import Waiting, call
+from .circumstance import Pending, PendingAction
 from .deliberation import move_on
 from .failure import end_fork, fail
 from .intentions import Event, Fork, Intention, Means
 from .state import AgentState
 
 Operation: TypeAlias = Callable[[AgentState, Intention, Means, Step], None]
-LiteralOperation: TypeAlias = Callable[[AgentState, Intention, Means, Step, Literal], None]
-
-
-def _on_literal(operation: LiteralOperation) -> Operation:
-    """Return an operation on the literal of its step, which fails if a variable stands for none."""
-
-    def operate(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:
-        literal = step.build(means.u)
-        if step.term.__class__ is not Literal:
-            if not isinstance(literal, Literal):
-                _not_a_literal(agent, intention, means, step)
-                return
-            literal = with_source(literal)
-        operation(agent, intention, means, step, literal)  # type: ignore[arg-type]
-
-    return operate
 
 
 def _not_a_literal(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:
@@ -54,9 +39,6 @@ def _not_a_literal(agent: AgentState, intention: Intention, means: Means, step: 
 
 def _export(agent: AgentState, means: Means, literal: Literal) -> Literal:
     """Return the literal of an event, with fresh variables whose values the plan awaits."""
-    if literal.ground:
-        means.awaited = ()
-        return literal
     renamed: dict[str, Var] = {}
     exported = rename(literal, agent.names, renamed)
     means.u.update(renamed)
@@ -67,21 +49,27 @@ def _export(agent: AgentState, means: Means, literal: Literal) -> Literal:
 # ---- goals
 
 
-def _achieve(
-    agent: AgentState, intention: Intention, means: Means, step: Step, goal: Literal
-) -> None:
-    event = Event("+!", _export(agent, means, goal), intention)
+def _achieve(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:
+    goal = step.build(means.u)
+    if not isinstance(goal, Literal):
+        _not_a_literal(agent, intention, means, step)
+        return
+    if goal.ground:
+        means.awaited = ()
+    else:
+        goal = _export(agent, means, goal)
+    event = Event("+!", goal, intention)
     agent.circumstance.post(event)
     if goal.annots is not ONLY_SELF:
         _check_deadline(agent, event)
 
 
-def _achieve_new(
-    agent: AgentState, intention: Intention, means: Means, step: Step, goal: Literal
-) -> None:
-    if not goal.ground:
-        goal = rename(goal, agent.names, {})  # type: ignore[assignment]
-    event = Event("+!", goal)
+def _achieve_new(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:
+    goal = step.build(means.u)
+    if not isinstance(goal, Literal):
+        _not_a_literal(agent, intention, means, step)
+        return
+    event = Event("+!", goal if goal.ground else rename(goal, agent.names, {}))  # type: ignore[arg-type]
     agent.circumstance.post(event)
     if goal.annots is not ONLY_SELF:
         _check_deadline(agent, event)
@@ -131,53 +119,84 @@ def _bindings(u: Unifier) -> str:
 # ---- beliefs
 
 
-def _adding(*, at_end: bool = False, new_focus: bool = False) -> LiteralOperation:
-    """Return the operation that adds a belief; with `new_focus` nothing waits for its event."""
-
-    def add(
-        agent: AgentState, intention: Intention, means: Means, step: Step, literal: Literal
-    ) -> None:
-        added = agent.beliefs.add(_export(agent, means, literal), at_end=at_end)
-        focus = None if new_focus else intention
-        if added is None or not agent.changed("+", added, focus) or new_focus:
-            move_on(agent, intention, means)
-
-    return add
+def _add(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:
+    literal = step.build(means.u)
+    if isinstance(literal, Literal):
+        _believe(agent, intention, means, step, literal)
+    else:
+        _not_a_literal(agent, intention, means, step)
 
 
-def _deleting(*, new_focus: bool = False) -> LiteralOperation:
-    """Return the operation that removes a belief; with `new_focus` nothing waits for its event."""
-
-    def delete(
-        agent: AgentState, intention: Intention, means: Means, step: Step, literal: Literal
-    ) -> None:
-        means.awaited = ()
-        removed = agent.beliefs.remove(literal, means.u)
-        focus = None if new_focus else intention
-        if removed is None or not agent.changed("-", removed, focus) or new_focus:
-            move_on(agent, intention, means)
-
-    return delete
-
-
-_add = _adding()
-
-
-def _replace(
+def _believe(
     agent: AgentState, intention: Intention, means: Means, step: Step, literal: Literal
 ) -> None:
-    """`-+b(X)`: removes the first `b` of the agent's own, whatever its arguments, and adds this."""
+    """Add a belief at the front, or at the end (`+>`); after `++b` nothing waits for its event."""
+    if literal.ground:
+        means.awaited = ()
+    else:
+        literal = _export(agent, means, literal)
+    added = agent.beliefs.add(literal, at_end=step.operation == "+>")
+    waits = step.operation != "++"
+    focus = intention if waits else None
+    if added is None or not agent.changed("+", added, focus) or not waits:
+        move_on(agent, intention, means)
+
+
+def _delete(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:
+    """Remove a belief; after `--b` nothing waits for its event."""
+    literal = step.build(means.u)
+    if not isinstance(literal, Literal):
+        _not_a_literal(agent, intention, means, step)
+        return
+    means.awaited = ()
+    removed = agent.beliefs.remove(literal, means.u)
+    waits = step.operation != "--"
+    focus = intention if waits else None
+    if removed is None or not agent.changed("-", removed, focus) or not waits:
+        move_on(agent, intention, means)
+
+
+def _replace(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:
+    """`-+b(X)`: remove the first `b` of the agent's own, whatever its arguments, and add this."""
+    literal = step.build(means.u)
+    if not isinstance(literal, Literal):
+        _not_a_literal(agent, intention, means, step)
+        return
+    removed = agent.beliefs.swap(literal) if literal.ground else None
+    if removed is not None:
+        means.awaited = ()
+        if not agent.swapped(removed, literal, intention):
+            move_on(agent, intention, means)
+        return
     removed = agent.beliefs.remove_first(literal.key, literal.annots)
     if removed is not None:
         agent.changed("-", removed, None)
-    _add(agent, intention, means, step, literal)
+    _believe(agent, intention, means, step, literal)
 
 
 # ---- actions
 
 
 def _act_externally(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:
-    agent.request(step.build(means.u), intention)  # type: ignore[arg-type]
+    _perform(agent, intention, step.build(means.u))  # type: ignore[arg-type]
+
+
+def _perform(agent: AgentState, intention: Intention, action: Literal) -> None:
+    """Have an external action carried out; its intention waits for the outcome."""
+    circumstance = agent.circumstance
+    pending = PendingAction(agent.next_action_number(), action, intention)
+    circumstance.expect(pending)
+    if agent.is_observed:
+        agent.note("action", action, intention)
+    outcome = True if agent.act is None else agent.act(action)
+    if isinstance(outcome, Pending):
+        return
+    if outcome and not circumstance.feedback and circumstance.states is None and agent.is_quiet:
+        # The next cycle would begin with this outcome.
+        if circumstance.take_action(intention) is pending:
+            move_on(agent, intention, intention.stack[-1])
+        return
+    circumstance.feedback.append((pending, bool(outcome)))
 
 
 def _act_internally(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:
@@ -201,7 +220,7 @@ def _do_value(agent: AgentState, intention: Intention, means: Means, step: Step)
     elif isinstance(value, Literal) and value.is_internal_action:
         _call(agent, intention, means, value)
     elif isinstance(value, Literal):
-        agent.request(value, intention)
+        _perform(agent, intention, value)
     else:
         _not_a_literal(agent, intention, means, step)
 
@@ -239,7 +258,7 @@ def _choose(agent: AgentState, intention: Intention, means: Means, step: Step) -
 
 
 def _begin_while(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:
-    means.loops.append((means.u, iter(())))
+    means.loops = (*means.loops, (means.u, iter(())))
     _repeat_while(agent, intention, means, step)
 
 
@@ -253,7 +272,7 @@ def _begin_for(agent: AgentState, intention: Intention, means: Means, step: Step
     if not solutions:
         move_on(agent, intention, means)
         return
-    means.loops.append((means.u, iter(solutions)))
+    means.loops = (*means.loops, (means.u, iter(solutions)))
     _repeat_for(agent, intention, means, step)
 
 
@@ -267,7 +286,8 @@ def _iterate(
 ) -> None:
     """Begin the body of a loop once more, or go on with the bindings from before the loop."""
     if solution is None:
-        means.u, _ = means.loops.pop()
+        *outer, (means.u, _) = means.loops
+        means.loops = tuple(outer)
         means.step = step.next
     else:
         means.u = dict(solution)
@@ -300,17 +320,17 @@ def _join(agent: AgentState, intention: Intention, means: Means, step: Step) -> 
 
 OPERATIONS: Mapping[str, Operation] = MappingProxyType(
     {
-        "!": _on_literal(_achieve),
-        "!!": _on_literal(_achieve_new),
+        "!": _achieve,
+        "!!": _achieve_new,
         "?": _test,
         "constraint": _constrain,
-        "+": _on_literal(_add),
-        "+<": _on_literal(_add),
-        "+>": _on_literal(_adding(at_end=True)),
-        "++": _on_literal(_adding(new_focus=True)),
-        "-": _on_literal(_deleting()),
-        "--": _on_literal(_deleting(new_focus=True)),
-        "-+": _on_literal(_replace),
+        "+": _add,
+        "+<": _add,
+        "+>": _add,
+        "++": _add,
+        "-": _delete,
+        "--": _delete,
+        "-+": _replace,
         "external action": _act_externally,
         "internal action": _act_internally,
         "variable": _do_value,

@@ -75,8 +75,8 @@ class Means:
         self.u = u
         self.step = step
         self.awaited: tuple[str, ...] = ()
-        self.loops: list[tuple[Unifier, Iterator[Unifier]]] = []
-        self.first: Unifier = {} if plan.inner is None else dict(u)
+        self.loops: tuple[tuple[Unifier, Iterator[Unifier]], ...] = ()
+        self.first: Unifier = u if plan.inner is None else dict(u)
 
     @property
     def is_goal(self) -> bool:
@@ -102,7 +102,7 @@ class Means:
         """Return a copy that can be carried out on its own."""
         copy = Means(self.plan, self.sort, self.literal, dict(self.u), self.step)
         copy.awaited = self.awaited
-        copy.loops = list(self.loops)
+        copy.loops = self.loops
         copy.first = self.first
         return copy
 

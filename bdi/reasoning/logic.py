@@ -40,6 +40,7 @@ from ..language.terms import (
     Term,
     TriggerTerm,
     Var,
+    is_ground,
     make_list,
     namespace_of,
     placed,
@@ -99,22 +100,21 @@ class Logic:
         max_goals: int,
     ) -> None:
         self.beliefs = beliefs
+        self.shelves = beliefs.shelves
         self.names = names
         self._call = call
-        self._max_goals = max_goals
+        self.max_goals = max_goals
         self._left_at_this_instant = CYCLES * max_goals
         self._allowed = self.goals_left = max_goals
 
     def begin_instant(self) -> None:
         """Renew the budget of an instant."""
-        self._left_at_this_instant = CYCLES * self._max_goals
+        self._left_at_this_instant = CYCLES * self.max_goals
 
     def begin_cycle(self) -> None:
         """Renew the budget of a cycle, as far as that of the instant allows."""
-        if self.goals_left == self._allowed == self._max_goals:
-            return
         self._left_at_this_instant -= self._allowed - self.goals_left
-        self._allowed = self.goals_left = min(self._max_goals, self._left_at_this_instant)
+        self._allowed = self.goals_left = min(self.max_goals, self._left_at_this_instant)
 
     def spend(self, goals: int, formula: Term) -> None:
         """Count goals that were tried for `formula`.
@@ -128,7 +128,7 @@ class Logic:
 
     def give_up(self, formula: Term) -> None:
         """Raise the error for a budget that is used up, at last by `formula`."""
-        tried = self._max_goals if self._allowed == self._max_goals else CYCLES * self._max_goals
+        tried = self.max_goals if self._allowed == self.max_goals else CYCLES * self.max_goals
         raise TooDeepError(f"more than {tried:,} goals were tried at once, at last {formula}")
 
     def first(self, formula: Term, u: Unifier) -> Unifier | None:
@@ -236,7 +236,7 @@ class Logic:
                 return answer
             choices.append((solution, goals) for solution in answer)
             return None
-        shelf = self.beliefs.shelf(literal.key)
+        shelf = self.shelves.get(literal.key)
         if shelf is None:
             return u if literal == TRUE else None
         candidates = shelf.candidates(literal, u)
@@ -261,8 +261,7 @@ class Logic:
         for clause in candidates:
             if isinstance(clause, Rule):
                 if query is None:
-                    query = rename(substitute_literal(literal, u), self.names, renamed)
-                    asked = variable_names(query)
+                    query, asked = self._asked(literal, u, renamed)
                 scope: Unifier = {}
                 if unify(query, clause.head, scope):
                     yield scope, (clause.body, (_Return(asked, renamed, u), goals))
@@ -273,6 +272,27 @@ class Logic:
             else:
                 for solution in self._with_annots(literal, clause, u):
                     yield solution, goals
+
+    def _asked(
+        self, literal: Literal, u: Unifier, renamed: dict[str, Var]
+    ) -> tuple[Term, tuple[str, ...]]:
+        """Return a query with its values and fresh variables, and the names of those."""
+        args = [substitute(arg, u) for arg in literal.args]
+        asked: list[str] = []
+        for place, arg in enumerate(args):
+            if is_ground(arg):
+                continue
+            if arg.__class__ is not Var:
+                break
+            if not arg.fresh:
+                new = renamed.get(arg.name) or self.names.fresh(arg.name)
+                renamed[arg.name] = args[place] = arg = new
+            asked.append(arg.name)
+        else:
+            if not literal.annots:
+                return literal.with_args(tuple(args)), tuple(dict.fromkeys(reversed(asked)))
+        query = rename(substitute_literal(literal, u), self.names, renamed)
+        return query, variable_names(query)
 
     def _with_annots(self, literal: Literal, belief: Literal, u: Unifier) -> Iterator[Unifier]:
         """Yield a solution for each choice of annotations that unifies with the query's."""

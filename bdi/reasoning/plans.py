@@ -204,7 +204,7 @@ class PlanLibrary:
 
     def candidates(self, sort: str, literal: Literal | Var | Qualified) -> list[LoadedPlan]:
         """Return the plans whose trigger has the sort and key of an event, in order."""
-        if not isinstance(literal, Literal):
-            return [plan for plan in self._plans if plan.sort == sort]
-        plans = self._by_trigger[sort].get(literal.key)
-        return self._for_any[sort] if plans is None else plans
+        if literal.__class__ is Literal:
+            plans = self._by_trigger[sort].get(literal.key)
+            return self._for_any[sort] if plans is None else plans
+        return [plan for plan in self._plans if plan.sort == sort]

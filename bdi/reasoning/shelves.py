@@ -76,6 +76,22 @@ class Shelf:
         if self._by_first is not None:
             self._file(belief.args, (rank, belief))
 
+    def swap(self, belief: Literal) -> Literal | None:
+        """Put a belief in the place of the only one there is, if that has the same annotations.
+
+        Return the one that was there, or None if nothing has changed.
+        """
+        if len(self._entries) != 1:
+            return None
+        ((rank, known),) = self._entries.values()
+        if known.__class__ is Rule or known.annots is not belief.annots:  # type: ignore[union-attr]
+            return None
+        self._entries = {belief.args: (rank, belief)}
+        self._ordered = (belief,)
+        if self._by_first is not None:
+            self._by_first, self._loose = None, {}
+        return known  # type: ignore[return-value]
+
     def remove(self, args: tuple[Term, ...]) -> None:
         """Remove the belief with these arguments."""
         del self._entries[args]
@@ -99,12 +115,13 @@ class Shelf:
 
     def kept(self, query: Literal, u: Unifier) -> tuple[Literal | Rule, ...]:
         """Return what is kept and may answer a query, in order."""
-        if self._by_first is not None and query.args:
-            first = substitute(query.args[0], u)
-            if is_ground(first):
-                bucket = self._by_first.get(first, {})
-                return _in_order({**bucket, **self._loose} if self._loose else bucket)
-        return self.all()
+        if self._by_first is None or not query.args:
+            return self._ordered or self.all()
+        first = substitute(query.args[0], u)
+        if not is_ground(first):
+            return self._ordered or self.all()
+        bucket = self._by_first.get(first, {})
+        return _in_order({**bucket, **self._loose} if self._loose else bucket)
 
     # What may answer a query, and all that can, in order. Aliases, not methods that call the
     # others: most shelves have nothing live, and every query comes here.

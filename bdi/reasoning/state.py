@@ -17,7 +17,7 @@ from ..language.terms import TRUE, Literal
 from .actions import InternalAction, check_actions
 from .alarms import Alarm, Alarms
 from .beliefs import BeliefBase, LiveBeliefs, with_source
-from .circumstance import Circumstance, PendingAction
+from .circumstance import Circumstance, Perform
 from .goal_states import GoalStates
 from .history import Entry
 from .intentions import Event, Intention
@@ -60,6 +60,7 @@ class AgentState:
         name: name of the agent.
         program: the program it started with.
         actions: its internal actions by name.
+        act: carries out an external action; without it every action succeeds.
         beliefs: its belief base.
         plans: its plan library.
         circumstance: its events and intentions.
@@ -77,8 +78,8 @@ class AgentState:
         clock: time (ns).
         now: the same time (s), as the caller gave it.
         max_depth: largest number of plans in an intention.
-        requested: external action to be carried out at the end of the cycle.
         is_stopped: True when the program has ended itself.
+        is_observed: True if somebody is told of what happens (`note`).
     """
 
     def __init__(
@@ -91,6 +92,7 @@ class AgentState:
         live: LiveBeliefs,
         seed: int,
         start: float,
+        act: Perform | None,
         print: Callable[[str], None] | None,
         on_event: Callable[[Entry], None] | None,
         society: Society | None,
@@ -102,6 +104,7 @@ class AgentState:
         self.name = name
         self.program = program
         self.actions = actions
+        self.act = act
         self.names = Names()
         self.beliefs = BeliefBase(live)
         self.plans = PlanLibrary()
@@ -118,8 +121,8 @@ class AgentState:
         self.clock = nanoseconds(start)
         self.now = float(start)
         self.max_depth = max_depth
-        self.requested: PendingAction | None = None
         self.is_stopped = False
+        self.is_observed = on_event is not None
         self._max_intentions = max_intentions
         self._print = print
         self._on_event = on_event
@@ -219,28 +222,42 @@ class AgentState:
         nobody waits for it, and nothing else is to be dealt with before. Leaving it out then saves
         a cycle and changes nothing else.
         """
+        if self.plans.candidates(sort, literal) or not self.is_quiet:
+            self.circumstance.post(Event(sort, literal, intention))
+            return True
+        return False
+
+    def swapped(self, removed: Literal, added: Literal, intention: Intention) -> bool:
+        """Raise the events of a belief that has taken another's place; return as `changed`."""
+        candidates = self.plans.candidates
+        if candidates("-", removed) or candidates("+", added) or not self.is_quiet:
+            self.changed("-", removed, None)
+            return self.changed("+", added, intention)
+        return False
+
+    @property
+    def is_quiet(self) -> bool:
+        """True if the next cycle would begin with nothing new, and no event is to be taken."""
         circumstance = self.circumstance
-        if (
+        return not (
             circumstance.events
+            or self.percepts.changed
             or circumstance.waits
             or circumstance.atomic is not None
             or circumstance.atomic_event is not None
             or self.tasks
             or self.mailbox
-            or self.percepts.changed
             or (self.alarms.heap and self.alarms.is_due(self.clock))
+            or circumstance.has_conditions
             or self.plans.has_inner
-            or self.plans.candidates(sort, literal)
-        ):
-            circumstance.post(Event(sort, literal, intention))
-            return True
-        return False
+            or self.plans.has_sleep
+        )
 
     # ---- actions and intentions
 
-    def request(self, action: Literal, intention: Intention) -> None:
-        """Have an external action carried out at the end of this cycle."""
-        self.requested = PendingAction(next(self._action_numbers), action, intention)
+    def next_action_number(self) -> int:
+        """Return a number that no external action of this agent has yet."""
+        return next(self._action_numbers)
 
     def next_intention_number(self) -> int:
         """Return a number that no intention of this agent has yet.
@@ -248,7 +265,8 @@ class AgentState:
         Raises:
             TooDeepError: there are as many intentions as are allowed.
         """
-        if self.circumstance.size >= self._max_intentions:
+        of = self.circumstance
+        if len(of.running) + len(of.pending) + len(of.pending_actions) >= self._max_intentions:
             raise TooDeepError(f"more than {self._max_intentions:,} intentions at once")
         return next(self._intention_numbers)
 
