@@ -1,6 +1,7 @@
 """Floorplans: the floor, and what stands on it."""
 
-from .checks import LARGEST, check, size_fault, standing_fault, starting_fault
+from .building import footprint
+from .checks import LARGEST, check, polygon_fault, size_fault, standing_fault, starting_fault
 from .document import (
     Document,
     Fault,
@@ -14,7 +15,10 @@ from .document import (
 from .kinds import require, require_fields
 from .loading import build, builtin, load, parse
 from .model import (
+    EVERYBODY,
+    LEFT_OUT_IF_EMPTY,
     Axis,
+    Door,
     Gantry,
     Human,
     Lane,
@@ -22,6 +26,7 @@ from .model import (
     Point,
     SafeZone,
     Station,
+    Zone,
     rectangle,
 )
 from .movingai import CELL, load_movingai
@@ -36,16 +41,19 @@ from .reading import (
     read_text,
     require_readable,
 )
-from .schema import NotNegative, Number, Pair, Positive, Range, Strictly
-from .writing import floor_keys, lost
+from .schema import NotNegative, Number, ObstacleSchema, Pair, Positive, Range, Strictly
+from .writing import floor_keys, lost, obstacle_keys
 from .yaml_writing import yaml_text
 
 __all__ = [
     "CELL",
+    "EVERYBODY",
     "LARGEST",
     "LARGEST_RECORDED",
+    "LEFT_OUT_IF_EMPTY",
     "Axis",
     "Document",
+    "Door",
     "Fault",
     "Floorplan",
     "FloorplanError",
@@ -57,6 +65,7 @@ __all__ = [
     "NotNegative",
     "Number",
     "Obstacle",
+    "ObstacleSchema",
     "Pair",
     "Place",
     "Point",
@@ -66,18 +75,22 @@ __all__ = [
     "SafeZone",
     "Station",
     "Strictly",
+    "Zone",
     "build",
     "builtin",
     "check",
     "field_name",
     "floor_keys",
+    "footprint",
     "is_there",
     "load",
     "load_movingai",
     "lost",
     "misfits",
+    "obstacle_keys",
     "parse",
     "parse_yaml",
+    "polygon_fault",
     "read_bytes",
     "read_lines",
     "read_text",

@@ -6,27 +6,43 @@ import math
 
 from shapely.geometry import Polygon, box
 
-from .model import Axis, Gantry, Human, Lane, Obstacle, SafeZone, Station
+from .model import Axis, Door, Gantry, Human, Lane, Obstacle, SafeZone, Station, Zone
 from .schema import (
     AgvsSchema,
     AxisSchema,
     FloorplanSchema,
+    FootprintSchema,
     GantrySchema,
     LaneSchema,
-    ObstacleSchema,
 )
 
 
 def obstacles(schema: FloorplanSchema) -> tuple[Obstacle, ...]:
     """Return the obstacles of a file."""
     return tuple(
-        Obstacle(name, _footprint(entry), *entry.z) for name, entry in schema.obstacles.items()
+        Obstacle(name, footprint(entry), *entry.z) for name, entry in schema.obstacles.items()
     )
 
 
 def stations(schema: FloorplanSchema) -> tuple[Station, ...]:
     """Return the stations of a file."""
     return tuple(Station(name, at) for name, at in schema.stations.items())
+
+
+def doors(schema: FloorplanSchema) -> tuple[Door, ...]:
+    """Return the doors of a file."""
+    return tuple(
+        Door(name, door.between, door.open, door.thickness, door.height)
+        for name, door in schema.doors.items()
+    )
+
+
+def zones(schema: FloorplanSchema) -> tuple[Zone, ...]:
+    """Return the zones of a file."""
+    return tuple(
+        Zone(name, footprint(zone), zone.max_speed, zone.forbidden, tuple(zone.concerns))
+        for name, zone in schema.zones.items()
+    )
 
 
 def safe_zone(schema: FloorplanSchema) -> SafeZone | None:
@@ -79,7 +95,8 @@ def gantry(entry: GantrySchema) -> Gantry:
     )
 
 
-def _footprint(entry: ObstacleSchema) -> Polygon:
+def footprint(entry: FootprintSchema) -> Polygon:
+    """Return the polygon that the keys of `entry` stand for."""
     if entry.polygon is not None:
         return Polygon(entry.polygon, entry.holes)
     if entry.x is not None and entry.y is not None:

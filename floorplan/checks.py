@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Iterable, Iterator
+from itertools import combinations
 
 import numpy as np
 import shapely
@@ -67,6 +69,8 @@ def faults(plan: Floor) -> Iterator[Fault]:
         if not obstacle.bottom < obstacle.top:
             message = f"must rise from bottom to top: {obstacle.bottom:g} … {obstacle.top:g}"
             yield message, ("obstacles", obstacle.name, "z")
+    yield from _door_faults(plan)
+    yield from _zone_faults(plan)
     yield from _name_faults(plan)
     yield from _figure_faults(plan)
     for name in plan.patrol or ():
@@ -145,11 +149,19 @@ def _name_faults(plan: Floor) -> Iterator[Fault]:
         ("obstacles",): [obstacle.name for obstacle in plan.obstacles],
         ("stations",): [station.name for station in plan.stations],
         ("agvs", "lanes"): [lane.name for lane in plan.lanes],
+        ("doors",): [door.name for door in plan.doors],
+        ("zones",): [zone.name for zone in plan.zones],
     }
     for place, all_names in names.items():
         for name, count in Counter(all_names).items():
             if count > 1:
                 yield f"{count} of them have this name", (*place, name)
+    # These are told apart by name where paths are planned.
+    taken = {*names["obstacles",], *names["agvs", "lanes"]}
+    for place in (("doors",), ("zones",)):
+        for name in taken.intersection(names[place]):
+            yield f"something else is called {name!r} already", (*place, name)
+        taken.update(names[place])
 
 
 def _lane_faults(lane: Lane) -> Iterator[Fault]:
@@ -166,6 +178,38 @@ def _lane_faults(lane: Lane) -> Iterator[Fault]:
         if location not in lane.locations:
             message = f"{location!r} is no location (there are: {known})"
             yield message, ("agvs", "lanes", lane.name, "serves", alias)
+
+
+def _door_faults(plan: Floor) -> Iterator[Fault]:
+    for door in plan.doors:
+        place = ("doors", door.name)
+        if not SMALLEST <= math.dist(*door.ends) <= WIDEST:
+            yield "its two ends are one place", (*place, "between")
+            return
+        yield from _sizes(door, ("thickness", "height"), *place)
+        for k, end in enumerate(door.ends):
+            if not plan.boundary.covers(Point(end)):
+                yield f"({end[0]:g}, {end[1]:g}) is outside the boundary", (*place, "between", k)
+    for one, other in combinations(plan.doors, 2):
+        if one.footprint.intersection(other.footprint).area > _TOUCHES:
+            yield f"overlaps the door {one.name!r}", ("doors", other.name)
+
+
+def _zone_faults(plan: Floor) -> Iterator[Fault]:
+    for zone in plan.zones:
+        place = ("zones", zone.name)
+        if fault := polygon_fault(zone.area):
+            yield fault, place
+            continue
+        if zone.forbidden == (zone.max_speed is not None):
+            yield "must either be forbidden or have a max_speed", place
+        if zone.max_speed is not None:
+            yield from _sizes(zone, ("max_speed",), *place)
+        if not zone.forbidden or "*" not in zone.concerns:
+            continue
+        for station in plan.stations:
+            if zone.area.covers(Point(station.position)):
+                yield f"the station {station.name!r} is in it, and nobody may go there", place
 
 
 def _sweep_faults(lane: Lane, plan: Floor) -> Iterator[Fault]:

@@ -98,6 +98,8 @@ def _build(document: Document, folder: Path, above: tuple[Path, ...]) -> Floorpl
         human=building.human(schema),
         lanes=building.lanes(schema.agvs) if schema.agvs else (),
         gantry=building.gantry(schema.gantry) if schema.gantry else None,
+        doors=building.doors(schema),
+        zones=building.zones(schema),
     )
     plan = scaled(plan, schema.metre)
     problems: list[Problem] = []

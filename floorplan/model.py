@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from fnmatch import fnmatchcase
 
 import shapely
 from shapely.geometry import Polygon
@@ -18,6 +19,9 @@ from .problems import Problem
 
 DEFAULT_HEIGHT = 3.0
 """Metres. Height of obstacles from formats that have no heights."""
+
+EVERYBODY = ("*",)
+"""Whom a zone concerns where it names nobody."""
 
 Point = tuple[float, float]
 """A place on the floor: x, y in metres."""
@@ -61,6 +65,52 @@ class Station:
 
     name: str
     position: Point
+
+
+@dataclass(frozen=True)
+class Door:
+    """A door between the two `ends`: nothing where it is open, and a wall where it is closed.
+
+    Open or closed is how it is where a trial does not say otherwise. Lengths in metres.
+    """
+
+    name: str
+    ends: tuple[Point, Point]
+    is_open: bool = True
+    thickness: float = 0.1
+    height: float = DEFAULT_HEIGHT
+
+    @property
+    def footprint(self) -> Polygon:
+        """The rectangle that it covers where it is closed."""
+        (ax, ay), (bx, by) = self.ends
+        width = math.dist(*self.ends)
+        direction = ((bx - ax) / width, (by - ay) / width)
+        return rectangle(((ax + bx) / 2, (ay + by) / 2), direction, width, self.thickness)
+
+    @property
+    def closed(self) -> Obstacle:
+        """The obstacle that it is where it is closed."""
+        return Obstacle(self.name, self.footprint, 0.0, self.height)
+
+
+@dataclass(frozen=True)
+class Zone:
+    """An area with a rule for the people and AGVs whose names match one of `concerns`.
+
+    They go no faster than `max_speed` (m/s) in it, or not at all where it is `forbidden`. A pattern
+    may have * and ?.
+    """
+
+    name: str
+    area: Polygon
+    max_speed: float | None = None
+    forbidden: bool = False
+    concerns: tuple[str, ...] = EVERYBODY
+
+    def is_about(self, name: str) -> bool:
+        """Return whether its rule is for the person or AGV of that name."""
+        return any(fnmatchcase(name, pattern) for pattern in self.concerns)
 
 
 @dataclass(frozen=True)
@@ -184,12 +234,17 @@ class Gantry:
         return (self.x, self.y, self.rotation)
 
 
+LEFT_OUT_IF_EMPTY = ("doors", "zones")
+"""Fields of a floor that recordings have only where there is something."""
+
+
 @dataclass(frozen=True)
 class Floor:
     """A floor as data: its boundary and what stands on it. Compare with `==`, share freely.
 
-    Obstacles, stations and lanes are tuples that also answer to names: `stations["dock"]`.
-    `patrol` names the stations that people go to, in their order; None stands for all of them.
+    Obstacles, stations, lanes, doors and zones are tuples that also answer to names:
+    `stations["dock"]`. `patrol` names the stations that people go to, in their order; None stands
+    for all of them.
     `notices` are what was left out of the drawing it was read from, or taken for granted there.
     """
 
@@ -202,6 +257,8 @@ class Floor:
     human: Human = Human()
     lanes: NamedField[Lane] = NamedField()
     gantry: Gantry | None = None
+    doors: NamedField[Door] = NamedField()
+    zones: NamedField[Zone] = NamedField()
     title: str = ""
     source: str = ""
     notices: tuple[Problem, ...] = field(default=(), compare=False)

@@ -10,12 +10,12 @@ from typing import TypeVar
 import shapely
 
 from .document import Fault
-from .model import Obstacle, Station
+from .model import Door, Obstacle, Station, Zone
 from .plan import Floorplan
 from .problems import suggestion
 from .schema import FloorplanSchema
 
-_Thing = TypeVar("_Thing", Obstacle, Station)
+_Thing = TypeVar("_Thing", Obstacle, Station, Door, Zone)
 
 
 _FIELDS = {
@@ -69,7 +69,7 @@ def _unknown(name: str, names: Sequence[str]) -> str:
 def laid_over(base: Floorplan, top: Floorplan, given: Iterable[str]) -> Floorplan:
     """Return `base` with `top` over it; `given` are the keys that `top` has.
 
-    Of two obstacles or stations of one name, that of `top` stands.
+    Of two things of one kind and name, that of `top` stands.
     """
     laid = {_FIELDS[key]: getattr(top, _FIELDS[key]) for key in given if key in _FIELDS}
     return replace(
@@ -77,6 +77,8 @@ def laid_over(base: Floorplan, top: Floorplan, given: Iterable[str]) -> Floorpla
         name=top.name,
         obstacles=_replaced(base.obstacles, top.obstacles),
         stations=_replaced(base.stations, top.stations),
+        doors=_replaced(base.doors, top.doors),
+        zones=_replaced(base.zones, top.zones),
         **laid,
     )
 

@@ -19,6 +19,7 @@ from pydantic import (
 from pydantic_core import PydanticCustomError
 
 from .checks import LARGEST, size_fault
+from .model import DEFAULT_HEIGHT, EVERYBODY
 
 
 def _checked_size(value: float) -> float:
@@ -60,13 +61,14 @@ class Strictly(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, str_strip_whitespace=True)
 
 
+Name = Annotated[str, Field(min_length=1)]
+
 Ring = Annotated[list[Pair], Field(min_length=3)]
 
 
-class ObstacleSchema(Strictly):
-    """A footprint, in one of four forms, and its heights."""
+class FootprintSchema(Strictly):
+    """A footprint, in one of four forms."""
 
-    z: Range
     x: Range | None = None
     y: Range | None = None
     center: Pair | None = None
@@ -76,7 +78,7 @@ class ObstacleSchema(Strictly):
     holes: list[Ring] = []
 
     @model_validator(mode="after")
-    def _one_footprint(self) -> ObstacleSchema:
+    def _one_footprint(self) -> FootprintSchema:
         keys = ("x", "y", "center", "size", "radius", "polygon")
         given = {key for key in keys if getattr(self, key) is not None}
         if given not in ({"x", "y"}, {"center", "size"}, {"center", "radius"}, {"polygon"}):
@@ -86,6 +88,35 @@ class ObstacleSchema(Strictly):
             )
         if self.holes and self.polygon is None:
             raise ValueError("only a polygon has holes")
+        return self
+
+
+class ObstacleSchema(FootprintSchema):
+    """A footprint and its heights."""
+
+    z: Range
+
+
+class DoorSchema(Strictly):
+    """A door between two points."""
+
+    between: tuple[Pair, Pair]
+    open: Annotated[bool, Strict()] = True
+    thickness: Positive = 0.1
+    height: Positive = DEFAULT_HEIGHT
+
+
+class ZoneSchema(FootprintSchema):
+    """An area, and the rule that holds in it for some."""
+
+    max_speed: Positive | None = None
+    forbidden: Annotated[bool, Strict()] = False
+    concerns: Annotated[list[Name], Field(min_length=1)] = [*EVERYBODY]
+
+    @model_validator(mode="after")
+    def _one_rule(self) -> ZoneSchema:
+        if self.forbidden == (self.max_speed is not None):
+            raise ValueError("give one of forbidden: true and max_speed (m/s)")
         return self
 
 
@@ -178,8 +209,6 @@ METRE = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048}
 
 Unit = Literal["m", "cm", "mm", "in", "ft"]
 
-Name = Annotated[str, Field(min_length=1)]
-
 
 class GroupSchema(Strictly):
     """The layers of one group of shapes, by patterns, and how they are drawn there."""
@@ -229,6 +258,8 @@ class FloorplanSchema(Strictly):
     human: HumanSchema = HumanSchema()
     agvs: AgvsSchema | None = None
     gantry: GantrySchema | None = None
+    doors: dict[str, DoorSchema] = {}
+    zones: dict[str, ZoneSchema] = {}
 
     @field_validator("boundary")
     @classmethod

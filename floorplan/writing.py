@@ -9,7 +9,7 @@ from typing import Any
 import shapely
 from shapely.geometry import Point, Polygon, box, mapping
 
-from .model import Axis, Floor, Gantry, Human, Lane
+from .model import EVERYBODY, Axis, Door, Floor, Gantry, Human, Lane, Obstacle, Zone
 from .yaml_writing import yaml_text
 
 Data = dict[str, Any]
@@ -29,12 +29,11 @@ def floor_keys(plan: Floor) -> Data:
         "safe_zone": None if zone is None else {"at": _pair(zone.position)},
         "stations": {one.name: _pair(one.position) for one in plan.stations},
         "patrol": None if plan.patrol is None else [*plan.patrol],
-        "obstacles": {
-            one.name: {**_footprint(one.footprint), "z": _pair((one.bottom, one.top))}
-            for one in plan.obstacles
-        },
+        "obstacles": {one.name: obstacle_keys(one) for one in plan.obstacles},
         "agvs": _agvs([*plan.lanes]) if plan.lanes else None,
         "gantry": None if plan.gantry is None else _gantry(plan.gantry),
+        "doors": {door.name: _door(door) for door in plan.doors},
+        "zones": {zone.name: _zone(zone) for zone in plan.zones},
     }
     if zone is not None and zone.heading:
         data["safe_zone"]["heading"] = float(zone.heading)
@@ -44,6 +43,11 @@ def floor_keys(plan: Floor) -> Data:
         for key, value in data.items()
         if key == "name" or value not in (None, "", [], {}) or (key == "patrol" and value == [])
     }
+
+
+def obstacle_keys(one: Obstacle) -> Data:
+    """Return the keys from which the obstacle `one` is read again."""
+    return {**_footprint(one.footprint), "z": _pair((one.bottom, one.top))}
 
 
 def to_yaml(plan: Floor) -> str:
@@ -105,6 +109,8 @@ def lost(plan: Floor, suffix: str) -> list[str]:
         "the gantry": plan.gantry is not None,
         "the patrol": plan.patrol is not None,
         "measures of people": plan.human != Human(),
+        "doors": len(plan.doors),
+        "zones": len(plan.zones),
     }
     if suffix not in (".geojson", ".json"):
         parts |= {
@@ -133,6 +139,23 @@ def _footprint(footprint: Polygon) -> Data:
         return {"x": [west, east], "y": [south, north]}
     holes = [_ring(ring) for ring in footprint.interiors]
     return {"polygon": _ring(footprint.exterior), **({"holes": holes} if holes else {})}
+
+
+def _door(door: Door) -> Data:
+    return {
+        "between": [_pair(end) for end in door.ends],
+        "open": door.is_open,
+        "thickness": float(door.thickness),
+        "height": float(door.height),
+    }
+
+
+def _zone(zone: Zone) -> Data:
+    rule: Data = {"forbidden": True}
+    if zone.max_speed is not None:
+        rule = {"max_speed": float(zone.max_speed)}
+    concerns = {} if zone.concerns == EVERYBODY else {"concerns": [*zone.concerns]}
+    return {**_footprint(zone.area), **rule, **concerns}
 
 
 def _ring(ring: Any) -> list[list[float]]:

@@ -29,7 +29,7 @@ def paced(
     start: float,
     *,
     initial_speed: float = 0.0,
-    top_speed: float,
+    top_speed: float | Sequence[float],
     max_speed: float,
     max_acceleration: float,
 ) -> Motion | None:
@@ -37,19 +37,22 @@ def paced(
 
     It sets out at `initial_speed` along the first leg, and keeps to `top_speed` as soon as
     `max_acceleration` lets it; corners are taken as `walk` takes them, and never faster than
-    `max_speed` (m/s, m/s²). None where it can't come to rest, or slow down enough for a corner.
+    `max_speed` (m/s, m/s²). `top_speed` may be a speed for each leg. None where it can't come to
+    rest, or slow down enough for a corner.
     """
     legs = [(a, b, math.dist(a, b)) for a, b in itertools.pairwise(corners)]
+    given = [top_speed] * len(legs) if isinstance(top_speed, float | int) else top_speed
+    tops = [top for leg, top in zip(legs, given, strict=True) if leg[2] > SHORT]
     legs = [leg for leg in legs if leg[2] > SHORT]
     if not legs:
         return None
     gain = 2 * max_acceleration
     caps, gone = [initial_speed], 0.0
-    for (a, b, length), (_, c, _) in itertools.pairwise(legs):
+    for k, ((a, b, length), (_, c, _)) in enumerate(itertools.pairwise(legs)):
         gone += length
         slowed = math.sqrt(max(initial_speed * initial_speed - gain * gone, 0.0))
         bend = corner_speed(a, b, c, max_acceleration)
-        caps.append(min(bend, max_speed, max(top_speed, slowed)))
+        caps.append(min(bend, max_speed, max(min(tops[k], tops[k + 1]), slowed)))
     caps.append(0.0)
     for k in range(len(legs) - 1, -1, -1):
         caps[k] = min(caps[k], math.sqrt(caps[k + 1] ** 2 + gain * legs[k][2]))
@@ -61,7 +64,7 @@ def paced(
     for k, (a, b, length) in enumerate(legs):
         u = caps[k]
         w = caps[k + 1] = min(caps[k + 1], math.sqrt(u * u + gain * length))
-        t = _on_leg(pieces, a, b, length, t, _speeds(u, w, length, top_speed, max_acceleration))
+        t = _on_leg(pieces, a, b, length, t, _speeds(u, w, length, tops[k], max_acceleration))
     return Motion(tuple(pieces))
 
 

@@ -13,6 +13,7 @@ from navigation import CollisionWorld
 
 from .core.body import Body
 from .core.clock import MOMENT, Clock
+from .core.closures import Closures
 from .core.events import Notice, TrialEnded, TrialStarted
 from .core.recorder import Event, Listener, Listeners, recording_to, rounded
 from .core.scene import Figure, Scene
@@ -65,6 +66,7 @@ class Simulation:
         self._over = self.clock.end()
         self._started = False
         walks = recorded_walks(trial)
+        closures = Closures(trial.floorplan, trial.doors, trial.obstacles)
         self._stage = Stage(
             floorplan=trial.floorplan,
             rules=trial.rules,
@@ -76,6 +78,7 @@ class Simulation:
             world=CollisionWorld(trial.floorplan),
             fastest=_fastest(trial, walks),
             own_code=trial.own_code,
+            closures=closures,
         )
         self.world = self._stage.world
         self.machines = self._stage.machines
@@ -100,6 +103,7 @@ class Simulation:
             stage.record(Notice(text=notice.message, field=notice.field, line=notice.line))
         for body in self.bodies:
             body.on_record = self._listener.motion
+        stage.begin()
         for machine in self.machines.values():
             machine.begin()
         if self.dispatcher is not None:
@@ -250,6 +254,7 @@ class Simulation:
             ),
             starts={body.name: body.state.position for body in self.bodies},
             machines=tuple(machine.shape for machine in self.machines.values()),
+            passing=tuple(timed.obstacle for timed in trial.obstacles),
         )
 
 

@@ -165,7 +165,7 @@ class HumanTopics:
 
         A goal on which only a vehicle stands is left: people wait for it to be free.
         """
-        world, radius = self._simulation.world, self._person.walker.human.radius
+        world, radius = self._person.walker.world, self._person.walker.human.radius
         if world.fixed_space(radius).nearest((x, y)) != (x, y):
             for agv in self._simulation.agvs:
                 agv.stand_in(world)

@@ -29,6 +29,8 @@ Named = Literal[
     "machine",
     "agv",
     "station",
+    "door",
+    "obstacle",
     "location",
     "place",
     "part",
@@ -48,6 +50,8 @@ _Person: TypeAlias = Annotated[str, "person"]
 _Machine: TypeAlias = Annotated[str, "machine"]
 _Agv: TypeAlias = Annotated[str, "agv"]
 _Station: TypeAlias = Annotated[str, "station"]
+_Door: TypeAlias = Annotated[str, "door"]
+_Obstacle: TypeAlias = Annotated[str, "obstacle"]
 _Location: TypeAlias = Annotated[str | float, "location"]
 _Place: TypeAlias = Annotated[str, "place"]
 _Part: TypeAlias = Annotated[str, "part"]
@@ -282,6 +286,38 @@ class AgvYielded(EventKind):
     person: _Person
     distance: float
     required: float
+
+
+class AgvBlocked(EventKind):
+    """An AGV goes no further than the lane position `at` (m): the way is closed `by` something."""
+
+    agv: _Agv
+    by: str
+    at: float
+
+
+class DoorOpened(EventKind):
+    """A door is open from now on."""
+
+    door: _Door
+
+
+class DoorClosed(EventKind):
+    """A door is closed from now on."""
+
+    door: _Door
+
+
+class ObstacleCame(EventKind):
+    """An obstacle is there from now on."""
+
+    obstacle: _Obstacle
+
+
+class ObstacleWent(EventKind):
+    """An obstacle is gone from now on."""
+
+    obstacle: _Obstacle
 
 
 class JobStarted(EventKind):

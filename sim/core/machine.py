@@ -78,7 +78,7 @@ class Machine(ABC):
         """Brake and stand for so long: a penalty, which only robots get."""
 
     def floor_changed(self) -> None:  # noqa: B027
-        """Take note that a machine has come to rest on the floor."""
+        """Take note that a machine has come to rest, or that a place has opened or closed."""
 
     def look_out_for(self, person: Body, top_speed: float) -> None:  # noqa: B027
         """Take note of a person, who walks at `top_speed` (m/s) at most."""

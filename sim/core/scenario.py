@@ -13,6 +13,7 @@ import bdi
 from floorplan import Floorplan, InputError, Point, Problem, SafeZone
 from navigation import Motion, PlannerChoice
 
+from .closures import DoorTimes, TimedObstacle
 from .machine_model import MachineEntry
 from .manners import AS_USUAL, MannersEntry
 from .recorded_track import RecordedTrack
@@ -198,7 +199,8 @@ class Scenario:
     it came from no file. `workload` are the orders of an ARIAC trial; `until_submitted` ends the
     run as soon as they are all submitted, or without a workload those of the gantry's jobs.
     `notices` are what the file says that makes no difference, or may mean something else than its
-    author thought. `work` are the lists of tasks that people share, by name. Without `own_code` a
+    author thought. `work` are the lists of tasks that people share, by name. `doors` says when
+    doors of the floor are open or closed, `obstacles` which come and go. Without `own_code` a
     controller, a law or a planner of the user's own is refused that it, or whatever changes it,
     names.
     """
@@ -224,6 +226,8 @@ class Scenario:
     notices: tuple[Problem, ...] = field(default=(), compare=False)
     own_code: bool = field(default=True, compare=False)
     work: dict[str, WorkList] = field(default_factory=dict)
+    doors: dict[str, DoorTimes] = field(default_factory=dict)
+    obstacles: tuple[TimedObstacle, ...] = ()
 
     def leader(self, person: PersonEntry) -> PersonEntry | None:
         """Return whom somebody walks with: the first of their group, None for that one."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from floorplan import Floorplan
+from floorplan import Floorplan, Obstacle
 
 from .body import PERSON
 from .machine import MachineShape
@@ -31,7 +31,8 @@ class Figure:
 class Scene:
     """All that stays the same during a run, but is needed to draw or to judge it.
 
-    `starts` has the pose of every body at the beginning, people first, then `machines`.
+    `starts` has the pose of every body at the beginning, people first, then `machines`. Obstacles
+    in `passing` come and go: events say when.
     """
 
     trial: str
@@ -41,6 +42,7 @@ class Scene:
     people: tuple[Figure, ...]
     starts: dict[str, Pose]
     machines: tuple[MachineShape, ...] = ()
+    passing: tuple[Obstacle, ...] = ()
 
     def kind(self, body: str) -> str:
         """Return the kind of the body named `body`; `KeyError` if there is none."""

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Protocol
 
-from floorplan import Floorplan
+from floorplan import Floorplan, Obstacle
 from navigation import CollisionWorld
 
 from .body import Body
 from .clock import Clock
+from .closures import Closures
+from .events import DoorClosed, DoorOpened, EventKind, ObstacleCame, ObstacleWent
 from .machine import Machine
 from .recorder import Record
 from .rules import RuleSet
@@ -46,7 +49,7 @@ class Bystander(Protocol):
         ...
 
     def floor_changed(self) -> None:
-        """Take note that a machine has come to rest on the floor."""
+        """Take note that something has come to be, or is no longer, in people's way."""
         ...
 
 
@@ -56,7 +59,7 @@ class Stage:
 
     `people` and `machines` are there from the beginning, each complete before anybody acts;
     `fastest` (m/s) is the highest speed of people. Machines that come to rest say so by
-    `came_to_rest`.
+    `came_to_rest`. `closures` are what is not always there; `there` is what of it is there now.
     """
 
     floorplan: Floorplan
@@ -73,6 +76,33 @@ class Stage:
     machines: dict[str, Machine] = field(default_factory=dict)
     on_rest: list[Callable[[Machine], None]] = field(default_factory=list)
     """Called whenever a machine has come to rest, after people and before machines take note."""
+    closures: Closures | None = None
+    there: dict[str, Obstacle] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Put what is there at the start into the world of those who may go everywhere."""
+        self._worlds = {self._forbidden(""): self._furnish(self.world, "")}
+        if self.closures is not None:
+            self._set(self.closures.at(self.clock.now))
+
+    def begin(self) -> None:
+        """Let doors open and close, and obstacles come and go, at their times."""
+        self._report(self.there, is_there=True)
+        if self.closures is not None:
+            for t in self.closures.changes(self.end):
+                self.clock.call_at(t, partial(self._change, self.closures))
+
+    def world_of(self, person: str) -> CollisionWorld:
+        """Return the world of a person, in which zones that are forbidden to them are closed."""
+        zones = self._forbidden(person)
+        if zones not in self._worlds:
+            world = self._furnish(CollisionWorld(self.floorplan), person)
+            for one in self.there.values():
+                world.place(one.name, one.footprint, one.bottom, one.top)
+            for machine in self.vehicles:
+                machine.stand_in(world)
+            self._worlds[zones] = world
+        return self._worlds[zones]
 
     @property
     def vehicles(self) -> Iterable[Machine]:
@@ -96,5 +126,55 @@ class Stage:
 
     def place_machines(self) -> None:
         """Put the machines of the collision world where they are now."""
-        for machine in self.vehicles:
-            machine.stand_in(self.world)
+        for world in self._worlds.values():
+            for machine in self.vehicles:
+                machine.stand_in(world)
+
+    def _forbidden(self, person: str) -> frozenset[str]:
+        """Return the zones in which a person may not be; nobody in particular is called ""."""
+        return frozenset(
+            zone.name for zone in self.floorplan.zones if zone.forbidden and zone.is_about(person)
+        )
+
+    def _furnish(self, world: CollisionWorld, person: str) -> CollisionWorld:
+        forbidden = self._forbidden(person)
+        for zone in self.floorplan.zones:
+            if zone.name in forbidden:
+                world.place(zone.name, zone.area)
+        return world
+
+    def _set(self, there: dict[str, Obstacle]) -> None:
+        """Let these obstacles be there, and no others of those that come and go."""
+        for world in self._worlds.values():
+            for name in self.there.keys() - there.keys():
+                if name in {body.name for body in world.bodies}:
+                    world.remove(name)
+            for name in sorted(there.keys() - self.there.keys()):
+                one = there[name]
+                world.place(name, one.footprint, one.bottom, one.top)
+        self.there = there
+
+    def _report(self, names: Iterable[str], *, is_there: bool) -> None:
+        """Record that these closures are there from now on, or no longer."""
+        doors = {door.name for door in self.floorplan.doors}
+        for name in sorted(names):
+            event: EventKind
+            if name in doors:
+                event = DoorClosed(door=name) if is_there else DoorOpened(door=name)
+            else:
+                event = ObstacleCame(obstacle=name) if is_there else ObstacleWent(obstacle=name)
+            self.record(event)
+
+    def _change(self, closures: Closures) -> None:
+        """Let everything be as it is from now on, and everybody see that."""
+        before, there = self.there, closures.at(self.clock.now)
+        if before.keys() == there.keys():
+            return
+        self._set(there)
+        self._report(before.keys() - there.keys(), is_there=False)
+        self._report(there.keys() - before.keys(), is_there=True)
+        self.place_machines()
+        for person in self.people:
+            person.floor_changed()
+        for machine in self.machines.values():
+            machine.floor_changed()

@@ -138,7 +138,7 @@ class Actions:
     def _place_at_home(self) -> Place | None:
         """Return home, or the nearest free place beside the vehicle that stands there, if any."""
         self._stage.place_machines()
-        home, radius, world = self._home.position, self._walker.human.radius, self._stage.world
+        home, radius, world = self._home.position, self._walker.human.radius, self._walker.world
         if self._crowd is not None:
             exits = () if world.free(home, radius) else world.exits(home, radius)
             rooms = (self._crowd.room(at, radius, self._walker.traveller) for at in (home, *exits))
@@ -176,7 +176,7 @@ class Actions:
         step, radius = metres, self._walker.human.radius
         while step >= SMALLEST_STEP:
             goal = (x + step * math.cos(away), y + step * math.sin(away))
-            if self._stage.world.segment_free((x, y), goal, radius):
+            if self._walker.world.segment_free((x, y), goal, radius):
                 return self._errand.go(goal)
             step /= 2
         return self._errand.fail((x, y), "there is no room to step back")
@@ -220,7 +220,7 @@ class Actions:
 
     def _go_near(self, point: Place) -> bool:
         self._stage.place_machines()
-        free = self._stage.world.nearest_free(point, self._walker.human.radius)
+        free = self._walker.world.nearest_free(point, self._walker.human.radius)
         if free is None:
             return self._errand.fail(point, "there is no room to stand anywhere")
         return self._errand.go(free)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import bdi
 from floorplan import Human
-from navigation import PathPlanner, PlannerChoice
+from navigation import CollisionWorld, PathPlanner, PlannerChoice
 
 from ..core.events import Said, Warning
 from ..core.recorder import Event, Listener, Thought, rounded
@@ -57,7 +57,7 @@ class Company:
         self._stage = stage
         self._scenario = scenario
         self._listener = listener
-        self._planners: dict[tuple[float, PlannerChoice], PathPlanner] = {}
+        self._planners: dict[tuple[CollisionWorld, float, PlannerChoice], PathPlanner] = {}
         self._society = bdi.Society()
         self._inspectors: dict[str, MindInspector] = {}
         board = WorkBoard(scenario, stage.clock) if scenario.has_work else None
@@ -79,7 +79,7 @@ class Company:
                 stage,
                 entry,
                 human,
-                self._planner(human.radius, planner_of(entry, scenario)),
+                self._planner(entry.name, human.radius, planner_of(entry, scenario)),
                 at=starts[index],
                 crowd=crowd,
                 index=index,
@@ -123,14 +123,15 @@ class Company:
         """Number of times that nobody under way could go on because of the others."""
         return 0 if self._crowd is None else self._crowd.deadlocks
 
-    def _planner(self, radius: float, choice: PlannerChoice) -> PathPlanner:
+    def _planner(self, person: str, radius: float, choice: PlannerChoice) -> PathPlanner:
         """Return the one planner for all people of a size who plan alike: to share its paths."""
-        known = self._planners.get((radius, choice))
+        world = self._stage.world_of(person)
+        known = self._planners.get((world, radius, choice))
         if known is None:
             stage, seed = self._stage, self._scenario.seed % SEEDS
             found = find_planner(choice, stage.folder, own_code=stage.own_code)
-            known = PathPlanner(stage.world, radius, planner=found, seed=seed, keep=MOST_PATHS)
-            self._planners[radius, choice] = known
+            known = PathPlanner(world, radius, planner=found, seed=seed, keep=MOST_PATHS)
+            self._planners[world, radius, choice] = known
         return known
 
     def _make_mind(self, person: Person, entry: PersonEntry, before: Mind | None) -> Mind:

@@ -36,7 +36,7 @@ class Errand:
         self._walker = walker
         self._senses = senses
         self._name = walker.body.name
-        self._waiting_places = WaitingPlaces(stage, walker.human)
+        self._waiting_places = WaitingPlaces(stage, walker.world, walker.human)
         self._waits_for: Place | None = None
         self._lets_pass_on_way_to: Place | None = None
 
@@ -70,7 +70,7 @@ class Errand:
         return False
 
     def floor_changed(self) -> None:
-        """See whether the path is still free: a machine has come to rest on the floor."""
+        """See whether the path is still free: the floor is not as it was."""
         if self._waits_for is not None:
             self._check_wait(self._waits_for)
             return

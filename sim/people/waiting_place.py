@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from floorplan import Human
-from navigation import Disc
+from navigation import CollisionWorld, Disc
 
 from ..core.machine import Machine
 from ..core.stage import Stage
@@ -18,9 +18,9 @@ _ZONE = "the zone that a vehicle needs to set out"
 class WaitingPlaces:
     """Finds where a person waits beside a goal, so that the vehicle there can leave."""
 
-    def __init__(self, stage: Stage, human: Human) -> None:
+    def __init__(self, stage: Stage, world: CollisionWorld, human: Human) -> None:
         self._stage = stage
-        self._world = stage.world
+        self._world = world
         self._human = human
 
     def occupant(self, goal: Place) -> Machine | None:

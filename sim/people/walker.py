@@ -9,11 +9,13 @@ from contextlib import suppress
 
 from floorplan import Human
 from navigation import (
+    CollisionWorld,
     Motion,
     PathPlanner,
     PlanningError,
     can_go_on,
     join,
+    paced,
     remaining_path,
     standing,
     stop_walking,
@@ -27,6 +29,7 @@ from ..core.stage import Stage
 from .foreseen import among_vehicles
 from .steering.crowd import Crowd
 from .steering.manners import Manners
+from .steering.speed_zones import SpeedZones
 from .steering.traveller import Traveller
 
 REPORT_DELAY = 0.1
@@ -72,7 +75,15 @@ class Walker:
         self._arrived = arrived
         self._arrival = Alarm(stage.clock, self._arrive, Turn.MOTION_ENDS)
         self._crowd = crowd
-        self.traveller = Traveller(index, self.body, human, manners or Manners(), recorded)
+        self.traveller = Traveller(
+            index,
+            self.body,
+            human,
+            manners or Manners(),
+            planner.world,
+            SpeedZones(stage.floorplan.zones, name),
+            recorded,
+        )
         if crowd is not None:
             crowd.enter(
                 self.traveller,
@@ -80,6 +91,11 @@ class Walker:
                 arrive=self._arrive,
                 blocked=blocked,
             )
+
+    @property
+    def world(self) -> CollisionWorld:
+        """The world in which the person walks: zones that are forbidden to them are closed."""
+        return self._planner.world
 
     @property
     def heading(self) -> float:
@@ -143,7 +159,7 @@ class Walker:
         return None
 
     def _is_free(self, path: list[Place]) -> bool:
-        world, radius = self._planner.world, self.human.radius
+        world, radius = self.world, self.human.radius
         return all(world.segment_free(a, b, radius) for a, b in itertools.pairwise(path))
 
     def _bound_for(self) -> Place:
@@ -154,11 +170,13 @@ class Walker:
         now, state = self._clock.now, self.body.state
         points = self._path(state.at, goal)
         top, acceleration = self.human.max_speed * self.speed_share, self.human.max_acceleration
+        if self.traveller.zones and (motion := self._through_zones(points, top)) is not None:
+            return motion
         goes_on = state.speed <= top and (
             len(points) < 2 or can_go_on(state, points[1], acceleration)
         )
         if goes_on:
-            motion: Motion | None = None
+            motion = None
             with suppress(ValueError):  # too short to come to rest on
                 motion = walk(
                     points,
@@ -173,6 +191,38 @@ class Walker:
         points = self._path(braking.state(braking.end).at, goal)
         onwards = walk(points, braking.end, max_speed=top, max_acceleration=acceleration)
         return join([braking, onwards])
+
+    def _through_zones(self, points: list[Place], top: float) -> Motion | None:
+        """Return the walk along `points` where limits hold; None where there are none ahead.
+
+        Somebody who has to turn, or to slow down, more than they can come to rest first.
+        """
+        course, tops = self.traveller.zones.along(points, top)
+        if tops == top:
+            return None
+        now, state, acceleration = self._clock.now, self.body.state, self.human.max_acceleration
+
+        def walked(
+            course: list[Place], tops: float | list[float], t: float, speed: float
+        ) -> Motion | None:
+            return paced(
+                course,
+                t,
+                initial_speed=speed,
+                top_speed=tops,
+                max_speed=self.human.max_speed,
+                max_acceleration=acceleration,
+            )
+
+        if len(course) > 1 and can_go_on(state, course[1], acceleration):
+            motion = walked(course, tops, now, state.speed)
+            if motion is not None:
+                return motion
+        braking = self.braking()
+        rested = braking.state(braking.end).at
+        points = self._path(rested, points[-1])
+        onwards = walked(*self.traveller.zones.along(points, top), braking.end, 0.0)
+        return braking if onwards is None else join([braking, onwards])
 
     def _among_vehicles(self, goal: Place, motion: Motion, top: float) -> Motion:
         return among_vehicles(self._stage, self._planner, self.human, self.body, goal, motion, top)
@@ -189,7 +239,7 @@ class Walker:
     def _step_out(self, start: Place, goal: Place, blocked: PlanningError) -> list[Place]:
         """Return a path to `goal` from the nearest place beside what blocks `start`."""
         failed: list[PlanningError] = []
-        for place in self._planner.world.exits(start, self.human.radius):
+        for place in self.world.exits(start, self.human.radius):
             try:
                 return [*map(tuple, self._planner.plan(place, goal).points.tolist())]
             except PlanningError as why:

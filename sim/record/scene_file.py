@@ -17,7 +17,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from shapely import GEOSException
 from shapely.geometry import Polygon, mapping, shape
 
-from floorplan import Floorplan
+from floorplan import LEFT_OUT_IF_EMPTY, Floorplan, Obstacle
 from navigation import ApproachLaw, FixedDistance, IntegralLaw, Scaled, SeparationLaw
 
 from ..core.machine import MachineShape
@@ -29,6 +29,9 @@ from .strict_json import parse_json
 
 FORMAT = "floorwalker-scene/1"
 """Value of `format`, by which a reader knows the file."""
+
+OPTIONAL = (*LEFT_OUT_IF_EMPTY, "passing")
+"""Fields of floors and scenes that are left out where they are empty."""
 
 _LAWS = {
     law.__name__: law for law in (SeparationLaw, IntegralLaw, ApproachLaw, FixedDistance, Scaled)
@@ -63,6 +66,7 @@ class _SceneFile(BaseModel):
     people: tuple[Figure, ...]
     starts: dict[str, Pose]
     machines: tuple[MachineShape, ...] | None = None
+    passing: tuple[Obstacle, ...] = ()
 
 
 def write_scene(scene: Scene) -> str:
@@ -98,6 +102,7 @@ def read_scene(text: str) -> Scene:
         people=scene.people,
         starts=scene.starts,
         machines=machines_on(scene.floorplan) if scene.machines is None else scene.machines,
+        passing=scene.passing,
     )
 
 
@@ -121,8 +126,10 @@ def _plain(value: Any) -> Any:
 
 
 def _fields(value: Any) -> dict[str, Any]:
-    """Return the fields of a value, but for the notices on the file of a floor."""
+    """Return the fields of a value, but for empty ones of late, and the notices on a floor."""
     left_out = {"notices"} if isinstance(value, Floorplan) else set()
+    if isinstance(value, Floorplan | Scene):
+        left_out |= {name for name in OPTIONAL if not getattr(value, name, True)}
     names = (field.name for field in fields(value) if field.name not in left_out)
     return {name: _plain(getattr(value, name)) for name in names}
 

@@ -12,6 +12,8 @@ from pathlib import Path
 
 from shapely.geometry.base import BaseGeometry
 
+from floorplan import LEFT_OUT_IF_EMPTY
+
 from ..core.recorded_track import RecordedTrack
 from ..core.scenario import PersonalityChange, PersonEntry
 from ..machines.gantry.controllers import controller_source, find_controller
@@ -49,7 +51,8 @@ def _definition(study: Study) -> str:
 def _parts(trial: Trial) -> Iterator[tuple[str, str]]:
     """Return what a trial names and doesn't contain: floorplan, programs, orders, controller."""
     plan = trial.floorplan
-    facts = {key: value for key, value in asdict(plan).items() if key != "notices"}
+    empty = {name for name in LEFT_OUT_IF_EMPTY if not getattr(plan, name)}
+    facts = {k: value for k, value in asdict(plan).items() if k not in {"notices", *empty}}
     yield f"the floorplan {plan.name}", _digest(json.dumps(facts, default=_wkt))
     for person in trial.people:
         modules = modules_of(person.actions, trial.actions)

@@ -36,6 +36,7 @@ from ..people.steering.own_steering import steering_source
 from ..people.tracks.walks import track_faults
 from .expectations import expectation_problems
 from .names import agvs, checked_name, orders, parts, people, stations
+from .place_checks import closed_place_faults, door_faults, obstacle_faults
 from .work_checks import list_faults, person_faults
 
 NAME = r"[A-Za-z][A-Za-z0-9_-]*"
@@ -93,6 +94,10 @@ def faults(trial: Scenario) -> Iterator[Fault]:
     yield from _crowding(trial)
     yield from _group_faults(trial)
     yield from _below(list_faults(trial), "work")
+    yield from _below(door_faults(trial), "doors")
+    yield from _below(obstacle_faults(trial), "obstacles")
+    if trial.floorplan.zones or trial.floorplan.doors or trial.obstacles:
+        yield from closed_place_faults(trial)
     yield from _floor_faults(trial)
     yield from _below(machine_faults(trial), "machines")
     yield from _below(expectation_problems(trial), "expect")

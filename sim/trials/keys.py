@@ -20,6 +20,7 @@ from ..core.start import Start
 from ..machines.agv.keys import AgvKeys
 from ..machines.gantry.keys import GantryKeys
 from .checks import CONDITIONS, LARGEST_SEED, NAME
+from .place_keys import DoorKeys, TimedKeys
 from .rules_file import RuleKeys
 from .work_keys import TimeOfDay, WorkerKeys, WorkListEntry, time_of_day
 
@@ -220,4 +221,6 @@ class TrialKeys(Strictly):
     until_submitted: Flag | None = None
     begins: Annotated[Number, BeforeValidator(_begin)] = 0.0
     work: dict[Annotated[str, Field(pattern=f"^{NAME}$")], WorkListEntry] = {}
+    doors: dict[str, DoorKeys] = {}
+    obstacles: dict[str, TimedKeys] = {}
     expect: dict[str, Any] = {}

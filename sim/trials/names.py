@@ -67,6 +67,8 @@ _NAMES: dict[Form, Callable[[Scenario], list[str]]] = {
     "machine": machines,
     "agv": agvs,
     "station": stations,
+    "door": lambda trial: [door.name for door in trial.floorplan.doors],
+    "obstacle": lambda trial: [timed.obstacle.name for timed in trial.obstacles],
     "location": _locations,
     "place": lambda trial: [*places(trial), *_locations(trial)],
     "part": parts,

@@ -86,6 +86,10 @@ def build(form: type[_Made], document: Document, folder: Path, own_code: bool) -
             )
             for name, keys in schema.work.items()
         },
+        doors={name: keys.value_at(schema.begins) for name, keys in schema.doors.items()},
+        obstacles=tuple(
+            keys.value_at(name, schema.begins) for name, keys in schema.obstacles.items()
+        ),
     )
     if schema.ariac is not None:
         trial = _with_orders(trial, schema, schema.ariac, document)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import sys
 from collections.abc import Mapping
@@ -14,6 +15,7 @@ import numpy as np
 import floorplan
 from navigation import Motion, PlannerChoice
 
+from ..core.closures import DoorTimes, Interval, TimedObstacle
 from ..core.machine_model import MachineEntry
 from ..core.recorded_track import RecordedTrack
 from ..core.scenario import USUAL_PLANNER, AgvMove, Job, PersonalityChange, PersonEntry, Scenario
@@ -59,6 +61,8 @@ def _trial(trial: Scenario) -> Data:
         "machines": {name: _machine(name, entry) for name, entry in trial.machines.items()},
         "until_submitted": trial.until_submitted or None,
         "work": {name: _value(held, trial) for name, held in trial.work.items()},
+        "doors": {name: _door(times) for name, times in trial.doors.items()},
+        "obstacles": {one.obstacle.name: _timed(one) for one in trial.obstacles},
         "expect": trial.expect,
     }
     data = _without(data, None, [], {})
@@ -142,6 +146,20 @@ def _fields(value: Any, trial: Scenario) -> Data:
         if written not in (None, _plain(_value(field.default, trial))):
             given[field.name] = written
     return given
+
+
+def _door(times: DoorTimes) -> Data:
+    key = "open" if times.closed is None else "closed"
+    return {key: [*map(_span, times.intervals)]}
+
+
+def _timed(one: TimedObstacle) -> Data:
+    return {**floorplan.obstacle_keys(one.obstacle), "there": [*map(_span, one.there)]}
+
+
+def _span(span: Interval) -> list[float]:
+    begin, end = span
+    return [begin] if end == math.inf else [begin, end]
 
 
 def _agv(moves: tuple[AgvMove, ...], yields: bool) -> Any:

@@ -32,6 +32,7 @@ SCRIPTS = (
     "camera",
     "floor",
     "bodies",
+    "passing",
     "scene",
     "view",
     "chart",

@@ -6,7 +6,7 @@ import math
 from pathlib import Path
 from typing import Any
 
-from floorplan import Floorplan, Lane, Obstacle
+from floorplan import Floorplan, Lane, Obstacle, Zone
 from navigation import AnyLaw, Piece, SeparationLaw, required_at_speeds
 
 from ..core.machine import MachineShape
@@ -37,6 +37,7 @@ def replay_data(run: Outcome) -> dict[str, Any]:
             "events": run.events,
             "watches": _watches(run),
             "minds": _minds(run),
+            **_passing(run),
         }
     )
     return data
@@ -59,6 +60,7 @@ def _floorplan(plan: Floorplan) -> dict[str, Any]:
         }
         if gantry
         else None,
+        **({"zones": [_zone(zone) for zone in plan.zones]} if plan.zones else {}),
     }
 
 
@@ -69,6 +71,22 @@ def _obstacle(obstacle: Obstacle) -> dict[str, Any]:
         "bottom": obstacle.bottom,
         "top": obstacle.top,
     }
+
+
+def _zone(zone: Zone) -> dict[str, Any]:
+    return {
+        "name": zone.name,
+        "footprint": zone.area.exterior.coords[:-1],
+        "max_speed": zone.max_speed,
+        "forbidden": zone.forbidden,
+    }
+
+
+def _passing(run: Outcome) -> dict[str, Any]:
+    """Return the obstacles that are not always there, doors among them: events say when."""
+    doors = [door.closed for door in run.floorplan.doors]
+    there = [_obstacle(one) for one in (*doors, *run.scene.passing)]
+    return {"passing": there} if there else {}
 
 
 def _lane(lane: Lane) -> dict[str, Any]:

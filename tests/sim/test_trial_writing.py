@@ -173,6 +173,8 @@ agvs:
 machines:
   north: {kind: gantry, at: [-9.0, 1.0, 0.0], x: [-14.0, -8.0], controller: oblivious}
 until_submitted: true
+obstacles:
+  pallet: {x: [-15.0, -14.0], y: [2.0, 3.0], z: [0.0, 1.0], there: [[5.0, 9.0], [20.0]]}
 work:
   rounds: {tasks: [{at: station1, duration: {uniform: [1.0, 2.0]}}], repeat: true}
   picks:
@@ -225,6 +227,7 @@ def test_every_key_is_read_and_written(tmp_path):
         for key, field in f.model_fields.items()
     }
     elsewhere = {(TrialKeys, key) for key in ("folder", "ariac", "begins", "steering", "actions")}
+    elsewhere.add((TrialKeys, "doors"))
     elsewhere |= {(PersonKeys, key) for key in ("count", "actions")}
     elsewhere |= {(form, "count") for form, key in known if key == "stream"}
     assert known - keys_in(TrialKeys, data) == elsewhere

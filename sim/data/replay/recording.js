@@ -71,6 +71,9 @@ function problemsOf(recording) {
     }
     each(plan.obstacles, "floorplan.obstacles", "needs a footprint of points [x, y], a bottom and a top",
       obstacle => isRing(obstacle?.footprint) && isNumbers([obstacle.bottom, obstacle.top]));
+    if (plan.zones) {
+      each(plan.zones, "floorplan.zones", "a footprint of points [x, y] is missing", zone => isRing(zone?.footprint));
+    }
     each(plan.stations, "floorplan.stations", "a point [x, y] is missing: at", station => isPoint(station?.at));
     each(plan.lanes, "floorplan.lanes", "needs points from and to, and locations",
       lane => isPoint(lane?.from) && isPoint(lane.to) && isObject(lane.locations)

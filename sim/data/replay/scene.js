@@ -22,6 +22,7 @@ function drawScene(tools, run, t, chosen, afterglow) {
   };
   const ofCategory = category => bodies.filter(body => body.category === category);
   const shown = run.shown(chosen).filter(watch => isHere(watch.person));
+  drawPassing(pen, run, t);
   for (const watch of shown) drawDistances(pen, watch, t);
   for (const body of bodies) drawTrail(pen, body, t);
   for (const vehicle of ofCategory("vehicle")) drawVehicle(pen, vehicle, t);

@@ -18,11 +18,12 @@ from navigation import (
 
 from ...core.body import Body
 from ...core.clock import Alarm, Turn
-from ...core.events import AgvMoved, AgvYielded
+from ...core.events import AgvBlocked, AgvMoved, AgvYielded
 from ...core.machine import Machine, MachineShape
 from ...core.scenario import AgvMove
 from ...core.stage import Stage
 from ...safety.foresight import Foresight, Pedestrian, Stoppable
+from .lane_parts import SLIGHT, last_before, part_within, run_slowly, slow_parts
 
 LOOK = 0.1
 """Seconds. An AGV that yields looks where people are no sooner than that after the last time."""
@@ -67,6 +68,16 @@ class Agv(Machine):
         self._held = False
         self._arrival = Alarm(stage.clock, self._arrive, Turn.MOTION_ENDS)
         self._looking = Alarm(stage.clock, self._look, Turn.MOTION_ENDS)
+        zones = stage.floorplan.zones
+        self._slow = slow_parts(lane, zones)
+        self._forbidden = [
+            (zone.name, part)
+            for zone in zones
+            if zone.forbidden and zone.is_about(lane.name)
+            for part in [part_within(lane, zone.area)]
+            if part is not None
+        ]
+        self._blocked: tuple[str, float] | None = None
 
     def begin(self) -> None:
         """Set out at the times of its moves."""
@@ -132,11 +143,58 @@ class Agv(Machine):
         elif self._target is not None:
             self.drive(self._target)
 
+    def floor_changed(self) -> None:
+        """Go on, or stop, where something has opened or closed its lane."""
+        if self._target is None or self._held or _same(self._hindrance(), self._blocked):
+            return
+        hindered = self._try()
+        if hindered is not None:
+            self._wait(hindered)
+
+    def _hindrance(self) -> tuple[str, float] | None:
+        """Return what is first in the way to the target, and the last lane position before it."""
+        target, there = self._target, self._stage.there
+        if target is None or not (there or self._forbidden):
+            return None
+        at, to = self.lane_position, self.lane.lane_position(target)
+        closed = [*self._forbidden]
+        for one in there.values():
+            part = part_within(self.lane, one.footprint)
+            if part is not None and one.overlaps(0.0, self.lane.height):
+                closed.append((one.name, part))
+        found = [(name, q) for name, part in closed for q in [last_before(part, at, to)]]
+        stops = [(name, q) for name, q in found if q is not None]
+        return min(stops, key=lambda stop: abs(stop[1] - at), default=None)
+
+    def _goal(self) -> str | float:
+        """Return the target, or how far the AGV gets on its way there."""
+        assert self._target is not None
+        return self._target if self._blocked is None else self._blocked[1]
+
+    def _run(self, state: AxisState, goal: str | float, now: float) -> Motion:
+        """Return the run to `goal` from now on; one that can't stop there any more only stops."""
+        if self._slow:
+            motion = run_slowly(self.lane, state, self.lane.lane_position(goal), now, self._slow)
+        else:
+            motion = agv_run(self.lane, state, goal, now)
+        if self._blocked is not None:
+            stop = agv_stop(self.lane, state, now)
+            reached = lane_state(self.lane, stop.state(stop.end)).position
+            if (reached - self._blocked[1]) * state.velocity > 0:
+                return stop
+        return motion
+
     def _try(self) -> Pedestrian | None:
         """Set out for the target, or return the person who makes that unsafe."""
-        target, now = self._target, self._clock.now
-        assert target is not None
-        motion = agv_run(self.lane, lane_state(self.lane, self.body.state), target, now)
+        now, state = self._clock.now, lane_state(self.lane, self.body.state)
+        before, self._blocked = self._blocked, self._hindrance()
+        if self._blocked is not None and not _same(self._blocked, before):
+            name, at = self._blocked
+            self._record(AgvBlocked(agv=self.lane.name, by=name, at=at))
+        target = self._goal()
+        if self._blocked is not None and state.velocity == 0 and self._is_at(self._blocked[1]):
+            return None
+        motion = self._run(state, target, now)
         if self._foresight is not None:
             drives = self._under_way_to is not None
             hindered = self._look_ahead(self._foresight, motion, LOOK if drives else RESUME)
@@ -148,11 +206,14 @@ class Agv(Machine):
         self._arrival.set(motion.end)
         return None
 
+    def _is_at(self, q: float) -> bool:
+        return abs(self.lane_position - q) < SLIGHT
+
     def _look(self) -> None:
         """Go on, stop, or set out again, as people allow."""
         if self._foresight is None or self._target is None or self._held:
             return
-        if self._under_way_to == self._target:
+        if self._under_way_to == self._goal():
             hindered = self._look_ahead(self._foresight, self.body.motion, LOOK)
         else:
             hindered = self._try()
@@ -188,8 +249,8 @@ class Agv(Machine):
 
     def _wait(self, hindered: Pedestrian) -> None:
         """Stop, or go on standing, until the path is clear."""
-        now, foresight, target = self._clock.now, self._foresight, self._target
-        assert foresight is not None and target is not None
+        now, foresight = self._clock.now, self._foresight
+        assert foresight is not None
         self._stop()
         state = self.body.state
         if not self._has_recorded:
@@ -204,7 +265,7 @@ class Agv(Machine):
             )
         wait = LOOK
         if state.speed == 0.0:
-            motion = agv_run(self.lane, lane_state(self.lane, state), target, now)
+            motion = self._run(lane_state(self.lane, state), self._goal(), now)
             wait = max(wait, foresight.hindered_for(self._plan(motion), hindered, now, RESUME))
         self._looking.set(now + wait)
 
@@ -223,6 +284,12 @@ class Agv(Machine):
             self._looking.set(None)
         self._under_way_to = None
         self._stage.came_to_rest(self)
+
+
+def _same(one: tuple[str, float] | None, other: tuple[str, float] | None) -> bool:
+    if one is None or other is None:
+        return one is other
+    return one[0] == other[0] and abs(one[1] - other[1]) < SLIGHT
 
 
 def agv_shape(lane: Lane) -> MachineShape:

@@ -13,6 +13,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from navigation import (
+    CollisionWorld,
     Motion,
     PlanningError,
     first_conflict,
@@ -85,7 +86,7 @@ class Crowd:
         self._clock = stage.clock
         self._parties: dict[Traveller, _Party] = {}
         self._people: list[Traveller] = []
-        self._grounds: dict[float, Ground] = {}
+        self._grounds: dict[tuple[CollisionWorld, float], Ground] = {}
         self._met: dict[tuple[int, int], float] = {}
 
     def enter(
@@ -123,7 +124,7 @@ class Crowd:
         None if there is none near. The order of the places that are tried is fixed. Besides those
         of the crowd but `me`, others are about to stand where it is `taken` (place and radius).
         """
-        ground = self._ground(radius)
+        ground = self._ground_in(self._stage.world if me is None else me.world, radius)
         now = self._clock.now
         for ring in range(RINGS + 1):
             away = 0.5 * ring * (radius + GAP)
@@ -389,12 +390,15 @@ class Crowd:
 
     def _outlook(self, me: Traveller) -> Outlook:
         reroute = self._parties[me].reroute
-        return Outlook(me, self._clock.now, self._near(me), self._ground(me.radius), reroute)
+        return Outlook(me, self._clock.now, self._near(me), self._ground(me), reroute)
 
-    def _ground(self, radius: float) -> Ground:
-        if radius not in self._grounds:
-            self._grounds[radius] = Ground(self._stage.world, radius)
-        return self._grounds[radius]
+    def _ground(self, me: Traveller) -> Ground:
+        return self._ground_in(me.world, me.radius)
+
+    def _ground_in(self, world: CollisionWorld, radius: float) -> Ground:
+        if (world, radius) not in self._grounds:
+            self._grounds[world, radius] = Ground(world, radius)
+        return self._grounds[world, radius]
 
     def _near(self, me: Traveller) -> list[Traveller]:
         """Return who may be in the way of somebody's next motion."""

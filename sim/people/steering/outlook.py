@@ -167,11 +167,16 @@ class Outlook:
         me = self.me
         if delay and self.speed > 1e-6:
             return None
+        points: Sequence[Place] = course if length is None else first(course, length)
+        fastest = me.top_speed if top_speed is None else top_speed
+        top: float | list[float] = fastest
+        if me.zones:
+            points, top = me.zones.along(points, fastest)
         motion = paced(
-            course if length is None else first(course, length),
+            points,
             self.t + delay,
             initial_speed=self.speed,
-            top_speed=me.top_speed if top_speed is None else top_speed,
+            top_speed=top,
             max_speed=me.human.max_speed,
             max_acceleration=me.human.max_acceleration,
         )

@@ -49,7 +49,7 @@ class Request:
         asker: Traveller,
         now: float,
         others: Sequence[Traveller],
-        ground_of: Callable[[float], Ground],
+        ground_of: Callable[[Traveller], Ground],
     ) -> None:
         self._asker = asker
         self._now = now
@@ -115,10 +115,11 @@ class Request:
             self._left -= 1
             if self._left < 0 or tried >= WIDE:
                 break
+            points, top = who.zones.along(retreat, who.top_speed)
             motion = paced(
-                retreat,
+                points,
                 self._now,
-                top_speed=who.top_speed,
+                top_speed=top,
                 max_speed=who.human.max_speed,
                 max_acceleration=who.human.max_acceleration,
             )
@@ -147,7 +148,7 @@ class Request:
     def _retreats(self, who: Traveller, course: Sequence[Place]) -> Iterator[list[Place]]:
         """Yield courses off `course`: to the nearest places around, then to places ahead of it."""
         at = who.body.motion.state(self._now).at
-        needed, ground = 2 * who.radius + GAP, self._ground_of(who.radius)
+        needed, ground = 2 * who.radius + GAP, self._ground_of(who)
         places = [
             (at[0] + r * math.cos(angle), at[1] + r * math.sin(angle))
             for r in RINGS

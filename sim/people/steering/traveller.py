@@ -6,11 +6,12 @@ import math
 from dataclasses import dataclass, field
 
 from floorplan import Human
-from navigation import Motion, Swath, swath
+from navigation import CollisionWorld, Motion, Swath, swath
 
 from ...core.body import Body
 from .course import Place
 from .manners import Manners
+from .speed_zones import SpeedZones
 
 
 @dataclass(eq=False)
@@ -20,6 +21,7 @@ class Traveller:
     `goal` is where they walk to, if anywhere, `route` the points that lead there from where they
     are; `since` is when they set out (seconds), `index` their place among all people.
     `top_speed` is that of the errand they are on, in m/s; before the first it is the most they can.
+    They walk in `world`, and keep to the limits of `zones`.
     Somebody who is `recorded` walks as they were measured, and gives way to nobody.
     """
 
@@ -27,6 +29,8 @@ class Traveller:
     body: Body
     human: Human
     manners: Manners
+    world: CollisionWorld
+    zones: SpeedZones
     recorded: bool = False
     goal: Place | None = None
     route: list[Place] = field(default_factory=list)

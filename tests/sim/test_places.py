@@ -1,0 +1,249 @@
+"""Places that change: doors, zones, and obstacles that come and go, for people and AGVs."""
+
+import math
+import random
+
+import numpy as np
+import pytest
+import shapely
+
+import floorplan
+import navigation
+import sim
+from sim.runs.run_folder import load_run
+
+TWO_ROOMS = """\
+boundary: [[0, 0], [20, 0], [20, 10], [0, 10]]
+obstacles:
+  south: {x: [9.8, 10.2], y: [0, 2], z: [0, 3]}
+  middle: {x: [9.8, 10.2], y: [3.5, 6.5], z: [0, 3]}
+  north: {x: [9.8, 10.2], y: [8, 10], z: [0, 3]}
+doors:
+  lower: {between: [[10, 2], [10, 3.5]]}
+  upper: {between: [[10, 6.5], [10, 8]], open: false}
+safe_zone: {at: [2, 2.75]}
+"""
+
+LANE = """\
+agvs:
+  size: [1.2, 0.8]
+  height: 1.0
+  max_speed: 1.0
+  max_acceleration: 0.5
+  limits: [0, 16]
+  locations: {west: 0, east: 16}
+  start: west
+  lanes: {cart: {origin: [2, 2.75]}}
+"""
+
+WITH_CART = TWO_ROOMS.replace("at: [2, 2.75]", "at: [2, 8]") + LANE
+
+GO = "+human_start <- move(18, 2.75, 0).\n+path_blocked(_) <- .wait(500); move(18, 2.75, 0).\n"
+
+
+@pytest.fixture
+def run(tmp_path):
+    (tmp_path / "go.asl").write_text(GO)
+
+    def run(text, floor=TWO_ROOMS):
+        keys = "".join(f"  {line}\n" for line in floor.splitlines())
+        trial = sim.Trial.parse(f"floorplan:\n{keys}{text}", folder=tmp_path)
+        again = sim.Trial.parse(trial.to_yaml(tmp_path), folder=tmp_path)
+        assert again == trial
+        return sim.run(trial)
+
+    return run
+
+
+ALONE = "people: [{name: eve, personality: go.asl}]\n"
+PAIR = (
+    "people: [{name: eve, personality: go.asl}, {name: max, personality: external, at: [1, 9]}]\n"
+)
+
+
+def events(run, *kinds):
+    return [e for e in run.events if e["kind"] in kinds]
+
+
+def nearest(run, body, shape, begin, end, step=0.01):
+    """The least distance from the centre of a body to a shape, at many instants."""
+    times = np.arange(begin, min(end, run.duration), step)
+    return shapely.distance(shape, shapely.points(run.motions[body].position(times))).min()
+
+
+@pytest.mark.parametrize("people", [ALONE, PAIR])
+def test_a_closed_door_is_a_wall_and_an_open_one_is_nothing(run, people):
+    door = floorplan.parse(TWO_ROOMS).doors["lower"].footprint
+    through = run(f"duration: 30\n{people}")
+    (arrived,) = events(through, "arrived")
+    assert arrived["t"] == pytest.approx(16 / 1.0, abs=1.0)
+    closed = run(f"duration: 60\ndoors: {{lower: {{closed: [[0, 30]]}}}}\n{people}")
+    blocked = events(closed, "path_blocked")[0]
+    assert blocked["t"] == 0.0 and "cuts it off" in blocked["message"]
+    assert nearest(closed, "eve", door, 0.0, 30.0) >= 0.3 - 1e-6
+    assert [e["t"] for e in events(closed, "door_opened")] == [30.0]
+    assert events(closed, "arrived")[0]["t"] == pytest.approx(46.5, abs=1.0)
+    # While they are under way, it closes before them: the other door is the way round.
+    other = run(
+        "duration: 60\ndoors: {lower: {closed: [[4]]}, upper: {open: [[0, 60]]}}\n" + people
+    )
+    assert nearest(other, "eve", door, 4.0, 60.0) >= 0.3 - 1e-6
+    assert len(events(other, "arrived")) == 1
+
+
+@pytest.mark.parametrize("people", [ALONE, PAIR])
+def test_people_mind_obstacles_while_they_are_there(run, people, tmp_path):
+    pallet = "obstacles: {pallet: {x: [5, 6], y: [1, 4], z: [0, 1], there: [[2.0, 30.0]]}}\n"
+    found = run(f"duration: 40\n{people}{pallet}")
+    assert nearest(found, "eve", shapely.box(5, 1, 6, 4), 2.5, 30.0) >= 0.3 - 1e-6
+    kinds = [e["kind"] for e in events(found, "obstacle_came", "obstacle_went", "replanned")]
+    assert kinds == ["obstacle_came", "replanned", "obstacle_went"]
+    assert len(events(found, "arrived")) == 1
+    recording = sim.Recording(tmp_path / "run")
+    trial = found.trial
+    recording.finish(sim.run(trial, recording))
+    assert load_run(tmp_path / "run").scene == found.scene and found.scene.passing
+
+
+def test_what_is_put_down_on_somebody_is_stepped_out_of(run):
+    text = "duration: 20\npeople: [{name: eve, personality: go.asl, start: {time: 9}}]\n"
+    found = run(
+        text + "obstacles: {box: {x: [1, 2.2], y: [2, 3.5], z: [0, 1], there: [[5, 20]]}}\n"
+    )
+    assert nearest(found, "eve", shapely.box(1, 2, 2.2, 3.5), 10.0, 20.0) >= 0.3 - 1e-6
+
+
+@pytest.mark.parametrize("people", [ALONE, PAIR])
+def test_a_zone_is_closed_to_whom_it_is_forbidden(run, people):
+    cell = "zones: {cell: {x: [4, 6], y: [0, 5], forbidden: true, concerns: ['e*']}}\n"
+    area = shapely.box(4, 0, 6, 5)
+    found = run(f"duration: 40\n{people}", TWO_ROOMS + cell)
+    assert nearest(found, "eve", area, 0.0, 40.0) >= 0.3 - 1e-6
+    assert len(events(found, "arrived")) == 1
+    free = run(f"duration: 40\n{people.replace('eve', 'ann')}", TWO_ROOMS + cell)
+    assert nearest(free, "ann", area, 0.0, 40.0) == 0.0
+    wall = "zones: {wall: {x: [4, 6], y: [0, 10], forbidden: true}}\n"
+    shut = run(f"duration: 5\n{people}", TWO_ROOMS + wall)
+    assert "wall cuts it off" in events(shut, "path_blocked")[0]["message"]
+
+
+def speeds_within(motion, area, step=0.005):
+    times = np.arange(motion.start, motion.end, step)
+    inside = shapely.contains_xy(area, *motion.position(times).T)
+    return np.hypot(*motion.velocity(times).T)[inside]
+
+
+@pytest.mark.parametrize("people", [ALONE, PAIR])
+@pytest.mark.parametrize("seed", range(4))
+def test_nobody_is_faster_than_a_zone_allows(run, people, seed):
+    rng = random.Random(seed)
+    lines, areas = [], []
+    for k in range(3):
+        x, y = rng.uniform(1, 14), rng.uniform(0, 2.6)
+        area = (x, x + rng.uniform(0.1, 4), y, y + rng.uniform(0.2, 4))
+        limit = rng.uniform(0.2, 0.9)
+        areas.append((shapely.box(area[0], area[2], area[1], area[3]), limit))
+        lines.append(f"  z{k}: {{x: {[*area[:2]]}, y: {[*area[2:]]}, max_speed: {limit}}}")
+    found = run(f"duration: 90\n{people}", TWO_ROOMS + "zones:\n" + "\n".join(lines) + "\n")
+    walked = found.motions["eve"]
+    assert len(events(found, "arrived")) == 1
+    for area, limit in areas:
+        assert (speeds_within(walked, area) <= limit + 1e-6).all()
+    times = np.arange(0.0, walked.end, 0.01)
+    change = np.hypot(*np.diff(walked.velocity(times), axis=0).T) / 0.01
+    assert np.median(change) <= 2.5 and speeds_within(walked, shapely.box(0, 0, 20, 10)).max() > 0.9
+
+
+def test_agvs_wait_for_what_is_in_their_way(run):
+    moves = "duration: 90\nagvs: {cart: [{time: 1, to: east}, {time: 60, to: west}]}\n"
+    text = moves + (
+        "doors: {lower: {closed: [[0, 20]]}}\n"
+        "obstacles: {pallet: {x: [14, 15], y: [2.5, 3], z: [0, 1], there: [[8, 40]]}}\n"
+    )
+    found = run(text, WITH_CART)
+    cart, door = found.motions["cart"], floorplan.parse(TWO_ROOMS).doors["lower"].footprint
+    for shape, begin, end in ((door, 0, 20), (shapely.box(14, 2.5, 15, 3), 8, 40)):
+        for t in np.arange(begin, end, 0.05):
+            x, y = cart.position(t)
+            assert not shapely.box(x - 0.6, y - 0.4, x + 0.6, y + 0.4).intersects(shape)
+    blocked = events(found, "agv_blocked")
+    assert [e["by"] for e in blocked] == ["lower", "pallet"]
+    assert cart.position(58.0)[0] == pytest.approx(18.0)
+    assert cart.position(90.0)[0] == pytest.approx(2.0)
+
+
+def test_agvs_brake_for_what_comes_and_slow_down_in_zones(run):
+    zone = "zones: {slow: {x: [6, 9], y: [0, 5], max_speed: 0.3, concerns: [cart]}}\n"
+    text = (
+        "duration: 80\nagvs: {cart: {moves: [{time: 0, to: east}], yield: true}}\n"
+        "obstacles: {pallet: {x: [16, 17], y: [2, 3], z: [0, 1], there: [[22, 40]]}}\n"
+    )
+    found = run(text, WITH_CART + zone)
+    cart = found.motions["cart"]
+    times = np.arange(0.0, 80.0, 0.01)
+    x, speed = cart.position(times)[:, 0], np.hypot(*cart.velocity(times).T)
+    assert (speed[(x > 5.4) & (x < 9.6)] <= 0.3 + 1e-6).all() and speed.max() > 0.9
+    assert (np.abs(np.diff(speed)) <= 0.5 * 0.01 + 1e-6).all()
+    there = (times >= 22) & (times < 40)
+    assert x[there].max() <= 16 - 0.6 + 1e-6
+    assert x[-1] == pytest.approx(18.0) and (cart.rotation(times) == 0.0).all()
+
+
+def test_a_trial_without_any_of_it_has_nothing_of_it():
+    run = sim.run(sim.Trial.parse("{floorplan: ariac2023, duration: 1}"))
+    assert not run.scene.passing and not run.floorplan.doors
+
+
+BAD = {
+    "doors: {lover: {closed: [[1, 2]]}}": "no door is called 'lover'; did you mean 'lower'?",
+    "doors: {lower: {closed: [[5, 2]]}}": "ends before it begins",
+    "doors: {lower: {closed: [[1, 5], [4, 9]]}}": "before the one in front of it ends at 5 s",
+    "doors: {lower: {closed: [[500, 501]]}}": "begins at 500 s of the trial, which ends at",
+    "doors: {lower: {closed: [[1, 2]], open: [[3, 4]]}}": "give one of closed and open",
+    "obstacles: {middle: {x: [1, 2], y: [1, 2], z: [0, 1], there: [[1, 2]]}}": "called 'middle'",
+    "obstacles: {a: {x: [1, 2], y: [1, 2], z: [0, 1]}}": "there: is missing",
+    "obstacles: {a: {x: [1.9, 3], y: [2, 3], z: [0, 1], there: [[0, 2]]}}\n"
+    "people: [{name: e, at: [2, 2.75]}]": "(2.0, 2.75) is in a, which is there then",
+}
+
+
+@pytest.mark.parametrize("text", BAD)
+def test_bad_times_and_places_are_told_with_their_line(run, text):
+    with pytest.raises(sim.TrialError) as refused:
+        run(text + "\n")
+    assert BAD[text] in str(refused.value) and refused.value.problems[0].line >= 11
+
+
+BAD_FLOORS = {
+    "doors: {a: {between: [[1, 1], [1, 1]]}}": "its two ends are one place",
+    "doors: {a: {between: [[1, 1], [1, 3]]}, b: {between: [[0, 2], [2, 2]]}}": "overlaps the door",
+    "doors: {a: {between: [[1, 1], [1, 13]]}}": "(1, 13) is outside the boundary",
+    "zones: {a: {x: [1, 2], y: [1, 2]}}": "give one of forbidden: true and max_speed",
+    "zones: {a: {x: [1, 3], y: [1, 3], forbidden: true}}": "the station 'press' is in it",
+    "zones: {a: {polygon: [[1, 1], [3, 3], [3, 1], [1, 3]], max_speed: 1}}": "not a simple polygon",
+    "zones: {wall: {x: [5, 6], y: [5, 6], max_speed: 1}}": "something else is called 'wall'",
+}
+
+
+@pytest.mark.parametrize("text", BAD_FLOORS)
+def test_bad_doors_and_zones_are_told_with_their_line(text):
+    floor = (
+        "boundary: [[0, 0], [9, 0], [9, 9], [0, 9]]\nstations: {press: [2, 2]}\n"
+        "obstacles: {wall: {x: [7, 8], y: [0, 1], z: [0, 1]}}\n"
+    )
+    with pytest.raises(floorplan.FloorplanError) as refused:
+        floorplan.parse(floor + text)
+    assert BAD_FLOORS[text] in str(refused.value) and refused.value.problems[0].line == 4
+
+
+def test_doors_and_zones_are_written_scaled_and_turned(tmp_path):
+    plan = floorplan.parse(TWO_ROOMS + "zones: {a: {x: [1, 2], y: [3, 4], max_speed: 0.5}}\n")
+    plan.save(tmp_path / "floor.yaml")
+    assert floorplan.load(tmp_path / "floor.yaml") == plan
+    (tmp_path / "turned.yaml").write_text(
+        f"base: floor.yaml\nname: {plan.name}\norigin: [10, 0]\nrotation: {math.pi / 2}\n"
+    )
+    turned = floorplan.load(tmp_path / "turned.yaml")
+    assert np.allclose(turned.doors["lower"].ends, [(-2, 0), (-3.5, 0)])
+    assert turned.zones["a"].area.equals(shapely.box(-4, -9, -3, -8))
+    assert navigation.CollisionWorld(turned).walkable.area == pytest.approx(200 - 0.4 * 7)
