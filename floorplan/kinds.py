@@ -91,8 +91,10 @@ def _faults(value: object, hint: Any) -> Iterator[Fault]:
             wanted = " or ".join(map(_article, options))
             misfit = f"expected {wanted}, found {shown(value)}", ()
             # Of the right kind, but not right: its faults say more.
-            near = [f for o, f in zip(options, found, strict=True) if f[0] != _misfit(value, o)]
-            yield from near[0] if len(near) == 1 else found[0] if len(found) == 1 else [misfit]
+            near = found
+            if len(found) > 1:
+                near = [f for o, f in zip(options, found, strict=True) if f[0] != _misfit(value, o)]
+            yield from near[0] if len(near) == 1 else [misfit]
     elif hint is Any:
         return
     elif origin is Literal:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .motion import Motion, Piece, State, standing, value
-from .profiles import NOWHERE, AxisLimits, AxisState, Phases, along_line, to_position
+from .profiles import NOWHERE, AxisLimits, Phases, along_line, trapezoid
 
 MAX_SPEED = 1.0
 """m/s. A person's top speed where nothing else is said."""
@@ -157,8 +157,7 @@ def _along(corners: list[Corner], speeds: list[float], limits: AxisLimits, start
     """Return the fastest motion through `corners` with the given speed at each of them."""
     pieces: list[Piece] = []
     for (a, b), (u, w) in zip(itertools.pairwise(corners), itertools.pairwise(speeds), strict=True):
-        length = math.dist(a, b)
-        (phases,) = to_position([AxisState(0.0, u)], [AxisState(length, w)], [limits])
+        phases = trapezoid(math.dist(a, b), u, w, limits)
         pieces += _on_leg(a, b, phases, pieces[-1].end if pieces else start)
     return Motion(tuple(pieces))
 

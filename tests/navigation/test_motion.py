@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 import floorplan
 import navigation
 from navigation import AxisLimits, AxisState, Motion, Piece
+from navigation.profiles import to_position, trapezoid
 
 coordinate = st.floats(-20, 20)
 point = st.tuples(coordinate, coordinate)
@@ -323,3 +324,20 @@ def test_braking_may_be_broken_off_by_braking(seed):
         again = navigation.stop_walking(braking, later)
         assert again.end == pytest.approx(braking.end, abs=1e-5)
         assert again.position(again.end) == pytest.approx(braking.position(again.end), abs=1e-5)
+
+
+@given(st.floats(0.0, 3.0), st.floats(0.0, 1.0), st.floats(1e-6, 50.0), st.floats(0.3, 2.0))
+def test_a_trapezoid_is_ruckigs_profile_without_a_limit_of_jerk(first, share, length, top):
+    limits = AxisLimits(top, 2.5)
+    reachable = math.sqrt(max(first**2 - 2 * limits.max_acceleration * length, 0.0))
+    first = first if reachable < top else math.sqrt(2 * limits.max_acceleration * length)
+    reachable = math.sqrt(max(first**2 - 1.999 * limits.max_acceleration * length, 0.0))
+    most = min(top, math.sqrt(first**2 + 1.999 * limits.max_acceleration * length))
+    last = reachable + share * max(most - reachable, 0.0)
+    phases = trapezoid(length, first, last, limits)
+    (expected,) = to_position([AxisState(0.0, first)], [AxisState(length, last)], [limits])
+    duration, (begin, speed, half, _) = phases[-1]
+    assert begin + duration * (speed + duration * half) == pytest.approx(length, abs=1e-9)
+    assert speed + 2 * half * duration == pytest.approx(last, abs=1e-6)
+    whole = sum(duration for duration, _ in expected)
+    assert sum(duration for duration, _ in phases) == pytest.approx(whole, abs=1e-7)

@@ -64,6 +64,8 @@ class Agv(Machine):
         self._people: list[tuple[Body, float]] = []
         self._target: str | float | None = None
         self._under_way_to: str | float | None = None
+        self._rest: tuple[Motion | None, float] = (None, 0.0)
+        """The motion on which it has come to rest, and where on the lane that is (m)."""
         self._has_recorded = False
         self._held = False
         self._arrival = Alarm(stage.clock, self._arrive, Turn.MOTION_ENDS)
@@ -99,7 +101,13 @@ class Agv(Machine):
     @property
     def lane_position(self) -> float:
         """Position on the lane now (m)."""
-        return lane_state(self.lane, self.body.state).position
+        motion = self.body.motion
+        if motion is self._rest[0]:
+            return self._rest[1]
+        position = lane_state(self.lane, self.body.state).position
+        if motion.end <= self._clock.now:
+            self._rest = motion, position
+        return position
 
     @property
     def stands(self) -> bool:
