@@ -1,7 +1,15 @@
 """Floorplans: the floor, and what stands on it."""
 
 from .building import footprint
-from .checks import LARGEST, check, polygon_fault, size_fault, standing_fault, starting_fault
+from .checks import (
+    LARGEST,
+    SMALLEST,
+    check,
+    polygon_fault,
+    size_fault,
+    standing_fault,
+    starting_fault,
+)
 from .document import (
     Document,
     Fault,
@@ -51,6 +59,7 @@ __all__ = [
     "LARGEST",
     "LARGEST_RECORDED",
     "LEFT_OUT_IF_EMPTY",
+    "SMALLEST",
     "Axis",
     "Document",
     "Door",

@@ -5,6 +5,7 @@ from .core.clock import Clock, StandstillError
 from .core.events import EventKind
 from .core.machine import Machine, MachineShape
 from .core.machine_model import MachineEntry, MachineModel
+from .core.noticing import NoticingEntry
 from .core.output import OutputError
 from .core.recorded_track import RecordedTrack
 from .core.recorder import Event, Listener
@@ -82,6 +83,7 @@ __all__ = [
     "Mind",
     "MindError",
     "Notice",
+    "NoticingEntry",
     "OutputError",
     "Outside",
     "OwnLaw",

@@ -25,6 +25,7 @@ from .machines.gantry.robot import GantryRobot
 from .machines.kinds import models_of
 from .orders import Dispatcher
 from .people.company import Company
+from .people.drawing import speed_of, with_figures
 from .people.person import Person
 from .people.tracks.walks import RecordedWalk, recorded_walks
 from .record.finished import Finished
@@ -65,6 +66,7 @@ class Simulation:
         self._listener = Listeners(_Keeper(self.events), *listeners, _Reactor(triggers))
         self._over = self.clock.end()
         self._started = False
+        people = with_figures(trial)
         walks = recorded_walks(trial)
         closures = Closures(trial.floorplan, trial.doors, trial.obstacles)
         self._stage = Stage(
@@ -76,7 +78,7 @@ class Simulation:
             record=recording_to(self._listener, lambda: self.clock.now),
             triggers=triggers,
             world=CollisionWorld(trial.floorplan),
-            fastest=_fastest(trial, walks),
+            fastest=_fastest(people, walks),
             own_code=trial.own_code,
             closures=closures,
         )
@@ -86,7 +88,7 @@ class Simulation:
             self.machines[name] = model.make(name, self._stage)
         self.referee = Referee(self._stage)
         self.dispatcher = self._make_dispatcher()
-        self._company = Company(self._stage, trial, self.referee, self._listener, walks)
+        self._company = Company(self._stage, people, self.referee, self._listener, walks)
         self.people = self._stage.people = self._company.people
         self.clock.most = MOST_AT_ONCE + MOST_AT_ONCE_EACH * len(self.bodies)
         self.scene = self._scene()
@@ -273,7 +275,7 @@ def run(trial: Trial, *listeners: Listener) -> Run:
 def _fastest(trial: Trial, walks: Mapping[str, RecordedWalk]) -> float:
     """Return the highest speed (m/s) of people, those of the trial and anybody else."""
     usual = trial.floorplan.human.max_speed
-    speeds = [entry.max_speed or usual for entry in trial.people]
+    speeds = [speed_of(entry, usual) for entry in trial.people]
     return max([usual, *speeds, *(walk.top_speed for walk in walks.values())])
 
 

@@ -16,6 +16,7 @@ from navigation import Motion, PlannerChoice
 from .closures import DoorTimes, TimedObstacle
 from .machine_model import MachineEntry
 from .manners import AS_USUAL, MannersEntry
+from .noticing import ALL_ROUND, Drawn, NoticingEntry
 from .recorded_track import RecordedTrack
 from .rules import PAPER, RuleSet
 from .start import AT_ONCE, Start
@@ -84,6 +85,8 @@ class PersonEntry:
 
     Who has a `source` comes in later, and starts then. Who arrives at their `sink`, a station or a
     place, leaves the floor. People of the same `group` walk with the first of them.
+
+    `max_speed` and the figures of `noticing` may be drawn, from the trial's seed and their name.
     """
 
     name: str
@@ -92,7 +95,7 @@ class PersonEntry:
     at: tuple[float, float] | Literal["anywhere"] | None = None
     beliefs: tuple[str, ...] = ()
     radius: float | None = None
-    max_speed: float | None = None
+    max_speed: Drawn | None = None
     max_acceleration: float | None = None
     changes: tuple[PersonalityChange, ...] = ()
     home: tuple[float, float] | None = None
@@ -107,6 +110,7 @@ class PersonEntry:
     source: Source | None = None
     sink: Point | str | None = None
     group: str | None = None
+    noticing: NoticingEntry = ALL_ROUND
 
     @property
     def works(self) -> bool:

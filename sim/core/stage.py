@@ -44,6 +44,15 @@ class Bystander(Protocol):
         """Whether they are not on the floor: not yet, or not any more."""
         ...
 
+    @property
+    def reaction_time(self) -> float:
+        """Seconds from when they see something until they perceive it."""
+        ...
+
+    def sees(self, machine: Machine) -> bool:
+        """Return whether they can see `machine` now."""
+        ...
+
     def warn(self, percept: str, machine: Machine) -> None:
         """Perceive `percept` about a machine, and go home for a violation."""
         ...

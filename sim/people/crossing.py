@@ -8,7 +8,7 @@ from floorplan import Human
 from navigation import Cylinder, FixedDistance, Motion, Shapes, TooClose, first_time
 
 from ..core.clock import Alarm, Turn
-from ..safety.watches import Pair
+from ..safety.watches import GLANCE, Pair
 
 AHEAD = 1.5
 """Seconds. Time before they would walk into an AGV at which people stop."""
@@ -18,7 +18,10 @@ GAP = 0.1
 
 
 class CrossingWatch:
-    """Calls `let_pass(self)` in time if a person is about to walk into an AGV that drives."""
+    """Calls `let_pass(self)` in time if a person is about to walk into an AGV that drives.
+
+    That is, if they see it; who reacts slowly is later by as much.
+    """
 
     def __init__(self, pair: Pair, human: Human, let_pass: Callable[[CrossingWatch], None]) -> None:
         self.pair = pair
@@ -47,7 +50,11 @@ class CrossingWatch:
         person = self.pair.person.body.motion
         walks = person.end > self.pair.clock.now
         touched = self.touches(person) if walks else None
-        self._alarm.set(None if touched is None else max(self.pair.clock.now, touched - AHEAD))
+        early = AHEAD - self.pair.person.reaction_time
+        self._alarm.set(None if touched is None else max(self.pair.clock.now, touched - early))
 
     def _ring(self) -> None:
-        self._let_pass(self)
+        if self.pair.person.sees(self.pair.machine):
+            self._let_pass(self)
+        else:
+            self._alarm.set(self.pair.clock.now + GLANCE)

@@ -20,6 +20,7 @@ from ..core.body import Body
 from ..core.clock import Alarm, Turn
 from ..core.events import Awaited, Entered, HumanStarted, Left, PersonalityChanged
 from ..core.machine import Machine
+from ..core.noticing import ALL_ROUND
 from ..core.scenario import PersonEntry, spot
 from ..core.stage import Stage
 from ..safety.referee import Referee
@@ -28,6 +29,7 @@ from .actions import Actions, MindError
 from .attention import Attention
 from .crossing import CrossingWatch
 from .errand import Errand
+from .eyes import Eyes
 from .minds import Mind, as_term
 from .percepts import Senses
 from .playback import Playback
@@ -113,6 +115,11 @@ class Person:
             None if walk is None else Playback(stage, self.walker.traveller, walk, crowd)
         )
         self._referee = referee
+        self._eyes = (
+            None
+            if entry.noticing == ALL_ROUND
+            else Eyes(stage, self.walker.body, human, entry.noticing)
+        )
         self._thought = thought
         self._senses = Senses(stage.clock, self._think)
         self._errand = Errand(stage, self.walker, self._senses)
@@ -188,6 +195,15 @@ class Person:
     def body(self) -> Body:
         """Their body."""
         return self.walker.body
+
+    @property
+    def reaction_time(self) -> float:
+        """Seconds from when they see something until they perceive it."""
+        return 0.0 if self._eyes is None else self._eyes.reaction_time
+
+    def sees(self, machine: Machine) -> bool:
+        """Return whether they can see `machine` now."""
+        return self._eyes is None or self._eyes.see(machine)
 
     @property
     def is_recorded(self) -> bool:

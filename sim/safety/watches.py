@@ -38,6 +38,9 @@ Cause = str
 CLEARANCE = 0.05
 """Metres. What a machine in a protective stop waits for beyond the required distance."""
 
+GLANCE = 0.1
+"""Seconds. Who can't see a machine that they would notice looks again after so long."""
+
 MOVES = 1e-6
 """m/s. A machine that is faster than this at the instant of a violation is its cause."""
 
@@ -190,7 +193,8 @@ class NoticeWatch:
     """Lets a person notice the gantry once per approach: inside the noticing distance and closing.
 
     It then follows the approach to its nearest point, and is alert anew only after the two have
-    parted by `rule.parting` metres from there (or `rule.every` seconds have gone by).
+    parted by `rule.parting` metres from there (or `rule.every` seconds have gone by). Who does not
+    see it looks again every `GLANCE`; who sees it perceives it after their reaction time.
     """
 
     # Three stages, of which each waits for the one instant that ends it:
@@ -206,18 +210,22 @@ class NoticeWatch:
         self.pair = pair
         self.rule = rule
         self._noticed = noticed
-        self._condition = Both(TooClose(rule.law), Approaching())
+        self._close = TooClose(rule.law)
+        self._closing_in = Both(self._close, Approaching())
+        self._hidden = False
         self._stage: Literal["alert", "closing", "parting"] = "alert"
         self._silent_until = 0.0
         self._nearest = 0.0
         self._alarm = Alarm(pair.clock, self._ring, Turn.NOTICE)
+        self._perceiving = Alarm(pair.clock, self._perceive, Turn.NOTICE)
         self.reconsider()
 
     def reconsider(self) -> None:
         """Compute the next instant of change anew; called whenever a motion changes."""
         pair = self.pair
         if self._stage == "alert":
-            self._alarm.set(pair.first_time(self._condition, self._silent_until))
+            condition = self._close if self._hidden else self._closing_in
+            self._alarm.set(pair.first_time(condition, self._silent_until))
         elif self._stage == "closing":
             self._alarm.set(pair.first_time(Not(Approaching())))
         else:
@@ -229,15 +237,27 @@ class NoticeWatch:
     def start_over(self) -> None:
         """Begin anew, after `rule.silent` seconds: the person starts, or was put elsewhere."""
         self._stage = "alert"
+        self._perceiving.set(None)
+        self._hidden = False
         self._silent_until = max(self._silent_until, self.pair.clock.now + self.rule.silent)
 
     def _ring(self) -> None:
         if self._stage == "alert":
+            person, now = self.pair.person, self.pair.clock.now
+            # Who comes upon it where it is near already notices it, whichever way they go.
+            self._hidden = not person.sees(self.pair.machine)
+            if self._hidden:
+                self._silent_until = max(self._silent_until, now + GLANCE)
+                self.reconsider()
+                return
             if self.rule.every is None:
                 self._stage = "closing"
             else:
-                self._silent_until = self.pair.clock.now + self.rule.every
-            self._noticed(self.pair, self.rule.law)
+                self._silent_until = now + self.rule.every
+            if person.reaction_time > 0.0:
+                self._perceiving.set(now + person.reaction_time)
+            else:
+                self._perceive()
         elif self._stage == "closing":
             self._nearest = self.pair.distance()
             self._stage = "parting"
@@ -245,6 +265,9 @@ class NoticeWatch:
             has_parted = self.pair.distance() > self._nearest
             self._stage = "alert" if has_parted else "closing"
         self.reconsider()
+
+    def _perceive(self) -> None:
+        self._noticed(self.pair, self.rule.law)
 
 
 class Hold:

@@ -10,6 +10,7 @@ from typing import get_args
 import bdi
 from floorplan import (
     LARGEST,
+    SMALLEST,
     Fault,
     Place,
     refuse,
@@ -22,10 +23,12 @@ from navigation import PlannerChoice, PlannerError
 
 from ..core.events import EVENT_KINDS
 from ..core.manners import MannersEntry, Side
+from ..core.noticing import Drawn
 from ..core.own_source import OwnCodeError
 from ..core.rules import NO_TIME, MachineMeasure, PersonMeasure, RuleSet
 from ..core.scenario import PersonalityChange, PersonEntry, Scenario, TrialError, spot
 from ..core.start import AT_ONCE, Start
+from ..core.work import Duration
 from ..machines.gantry.model import GantryModel
 from ..machines.gantry.robot import GANTRY
 from ..machines.kinds import machine_faults, on_floor
@@ -125,6 +128,22 @@ def _size(value: float | None, *place: str | int) -> Iterator[Fault]:
         yield fault, place
 
 
+def _plain(value: Drawn | None) -> float:
+    return float(value) if isinstance(value, float | int) else 0.0
+
+
+def _drawn_faults(value: Drawn | None, *place: str | int) -> Iterator[Fault]:
+    """Yield what can't be about a figure that may be drawn."""
+    if isinstance(value, tuple):
+        if not SMALLEST <= value[0] <= value[1] <= LARGEST:
+            yield f"must be [least, most], above 0, not {[*value]}", place
+    elif isinstance(value, Duration):
+        if not value.values or not all(0 <= one <= LARGEST for one in value.values):
+            yield f"must be drawn from figures from 0 to {LARGEST:g}, not {value.values!r}", place
+    else:
+        yield from _size(value, *place)
+
+
 def _time(value: float, *place: str | int) -> Iterator[Fault]:
     if not 0 <= value <= LARGEST:
         yield f"must be a time from 0 to {LARGEST:g} s, not {value!r}", place
@@ -158,8 +177,14 @@ def _person_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:
     yield from _start_faults(person.start, trial, "start")
     for k, change in enumerate(person.changes):
         yield from _start_faults(change.when, trial, "changes", k, "when")
-    for name in ("radius", "max_speed", "max_acceleration"):
+    for name in ("radius", "max_acceleration"):
         yield from _size(getattr(person, name), name)
+    yield from _drawn_faults(person.max_speed, "max_speed")
+    for name in ("field_of_view", "reaction_time"):
+        yield from _drawn_faults(getattr(person.noticing, name), "noticing", name)
+    view = person.noticing.field_of_view
+    if max(view if isinstance(view, tuple) else (_plain(view),)) > 360.0:
+        yield f"must be at most 360 degrees, not {view!r}", ("noticing", "field_of_view")
     if person.recorded is None:
         yield from _place_faults(person, trial)
     for message in track_faults(person, trial):

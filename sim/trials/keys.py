@@ -5,7 +5,15 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BeforeValidator, Field, Strict, model_validator
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    Discriminator,
+    Field,
+    Strict,
+    Tag,
+    model_validator,
+)
 from pydantic_core import PydanticCustomError
 
 from floorplan import NotNegative, Number, Pair, Positive, Range, Strictly
@@ -13,6 +21,7 @@ from navigation import PlannerChoice
 
 from ..core.keys import Flag, Keys
 from ..core.manners import MannersEntry, Side
+from ..core.noticing import NoticingEntry
 from ..core.recorded_track import RecordedTrack
 from ..core.rules import PAPER
 from ..core.scenario import USUAL_PLANNER, PersonalityChange, PersonEntry, Source
@@ -22,7 +31,7 @@ from ..machines.gantry.keys import GantryKeys
 from .checks import CONDITIONS, LARGEST_SEED, NAME
 from .place_keys import DoorKeys, TimedKeys
 from .rules_file import RuleKeys
-from .work_keys import TimeOfDay, WorkerKeys, WorkListEntry, time_of_day
+from .work_keys import DrawnKeys, TimeOfDay, WorkerKeys, WorkListEntry, time_of_day
 
 _Planner = Annotated[Any, AfterValidator(PlannerChoice.of)]
 """A planner: its name, or `{name: RRTConnect, range: 1.0}`."""
@@ -85,6 +94,31 @@ class MannersKeys(Keys):
         return MannersEntry(**self.fields())
 
 
+def _form(value: Any) -> str:
+    """Return which form a figure that may be drawn has."""
+    if isinstance(value, dict | DrawnKeys):
+        return "distribution"
+    return "range" if isinstance(value, list | tuple) else "figure"
+
+
+Drawn = Annotated[
+    Annotated[Positive, Tag("figure")]
+    | Annotated[Range, Tag("range")]
+    | Annotated[DrawnKeys, Tag("distribution")],
+    Discriminator(_form),
+]
+"""A figure, [least, most], or a distribution."""
+
+
+class _NoticingKeys(Keys):
+    field_of_view: Drawn | None = None
+    occlusion: Flag = False
+    reaction_time: Drawn | None = None
+
+    def value(self) -> NoticingEntry:
+        return NoticingEntry(**self.fields())
+
+
 class _RecordedKeys(Keys):
     file: Annotated[str, Field(min_length=1)]
     body: Annotated[str, BeforeValidator(_as_name)] | None = None
@@ -136,7 +170,7 @@ class PersonKeys(WorkerKeys):
     home: Pair | None = None
     beliefs: list[str] = []
     radius: Positive | None = None
-    max_speed: Positive | None = None
+    max_speed: Drawn | None = None
     max_acceleration: Positive | None = None
     changes: list[_Change] = []
     planner: _Planner | None = None
@@ -146,6 +180,7 @@ class PersonKeys(WorkerKeys):
     source: _Source | None = None
     sink: Pair | str | None = None
     group: Annotated[str, Field(pattern=f"^{NAME}$")] | None = None
+    noticing: _NoticingKeys = _NoticingKeys()
 
     @model_validator(mode="after")
     def _recorded_or_not(self) -> PersonKeys:

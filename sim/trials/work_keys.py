@@ -62,7 +62,9 @@ Time = Annotated[NotNegative, WrapValidator(_time)]
 """Seconds, or a time of day."""
 
 
-class _Drawn(Keys):
+class DrawnKeys(Keys):
+    """A distribution, one of these, with its figures."""
+
     uniform: tuple[NotNegative, NotNegative] | None = None
     triangular: tuple[NotNegative, NotNegative, NotNegative] | None = None
     normal: tuple[Number, NotNegative] | None = None
@@ -70,7 +72,7 @@ class _Drawn(Keys):
     exponential: Positive | None = None
 
     @model_validator(mode="after")
-    def _one(self) -> _Drawn:
+    def _one(self) -> DrawnKeys:
         if len(self.model_fields_set) != 1:
             raise ValueError(f"give one of {', '.join(type(self).model_fields)}")
         for name in ("uniform", "triangular"):
@@ -80,6 +82,7 @@ class _Drawn(Keys):
         return self
 
     def value(self) -> Duration:
+        """Return the distribution."""
         (kind,) = self.model_fields_set
         given = getattr(self, kind)
         values = given if isinstance(given, tuple) else (given,)
@@ -94,7 +97,7 @@ class TaskKeys(Keys):
     """One task, or a text: `09:00 station2 for 12 min`."""
 
     at: Annotated[str, Field(min_length=1)]
-    duration: Annotated[Positive | _Drawn, BeforeValidator(_duration)]
+    duration: Annotated[Positive | DrawnKeys, BeforeValidator(_duration)]
     name: str = ""
     time: Time = 0.0
     priority: Annotated[int, Strict()] = 0
@@ -110,7 +113,7 @@ class TaskKeys(Keys):
     def value(self) -> WorkTask:
         """Return the task."""
         given = self.fields()
-        if not isinstance(self.duration, _Drawn):
+        if not isinstance(self.duration, DrawnKeys):
             given["duration"] = Duration("fixed", (float(self.duration),))
         return WorkTask(**given)
 

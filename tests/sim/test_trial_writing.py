@@ -142,6 +142,11 @@ people:
   breaks: [{at: station2, duration: 4.0, name: break, time: 20.0}]
   shifts: [[0.0, 30.0]]
 - name: bo
+  max_speed: {normal: [1.34, 0.26]}
+  noticing:
+    field_of_view: [90.0, 180.0]
+    occlusion: true
+    reaction_time: {lognormal: [0.75, 0.3]}
   start: {part_placed: {part: pump, agv: agv1}}
   group: pair
 - name: cy
