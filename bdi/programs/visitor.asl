@@ -13,6 +13,7 @@ some_station(S) :-
     .nth(math.floor(math.random(L)), All, S).
 
 +human_start : exit(_, _) <- !onwards.
++work_completed(_) : bound_for(exit).
 +work_completed(_) : exit(_, _) & stay_for(Ms) <- .abolish(tried(_)); .wait(Ms); !onwards.
 
 +!onwards : calls_left(N) & N > 0 & some_station(S) <- -+to_call(N - 1); !walk_to(S).

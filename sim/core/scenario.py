@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import zlib
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -10,7 +11,7 @@ from random import Random
 from typing import Any, Literal
 
 import bdi
-from floorplan import Floorplan, InputError, Point, Problem, SafeZone
+from floorplan import Floorplan, InputError, Point, Problem, SafeZone, starting_fault
 from navigation import Motion, PlannerChoice
 
 from .closures import DoorTimes, TimedObstacle
@@ -28,6 +29,10 @@ RECORDED = "recorded"
 
 USUAL_PLANNER = PlannerChoice()
 """The planner of people's paths where a trial names none."""
+
+
+IN_FRONT = 0.05
+"""Metres between a door and somebody who comes in by it."""
 
 
 class TrialError(InputError):
@@ -51,9 +56,9 @@ class PersonalityChange:
 class Source:
     """Somebody who is not on the floor at the beginning comes in `at` a place.
 
-    That is a station's name, or x, y in metres. They are the one of that `number` (from 1) in a
-    `stream` of people who come at `rate` (people per second) from `start` (seconds) on; the times
-    between them are exponentially distributed, and drawn from the trial's seed.
+    That is the name of a station or a door, or x, y in metres. They are the one of that `number`
+    (from 1) in a `stream` of people who come at `rate` (people per second) from `start` (seconds)
+    on; the times between them are exponentially distributed, and drawn from the trial's seed.
     """
 
     at: Point | str
@@ -83,8 +88,8 @@ class PersonEntry:
     Somebody who was `recorded` walks as they were measured, whatever happens: a track in a file, or
     a motion whose t = 0 is their start. They have no mind, and no home.
 
-    Who has a `source` comes in later, and starts then. Who arrives at their `sink`, a station or a
-    place, leaves the floor. People of the same `group` walk with the first of them.
+    Who has a `source` comes in later, and starts then. Who arrives at their `sink`, which is
+    given alike, leaves the floor. People of the same `group` walk with the first of them.
 
     `max_speed` and the figures of `noticing` may be drawn, from the trial's seed and their name.
     """
@@ -139,7 +144,7 @@ class PersonEntry:
         """
         if self.home is not None:
             return SafeZone(self.home)
-        place = self.place if self.source is None else spot(plan, self.source.at)
+        place = self.place if self.source is None else spot(plan, self.source.at, self.radius)
         if plan.safe_zone is not None or place is None:
             return plan.safe_zone
         return SafeZone(place)
@@ -257,11 +262,22 @@ class Scenario:
         return bool(self.work) or any(person.works for person in self.people)
 
 
-def spot(plan: Floorplan, at: Point | str) -> Point | None:
-    """Return a place that is given as such, or by a station's name; None if there is none."""
+def spot(plan: Floorplan, at: Point | str, radius: float | None = None) -> Point | None:
+    """Return a place that is given as such, or by the name of a station or a door; None if none is.
+
+    In front of a door, on the side where somebody of that radius (m) can stand, if not in it.
+    """
     if not isinstance(at, str):
         return float(at[0]), float(at[1])
-    return next((one.position for one in plan.stations if one.name == at), None)
+    door = next((one for one in plan.doors if one.name == at), None)
+    if door is None:
+        return next((one.position for one in plan.stations if one.name == at), None)
+    (ax, ay), (bx, by) = door.ends
+    x, y, width = (ax + bx) / 2, (ay + by) / 2, math.dist(*door.ends)
+    away = (plan.human.radius if radius is None else radius) + door.thickness / 2 + IN_FRONT
+    across = (away * (ay - by) / width, away * (bx - ax) / width)
+    places = [(x + k * across[0], y + k * across[1]) for k in (0, 1, -1)]
+    return next((one for one in places if not starting_fault(plan, one, radius)), places[0])
 
 
 def _personality_name(personality: str | bdi.Program) -> str:

@@ -230,7 +230,7 @@ class Attention:
         """
         (x, y), heading = _bound(other)
         c, s = math.cos(heading), math.sin(heading)
-        world, radius = self._stage.world, self._walker.human.radius
+        world, radius = self._walker.world, self._walker.human.radius
         for along, beside in ((ahead, left), *(() if row is None else ((row, 0.0),))):
             at = (x + along * c - beside * s, y + along * s + beside * c)
             if world.segment_free((x, y), at, radius):

@@ -190,7 +190,7 @@ def first_beliefs(
     home = entry.home_on(plan)
     if home is not None:
         beliefs.append(bdi.Literal("safe_zone", home.position))
-    sink = None if entry.sink is None else spot(plan, entry.sink)
+    sink = None if entry.sink is None else spot(plan, entry.sink, entry.radius)
     if sink is not None:
         beliefs.append(bdi.Literal("exit", sink))
     if leader is not None:

@@ -92,8 +92,8 @@ class Person:
         self._index = index
         self._seed = seed
         plan = stage.floorplan
-        self._sink = None if entry.sink is None else spot(plan, entry.sink)
-        self._entrance = (entry.source and spot(plan, entry.source.at)) or at
+        self._sink = None if entry.sink is None else spot(plan, entry.sink, entry.radius)
+        self._entrance = (entry.source and spot(plan, entry.source.at, entry.radius)) or at
         self.walker = Walker(
             stage,
             entry.name,
@@ -165,10 +165,12 @@ class Person:
     def _enter(self) -> None:
         """Come in, as soon as there is room at the entrance."""
         self._stage.place_machines()
-        entrance, radius = self._entrance, self.walker.human.radius
-        at: Place | None = entrance if self._stage.world.free(entrance, radius) else None
+        entrance, radius, source = self._entrance, self.walker.human.radius, self._entry.source
+        at: Place | None = entrance if self.walker.world.free(entrance, radius) else None
         if self._crowd is not None:
             at = self._crowd.room(entrance, radius, self.walker.traveller)
+        if source is not None and source.at in self._stage.there:  # the door is closed
+            at = None
         if at is None or math.dist(at, entrance) > AT_THE_DOOR:
             self._clock.call_at(self._clock.now + LOOKS_AGAIN, self._enter, Turn.NOTICE)
             return
@@ -179,13 +181,18 @@ class Person:
 
     def _arrived(self, goal: Place) -> None:
         """Take note that a goal is reached; at their sink people leave the floor."""
-        at = self.body.at
         self._errand.arrived(goal)
-        sink = self._sink
-        if sink is not None and goal == sink and math.dist(at, sink) <= AT_THE_DOOR:
-            self._leave(at)
+        if self._sink is not None and goal == self._sink:
+            self._leave()
 
-    def _leave(self, at: Place) -> None:
+    def _leave(self) -> None:
+        """Leave the floor, once the door is open, if they are at it."""
+        at, sink = self.body.at, self._sink
+        if sink is None or self.away or math.dist(at, sink) > AT_THE_DOOR:
+            return
+        if self._entry.sink in self._stage.there:
+            self._clock.call_at(self._clock.now + LOOKS_AGAIN, self._leave, Turn.NOTICE)
+            return
         self.give_up()
         self.away, self.left_at = True, self._clock.now
         self._stage.record(Left(person=self.name, at=at))

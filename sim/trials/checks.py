@@ -235,9 +235,10 @@ def _coming_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:
     for place, given in ends:
         if given is None:
             continue
-        at = spot(plan, given)
+        at = spot(plan, given, person.radius)
         if at is None:
-            yield from _name_faults(str(given), "station", stations(trial), *place)
+            known = [*stations(trial), *(door.name for door in plan.doors)]
+            yield from _name_faults(str(given), "station or door", known, *place)
         elif fault := starting_fault(plan, at, person.radius):
             yield fault, place
 

@@ -139,7 +139,10 @@ def test_a_trial_is_written_and_read_back():
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (("at: gate", "at: gaet"), r"line 12, people\[1\].source.at: no station is called 'gaet'"),
+        (
+            ("at: gate", "at: gaet"),
+            r"line 12, people\[1\].source.at: no station or door is called 'gaet'",
+        ),
         (("at: gate", "at: [0.1, 1]"), r"line 12, people\[1\].source.at: .*0\.1"),
         (("sink: out", "sink: [30, 2]"), r"line 13, people\[1\].sink: .*30"),
         (("rate: 0.5", "rate: 0"), r"line 12, people\[1\].source.rate: expected more than 0"),
@@ -152,3 +155,27 @@ def test_a_trial_is_written_and_read_back():
 def test_what_can_not_be_is_said_before_the_run(change, message):
     with pytest.raises(sim.TrialError, match=message):
         sim.Trial.parse(HALL.replace(*change))
+
+
+DOORS = """
+floorplan:
+  name: hall
+  boundary: [[0, 0], [12, 0], [12, 6], [0, 6]]
+  doors:
+    gate: {between: [[0, 2], [0, 3.5]]}
+    out: {between: [[12, 2], [12, 3.5]], open: false}
+duration: 60.0
+doors: {out: {open: [[40.0]]}}
+people:
+  - {name: guest, personality: visitor, source: {at: gate, rate: 0.5, count: 3}, sink: out}
+"""
+
+
+def test_people_come_and_go_by_doors_that_are_open():
+    """Who comes to the closed door before it opens stands there until it does."""
+    run = sim.run(sim.Trial.parse(DOORS))
+    assert run.summary["entered"] == run.summary["left"] == 3
+    assert all(0.3 < e["at"][0] < 1.4 for e in events(run, "entered"))
+    left = events(run, "left")
+    assert all(e["at"][0] > 10.5 and 40.0 <= e["t"] < 45.0 for e in left)
+    assert [e["t"] for e in events(run, "door_opened") if e["door"] == "out"] == [40.0]
