@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import os
+import sys
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -13,7 +15,7 @@ import typer
 from ..core.folder_names import folder_for
 from . import completion
 from .arguments import Duration, NoOwnCode, RecordingFolder, Rules, Seed, TrialName
-from .browser import open_in_browser
+from .browser import open_in_browser, somebody_looks
 from .consoles import plain_console, say
 from .interrupts import taken_by
 from .notices import print_notices
@@ -61,9 +63,15 @@ def run(
     speed: Annotated[
         float | None, typer.Option(metavar="X", help="With --watch: × real time (1).")
     ] = None,
-    no_open: Annotated[
-        bool, typer.Option("--no-open", help="With --watch: only say where the page is.")
-    ] = False,
+    opened: Annotated[
+        bool | None,
+        typer.Option(
+            "--open/--no-open",
+            help="Open the page in the browser, or only say where it is.  [default: open on a"
+            " terminal]",
+            show_default=False,
+        ),
+    ] = None,
     no_trajectory: Annotated[
         bool, typer.Option("--no-trajectory", help="Leave out trajectory.csv, the largest file.")
     ] = False,
@@ -72,9 +80,8 @@ def run(
     """Simulate a trial and record it: summary, events, motions, trajectory, replay page."""
     from sim import Trial
 
-    for asked, option in ((speed is not None, "--speed"), (no_open, "--no-open")):
-        if asked and not watch:
-            raise typer.BadParameter("needs --watch", param_hint=option)
+    if speed is not None and not watch:
+        raise typer.BadParameter("needs --watch", param_hint="--speed")
     if speed is not None and not (math.isfinite(speed) and speed > 0):
         raise typer.BadParameter(f"must be more than 0, not {speed:g}", param_hint="--speed")
     given = Trial.load(trial, own_code=not no_own_code)
@@ -85,12 +92,16 @@ def run(
     recording = recording_of(chosen.name, out, trajectory=not no_trajectory)
     try:
         if watch:
-            finished = _watched(chosen, recording, speed or 1.0, opened=not no_open)
+            finished = _watched(chosen, recording, speed or 1.0, opened=opened is not False)
         else:
             finished = _carried_out(chosen, recording)
     finally:
         recording.close()
-    print_result(finished, recording.folder, interrupted=finished.summary["interrupted"])
+    interrupted = finished.summary["interrupted"]
+    wanted = somebody_looks(sys.stdout, os.environ) if opened is None else opened
+    if wanted and not (watch or interrupted):
+        open_in_browser((recording.folder / "replay.html").resolve().as_uri())
+    print_result(finished, recording.folder, interrupted=interrupted)
 
 
 def print_result(finished: Run, folder: Path, *, interrupted: bool) -> None:

@@ -6,7 +6,7 @@ import math
 from pathlib import Path
 from typing import Any
 
-from floorplan import Floorplan, Lane, Obstacle, Zone
+from floorplan import Floorplan, Gantry, Lane, Obstacle, Zone
 from navigation import AnyLaw, Piece, SeparationLaw, required_at_speeds
 
 from ..core.machine import MachineShape
@@ -57,6 +57,7 @@ def _floorplan(plan: Floorplan) -> dict[str, Any]:
         "gantry": {
             "x": [gantry.x.low, gantry.x.high],
             "y": [gantry.y.low, gantry.y.high],
+            "rail_height": gantry.rail_height,
         }
         if gantry
         else None,
@@ -106,6 +107,7 @@ def _bodies(run: Outcome) -> list[dict[str, Any]]:
             "category": "person",
             "radius": person.radius,
             "personality": Path(person.personality).stem,
+            "height": person.height,
         }
         for person in run.scene.people
     ]
@@ -120,6 +122,17 @@ def _machine(machine: MachineShape, plan: Floorplan) -> dict[str, Any]:
         **({"reach": machine.reach, "mount": machine.mount} if machine.reach > 0 else {}),
         **({"course": machine.course} if machine.course and not on_lane else {}),
         **({"bridge": (rails.y.low, rails.y.high)} if rails is not None else {}),
+        "bottom": machine.bottom,
+        "top": machine.top,
+        **(_heights(rails) if rails is not None else {}),
+    }
+
+
+def _heights(gantry: Gantry) -> dict[str, float]:
+    return {
+        "rail_height": gantry.rail_height,
+        "shoulder": gantry.arm_mount[1],
+        "arm_bottom": gantry.arm_bottom,
     }
 
 

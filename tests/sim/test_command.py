@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import time
+import webbrowser
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,7 @@ import pytest
 
 import floorplan
 import sim
+import sim.cli
 
 TIMING = ("cpu_seconds", "realtime_factor")
 
@@ -213,7 +215,7 @@ def test_bad_files_get_one_clear_message(name, tmp_path, floorwalker):
         (["run", "--personality", "angry"], 1, "'angry'"),
         (["run", "--rules", "papper"], 1, "did you mean 'paper'?"),
         (["run", "nowhere"], 1, "built-in trial"),
-        (["run", "--no-open"], 2, "needs --watch"),
+        (["run", "--speed", "2"], 2, "needs --watch"),
         (["replay", "x", "--port", "80"], 2, "needs --serve"),
         (["agent", "helpful", "--seed", "-1"], 2, "--seed"),
         (["plan", "warehouse", "1", "1", "2", "2", "--seed", "-1"], 2, "--seed"),
@@ -374,3 +376,45 @@ def test_convert_says_what_there_is_no_room_for(tmp_path, floorwalker):
     back = floorwalker("convert", tmp_path / "hall.wkt", tmp_path / "hall.yaml")
     assert (back.returncode, back.stderr) == (0, "")
     assert floorplan.load(tmp_path / "hall.yaml") == floorplan.load(tmp_path / "hall.wkt")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="pseudo-terminals are POSIX's")
+@pytest.mark.parametrize(
+    ("on_a_terminal", "options", "environ", "opens"),
+    [
+        (True, [], {"CI": ""}, True),
+        (True, [], {"CI": "true"}, False),
+        (True, ["--no-open"], {"CI": ""}, False),
+        (False, [], {"CI": ""}, False),
+        (False, ["--open"], {"CI": "true"}, True),
+    ],
+)
+def test_the_page_opens_where_somebody_looks(
+    on_a_terminal, options, environ, opens, tmp_path, monkeypatch, floorwalker
+):
+    browser = tmp_path / "browser"
+    browser.write_text('#!/bin/sh\necho "$1" > "$0.opened"\n', encoding="utf-8")
+    browser.chmod(0o755)
+    for name, value in {**environ, "BROWSER": str(browser)}.items():
+        monkeypatch.setenv(name, value)
+    monkeypatch.setattr(webbrowser, "_tryorder", None)  # which it reads BROWSER into, once
+    arguments = ["run", "people_frontal", "--duration", "5", "--out", "run", *options]
+    if on_a_terminal:
+        at, terminal = os.openpty()
+        monkeypatch.chdir(tmp_path)
+        monkeypatch.setattr(sys, "argv", ["floorwalker", *arguments])
+        with os.fdopen(terminal, "w") as stdout, pytest.raises(SystemExit):
+            monkeypatch.setattr(sys, "stdout", stdout)
+            sim.cli.main()
+        monkeypatch.undo()
+        os.close(at)
+    else:
+        floorwalker(*arguments, cwd=tmp_path)
+    page = (tmp_path / "run" / "replay.html").as_uri()
+    opened = tmp_path / "browser.opened"
+    deadline = time.monotonic() + (20.0 if opens else 0.0)
+    while not opened.exists() and time.monotonic() < deadline:
+        time.sleep(0.02)
+    assert opened.exists() is opens
+    if opens:
+        assert opened.read_text(encoding="utf-8").strip() == page

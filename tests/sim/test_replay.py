@@ -435,7 +435,7 @@ def test_a_violation_is_said_in_words(viewer, recording):
 
 
 def test_the_floor_is_drawn_from_the_time_shown(viewer):
-    floor = viewer.page.locator(".view canvas")
+    floor = viewer.page.locator(".view canvas.flat")
     early = floor.screenshot()
     viewer.seek(66.0)
     late = floor.screenshot()
@@ -445,7 +445,7 @@ def test_the_floor_is_drawn_from_the_time_shown(viewer):
 
 
 def test_the_floor_zooms_pans_and_fits(viewer):
-    floor = viewer.page.locator(".view canvas")
+    floor = viewer.page.locator(".view canvas.flat")
     whole = floor.screenshot()
     floor.hover()
     viewer.page.mouse.wheel(0, -400)
@@ -466,15 +466,15 @@ def test_the_floor_zooms_pans_and_fits(viewer):
 def test_a_body_can_be_followed(viewer):
     viewer.page.locator("#follow").select_option("agv1")
     viewer.seek(70.0)
-    before = viewer.page.locator(".view canvas").screenshot()
+    before = viewer.page.locator(".view canvas.flat").screenshot()
     viewer.seek(77.0)
-    assert viewer.differ(before, viewer.page.locator(".view canvas").screenshot())
+    assert viewer.differ(before, viewer.page.locator(".view canvas.flat").screenshot())
     viewer.page.locator("#fit").click()
     assert viewer.page.locator("#follow").input_value() == ""
 
 
 def test_what_is_under_the_pointer_is_named(viewer):
-    box = viewer.page.locator(".view canvas").bounding_box()
+    box = viewer.page.locator(".view canvas.flat").bounding_box()
     viewer.page.locator("#follow").select_option("agv3")
     viewer.settle()
     viewer.page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
@@ -531,7 +531,7 @@ def test_words_on_the_floor_are_whole_and_cover_no_station(open_page, recording,
     viewer.page.evaluate(LISTEN_TO_WORDS)
     viewer.page.locator("#theme").click()  # the floor is painted anew
     viewer.settle()
-    box = viewer.page.locator(".view canvas").bounding_box()
+    box = viewer.page.locator(".view canvas.flat").bounding_box()
     stations = {station["name"] for station in recording["floorplan"]["stations"]}
     places = [word for word in viewer.page.evaluate("window.words") if word[0] in stations]
     assert {name for name, *_ in places} == stations
@@ -556,6 +556,7 @@ WATCH_CANVASES = """
   const small = new OffscreenCanvas(32, 32).getContext("2d", { willReadFrequently: true });
   for (const canvas of document.querySelectorAll("canvas")) {
     new ResizeObserver(() => {
+      if (getComputedStyle(canvas).visibility === "hidden") return;
       small.clearRect(0, 0, 32, 32);
       small.drawImage(canvas, 0, 0, 32, 32);
       window.painted.push(small.getImageData(0, 0, 32, 32).data.some(value => value > 0));
@@ -582,7 +583,7 @@ def test_two_fingers_zoom_the_floor(open_page, recording):
         replay.render(recording), viewport={"width": 390, "height": 844}, has_touch=True
     )
     viewer.settle()
-    floor = viewer.page.locator(".view canvas")
+    floor = viewer.page.locator(".view canvas.flat")
     whole = viewer.still(floor)
     box = floor.bounding_box()
     x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
@@ -603,14 +604,14 @@ def test_two_fingers_zoom_the_floor(open_page, recording):
 
 def test_every_control_has_a_name(viewer):
     unnamed = viewer.page.evaluate(
-        """() => [...document.querySelectorAll("button, select, .view canvas, [role=slider]")]
+        """() => [...document.querySelectorAll("button, select, canvas[role=img], [role=slider]")]
             .filter(e => !(e.getAttribute("aria-label") || e.innerText.trim() || e.labels?.length))
             .map(e => e.outerHTML)"""
     )
     assert unnamed == []
     viewer.seek(5.0)
     assert viewer.page.locator("#chart").get_attribute("aria-valuetext") == "5.0 seconds"
-    assert "operator moving at 1.0 m/s" in viewer.page.locator(".view canvas").get_attribute(
+    assert "operator moving at 1.0 m/s" in viewer.page.locator(".view canvas.flat").get_attribute(
         "aria-label"
     )
 

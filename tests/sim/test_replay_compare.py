@@ -86,7 +86,7 @@ def test_the_longer_one_gives_the_end(compared, open_page, recording, other):
 
 
 def test_both_floors_move_together(compared):
-    views = compared.page.locator(".view canvas")
+    views = compared.page.locator(".view canvas.flat")
     before = [views.nth(k).screenshot() for k in range(2)]
     views.first.hover()
     compared.page.mouse.wheel(0, -300)

@@ -141,7 +141,7 @@ def test_a_click_on_a_person_shows_their_mind(viewer, run):
     viewer.page.locator("#watch").select_option(label="operator – gantry")
     viewer.page.locator("#follow").select_option("visitor")
     viewer.seek(5.0)
-    box = viewer.page.locator(".view canvas").bounding_box()
+    box = viewer.page.locator(".view canvas.flat").bounding_box()
     viewer.page.mouse.click(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
     viewer.settle()
     assert viewer.page.locator("#watch option:checked").inner_text() == "visitor – gantry"

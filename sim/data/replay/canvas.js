@@ -3,7 +3,7 @@
 const FONT = 'system-ui, -apple-system, "Segoe UI", Roboto, "Helvetica Neue", sans-serif';
 
 const COLORS = [
-  "floor", "line", "grid", "text", "muted", "low", "high", "edge", "halo", "card",
+  "page", "floor", "line", "grid", "text", "muted", "low", "high", "edge", "halo", "card",
   "person-1", "person-2", "person-3", "person-4", "robot", "robot-ink", "vehicle", "notice",
   "danger", "danger-ink",
 ];

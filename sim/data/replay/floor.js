@@ -56,15 +56,20 @@ class FloorLayer {
     context.setTransform(ratio, 0, 0, ratio, LAYER_MARGIN * ratio, LAYER_MARGIN * ratio);
 
     const pen = { context, camera, palette };
-    this.#paintGround(pen);
-    this.#paintLanes(pen);
+    this.paintGround(pen);
     this.#paintGantryRails(pen);
     for (const obstacle of this.obstacles) this.#paintObstacle(pen, obstacle);
-    this.#paintPlaces(pen);
     this.#paintNames(pen);
   }
 
-  #paintGround({ context, camera, palette }) {
+  /** Paints what lies on the floor: the ground, lanes, stations and the safe zone. */
+  paintGround(pen) {
+    this.#paintFloor(pen);
+    this.#paintLanes(pen);
+    this.#paintPlaces(pen);
+  }
+
+  #paintFloor({ context, camera, palette }) {
     const { left, right, bottom, top } = boxOf(this.plan.boundary);
     const rings = [this.plan.boundary, ...this.plan.holes ?? []];
     outline(context, camera, ...rings);

@@ -3,6 +3,7 @@
 const CONTROL_KEYS = [" ", "ArrowLeft", "ArrowRight", "Home", "End"];    // keys with a meaning in controls
 const NARROWEST_FLOOR = 440;       // CSS pixels of the floor's panel
 const BROAD_SIDE = 740;            // CSS pixels beside the floor, from which two columns stand there
+const TURN_OF_KEY = 20;            // pixels of a drag that a key stands for
 const PLAY = "M4 2.5v11L13.5 8z";
 const PAUSE = "M3.5 2.5h3v11h-3zm6 0h3v11h-3z";
 
@@ -15,6 +16,7 @@ class Replay {
     this.focus = 0;            // the run whose panels are shown
     this.choice = 0;           // the watch of the first run that is in focus
     this.followed = "";
+    this.isInSpace = this.isInEyes = false;
     this.clock = new Clock(run.duration, () => this.refresh());
     this.chart = new Chart($("chart"), () => this.#resize());
     for (const speed of SPEEDS) this.#offerSpeed(speed);
@@ -63,10 +65,11 @@ class Replay {
     const on = {
       pan: (dx, dy) => this.#pan(dx, dy),
       zoom: (factor, px, py) => this.zoom(factor, px, py),
+      orbit: (dx, dy) => this.orbit(dx, dy),
       point: (view, event) => showHint(event, ...view.describe(event.offsetX, event.offsetY, this.clock.time)),
       pick: (view, bodyAt) => this.#pick(view, bodyAt(this.clock.time)),
     };
-    const view = new View(run, frame.querySelector("canvas"), on, () => this.#resize());
+    const view = new Views(run, frame, on, () => this.#resize());
     const readout = new Readout(letter);
     const panels = new Panels(t => this.clock.seek(t));
     $("readouts").append(readout.root);
@@ -75,6 +78,7 @@ class Replay {
     this.views.push(view);
     this.readouts.push(readout);
     this.panels.push(panels);
+    if (this.isInSpace) this.showSpace(true);
     this.#showRuns();
   }
 
@@ -86,7 +90,7 @@ class Replay {
       .map(body => `${spoken(body.name)}: ${body.personality}`);
     const isCompared = this.runs.length > 1;
     const names = namesOf(this.runs);
-    this.views.forEach((view, i) => { view.canvas.parentElement.querySelector(".title").textContent = names[i]; });
+    this.views.forEach((view, i) => { view.frame.querySelector(".title").textContent = names[i]; });
     document.body.classList.toggle("compared", isCompared);
     document.body.classList.toggle("unwatched", first.watches.length === 0);
     $("title").textContent = isCompared ? names.map((name, i) => `${LETTERS[i]}: ${name}`).join("; ") : title ?? "";
@@ -113,9 +117,9 @@ class Replay {
    * it, they stand there, and the plot below all.
    */
   #layOut() {
-    const { left, right, bottom, top } = this.views[0].camera.bounds;
+    const { left, right, bottom, top } = this.views[0].above.camera.bounds;
     const wide = () => Math.max($("views").clientHeight * (right - left) / (top - bottom), NARROWEST_FLOOR);
-    const isBroad = this.runs.length === 1 && innerWidth > 860 && innerWidth - wide() >= BROAD_SIDE;
+    const isBroad = !this.isInSpace && this.runs.length === 1 && innerWidth > 860 && innerWidth - wide() >= BROAD_SIDE;
     document.body.classList.toggle("broad", isBroad);
     document.documentElement.style.setProperty("--stage", `${Math.round(wide())}px`);
   }
@@ -160,6 +164,7 @@ class Replay {
     const [watch] = this.watches;
     if (watch) document.documentElement.style.setProperty("--shown", `var(--${watch.person.color})`);
     document.body.classList.toggle("of-people", watch?.isOfPeople ?? false);
+    if (this.isInEyes) this.lookThrough(true);
     this.redraw();
   }
 
@@ -179,6 +184,7 @@ class Replay {
     this.followed = name;
     for (const view of this.views) view.follow(name);
     $("follow").value = name;
+    if (this.isInEyes) this.lookThrough(true);
     this.refresh();
   }
 
@@ -196,6 +202,66 @@ class Replay {
   #pan(dx, dy) {
     if (this.followed && Math.hypot(dx, dy) > 0) this.follow("");
     for (const view of this.views) view.camera.pan(dx, dy);
+    this.refresh();
+  }
+
+  // ---- three dimensions
+
+  /** Shows the floor in three dimensions, or from above. */
+  showSpace(isWanted) {
+    try {
+      for (const view of this.views) view.showSpace(isWanted, () => this.#loseSpace());
+      this.#say("");
+    } catch (why) {
+      this.#loseSpace();
+      console.info(why);
+      return;
+    }
+    this.isInSpace = isWanted;
+    this.#layOut();
+    if (this.followed) this.follow(this.followed);
+    this.lookThrough(this.isInEyes && isWanted);
+    this.redraw();
+  }
+
+  /** The browser has no WebGL 2, or takes it away. */
+  #loseSpace() {
+    for (const view of this.views) view.loseSpace();
+    this.isInSpace = this.isInEyes = false;
+    this.#layOut();
+    this.#say(WITHOUT_WEBGL);
+    this.lookThrough(false);
+    this.redraw();
+  }
+
+  /** A line over the floor. */
+  #say(words) {
+    $("notice").hidden = words === "";
+    write($("notice"), words);
+  }
+
+  /** Looks through the eyes of the followed person, or else of the chosen one; or from outside again. */
+  lookThrough(isWanted) {
+    this.isInEyes = isWanted;
+    if (isWanted && !this.isInSpace) {
+      this.showSpace(true);
+      return;
+    }
+    const people = this.views.map((view, i) => {
+      const followed = view.run.bodies.get(this.followed);
+      return followed?.category === "person" ? followed : this.#person(view.run, this.watches[i]);
+    });
+    this.views.forEach((view, i) => view.lookThrough(isWanted ? people[i] ?? null : null));
+    $("flat").ariaPressed = String(!this.isInSpace);
+    $("space").ariaPressed = String(this.isInSpace && !isWanted);
+    $("eyes").ariaPressed = String(isWanted);
+    $("scale").style.visibility = this.isInSpace ? "hidden" : "";
+    this.refresh();
+  }
+
+  orbit(dx, dy) {
+    if (!this.isInSpace) return;
+    for (const view of this.views) view.camera.orbit(dx, dy);
     this.refresh();
   }
 
@@ -317,6 +383,12 @@ class Replay {
     on("zoom-in", () => this.zoom(1.4));
     on("zoom-out", () => this.zoom(1 / 1.4));
     on("fit", () => this.fit());
+    on("flat", () => this.showSpace(false));
+    on("space", () => {
+      this.isInEyes = false;
+      this.showSpace(true);
+    });
+    on("eyes", () => this.lookThrough(!this.isInEyes));
     on("live", () => clock.goLive());
     on("theme", () => this.setTheme(document.documentElement.dataset.theme !== "dark"));
     on("help-button", () => $("help").showModal());
@@ -352,6 +424,12 @@ class Replay {
       "-": () => clock.slower(),
       f: followNext,
       0: () => this.fit(),
+      3: () => this.showSpace(!this.isInSpace),
+      e: () => this.lookThrough(!this.isInEyes),
+      a: () => this.orbit(-TURN_OF_KEY, 0),
+      d: () => this.orbit(TURN_OF_KEY, 0),
+      w: () => this.orbit(0, TURN_OF_KEY),
+      s: () => this.orbit(0, -TURN_OF_KEY),
       "?": () => $("help").showModal(),
     };
     document.addEventListener("keydown", event => {

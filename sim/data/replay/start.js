@@ -87,11 +87,16 @@ document.addEventListener("DOMContentLoaded", () => {
     followStream(replay, recording);
     const linked = Number.parseFloat(new URLSearchParams(location.hash.slice(1)).get("t"));
     if (Number.isFinite(linked)) replay.clock.seek(linked);
+    const wanted = new URLSearchParams(location.hash.slice(1)).get("view");
+    if (wanted === "3d") replay.showSpace(true);
+    if (wanted === "eyes") replay.lookThrough(true);
     /**
      * For scripts and tests. `watch` is a place in recording.watches; times are seconds.
      *   pose(body, t)        -> {x, y, rotation, vx, vy, speed}
      *   separation(watch, t) -> {distance, required, margin, notice, personSpeed, otherSpeed, violated}
      *   compare(recording)   shows another one beside this one
+     *   show(view)           "2d", "3d", or "eyes": through the eyes of the person in focus
+     *   place(x, y, z)       -> [px, py] on the floor's canvas, or null if it is behind the viewer
      */
     window.floorwalker = {
       get recording() { return replay.runs[0].recording; },
@@ -101,6 +106,8 @@ document.addEventListener("DOMContentLoaded", () => {
       pause: () => replay.clock.pause(),
       pose: (body, t) => replay.runs[0].bodies.get(body).motion.at(t),
       separation: (watch, t) => replay.runs[0].watches[watch].at(t),
+      show: view => (view === "eyes" ? replay.lookThrough(true) : replay.showSpace(view === "3d")),
+      place: (x, y, z = 0) => replay.views[0].camera.toScreen(x, y, z)?.slice(0, 2) ?? null,
       compare: other => replay.compare(new Run(parseRecording(JSON.stringify(other)))),
     };
   } catch (why) {

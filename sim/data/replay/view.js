@@ -1,21 +1,14 @@
-/* One run on a canvas: the floor, the bodies, and the gestures of mouse and fingers. */
+/* One run on a canvas, from above: the floor and the bodies. */
 
-const CLICK_TREMOR = 3;        // pixels that a pointer may move while it clicks
 const FOLLOW_SCALE = 45;       // pixels a metre, at least, when a body is followed
 
-/**
- * Shows a run. `on` has the actions when the user moves the floor by (dx, dy) pixels (`pan`), zooms by
- * a factor at a pixel (`zoom`), points somewhere (`point`) or clicks on a body (`pick`).
- */
 class View {
-  constructor(run, canvas, on, onResize) {
+  constructor(run, canvas, onResize) {
     this.canvas = canvas;
-    this.on = on;
     this.followed = null;
     this.camera = new Camera(boxOf(run.plan.boundary));
     this.surface = new Surface(canvas, onResize);
     this.show(run);
-    this.#wire();
   }
 
   /** Shows another run on the same floor. */
@@ -53,12 +46,8 @@ class View {
   /** The body or obstacle at a pixel, in lines of text; [] if there is none. */
   describe(px, py, t) {
     const [x, y] = this.camera.toFloor(px, py);
-    const body = this.#bodyAt(px, py, t);
-    if (body) {
-      const state = body.motion.at(t);
-      const place = `(${fixed(state.x, 2)}, ${fixed(state.y, 2)})`;
-      return [spoken(body.name), `${place}, ${fixed(state.speed, 2)} m/s`];
-    }
+    const body = this.bodyAt(px, py, t);
+    if (body) return wordsOfBody(body, t);
     const obstacle = this.layer.obstacleAt(x, y);
     if (!obstacle) return [];
     const place = `at (${fixed(x, 2)}, ${fixed(y, 2)})`;
@@ -67,64 +56,30 @@ class View {
 
   /** The floor in words, for screen readers. */
   inWords(t) {
-    const bodies = [...this.run.bodies.values()].map(({ name, motion }) => {
-      const { x, y, speed } = motion.at(t);
-      const doing = speed > STILL ? `moving at ${speed.toFixed(1)} m/s` : "standing";
-      return `${spoken(name)} ${doing} at ${x.toFixed(1)}, ${y.toFixed(1)}`;
-    });
-    return `The floor after ${t.toFixed(1)} seconds: ${bodies.join("; ")}.`;
+    return floorInWords(this.run, t);
   }
 
-  #bodyAt(px, py, t) {
+  /** The body at a pixel, or undefined. */
+  bodyAt(px, py, t) {
     const [x, y] = this.camera.toFloor(px, py);
     return this.run.bodyAt(t, x, y, Math.max(0.5, 12 / this.camera.scale));
   }
+}
 
-  #wire() {
-    const { canvas, on } = this;
-    const pointers = new Map();
-    const place = event => [event.offsetX, event.offsetY];
-    const spread = ([[ax, ay], [bx, by]]) => ({
-      x: (ax + bx) / 2, y: (ay + by) / 2, width: Math.hypot(ax - bx, ay - by),
-    });
-    let way = 0;               // pixels that the pointers have moved since the first one came down
+/** A body's name, place and speed, in lines. */
+function wordsOfBody(body, t) {
+  const { x, y, speed } = body.motion.at(t);
+  return [spoken(body.name), `(${fixed(x, 2)}, ${fixed(y, 2)}), ${fixed(speed, 2)} m/s`];
+}
 
-    canvas.addEventListener("pointerdown", event => {
-      canvas.setPointerCapture(event.pointerId);
-      if (pointers.size === 0) way = 0;
-      pointers.set(event.pointerId, place(event));
-    });
-    canvas.addEventListener("pointermove", event => {
-      if (!pointers.has(event.pointerId)) {
-        on.point(this, event);
-        return;
-      }
-      hideHint();
-      const before = [...pointers.values()];
-      pointers.set(event.pointerId, place(event));
-      const after = [...pointers.values()];
-      if (after.length === 1) {
-        const [dx, dy] = [after[0][0] - before[0][0], after[0][1] - before[0][1]];
-        way += Math.hypot(dx, dy);
-        if (way > CLICK_TREMOR) on.pan(dx, dy);
-      } else if (after.length === 2) {
-        const [from, to] = [spread(before), spread(after)];
-        way = Infinity;
-        on.pan(to.x - from.x, to.y - from.y);
-        if (from.width > 0) on.zoom(to.width / from.width, to.x, to.y);
-      }
-    });
-    canvas.addEventListener("pointerup", event => {
-      if (!pointers.delete(event.pointerId) || way > CLICK_TREMOR) return;
-      on.pick(this, t => this.#bodyAt(...place(event), t));
-    });
-    canvas.addEventListener("pointercancel", event => pointers.delete(event.pointerId));
-    canvas.addEventListener("pointerleave", hideHint);
-    canvas.addEventListener("wheel", event => {
-      event.preventDefault();
-      on.zoom(zoomFactor(event), ...place(event));
-    }, { passive: false });
-  }
+/** Who is where and does what. */
+function floorInWords(run, t) {
+  const bodies = [...run.bodies.values()].map(({ name, motion }) => {
+    const { x, y, speed } = motion.at(t);
+    const doing = speed > STILL ? `moving at ${speed.toFixed(1)} m/s` : "standing";
+    return `${spoken(name)} ${doing} at ${x.toFixed(1)}, ${y.toFixed(1)}`;
+  });
+  return `The floor after ${t.toFixed(1)} seconds: ${bodies.join("; ")}.`;
 }
 
 /** Shows how long a number of metres is at so many CSS pixels a metre. */
@@ -133,11 +88,4 @@ function showScale(bar, scale) {
   const width = `${Math.round(length * scale)}px`;
   if (bar.style.width !== width) bar.style.width = width;
   write(bar, `${length} m`);
-}
-
-/** The factor by which a turn of the wheel zooms in (above 1) or out. */
-function zoomFactor(event) {
-  const pixels = event.deltaY * (event.deltaMode === WheelEvent.DOM_DELTA_LINE ? 16 : 1);
-  const rate = event.ctrlKey ? 0.01 : 0.0015;      // a pinch on a touchpad comes as ctrl and wheel
-  return Math.exp(-pixels * rate);
 }

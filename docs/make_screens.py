@@ -1,0 +1,114 @@
+"""Makes the screenshots of the page in the documents: `python docs/make_screens.py [FOLDER]`.
+
+It needs playwright and Chromium. What is drawn depends on the browser and the fonts, so that these
+pictures, unlike those of `make_pictures.py`, aren't the same to the byte everywhere.
+"""
+
+from __future__ import annotations
+
+import io
+import shutil
+import sys
+from dataclasses import dataclass, replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from PIL import Image
+from playwright.sync_api import Browser, sync_playwright
+
+import sim
+from sim.views.replay import render
+from sim.views.replay_data import replay_data
+
+DOCS = Path(__file__).resolve().parent
+ARGUMENTS = ["--no-sandbox", "--disable-gpu", "--enable-unsafe-swiftshader"]
+"""WebGL in software, so that a machine without a graphics card makes the same pictures."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Screen:
+    """A picture of the page of a trial, or of two that differ in their controller."""
+
+    trial: str
+    at: float
+    view: str = "2d"
+    controllers: tuple[str, ...] = ()
+    follow: str = ""
+    turn: tuple[int, int] = (0, 0)
+    """The drag with the mouse, pixels."""
+    nearer: float = 0.0
+    """The turn of the wheel."""
+    dark: bool = False
+    size: tuple[int, int] = (1400, 860)
+
+
+TWO_PEOPLE = str(DOCS.parent / "examples" / "two_people.trial.yaml")
+SCREENS = {
+    "replay.png": Screen(trial="workcell", at=47.0),
+    "space.png": Screen(trial="workcell", at=57.5, view="3d", nearer=-330.0, size=(1400, 780)),
+    "space-dark.png": Screen(
+        trial=TWO_PEOPLE, at=84.0, view="3d", follow="ben", turn=(-90, -40), dark=True
+    ),
+    "space-eyes.png": Screen(trial=TWO_PEOPLE, at=33.0, view="eyes"),
+    "compared.png": Screen(
+        trial=TWO_PEOPLE, at=85.0, view="3d", controllers=("oblivious", "avoiding")
+    ),
+}
+
+
+def page_of(screen: Screen) -> str:
+    """Return the replay page that a screen shows."""
+    trial = sim.Trial.load(screen.trial)
+    recordings = []
+    for controller in screen.controllers or [trial.gantry.controller]:
+        changed = replace(trial, gantry=replace(trial.gantry, controller=controller))
+        with TemporaryDirectory() as folder:
+            recording = sim.Recording(Path(folder))
+            recording.finish(sim.run(changed, recording))
+            recordings.append(replay_data(sim.load_run(folder)) | {"folder": str(controller)})
+    return render(*recordings)
+
+
+def shoot(browser: Browser, screen: Screen, file: Path) -> None:
+    """Write one picture to `file`."""
+    with TemporaryDirectory() as folder:
+        page_file = Path(folder) / "page.html"
+        page_file.write_text(page_of(screen), encoding="utf-8")
+        width, height = screen.size
+        context = browser.new_context(
+            viewport={"width": width, "height": height},
+            color_scheme="dark" if screen.dark else "light",
+        )
+        page = context.new_page()
+        page.goto(f"{page_file.as_uri()}#t={screen.at}&view={screen.view}")
+        if screen.follow:
+            page.locator("#follow").select_option(screen.follow)
+        box = page.locator("#views").bounding_box()
+        assert box is not None
+        x, y = box["x"] + box["width"] * 0.52, box["y"] + box["height"] * 0.5
+        page.mouse.move(x, y)
+        if screen.nearer:
+            page.mouse.wheel(0, screen.nearer)
+        if screen.turn != (0, 0):
+            page.mouse.down()
+            page.mouse.move(x + screen.turn[0], y + screen.turn[1], steps=4)
+            page.mouse.up()
+        page.mouse.move(0, 0)
+        page.wait_for_timeout(500)
+        png = page.screenshot(timeout=120_000)
+        context.close()
+    Image.open(io.BytesIO(png)).convert("RGB").quantize(256).save(file, optimize=True)
+
+
+def main(folder: Path, names: list[str]) -> None:
+    """Write the pictures of those names into `folder`, or all."""
+    chromium = shutil.which("chromium") or shutil.which("google-chrome")
+    with sync_playwright() as driver:
+        browser = driver.chromium.launch(executable_path=chromium, args=ARGUMENTS)
+        for name in names or SCREENS:
+            shoot(browser, SCREENS[name], folder / name)
+        browser.close()
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]) if len(sys.argv) > 1 else DOCS / "images", sys.argv[2:])

@@ -1,0 +1,174 @@
+/* What of a run is seen in three dimensions at an instant, as piles of shapes. */
+
+const PAINTED = 2048;        // pixels of the longer side of the picture on the floor
+const HIDING = 1.5;          // metres: what is higher than this can hide people, and is seen through then
+const VOLUME = 1.9;          // metres up to which the protective distance is shown
+const KERB = 0.08;           // metres of the floor's edge
+const DASH = 0.3;            // metres of a dash of the path ahead, and of the gap after it
+const CLOSEST = 0.2;         // metres between two points of a trail
+const MARKED = 0.02;         // metres above the floor of what is marked on it
+const FEW_WATCHED = 8;       // people, of whom each is kept in sight
+
+const RING = Array.from({ length: 65 }, (_, i) => [Math.cos((i * Math.PI) / 32), Math.sin((i * Math.PI) / 32)]);
+
+/** Fixed colours beside those of the theme. */
+const PAINTS = {
+  skin: "#c8966e", helmet: "#f4f1e6", stripe: "#f2f0d8", ink: "#23272b", steel: "#8d949b", wood: "#b98d57",
+  bin: "#5c7f96", arm: "#e3e4e2",
+};
+const PAINTS_OF_DARKNESS = { helmet: "#d8d5ca", stripe: "#d9d7bd", cloth: "#454e58", steel: "#7b838b", arm: "#bfc1c0" };
+
+class World {
+  constructor(run, renderer) {
+    this.run = run;
+    this.renderer = renderer;
+    this.moving = new Pile();
+    this.obstacles = run.plan.obstacles.map(obstacle => (
+      { ...obstacle, solid: uprightSolid(obstacle.footprint, obstacle.bottom, obstacle.top) }));
+  }
+
+  /** Builds what does not move, in the colours of a theme. */
+  build(palette, isDark) {
+    const paints = { cloth: "#3d4854", ...PAINTS, ...(isDark ? PAINTS_OF_DARKNESS : {}) };
+    this.colors = Object.fromEntries(Object.entries({ ...palette, ...paints })
+      .map(([name, color]) => [name, lightOf(color)]));
+    const { plan } = this.run;
+    const { colors, renderer } = this;
+    this.fixed = new Pile();
+    for (const obstacle of this.obstacles) {
+      if (obstacle.top < HIDING) addObstacle(this.fixed, renderer, obstacle, colors);
+    }
+    for (const ring of [plan.boundary, ...plan.holes ?? []]) this.#addKerb(ring);
+    if (plan.gantry) addRails(this.fixed, plan.gantry, colors);
+    const bounds = boxOf(plan.boundary);
+    renderer.paint(floorPicture(plan, bounds, palette), bounds);
+  }
+
+  #addKerb(ring) {
+    ring.forEach(([ax, ay], i) => {
+      const [bx, by] = ring[(i + 1) % ring.length];
+      const middle = frameAt((ax + bx) / 2, (ay + by) / 2, 0, Math.atan2(by - ay, bx - ax));
+      this.fixed.add("box", "edged", sized(middle, Math.hypot(bx - ax, by - ay) + 0.1, 0.1, KERB), this.colors.edge);
+    });
+  }
+
+  /** The piles at t, as `eye` sees them; `chosen` is the watch in focus, `hidden` a body that is not drawn. */
+  at(t, eye, chosen, afterglow, hidden) {
+    const { run, moving, colors } = this;
+    moving.clear();
+    const sought = this.#sought(chosen).map(body => [body.motion.at(t).x, body.motion.at(t).y, 1]);
+    if (!eye.inside) sought.push(eye.target);
+    for (const obstacle of this.obstacles) {
+      if (obstacle.top < HIDING) continue;
+      const hides = !eye.inside && sought.some(place => entryInto(obstacle.solid, eye.position, place) < 1);
+      addObstacle(moving, this.renderer, obstacle, colors, hides ? "pane" : "edged");
+    }
+    for (const body of run.bodies.values()) {
+      if (body === hidden) continue;
+      if (body.category === "person") addFigure(moving, body, t, colors[body.color], colors);
+      else if (body.category === "vehicle") addVehicle(moving, body, t, colors);
+      else addRobot(moving, body, t, run.isDisabled(body, t), colors);
+    }
+    const shown = run.shown(chosen);
+    for (const watch of shown) if (watch.person !== hidden) this.#addDistances(watch, t);
+    for (const body of run.bodies.values()) this.#addTrail(body, t);
+    for (const person of run.people) this.#addPathAhead(person, t, afterglow);
+    for (const watch of run.watches) {
+      if (shown.includes(watch) || watch.at(t).violated) this.#addLine(watch, t);
+    }
+    return [this.fixed, moving];
+  }
+
+  /** The bodies that walls must not hide. */
+  #sought(chosen) {
+    const { people } = this.run;
+    const pair = chosen ? [chosen.person, chosen.other] : [];
+    return [...new Set([...pair, ...people.length <= FEW_WATCHED ? people : []])];
+  }
+
+  /** The protective distance as a volume round the person, the noticing distance as a ring on the floor. */
+  #addDistances(watch, t) {
+    const { moving, colors } = this;
+    const { x, y } = watch.person.motion.at(t);
+    const { required, notice, violated, margin } = watch.at(t);
+    const color = colors[violated || margin < 0 ? "danger" : watch.person.color];
+    const round = (radius, height) => sized(frameAt(x, y, MARKED), 2 * radius, 2 * radius, height);
+    if (notice !== null) this.#addRing(x, y, notice, 0.03, color, 0.6);
+    moving.add("disc", violated ? "striped" : "glow", round(required, 1), color, violated ? 0.3 : 0.13);
+    moving.add("tube", violated ? "striped" : "glow", round(required, VOLUME), color, violated ? 0.6 : 0.34);
+    this.#addRing(x, y, required, violated ? 0.08 : 0.045, color, 0.95);
+  }
+
+  #addRing(x, y, radius, width, color, opacity) {
+    const points = RING.map(([c, s]) => [x + radius * c, y + radius * s]);
+    for (let i = 0; i + 1 < points.length; i++) {
+      this.moving.add("square", "glow", stripFrom(points[i], points[i + 1], MARKED, width), color, opacity);
+    }
+  }
+
+  #addTrail(body, t) {
+    const color = this.colors[body.color];
+    body.track.behind(t, TRAIL, TRAIL_GRAIN, (points, age) => {
+      let last = points[0];
+      points.forEach((point, i) => {
+        if (i < points.length - 1 && Math.hypot(point[0] - last[0], point[1] - last[1]) < CLOSEST) return;
+        const strip = stripFrom(last, point, MARKED, body.category === "person" ? 0.09 : 0.05);
+        this.moving.add("square", "glow", strip, color, 0.6 * (1 - age / TRAIL));
+        last = point;
+      });
+    });
+  }
+
+  #addPathAhead(person, t, afterglow) {
+    const { moving, colors } = this;
+    const color = colors[person.color];
+    for (const dash of dashesOf(person.track.ahead(t))) {
+      moving.add("square", "glow", stripFrom(...dash, MARKED, 0.045), color, 0.9);
+    }
+    const jump = person.motion.lastJump(t);
+    if (!jump || t - jump.t > afterglow) return;
+    for (const dash of dashesOf([[jump.from.x, jump.from.y], [jump.to.x, jump.to.y]])) {
+      moving.add("square", "glow", stripFrom(...dash, MARKED, 0.03), color, 1 - 0.8 * ((t - jump.t) / afterglow));
+    }
+  }
+
+  /** The line between two bodies whose distance is shown. */
+  #addLine(watch, t) {
+    const [from, to] = [watch.person, watch.other].map(body => body.motion.at(t));
+    const { violated } = watch.at(t);
+    const strip = stripFrom([from.x, from.y], [to.x, to.y], MARKED + 0.01, violated ? 0.07 : 0.03);
+    this.moving.add("square", "glow", strip, this.colors[violated ? "danger" : "muted"], violated ? 1 : 0.7);
+  }
+}
+
+/** The dashes of a line of points, each from one point to another. */
+function dashesOf(points) {
+  const dashes = [];
+  let gone = 0;
+  for (let i = 1; i < points.length; i++) {
+    const [[ax, ay], [bx, by]] = [points[i - 1], points[i]];
+    const length = Math.hypot(bx - ax, by - ay);
+    for (let at = 0; at < length;) {
+      const next = Math.min(length, at + DASH - (gone % DASH) + 1e-9);
+      const share = metres => [ax + (metres / length) * (bx - ax), ay + (metres / length) * (by - ay)];
+      if (Math.floor(gone / DASH) % 2 === 0) dashes.push([share(at), share(next)]);
+      gone += next - at;
+      at = next;
+    }
+  }
+  return dashes;
+}
+
+/** What is painted on the floor: ground, lanes, stations, safe zone. */
+function floorPicture(plan, bounds, palette) {
+  const [wide, high] = [bounds.right - bounds.left, bounds.top - bounds.bottom];
+  const scale = PAINTED / 2 / Math.max(wide, high);
+  const canvas = document.createElement("canvas");
+  canvas.width = Math.max(1, Math.round(2 * scale * wide));
+  canvas.height = Math.max(1, Math.round(2 * scale * high));
+  const context = canvas.getContext("2d");
+  context.scale(2, 2);
+  const toScreen = (x, y) => [(x - bounds.left) * scale, (bounds.top - y) * scale];
+  new FloorLayer(plan).paintGround({ context, camera: { scale, toScreen }, palette });
+  return canvas;
+}
