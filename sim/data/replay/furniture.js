@@ -16,8 +16,7 @@ function addObstacle(pile, renderer, obstacle, colors, material = "edged") {
   const color = mixed(colors.low, colors.high, Math.min(1, top / TALLEST) ** 1.5 * 0.5);
   const box = rectangleOf(footprint, bottom);
   if (!box) {
-    const shape = `prism ${name}`;
-    renderer.learn(shape, prismMesh(footprint, bottom, top));
+    const shape = renderer.learned(obstacle, () => prismMesh(footprint, bottom, top));
     pile.add(shape, material === "edged" ? "solid" : material, frameAt(0, 0), color, material === "pane" ? 0.22 : 1);
     return;
   }

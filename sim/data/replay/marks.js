@@ -8,8 +8,9 @@ const EDGE = 14;             // CSS pixels from the edge of the screen to the ma
 function drawMarks(tools, run, t, chosen, afterglow, hidden) {
   const pen = { ...tools, camera: tools.eye, taken: [] };
   drawViolationMarks(pen, run, t);
-  const shown = run.shown(chosen);
-  const bodies = [...run.bodies.values()].filter(body => body !== hidden);
+  const there = tools.world.bodiesAt(t, tools.eye);
+  const shown = run.shown(chosen).filter(watch => there.includes(watch.person) && there.includes(watch.other));
+  const bodies = there.filter(body => body !== hidden);
   const order = ["person", "robot", "vehicle"];
   bodies.sort((a, b) => order.indexOf(a.category) - order.indexOf(b.category));
   for (const body of bodies) takeBody(pen, body, t);
@@ -94,7 +95,8 @@ function drawFigure(pen, watch, t, isChosen) {
     from.x + share * (to.x - from.x), from.y + share * (to.y - from.y), 0)).filter(Boolean);
   if (!seen.length) return;
   const text = violated ? comparison(distance, required) : metres(distance);
-  const [px, py] = takePlace(pen, seen, plateWidth(context, text), 20);
+  const aside = seen.flatMap(([x, y]) => [[x, y - 26], [x, y + 26]]);
+  const [px, py] = takePlace(pen, [...seen, ...aside], plateWidth(context, text), 20);
   drawPlate(context, text, px, py, palette, violated ? "danger-ink" : "text");
 }
 

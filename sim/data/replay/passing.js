@@ -14,10 +14,10 @@ function thereAt(run, t) {
   return (run.recording.passing ?? []).filter(thing => there.has(thing.name));
 }
 
-/** Zones as dashed outlines, forbidden ones in the colour of danger; and what is there at t. */
-function drawPassing({ context, camera, palette }, run, t) {
+/** Zones as dashed outlines, forbidden ones in the colour of danger. */
+function drawZones({ context, camera, palette }, { zones = [] }) {
   context.lineWidth = 1.25;
-  for (const { footprint, forbidden } of run.plan.zones ?? []) {
+  for (const { footprint, forbidden } of zones) {
     context.strokeStyle = context.fillStyle = palette[forbidden ? "danger" : "muted"];
     outline(context, camera, footprint);
     alpha(context, 0.08, () => context.fill());
@@ -25,6 +25,11 @@ function drawPassing({ context, camera, palette }, run, t) {
     context.stroke();
     context.setLineDash([]);
   }
+}
+
+/** Zones, and what is there at t. */
+function drawPassing({ context, camera, palette }, run, t) {
+  drawZones({ context, camera, palette }, run.plan);
   if (!run.recording.passing) return;
   for (const { footprint } of thereAt(run, t)) {
     context.fillStyle = palette.high;

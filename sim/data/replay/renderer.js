@@ -124,6 +124,7 @@ class Renderer {
     this.shadowProgram = linked(gl, VERTEX_SHADER, "#version 300 es\nprecision highp float;\nvoid main() {}");
     this.places = new Map();
     this.meshes = new Map(Object.entries(SOLIDS).map(([name, make]) => [name, this.#loaded(make())]));
+    this.own = new WeakMap();            // names of shapes by what they belong to
     this.buffers = new WeakMap();
     this.picture = gl.createTexture();
     this.#makeShadow();
@@ -131,9 +132,14 @@ class Renderer {
     gl.blendFuncSeparate(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA, gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
   }
 
-  /** Takes a shape of a name of one's own. */
-  learn(name, mesh) {
-    this.meshes.set(name, this.#loaded(mesh));
+  /** The name of a shape that belongs to a thing, and is made where it is not yet known. */
+  learned(thing, make) {
+    if (!this.own.has(thing)) {
+      const name = `own ${this.meshes.size}`;
+      this.meshes.set(name, this.#loaded(make()));
+      this.own.set(thing, name);
+    }
+    return this.own.get(thing);
   }
 
   /** The picture that lies on the floor, and the box of the floor that it shows. */

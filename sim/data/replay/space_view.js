@@ -22,7 +22,7 @@ class SpaceView {
   show(run) {
     this.run = run;
     this.world = new World(run, this.renderer);
-    this.world.groups = groupsOf(this.world.obstacles.map(obstacle => ({ ...obstacle, box: obstacle.solid.box })));
+    this.world.groups = groupsOf(this.world.lasting.map(obstacle => ({ ...obstacle, box: obstacle.solid.box })));
     if (this.palette) this.world.build(this.palette, this.isDark);
   }
 
@@ -56,12 +56,12 @@ class SpaceView {
   draw(t, chosen, afterglow) {
     const { camera, palette, world, run } = this;
     const body = name => run.bodies.get(name);
-    const hidden = this.looking && body(this.looking.name);
-    if (hidden) camera.lookThrough(eyesOf(hidden, t));
-    else if (this.followed) {
-      const { x, y } = body(this.followed.name).motion.at(t);
-      camera.lookAt(x, y, 0.9);
-    }
+    const isHere = one => one && !isAway(one.motion.at(t), camera);
+    const looking = this.looking && body(this.looking.name);
+    const hidden = isHere(looking) ? looking : null;
+    camera.lookThrough(hidden && eyesOf(hidden, t));
+    const followed = this.followed && body(this.followed.name);
+    if (!hidden && isHere(followed)) camera.lookAt(followed.motion.at(t).x, followed.motion.at(t).y, 0.9);
     const piles = world.at(t, camera, chosen, afterglow, hidden);
     this.renderer.draw(piles, camera, lightOf(palette.page), world.colors.edge);
     const context = this.surface.clear();
@@ -92,7 +92,7 @@ class SpaceView {
     const far = camera.position.map((value, i) => value + 500 * camera.ray(px, py)[i]);
     const looked = this.looking?.name;
     const things = [
-      ...[...run.bodies.values()].filter(({ name }) => name !== looked).map(body => [body, solidOfBody(body, t)]),
+      ...world.bodiesAt(t, camera).filter(({ name }) => name !== looked).map(body => [body, solidOfBody(body, t)]),
       ...world.obstacles.filter(({ top }) => top < HIDING || camera.inside).map(obstacle => [obstacle, obstacle.solid]),
     ].map(([thing, solid]) => [entryInto(solid, camera.position, far), thing]).sort((a, b) => a[0] - b[0]);
     return things[0]?.[0] < Infinity ? things[0][1] : undefined;

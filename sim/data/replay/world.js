@@ -23,8 +23,16 @@ class World {
     this.run = run;
     this.renderer = renderer;
     this.moving = new Pile();
-    this.obstacles = run.plan.obstacles.map(obstacle => (
-      { ...obstacle, solid: uprightSolid(obstacle.footprint, obstacle.bottom, obstacle.top) }));
+    const solid = obstacle => (
+      { ...obstacle, solid: uprightSolid(obstacle.footprint, obstacle.bottom, obstacle.top) });
+    this.lasting = run.plan.obstacles.map(solid);
+    this.passing = new Map((run.recording.passing ?? []).map(thing => [thing, solid(thing)]));
+    this.obstacles = this.lasting;         // those that are there at the instant shown
+  }
+
+  /** The bodies that are on the floor at t. */
+  bodiesAt(t, eye) {
+    return [...this.run.bodies.values()].filter(body => !isAway(body.motion.at(t), eye));
   }
 
   /** Builds what does not move, in the colours of a theme. */
@@ -35,7 +43,7 @@ class World {
     const { plan } = this.run;
     const { colors, renderer } = this;
     this.fixed = new Pile();
-    for (const obstacle of this.obstacles) {
+    for (const obstacle of this.lasting) {
       if (obstacle.top < HIDING) addObstacle(this.fixed, renderer, obstacle, colors);
     }
     for (const ring of [plan.boundary, ...plan.holes ?? []]) this.#addKerb(ring);
@@ -56,23 +64,27 @@ class World {
   at(t, eye, chosen, afterglow, hidden) {
     const { run, moving, colors } = this;
     moving.clear();
-    const sought = this.#sought(chosen).map(body => [body.motion.at(t).x, body.motion.at(t).y, 1]);
+    const bodies = this.bodiesAt(t, eye);
+    const sought = this.#sought(chosen).filter(body => bodies.includes(body))
+      .map(body => [body.motion.at(t).x, body.motion.at(t).y, 1]);
     if (!eye.inside) sought.push(eye.target);
+    const come = this.passing.size ? thereAt(run, t).map(thing => this.passing.get(thing)) : [];
+    this.obstacles = [...this.lasting, ...come];
     for (const obstacle of this.obstacles) {
-      if (obstacle.top < HIDING) continue;
+      if (obstacle.top < HIDING && !come.includes(obstacle)) continue;
       const hides = !eye.inside && sought.some(place => entryInto(obstacle.solid, eye.position, place) < 1);
       addObstacle(moving, this.renderer, obstacle, colors, hides ? "pane" : "edged");
     }
-    for (const body of run.bodies.values()) {
+    for (const body of bodies) {
       if (body === hidden) continue;
       if (body.category === "person") addFigure(moving, body, t, colors[body.color], colors);
       else if (body.category === "vehicle") addVehicle(moving, body, t, colors);
       else addRobot(moving, body, t, run.isDisabled(body, t), colors);
     }
-    const shown = run.shown(chosen);
+    const shown = run.shown(chosen).filter(watch => bodies.includes(watch.person) && bodies.includes(watch.other));
     for (const watch of shown) if (watch.person !== hidden) this.#addDistances(watch, t);
-    for (const body of run.bodies.values()) this.#addTrail(body, t);
-    for (const person of run.people) this.#addPathAhead(person, t, afterglow);
+    for (const body of bodies) this.#addTrail(body, t);
+    for (const body of bodies) if (body.category === "person") this.#addPathAhead(body, t, afterglow);
     for (const watch of run.watches) {
       if (shown.includes(watch) || watch.at(t).violated) this.#addLine(watch, t);
     }
@@ -94,8 +106,8 @@ class World {
     const color = colors[violated || margin < 0 ? "danger" : watch.person.color];
     const round = (radius, height) => sized(frameAt(x, y, MARKED), 2 * radius, 2 * radius, height);
     if (notice !== null) this.#addRing(x, y, notice, 0.03, color, 0.6);
-    moving.add("disc", violated ? "striped" : "glow", round(required, 1), color, violated ? 0.3 : 0.13);
-    moving.add("tube", violated ? "striped" : "glow", round(required, VOLUME), color, violated ? 0.6 : 0.34);
+    moving.add("disc", violated ? "striped" : "glow", round(required, 1), color, violated ? 0.22 : 0.13);
+    moving.add("tube", violated ? "striped" : "glow", round(required, VOLUME), color, violated ? 0.42 : 0.34);
     this.#addRing(x, y, required, violated ? 0.08 : 0.045, color, 0.95);
   }
 
@@ -126,7 +138,7 @@ class World {
       moving.add("square", "glow", stripFrom(...dash, MARKED, 0.045), color, 0.9);
     }
     const jump = person.motion.lastJump(t);
-    if (!jump || t - jump.t > afterglow) return;
+    if (!jump || t - jump.t > afterglow || Math.hypot(jump.to.x - jump.from.x, jump.to.y - jump.from.y) > AWAY) return;
     for (const dash of dashesOf([[jump.from.x, jump.from.y], [jump.to.x, jump.to.y]])) {
       moving.add("square", "glow", stripFrom(...dash, MARKED, 0.03), color, 1 - 0.8 * ((t - jump.t) / afterglow));
     }
@@ -169,6 +181,8 @@ function floorPicture(plan, bounds, palette) {
   const context = canvas.getContext("2d");
   context.scale(2, 2);
   const toScreen = (x, y) => [(x - bounds.left) * scale, (bounds.top - y) * scale];
-  new FloorLayer(plan).paintGround({ context, camera: { scale, toScreen }, palette });
+  const pen = { context, camera: { scale, toScreen }, palette };
+  new FloorLayer(plan).paintGround(pen);
+  drawZones(pen, plan);
   return canvas;
 }
