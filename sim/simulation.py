@@ -174,6 +174,7 @@ class Simulation:
             machine.close()
         self._stage.record(TrialEnded(interrupted=interrupted))
         motions = {body.name: body.track() for body in self.bodies}
+        distancing = self._company.distancing
         summary = summarise(
             Finished(
                 trial=self.trial,
@@ -185,6 +186,8 @@ class Simulation:
                 motions=motions,
                 work=self.dispatcher.figures if self.dispatcher else {},
                 deadlocks=self._company.deadlocks,
+                people_too_near=distancing.count if distancing else 0,
+                people_too_near_time=distancing.time if distancing else 0.0,
             )
         )
         cpu = time.process_time() - self._cpu_begin

@@ -414,6 +414,15 @@ class WalksWith(EventKind):
     other: _Person
 
 
+class PeopleTooNear(EventKind):
+    """The bodies of two people come nearer to each other than the rules want between people."""
+
+    person: _Person
+    other: _Person
+    distance: float
+    required: float
+
+
 class Blocked(EventKind):
     """A person could not go on for as long as their patience lasts, because of somebody else."""
 

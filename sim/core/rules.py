@@ -67,6 +67,8 @@ class RuleSet:
 
     Distances to an AGV are measured to the point that lies `agv_offset` along its lane from its
     centre. `laws` holds other laws for some machines, by their names or kinds.
+
+    With `between_people` it is recorded where the bodies of two people are nearer to each other.
     """
 
     name: str
@@ -83,6 +85,7 @@ class RuleSet:
     pause_after_violation: float = 8.0
     pause_after_agv: float = 8.0
     laws: Mapping[str, AnyLaw] = field(default_factory=dict, hash=False)
+    between_people: float | None = None
 
     def law_of(self, machine: MachineShape) -> AnyLaw:
         """Return the law that holds between people and `machine`.

@@ -14,6 +14,7 @@ from ..core.events import Said, Warning
 from ..core.recorder import Event, Listener, Thought, rounded
 from ..core.scenario import PersonEntry, Scenario
 from ..core.stage import Stage
+from ..safety.distancing import Distancing
 from ..safety.referee import Referee
 from .mind_inspector import MindInspector
 from .minds import Mind, Mindless, Outside, kept_beliefs, live_beliefs, make_agent
@@ -94,12 +95,18 @@ class Company:
             )
             self.people.append(person)
         self._named = {person.name: person for person in self.people}
+        self.distancing: Distancing | None = None
+        """The watch on the distance between people, if the rules want one."""
 
     def begin(self) -> None:
         """Let people wait for their start, and work appear."""
         if self._crowd is not None:
             self._stage.triggers.each("met", self._perceive_meeting)
             self._stage.triggers.each("gave_way", self._perceive_request)
+        gap = self._stage.rules.between_people
+        if gap is not None:
+            radii = [person.walker.human.radius for person in self.people]
+            self.distancing = Distancing(self._stage, self.people, radii, gap)
         if self._board is not None:
             self._board.begin()
         for person in self.people:

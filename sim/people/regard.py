@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
 from functools import lru_cache, partial
 
 import bdi
-from navigation import Apart, FixedDistance, TooClose, first_time
 
 from ..core.body import Body
-from ..core.clock import Alarm, Turn
 from ..core.stage import Stage
+from ..safety.nearness import NearWatch
 from .minds import Mind, Outside
 from .percepts import Senses
 
@@ -37,7 +35,7 @@ class Regard:
         self._senses = senses
         self._heeded: frozenset[str] = frozenset()
         self._started = False
-        self._watches: list[_NearWatch] = []
+        self._watches: list[NearWatch] = []
 
     def belong_to(self, mind: Mind) -> None:
         """Perceive from now on what the program of `mind` mentions; a mind outside hears all."""
@@ -60,7 +58,13 @@ class Regard:
     def _look_round(self) -> None:
         if self._started and not self._watches and self._heeded.intersection(NEARNESS):
             self._watches = [
-                _NearWatch(self._stage, self._body, one.body, partial(self._nearness, one.name))
+                NearWatch(
+                    self._stage,
+                    (self._body, one.body),
+                    NEAR,
+                    PARTING,
+                    partial(self._nearness, one.name),
+                )
                 for one in self._stage.people
                 if one.body is not self._body
             ]
@@ -74,31 +78,3 @@ def mentioned(program: bdi.Program) -> frozenset[str]:
     """Return those of the percepts about other people that stand anywhere in a program."""
     words = set(re.findall(r"\w+", str(program)))
     return frozenset(words.intersection(PERCEPTS))
-
-
-class _NearWatch:
-    """Calls `notify` when two people get near each other (True), and when they have parted."""
-
-    def __init__(
-        self, stage: Stage, mine: Body, other: Body, notify: Callable[[bool], None]
-    ) -> None:
-        self._stage = stage
-        self._bodies = (mine, other)
-        self._notify = notify
-        self._is_near = False
-        self._alarm = Alarm(stage.clock, self._ring, Turn.NOTICE)
-        for body in self._bodies:
-            body.on_change.append(self._reconsider)
-        self._reconsider()
-
-    def _reconsider(self) -> None:
-        mine, theirs = (body.motion for body in self._bodies)
-        now = self._stage.clock.now
-        end = max(now, min(max(mine.end, theirs.end), self._stage.end))
-        awaited = Apart(NEAR + PARTING) if self._is_near else TooClose(FixedDistance(NEAR))
-        self._alarm.set(first_time(awaited, mine, theirs, now, end))
-
-    def _ring(self) -> None:
-        self._is_near = not self._is_near
-        self._reconsider()
-        self._notify(self._is_near)

@@ -28,7 +28,8 @@ class SummaryFigure:
     `instant` it has the time of the figure of that name beside it; with `short` it is also found by
     the name of the figure that it is a part of. `of_orders` is one of trials with orders only,
     `of_several` one of trials with more people than one, `of_work` one of trials with tasks for
-    people, `of_traffic` one of trials in which people come in or leave. `label` is what people
+    people, `of_traffic` one of trials in which people come in or leave, `of_distancing` one of
+    trials whose rules want a distance between people. `label` is what people
     read; `words`, if given, how much it is on a terminal. A study has it as a column unless not
     `column`; its report compares it as a `measure`, "rare" ones only where there is something, and
     its first rows are worth a look if it is among the `worst`: the least (1), or the most (-1).
@@ -46,6 +47,7 @@ class SummaryFigure:
     of_several: bool = False
     of_work: bool = False
     of_traffic: bool = False
+    of_distancing: bool = False
     label: str = ""
     words: words.Words | None = None
     column: bool = True
@@ -59,6 +61,7 @@ class SummaryFigure:
             and (len(trial.people) > 1 or not self.of_several)
             and (trial.has_work or not self.of_work)
             and (trial.has_traffic or not self.of_traffic)
+            and (trial.rules.between_people is not None or not self.of_distancing)
         )
 
 
@@ -320,6 +323,28 @@ FIGURES: dict[str, SummaryFigure] = {
             events=(events.Deadlock, {}),
             of_several=True,
             measure="rare",
+        ),
+        SummaryFigure(
+            path="people_too_near",
+            of=lambda run: run.people_too_near,
+            of_several=True,
+            of_distancing=True,
+            label="people too near to each other",
+            meaning="times that two came nearer than the rules want between people",
+            words=words.plain,
+            events=(events.PeopleTooNear, {}),
+            measure="plain",
+            worst=-1,
+        ),
+        SummaryFigure(
+            path="people_too_near_time",
+            of=lambda run: run.people_too_near_time,
+            of_several=True,
+            of_distancing=True,
+            label="time too near to each other",
+            meaning="for which they were, all pairs together",
+            unit="s",
+            measure="plain",
         ),
         SummaryFigure(
             path="entered",

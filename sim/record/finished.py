@@ -32,6 +32,8 @@ class Finished:
     motions: Mapping[str, Motion]
     work: Mapping[str, Any]
     deadlocks: int = 0
+    people_too_near: int = 0
+    people_too_near_time: float = 0.0
 
     def violations(self, person: Person | None = None) -> dict[str, int]:
         """Return how many violations with the gantry had which cause: of one person, or of all."""

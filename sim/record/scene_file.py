@@ -30,8 +30,8 @@ from .strict_json import parse_json
 FORMAT = "floorwalker-scene/1"
 """Value of `format`, by which a reader knows the file."""
 
-OPTIONAL = (*LEFT_OUT_IF_EMPTY, "passing")
-"""Fields of floors and scenes that are left out where they are empty."""
+OPTIONAL = (*LEFT_OUT_IF_EMPTY, "passing", "between_people")
+"""Fields of floors, scenes and rule sets that are left out where they are empty."""
 
 _LAWS = {
     law.__name__: law for law in (SeparationLaw, IntegralLaw, ApproachLaw, FixedDistance, Scaled)
@@ -128,7 +128,7 @@ def _plain(value: Any) -> Any:
 def _fields(value: Any) -> dict[str, Any]:
     """Return the fields of a value, but for empty ones of late, and the notices on a floor."""
     left_out = {"notices"} if isinstance(value, Floorplan) else set()
-    if isinstance(value, Floorplan | Scene):
+    if isinstance(value, Floorplan | Scene | RuleSet):
         left_out |= {name for name in OPTIONAL if not getattr(value, name, True)}
     names = (field.name for field in fields(value) if field.name not in left_out)
     return {name: _plain(getattr(value, name)) for name in names}

@@ -160,6 +160,7 @@ def _rule_faults(rules: RuleSet) -> Iterator[Fault]:
     if not abs(rules.agv_offset) <= LARGEST:
         yield f"must be a length in metres, not {rules.agv_offset!r}", ("agv_offset",)
     yield from _size(rules.report_every, "report_every")
+    yield from _size(rules.between_people, "between_people")
     yield from _time(rules.notice.silent, "notice", "silent")
     if not rules.notice.parting > 0:
         yield f"must be more than 0, not {rules.notice.parting!r}", ("notice", "parting")

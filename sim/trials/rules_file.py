@@ -88,6 +88,7 @@ class RuleKeys(Strictly):
     report_every: Positive | None = None
     pause_after_violation: NotNegative | None = None
     pause_after_agv: NotNegative | None = None
+    between_people: Positive | None = None
 
     @model_validator(mode="before")
     @classmethod
@@ -227,5 +228,10 @@ def written_rules(rules: RuleSet) -> str | dict[str, Any]:
             **({"parting": notice.parting} if notice.parting < math.inf else {}),
             "silent": notice.silent,
         },
-        **{key: getattr(rules, key) for key in _PLAIN},
+        **{
+            key: value
+            for key in _PLAIN
+            for value in (getattr(rules, key),)
+            if value is not None or key != "between_people"
+        },
     }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 
 import numpy as np
@@ -189,3 +190,23 @@ def test_helpful_people_let_each_other_pass():
     trial = sim.Trial.load("people_frontal").with_personality("helpful")
     run = sim.run(trial)
     assert run.unmet == [] and len(events(run, "arrived")) >= 4
+
+
+def test_a_rule_says_how_near_people_may_come(tmp_path):
+    """The times and their sum are those of the motions, by the exact monitor."""
+    trial = sim.Trial.load("people_frontal")
+    rules = dataclasses.replace(trial.rules, name="ours", between_people=0.5)
+    ours = dataclasses.replace(trial, rules=rules, expect={"people_too_near": ">= 1"})
+    assert sim.Trial.parse(ours.to_yaml(), folder=".").rules == rules
+    recording = sim.Recording(tmp_path / "run")
+    run = sim.run(ours, recording)
+    recording.finish(run)
+    near = navigation.TooClose(navigation.FixedDistance(1.1))
+    intervals = list(navigation.when(near, run.motions["ada"], run.motions["ben"], 0, run.duration))
+    found = events(run, "people_too_near")
+    assert [e["t"] for e in found] == pytest.approx([begin for begin, _ in intervals], abs=1e-6)
+    assert all(e["distance"] == pytest.approx(0.5, abs=1e-6) for e in found)
+    time = sum(end - begin for begin, end in intervals)
+    assert run.summary["people_too_near_time"] == pytest.approx(time, abs=0.05)
+    assert run.unmet == [] and sim.load_run(tmp_path / "run").scene.rules == rules
+    assert "people_too_near" not in sim.run(trial).summary
