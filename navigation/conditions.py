@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from .encounter import Encounter
-from .kernels import encounter as kernel
+from .kernels import watch as kernel
 from .separation import AnyLaw, kernel_of, require_sense
 
 STANDING_SPEED = 0.01
@@ -94,7 +94,7 @@ class Both:
 
 
 def judge_of(condition: Condition) -> kernel.Judge:
-    """Return what decides about `condition` in the monitor's kernel."""
+    """Return what decides about `condition` in the monitor."""
     match condition:
         case TooClose(law):
             return kernel.TooClose(kernel_of(law), ROUNDING)

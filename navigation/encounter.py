@@ -7,6 +7,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 from .kernels import encounter as kernel
+from .kernels.gauge import Gauge
 from .motion import Motion
 from .odometer import Enclosure, Odometer
 
@@ -31,9 +32,7 @@ class Encounter(kernel.Encounter):
     Distances are those between the two on the floor, or between surfaces, by `gauges`.
     """
 
-    def __init__(
-        self, person: Motion, machine: Motion, gauges: Sequence[kernel.Gauge] = ()
-    ) -> None:
+    def __init__(self, person: Motion, machine: Motion, gauges: Sequence[Gauge] = ()) -> None:
         super().__init__(person.table, machine.table, [*gauges], _ROUNDING if gauges else 0.0)
         self._motions = person, machine
 
@@ -100,7 +99,7 @@ def encounters(
     robot: Motion,
     begin: float,
     end: float,
-    gauges: Sequence[kernel.Gauge] = (),
+    gauges: Sequence[Gauge] = (),
 ) -> Iterator[Encounter]:
     """Yield an encounter at each of its stretches from `begin` to `end`; one if they are equal."""
     encounter = Encounter(human, robot, gauges)

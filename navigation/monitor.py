@@ -17,7 +17,7 @@ from floorplan import require
 
 from .conditions import Condition, TooClose, judge_of
 from .encounter import Encounter
-from .kernels import encounter as kernel
+from .kernels.watch import Watch, least
 from .motion import Motion
 from .separation import AnyLaw, Scaled, is_of_motions, kernel_of, require_sense
 from .surfaces import Shapes
@@ -76,9 +76,9 @@ def _watch(
     begin: float,
     end: float,
     shapes: Shapes | None,
-) -> kernel.Watch:
+) -> Watch:
     encounter = _encounter(person, machine, begin, end, shapes)
-    return kernel.Watch(judge_of(condition), encounter, float(begin), float(end), RESOLUTION)
+    return Watch(judge_of(condition), encounter, float(begin), float(end), RESOLUTION)
 
 
 def _encounter(
@@ -140,7 +140,7 @@ def minimum_separation(
     such instants. The distance is exact to 1e-9 m.
     """
     encounter = _encounter(person, machine, begin, end, shapes)
-    return kernel.least(None, encounter, float(begin), float(end), EXACT)
+    return least(None, encounter, float(begin), float(end), EXACT)
 
 
 def minimum_margin(
@@ -165,4 +165,4 @@ def minimum_margin(
     while isinstance(judged, Scaled):
         judged = judged.law
     tolerance = EXACT if is_of_motions(judged) else PLAIN
-    return kernel.least(kernel_of(law), encounter, float(begin), float(end), tolerance)
+    return least(kernel_of(law), encounter, float(begin), float(end), tolerance)

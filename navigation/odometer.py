@@ -6,7 +6,7 @@ import cmath
 import itertools
 from dataclasses import dataclass
 
-from .kernels import encounter as kernel
+from .kernels import odometer as kernel
 from .motion import Motion, Piece, shift
 
 _ELLIPSE = 7.0

@@ -8,7 +8,7 @@ from dataclasses import dataclass, fields
 from typing import Any, Protocol, TypeAlias, TypeGuard
 
 from .encounter import Encounter, encounters
-from .kernels import encounter as kernel
+from .kernels import laws as kernel
 from .machines import Machine, longest_stop
 from .motion import Motion, Piece
 from .odometer import Enclosure

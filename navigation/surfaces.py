@@ -13,7 +13,7 @@ from dataclasses import dataclass, fields
 
 from floorplan import Gantry, Lane
 
-from .kernels import encounter as kernel
+from .kernels.gauge import Gauge
 
 PERSON_RADIUS = 0.30
 """Metres. A person's radius where nothing else is said."""
@@ -100,7 +100,7 @@ class Shapes:
                 raise ValueError(f"a machine is made of Cylinder and Box, not {part!r}")
 
     @property
-    def gauges(self) -> tuple[kernel.Gauge, ...]:
+    def gauges(self) -> tuple[Gauge, ...]:
         """What measures between the person and each part of the machine."""
         return tuple(_gauge(self.person, part) for part in self.machine)
 
@@ -121,8 +121,8 @@ def agv_box(lane: Lane) -> Box:
     return Box(length=lane.length, width=lane.width, top=lane.height)
 
 
-def _gauge(person: Cylinder, part: Cylinder | Box) -> kernel.Gauge:
+def _gauge(person: Cylinder, part: Cylinder | Box) -> Gauge:
     height = max(part.bottom - person.top, person.bottom - part.top, 0.0)
     if isinstance(part, Cylinder):
-        return kernel.Gauge(person.radius, height, 0.0, 0.0, part.radius)
-    return kernel.Gauge(person.radius, height, part.length / 2, part.width / 2, 0.0)
+        return Gauge(person.radius, height, 0.0, 0.0, part.radius)
+    return Gauge(person.radius, height, part.length / 2, part.width / 2, 0.0)

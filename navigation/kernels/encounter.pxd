@@ -1,0 +1,36 @@
+from navigation.kernels.follower cimport Follower
+from navigation.kernels.gauge cimport Course, Gauge
+from navigation.kernels.odometer cimport Figure, Odometer
+
+cdef class Encounter:
+    cdef Follower person
+    cdef Follower machine
+    cdef list[Gauge] gauges
+    cdef Course course
+    cdef tuple ways
+    cdef double since
+    cdef double until
+    cdef bint started
+    cdef double x0
+    cdef double x1
+    cdef double x2
+    cdef double x3
+    cdef double y0
+    cdef double y1
+    cdef double y2
+    cdef double y3
+    cdef double slack
+    cdef double near
+    cdef double far
+    cdef double offset
+    cdef Figure speed_of_one
+    cdef Figure speed_of_other
+    cdef tuple paths(self)
+    cdef int start(self, double begin) except? -1
+    cdef bint go_on(self, double end) except? -1
+    cdef int look(self, double begin, double end) noexcept
+    cdef int apart_over(self, double begin, double end, double slope, double curve) noexcept
+    cdef int measure(self, double middle, double half, double slope, double curve) noexcept
+    cdef double bend(self, double x, double y, double vx, double vy, double ax, double ay, double half, double curve, double bend) noexcept
+    cdef int measure_surfaces(self, double middle, double half, double slope, double curve) noexcept
+    cdef int close_in(self, double begin, double end) noexcept

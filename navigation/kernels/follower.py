@@ -1,0 +1,128 @@
+"""A body on its motion, one piece after another."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import cython
+else:
+    from . import uncompiled as cython
+
+if not cython.compiled:
+    from math import sqrt
+
+    from .odometer import Figure, row_at, speed_along
+else:
+    from cython.cimports.libc.math import sqrt
+    from cython.cimports.navigation.kernels.odometer import Figure, row_at, speed_along
+
+_INFINITE: float = float("inf")
+
+_WIDTH: cython.Py_ssize_t = 14  # numbers of a piece: begin, end, and the coefficients
+
+
+class Follower:
+    """A body on its motion: standing before it, one piece after another, standing after it."""
+
+    def __init__(self, table: list[float]) -> None:
+        self.table = table
+        self.rows = len(table) // _WIDTH
+
+    def seek(self, t: float) -> cython.int:
+        """Come to the piece at `t`."""
+        table: list[float] = self.table
+        self.since = t
+        if t < table[0]:
+            self.row = -1
+            self.begin = t
+            self.end = table[0]
+            return 0
+        self.row = row_at(table, _WIDTH, t) - 1
+        return self.go_on()
+
+    def go_on(self) -> cython.int:
+        """Come to the next piece. Those of no length are left out: no velocity for no time."""
+        table: list[float] = self.table
+        while True:
+            self.row += 1
+            if self.row >= self.rows:
+                self.begin = table[(self.rows - 1) * _WIDTH + 1]
+                self.end = _INFINITE
+                return 0
+            o: cython.Py_ssize_t = self.row * _WIDTH
+            self.begin = table[o]
+            self.end = table[o + 1]
+            if self.end > max(self.since, self.begin):
+                total: float = 0.0
+                k: cython.Py_ssize_t
+                for k in range(_WIDTH):
+                    total += table[o + k]
+                if total - total != 0.0:
+                    raise ValueError(
+                        f"a motion is not finite from t = {self.begin} s to {self.end} s"
+                    )
+                return 0
+
+    def enter(self, t: float) -> cython.int:
+        """Count from `t`, within the piece."""
+        table: list[float] = self.table
+        o: cython.Py_ssize_t = min(max(self.row, 0), self.rows - 1) * _WIDTH
+        u: float = 0.0
+        if self.row >= self.rows:
+            u = table[o + 1] - table[o]
+        elif self.row >= 0:
+            u = t - self.begin
+        self.x0 = table[o + 2]
+        self.x1 = table[o + 3]
+        self.x2 = table[o + 4]
+        self.x3 = table[o + 5]
+        self.y0 = table[o + 6]
+        self.y1 = table[o + 7]
+        self.y2 = table[o + 8]
+        self.y3 = table[o + 9]
+        self.r0 = table[o + 10]
+        self.r1 = table[o + 11]
+        self.r2 = table[o + 12]
+        self.r3 = table[o + 13]
+        if u != 0.0:
+            self.x0 = self.x0 + u * (self.x1 + u * (self.x2 + u * self.x3))
+            self.x1 = self.x1 + u * (2 * self.x2 + u * 3 * self.x3)
+            self.x2 = self.x2 + u * 3 * self.x3
+            self.y0 = self.y0 + u * (self.y1 + u * (self.y2 + u * self.y3))
+            self.y1 = self.y1 + u * (2 * self.y2 + u * 3 * self.y3)
+            self.y2 = self.y2 + u * 3 * self.y3
+            self.r0 = self.r0 + u * (self.r1 + u * (self.r2 + u * self.r3))
+            self.r1 = self.r1 + u * (2 * self.r2 + u * 3 * self.r3)
+            self.r2 = self.r2 + u * 3 * self.r3
+        if self.row < 0 or self.row >= self.rows:
+            self.x1 = self.x2 = self.x3 = 0.0
+            self.y1 = self.y2 = self.y3 = 0.0
+            self.r1 = self.r2 = self.r3 = 0.0
+        return 0
+
+    def pace(self, middle: float, half: float) -> cython.int:
+        """Bound the speed within `half` of `middle`, counted from the stretch's begin."""
+        x2: float = self.x2
+        y2: float = self.y2
+        x3: float = self.x3
+        y3: float = self.y3
+        if x2 == y2 == x3 == y3 == 0.0:
+            self.low = self.high = sqrt(self.x1 * self.x1 + self.y1 * self.y1)
+            return 0
+        vx: float = self.x1 + middle * (2 * x2 + middle * 3 * x3)
+        vy: float = self.y1 + middle * (2 * y2 + middle * 3 * y3)
+        speed: float = sqrt(vx * vx + vy * vy)
+        ax: float = x2 + 3 * x3 * middle
+        ay: float = y2 + 3 * y3 * middle
+        slack: float = half * 2 * sqrt(ax * ax + ay * ay)
+        slack += half * half * 3 * sqrt(x3 * x3 + y3 * y3)
+        self.low = max(speed - slack, 0.0)
+        self.high = speed + slack
+        return 0
+
+    def speed(self, begin: float, end: float, figure: Figure) -> cython.int:
+        """Give the speed from `begin` to `end`, an interval within the piece."""
+        if self.row < 0 or self.row >= self.rows:
+            return figure.set(0.0, 0.0, 0.0, 0.0)
+        return speed_along(self.table, self.row, begin, end, figure)

@@ -1,0 +1,24 @@
+cdef class Figure:
+    cdef double value
+    cdef double slope
+    cdef double slack
+    cdef double curve
+    cdef int set(self, double value, double slope, double slack, double curve) except? -1
+
+cdef Py_ssize_t row_at(list[double] table, Py_ssize_t width, double t) noexcept
+
+cdef int speed_along(list[double] table, Py_ssize_t row, double begin, double end, Figure figure) except? -1
+
+cdef class Odometer:
+    cdef list[double] table
+    cdef list[double] stretches
+    cdef double total
+    cdef double start
+    cdef double finish
+    cdef Figure out
+    cdef Figure near
+    cpdef double reading(self, double t) except? -1
+    cdef int look_ahead(self, double begin, double end, double seconds) except? -1
+    cdef int look(self, double begin, double end) except? -1
+
+cpdef double length(list[double] table, Py_ssize_t row, double u) except? -1

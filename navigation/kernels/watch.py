@@ -1,0 +1,296 @@
+"""Search for the instants at which a condition on two motions begins and ceases to hold.
+
+Intervals that a condition leaves undecided are halved.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import cython
+else:
+    from . import uncompiled as cython
+
+if not cython.compiled:
+    from .encounter import Encounter
+    from .follower import Follower
+    from .laws import Law
+    from .odometer import Figure
+else:
+    from cython.cimports.navigation.kernels.encounter import Encounter
+    from cython.cimports.navigation.kernels.follower import Follower
+    from cython.cimports.navigation.kernels.laws import Law
+    from cython.cimports.navigation.kernels.odometer import Figure
+
+_INFINITE: float = float("inf")
+
+UNDECIDED: cython.int = -1
+
+
+class Judge:
+    """A condition on an encounter, decided over an interval: 1 holds, 0 does not, -1 undecided."""
+
+    def holds(self, encounter: Encounter, begin: float, end: float) -> cython.int:
+        return 0
+
+    def verdict(self, encounter: Encounter, begin: float, end: float) -> bool | None:
+        """Return whether it holds throughout (True), nowhere (False), or None."""
+        decided: cython.int = self.holds(encounter, begin, end)
+        return None if decided < 0 else decided == 1
+
+
+class TooClose(Judge):
+    """The distance is less than `law` requires; laws that look ahead are sure of `rounding`."""
+
+    def __init__(self, law: Law, rounding: float) -> None:
+        self.law = law
+        self.rounding = rounding
+
+    def holds(self, encounter: Encounter, begin: float, end: float) -> cython.int:
+        law: Law = self.law
+        if not law.of_speeds:
+            return self.short_of(encounter, begin, end)
+        encounter.look(begin, end)
+        person: Follower = encounter.person
+        machine: Follower = encounter.machine
+        near: float = encounter.near
+        far: float = encounter.far
+        most: float = law.distance(person.high, machine.high)
+        # The second limit is below the first, so that rounding can't leave a tie undecided.
+        if near + encounter.slack >= most:
+            return 0
+        least: float = law.distance(person.low, machine.low)
+        if far + encounter.slack / 2 < least:
+            return 1
+        if not least <= most:
+            raise ValueError(
+                f"{law.source} requires {least} m at speeds of {person.low:g} and"
+                f" {machine.low:g} m/s, but {most} m at {person.high:g} and {machine.high:g} m/s;"
+                " a law must not ask for less when speeds grow"
+            )
+        return UNDECIDED
+
+    def short_of(self, encounter: Encounter, begin: float, end: float) -> cython.int:
+        margin_bounds(self.law, encounter, begin, end)
+        if encounter.near >= -self.rounding:
+            return 0
+        if encounter.far < -self.rounding / 2:
+            return 1
+        if not encounter.near <= encounter.far:
+            raise ValueError(f"a law requires {self.law.out.value} m from t = {begin} s to {end} s")
+        return UNDECIDED
+
+
+def margin_bounds(law: Law, encounter: Encounter, begin: float, end: float) -> cython.int:
+    """Bound distance − required: `near`, `far` of the encounter; `offset` is near the least."""
+    law.require(encounter, begin, end)
+    out: Figure = law.out
+    if begin == end:
+        encounter.measure(begin - encounter.since, 0.0, 0.0, 0.0)
+        encounter.near -= out.value
+        encounter.far = encounter.near
+        encounter.offset = begin
+        return 0
+    encounter.apart_over(begin, end, out.slope, out.curve)
+    encounter.near = encounter.near - out.value - out.slack
+    encounter.far = encounter.far - out.value + out.slack
+    return 0
+
+
+class Faster(Judge):
+    """The machine moves faster than `limit` m/s."""
+
+    def __init__(self, limit: float) -> None:
+        self.limit = limit
+
+    def holds(self, encounter: Encounter, begin: float, end: float) -> cython.int:
+        half: float = (end - begin) / 2
+        machine: Follower = encounter.machine
+        machine.pace(begin - encounter.since + half, half)
+        if machine.high <= self.limit:
+            return 0
+        return 1 if machine.low > self.limit else UNDECIDED
+
+
+class Approaching(Judge):
+    """The places of the two come closer to each other."""
+
+    def holds(self, encounter: Encounter, begin: float, end: float) -> cython.int:
+        encounter.close_in(begin, end)
+        if encounter.near >= 0.0:
+            return 0
+        return 1 if encounter.far < 0.0 else UNDECIDED
+
+
+class Apart(Judge):
+    """The distance is at least `metres`."""
+
+    def __init__(self, metres: float) -> None:
+        self.metres = metres
+
+    def holds(self, encounter: Encounter, begin: float, end: float) -> cython.int:
+        encounter.look(begin, end)
+        if encounter.far + encounter.slack / 2 < self.metres:
+            return 0
+        return 1 if encounter.near + encounter.slack >= self.metres else UNDECIDED
+
+
+class Not(Judge):
+    """Another condition does not hold."""
+
+    def __init__(self, other: Judge) -> None:
+        self.other = other
+
+    def holds(self, encounter: Encounter, begin: float, end: float) -> cython.int:
+        verdict: cython.int = self.other.holds(encounter, begin, end)
+        return verdict if verdict < 0 else 1 - verdict
+
+
+class Both(Judge):
+    """Two conditions hold at once."""
+
+    def __init__(self, first: Judge, second: Judge) -> None:
+        self.first = first
+        self.second = second
+
+    def holds(self, encounter: Encounter, begin: float, end: float) -> cython.int:
+        one: cython.int = self.first.holds(encounter, begin, end)
+        if one == 0:
+            return 0
+        other: cython.int = self.second.holds(encounter, begin, end)
+        if other == 0:
+            return 0
+        return 1 if one == 1 and other == 1 else UNDECIDED
+
+
+class OwnJudge(Judge):
+    """A condition that is written in Python."""
+
+    def __init__(self, condition: Any) -> None:
+        self.condition = condition
+
+    def holds(self, encounter: Encounter, begin: float, end: float) -> cython.int:
+        verdict = self.condition.holds(encounter, begin, end)
+        if verdict is None:
+            return UNDECIDED
+        return 1 if verdict else 0
+
+
+class Watch:
+    """Finds the instants at which a condition begins and ceases to hold, one after another.
+
+    Undecided intervals are halved, left half first, until they are no longer than `resolution`.
+    """
+
+    def __init__(
+        self, judge: Judge, encounter: Encounter, begin: float, end: float, resolution: float
+    ) -> None:
+        self.judge = judge
+        self.encounter = encounter
+        self.end = end
+        self.resolution = resolution
+        self.held = False
+        self.over = False
+        none: list[float] = []
+        self.undecided = none
+        encounter.start(begin)
+
+    def change(self) -> float | None:
+        """Return the next instant at which the condition begins or ceases to hold, seconds."""
+        encounter: Encounter = self.encounter
+        judge: Judge = self.judge
+        undecided: list[float] = self.undecided
+        lower: float
+        upper: float
+        t: float
+        middle: float
+        holds: cython.int
+        if self.over:
+            return None
+        while True:
+            if undecided:
+                lower = undecided.pop()
+                upper = undecided.pop()
+            elif encounter.go_on(self.end):
+                lower = encounter.since
+                upper = encounter.until
+            else:
+                break
+            t = lower
+            holds = judge.holds(encounter, lower, upper)
+            if holds < 0:
+                middle = lower + (upper - lower) / 2
+                if upper - lower > self.resolution and lower < middle and middle < upper:
+                    undecided.append(upper)
+                    undecided.append(middle)
+                    undecided.append(middle)
+                    undecided.append(lower)
+                    continue
+                holds = judge.holds(encounter, lower, lower)
+                if holds != 1:
+                    holds = 0
+                    if judge.holds(encounter, upper, upper) == 1:
+                        t = upper
+                        holds = 1
+            if (holds == 1) != self.held:
+                self.held = holds == 1
+                return t
+        self.over = True
+        return self.end if self.held else None
+
+
+def least(
+    law: Law | None, encounter: Encounter, begin: float, end: float, tolerance: float
+) -> tuple[float, float]:
+    """Return the first instant at which distance − required is least (seconds), and how much.
+
+    Without a law nothing is required. Exact to `tolerance` metres.
+    """
+    best: float = _INFINITE
+    when: float = 0.0
+    lower: float
+    upper: float
+    low: float
+    high: float
+    candidate: float
+    middle: float
+    undecided: list[float] = []
+    encounter.start(begin)
+    while True:
+        if undecided:
+            lower = undecided.pop()
+            upper = undecided.pop()
+        elif encounter.go_on(end):
+            lower = encounter.since
+            upper = encounter.until
+        else:
+            return when, best
+        margin_over(law, encounter, lower, upper)
+        low = encounter.near
+        high = encounter.far
+        candidate = encounter.offset
+        if low >= best - tolerance:
+            continue
+        if (low + high) != (low + high):
+            raise ValueError(f"the law asks for no finite distance from {lower} s to {upper} s")
+        k: cython.Py_ssize_t
+        for k in range(3):
+            t: float = lower if k == 0 else candidate if k == 1 else upper
+            margin_over(law, encounter, t, t)
+            if encounter.near < best - 1e-12:
+                when = t
+                best = encounter.near
+        middle = lower + (upper - lower) / 2
+        if low < best - tolerance and lower < middle and middle < upper:
+            undecided.append(upper)
+            undecided.append(middle)
+            undecided.append(middle)
+            undecided.append(lower)
+
+
+def margin_over(law: Law | None, encounter: Encounter, begin: float, end: float) -> cython.int:
+    """See `margin_bounds`; without a law, bound the distance."""
+    if law is None:
+        return encounter.apart_over(begin, end, 0.0, 0.0)
+    return margin_bounds(law, encounter, begin, end)
