@@ -12,6 +12,7 @@ from .core.recorder import Event, Listener
 from .core.rules import ARIAC2023, PAPER, RULE_SETS, Notice, RuleSet, rule_set
 from .core.scenario import (
     AgvMove,
+    Blackout,
     GantryEntry,
     Job,
     PersonalityChange,
@@ -59,6 +60,7 @@ __all__ = [
     "PAPER",
     "RULE_SETS",
     "AgvMove",
+    "Blackout",
     "Body",
     "Caution",
     "Clock",

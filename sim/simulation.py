@@ -20,6 +20,7 @@ from .core.scene import Figure, Scene
 from .core.stage import Stage
 from .core.start import Start
 from .core.triggers import Triggers
+from .machines import blackouts
 from .machines.agv.agv import Agv
 from .machines.gantry.robot import GantryRobot
 from .machines.kinds import models_of
@@ -112,6 +113,7 @@ class Simulation:
             self.dispatcher.begin()
         self._end_with_jobs()
         self._company.begin()
+        blackouts.begin(stage, trial.blackouts)
 
     @property
     def bodies(self) -> list[Body]:

@@ -296,6 +296,18 @@ class AgvBlocked(EventKind):
     at: float
 
 
+class BlackoutBegan(EventKind):
+    """A machine does not see people from now on."""
+
+    machine: _Machine
+
+
+class BlackoutEnded(EventKind):
+    """A machine sees people again."""
+
+    machine: _Machine
+
+
 class DoorOpened(EventKind):
     """A door is open from now on."""
 

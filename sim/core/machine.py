@@ -80,6 +80,9 @@ class Machine(ABC):
     def floor_changed(self) -> None:  # noqa: B027
         """Take note that a machine has come to rest, or that a place has opened or closed."""
 
+    def sight_changed(self) -> None:  # noqa: B027
+        """Take note that it sees people no longer, or again."""
+
     def look_out_for(self, person: Body, top_speed: float) -> None:  # noqa: B027
         """Take note of a person, who walks at `top_speed` (m/s) at most."""
 

@@ -151,6 +151,15 @@ class PersonEntry:
 
 
 @dataclass(frozen=True)
+class Blackout:
+    """From `start` on, `machine` does not see people for `seconds`."""
+
+    machine: str
+    start: Start
+    seconds: float
+
+
+@dataclass(frozen=True)
 class Job:
     """One thing for the gantry to do; `kind` says which of the other fields count.
 
@@ -237,6 +246,7 @@ class Scenario:
     work: dict[str, WorkList] = field(default_factory=dict)
     doors: dict[str, DoorTimes] = field(default_factory=dict)
     obstacles: tuple[TimedObstacle, ...] = ()
+    blackouts: tuple[Blackout, ...] = ()
 
     def leader(self, person: PersonEntry) -> PersonEntry | None:
         """Return whom somebody walks with: the first of their group, None for that one."""

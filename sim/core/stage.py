@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
@@ -87,6 +88,8 @@ class Stage:
     """Called whenever a machine has come to rest, after people and before machines take note."""
     closures: Closures | None = None
     there: dict[str, Obstacle] = field(default_factory=dict)
+    blind: Counter[str] = field(default_factory=Counter)
+    """Number of blackouts in which a machine is now, by its name."""
 
     def __post_init__(self) -> None:
         """Put what is there at the start into the world of those who may go everywhere."""

@@ -18,6 +18,7 @@ from ..people.planners import planner_source
 from ..trials.comparison import is_number
 from ..trials.rules_file import find_rules
 from ..trials.trial import Trial
+from .paths import ROOTS, put_at
 
 Value = str | float | tuple[float, ...]
 """One value of a variable: a name, a number, or numbers that belong together."""
@@ -31,7 +32,10 @@ Files are seen from the folder. `ValueError` or `OSError` say why it can't be do
 
 @dataclass(frozen=True)
 class Variable:
-    """One thing to vary: `max_speed` of everybody, or of one person (`whose`)."""
+    """One thing to vary: `max_speed` of everybody, or of one person (`whose`).
+
+    Of kind "path" it is any figure of the trial, and `whose` is its path.
+    """
 
     name: str
     kind: str
@@ -51,13 +55,18 @@ class Variable:
 
 
 def variable(name: str) -> Variable:
-    """The variable called `name`; `ValueError` that names those there are."""
+    """The variable called `name`; `ValueError` that names those there are.
+
+    A path is a variable whether or not there is something at its end: that depends on the trial.
+    """
     if name in KINDS:
         return Variable(name, KINDS[name])
     group, _, rest = name.partition(".")
     whose, _, last = rest.rpartition(".")
     if whose and last in _PARTS.get(group, {}):
         return Variable(name, _PARTS[group][last], whose)
+    if rest and group in ROOTS:
+        return Variable(name, "path", name)
     known = [*KINDS, *(f"{g}.NAME.{last}" for g, parts in _PARTS.items() for last in parts)]
     raise ValueError(f"nothing is called {name!r} to vary; {suggestion(name, known)}")
 
@@ -139,7 +148,12 @@ def _duration(trial: Trial, value: Any, whose: str, folder: Path) -> Trial:
     return replace(trial, duration=_number(value))
 
 
+def _at_path(trial: Trial, value: Any, path: str, folder: Path) -> Trial:
+    return put_at(trial, path, value)
+
+
 _CHANGES: dict[str, Change] = {
+    "path": _at_path,
     "personality": _personality,
     "planner": _planner,
     "max_speed": _max_speed,
@@ -151,7 +165,7 @@ _CHANGES: dict[str, Change] = {
     "rules": _rules,
     "duration": _duration,
 }
-KINDS = {kind: kind for kind in _CHANGES}
+KINDS = {kind: kind for kind in _CHANGES if kind != "path"}
 """Variables of a whole trial, by name."""
 
 _PARTS = {

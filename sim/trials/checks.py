@@ -38,7 +38,7 @@ from ..people.programs import EXTERNAL, find_program
 from ..people.steering.own_steering import steering_source
 from ..people.tracks.walks import track_faults
 from .expectations import expectation_problems
-from .names import agvs, checked_name, orders, parts, people, stations
+from .names import agvs, checked_name, machines, orders, parts, people, stations
 from .place_checks import closed_place_faults, door_faults, obstacle_faults
 from .work_checks import list_faults, person_faults
 
@@ -97,6 +97,11 @@ def faults(trial: Scenario) -> Iterator[Fault]:
     yield from _crowding(trial)
     yield from _group_faults(trial)
     yield from _below(list_faults(trial), "work")
+    for k, blackout in enumerate(trial.blackouts):
+        known = machines(trial)
+        yield from _name_faults(blackout.machine, "machine", known, "blackouts", k, "machine")
+        yield from _start_faults(blackout.start, trial, "blackouts", k, "start")
+        yield from _size(blackout.seconds, "blackouts", k, "seconds")
     yield from _below(door_faults(trial), "doors")
     yield from _below(obstacle_faults(trial), "obstacles")
     if trial.floorplan.zones or trial.floorplan.doors or trial.obstacles:

@@ -24,7 +24,7 @@ from ..core.manners import MannersEntry, Side
 from ..core.noticing import NoticingEntry
 from ..core.recorded_track import RecordedTrack
 from ..core.rules import PAPER
-from ..core.scenario import USUAL_PLANNER, PersonalityChange, PersonEntry, Source
+from ..core.scenario import USUAL_PLANNER, Blackout, PersonalityChange, PersonEntry, Source
 from ..core.start import Start
 from ..machines.agv.keys import AgvKeys
 from ..machines.gantry.keys import GantryKeys
@@ -236,6 +236,15 @@ def _begin(value: Any) -> TimeOfDay:
     return time_of_day(value)
 
 
+class _BlackoutKeys(Keys):
+    machine: str
+    start: _Start = _Start(time=0.0)
+    seconds: Positive
+
+    def value(self) -> Blackout:
+        return Blackout(**self.fields())
+
+
 class TrialKeys(Strictly):
     """A whole trial."""
 
@@ -258,4 +267,5 @@ class TrialKeys(Strictly):
     work: dict[Annotated[str, Field(pattern=f"^{NAME}$")], WorkListEntry] = {}
     doors: dict[str, DoorKeys] = {}
     obstacles: dict[str, TimedKeys] = {}
+    blackouts: list[_BlackoutKeys] = []
     expect: dict[str, Any] = {}

@@ -90,6 +90,7 @@ def build(form: type[_Made], document: Document, folder: Path, own_code: bool) -
         obstacles=tuple(
             keys.value_at(name, schema.begins) for name, keys in schema.obstacles.items()
         ),
+        blackouts=tuple(keys.value() for keys in schema.blackouts),
     )
     if schema.ariac is not None:
         trial = _with_orders(trial, schema, schema.ariac, document)

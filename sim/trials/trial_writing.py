@@ -63,6 +63,7 @@ def _trial(trial: Scenario) -> Data:
         "work": {name: _value(held, trial) for name, held in trial.work.items()},
         "doors": {name: _door(times) for name, times in trial.doors.items()},
         "obstacles": {one.obstacle.name: _timed(one) for one in trial.obstacles},
+        "blackouts": _value(trial.blackouts, trial),
         "expect": trial.expect,
     }
     data = _without(data, None, [], {})

@@ -178,6 +178,8 @@ agvs:
 machines:
   north: {kind: gantry, at: [-9.0, 1.0, 0.0], x: [-14.0, -8.0], controller: oblivious}
 until_submitted: true
+blackouts:
+- {machine: agv1, start: {event: arrived}, seconds: 4.0}
 obstacles:
   pallet: {x: [-15.0, -14.0], y: [2.0, 3.0], z: [0.0, 1.0], there: [[5.0, 9.0], [20.0]]}
 work:

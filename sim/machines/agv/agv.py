@@ -151,6 +151,10 @@ class Agv(Machine):
         elif self._target is not None:
             self.drive(self._target)
 
+    def sight_changed(self) -> None:
+        """Look again: it sees people no longer, or again."""
+        self._look()
+
     def floor_changed(self) -> None:
         """Go on, or stop, where something has opened or closed its lane."""
         if self._target is None or self._held or _same(self._hindrance(), self._blocked):
@@ -249,6 +253,8 @@ class Agv(Machine):
 
     def _seen(self) -> list[Pedestrian]:
         """Return the people it looks out for, from the point at which distances are measured."""
+        if self._stage.blind[self.name]:
+            return []
         (c, s), offset = self.lane.direction, self._stage.rules.agv_offset
         return [
             Pedestrian(body.name, (body.at[0] - offset * c, body.at[1] - offset * s), top_speed)

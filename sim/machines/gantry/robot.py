@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Any
 
 from simpy.events import Event, Process
@@ -101,7 +100,7 @@ class GantryRobot(Machine):
 
     def begin(self) -> None:
         """Let its controller begin."""
-        self._proximity = ProximityWatch(self._stage, self, partial(self.interrupt, "person_close"))
+        self._proximity = ProximityWatch(self._stage, self, self._came_near)
         self.start(self._controller(self))
 
     # Its sensors.
@@ -293,6 +292,17 @@ class GantryRobot(Machine):
             "jobs_done": self.jobs_done,
         }
 
+    def sight_changed(self) -> None:
+        """Take note of who is near, if it sees people again."""
+        distance, here = self._interrupts.close_distance, self.body.at
+        people = self._stage.people if distance is not None else ()
+        if any(math.dist(person.body.at, here) < (distance or 0.0) for person in people):
+            self._came_near()
+
+    def _came_near(self) -> None:
+        if not self._stage.blind[self.name]:
+            self.interrupt("person_close")
+
     def floor_changed(self) -> None:
         """Take note that a machine has come to rest on the floor."""
         changed, self._floor_changed = self._floor_changed, self._clock.event()
@@ -309,6 +319,8 @@ class GantryRobot(Machine):
     def _look(self, after: float) -> Steps:
         earliest = (self.now + after) * OBSERVATION_RATE
         yield self._clock.at(math.ceil(earliest - 1e-9) / OBSERVATION_RATE, Turn.NOTICE)
+        if self._stage.blind[self.name]:
+            return ()
         return tuple(
             Sighting(person.name, state.at, state.velocity[:2])
             for person in self._stage.people

@@ -1,0 +1,80 @@
+"""Blackouts: machines that do not see people for a while."""
+
+import pytest
+
+import sim
+
+FLOOR = """\
+floorplan:
+  boundary: [[0, 0], [20, 0], [20, 6], [0, 6]]
+  safe_zone: {at: [1, 5]}
+  agvs:
+    size: [1.2, 0.8]
+    height: 1.0
+    max_speed: 1.0
+    max_acceleration: 0.5
+    limits: [0, 16]
+    locations: {west: 0, east: 16}
+    start: west
+    lanes: {cart: {origin: [2, 1]}}
+rules: {agv_law: {fixed: 1.5}, person: none}
+people: [{name: eve, personality: external, at: [12, 1.5]}]
+agvs: {cart: {yield: true, moves: [{time: 1, to: east}]}}
+duration: 40
+"""
+
+
+def kinds(run, *wanted):
+    return [(round(e["t"], 3), e["kind"]) for e in run.events if e["kind"] in wanted]
+
+
+def test_an_agv_that_sees_nobody_drives_on_and_stops_when_it_sees_again():
+    seeing = sim.run(sim.Trial.parse(FLOOR))
+    assert not kinds(seeing, "violation") and kinds(seeing, "agv_yielded")
+    stands = seeing.motions["cart"].position(40.0)[0]
+    blind = sim.run(
+        sim.Trial.parse(FLOOR + "blackouts: [{machine: cart, start: {time: 20}, seconds: 3}]\n")
+    )
+    x = blind.motions["cart"].position([20.0, 23.0, 40.0])[:, 0]
+    assert x[0] == pytest.approx(stands) and x[0] + 1.0 < x[1] < 12.0
+    assert x[2] - x[1] <= 1.0 + 1e-6  # it brakes as soon as it sees: v² / 2a at the most
+    assert len(kinds(blind, "violation")) == 1
+
+
+def test_the_gantrys_controller_sees_nobody():
+    seen = []
+
+    def watching(gantry):
+        while True:
+            people = yield gantry.look()
+            seen.append((gantry.now, len(people)))
+            yield gantry.wait(0.5)
+
+    trial = sim.Trial(
+        sim.Trial.load("ariac2023").floorplan,
+        duration=10.0,
+        people=(sim.PersonEntry("eve"),),
+        gantry=sim.GantryEntry(watching),
+        blackouts=(
+            sim.Blackout("gantry", sim.Start(time=2.0), 3.0),
+            sim.Blackout("gantry", sim.Start(time=4.0), 2.0),
+        ),
+    )
+    run = sim.run(trial)
+    assert kinds(run, "blackout_began", "blackout_ended") == [
+        (2.0, "blackout_began"),
+        (6.0, "blackout_ended"),
+    ]
+    assert {count for t, count in seen if 2.0 < t < 6.0} == {0}
+    assert {count for t, count in seen if t < 2.0 or t > 6.0} == {1}
+
+
+def test_bad_blackouts_are_told_with_their_line():
+    for text, message in {
+        "blackouts: [{machine: car, seconds: 3}]": "no machine is called 'car'; did you mean",
+        "blackouts: [{machine: cart, seconds: 0}]": "expected more than 0",
+        "blackouts: [{machine: cart, start: {event: arrivd}, seconds: 1}]": "did you mean",
+    }.items():
+        with pytest.raises(sim.TrialError) as refused:
+            sim.Trial.parse(FLOOR + text)
+        assert message in str(refused.value) and refused.value.problems[0].line == 17

@@ -1,0 +1,70 @@
+"""Studies that vary any figure of a trial by its path."""
+
+import pytest
+
+import sim
+
+TRIAL = """\
+floorplan: ariac2023
+duration: 12
+people:
+  - {name: eve, noticing: {field_of_view: 120}}
+  - {name: max, at: [-14, -9]}
+gantry: {controller: oblivious, jobs: [{move: [-9, 2, 0]}]}
+machines: {north: {kind: gantry, at: [-9.0, 1.0, 0.0], x: [-14.0, -8.0]}}
+"""
+
+
+def study(tmp_path, grid):
+    (tmp_path / "one.trial.yaml").write_text(TRIAL)
+    return sim.Study.parse(f"trials: [one.trial.yaml]\ngrid:\n{grid}", folder=tmp_path)
+
+
+def test_every_row_has_the_figures_that_its_parameters_say(tmp_path):
+    made = study(
+        tmp_path,
+        "  rules.gantry_law.t1: [0.5, 1.5]\n"
+        "  gantry.max_speed: [0.4, 1.0]\n"
+        "  people.eve.noticing.field_of_view: [60, 200]\n"
+        "  people.*.manners.comfort: [0.2]\n",
+    )
+    assert len(made) == 8
+    for row in made.rows():
+        t1, speed, view, comfort = (row.parameters[name.name] for name in made.grid)
+        trial, base = row.trial, sim.Trial.load(tmp_path / "one.trial.yaml")
+        assert trial.rules.gantry_law.t1 == trial.rules.notice.law.law.t1 == t1
+        assert trial.rules.gantry_law.t2 == base.rules.gantry_law.t2
+        assert trial.rules.agv_law == base.rules.agv_law
+        assert [axis.max_speed for axis in trial.floorplan.gantry.axes[:2]] == [speed, speed]
+        assert trial.floorplan.gantry.rotation == base.floorplan.gantry.rotation
+        assert trial.people[0].noticing.field_of_view == view
+        assert [person.manners.comfort for person in trial.people] == [comfort, comfort]
+        again = sim.Trial.parse(trial.to_yaml(tmp_path), folder=tmp_path)
+        assert again.rules == trial.rules and again.floorplan == trial.floorplan
+        assert again.people == trial.people
+
+
+def test_a_sweep_is_run_and_its_rows_differ(tmp_path):
+    made = study(tmp_path, "  gantry.max_speed: [0.25, 1.0]\n")
+    slow, fast = (sim.run(row.trial) for row in made.rows())
+    done = [next(e["t"] for e in r.events if e["kind"] == "job_done") for r in (slow, fast)]
+    assert done[0] > 2 * done[1]
+
+
+BAD = {
+    "rules.gantry_law.t7: [1]": "there is no 't7' in 'rules.gantry_law.t7'; there are: t1, t2",
+    "rules.gantry_law: [1]": "is no single figure",
+    "people.adam.radius: [1]": "there is no 'adam'",
+    "people.eve.radius: [wide]": "expected a",
+    "people.eve.radius: [-1]": "must be more than 0",
+    "rules.grace: [true]": "expected a number",
+    "gantry.max_speed: [0]": "must be more than 0",
+    "wheels.size: [1]": "nothing is called 'wheels.size' to vary",
+}
+
+
+@pytest.mark.parametrize("entry", BAD)
+def test_paths_that_lead_nowhere_are_told_with_their_line(tmp_path, entry):
+    with pytest.raises(sim.StudyError) as refused:
+        study(tmp_path, f"  {entry}\n")
+    assert BAD[entry] in str(refused.value) and refused.value.problems[0].line == 3
