@@ -79,16 +79,16 @@ def draw_names(
         dark = obstacle.bottom < plan.human.height and obstacle_shade(obstacle) < _DARK
         written = _write_inside(axes, obstacle.footprint, obstacle.name, "white" if dark else BLACK)
         if all_names and not written:
-            free = _write_if_free(axes, obstacle.footprint, obstacle.name, BLACK, free)
+            free = _write_if_free(axes, obstacle.footprint, obstacle.name, BLACK, free, point)
     for name, outline in outlines.items():
         if not _write_inside(axes, outline, name, BLACK):
-            free = _write_if_free(axes, outline, name, BLACK, free)
+            free = _write_if_free(axes, outline, name, BLACK, free, point)
     if all_names:
         for lane in plan.lanes:
             for name, q in lane.locations.items():
                 if name != lane.start:
                     spot = Spot(lane.position(q)).buffer(point)
-                    free = _write_if_free(axes, spot, name, GREY, free)
+                    free = _write_if_free(axes, spot, name, GREY, free, point)
 
 
 def _unbroken(path: Array) -> Iterator[LineString]:
@@ -112,9 +112,13 @@ def _extent(axes: Axes, name: Any) -> Polygon:
     return box(*name.get_window_extent().transformed(axes.transData.inverted()).extents)
 
 
-def _write_if_free(axes: Axes, area: Polygon, text: str, colour: str, free: Any) -> Any:
-    """Write a name beside an area unless it covers too much; return what is `free` then."""
-    point = _metres_per_point(axes)
+def _write_if_free(
+    axes: Axes, area: Polygon, text: str, colour: str, free: Any, point: float
+) -> Any:
+    """Write a name beside an area unless it covers too much; return what is `free` then.
+
+    `point` is how many metres a point takes.
+    """
     west, south, east, north = area.bounds
     middle = ((west + east) / 2, (south + north) / 2)
     half = ((east - west) / 2 / point - _MARK, (north - south) / 2 / point - _MARK)
