@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import itertools
 import math
-from bisect import bisect_right
 from collections.abc import Sequence
 from typing import NamedTuple, TypeAlias
 
 from floorplan import Gantry, Lane
 
-from .motion import Cubic, Motion, Piece, State, shift
+from .kernels.pieces import merge_axes
+from .motion import Motion, Piece, State, pieces_of
 from .profiles import AxisLimits, AxisState, Phases, along_line, straight, to_position, to_rest
 
 GantryLimits = tuple[AxisLimits, AxisLimits, AxisLimits]
@@ -138,38 +137,11 @@ def _axis_states(current: State) -> list[AxisState]:
 def _along_axes(axes: list[Phases], start: float) -> Motion:
     """Return three axes with phases of their own as one motion, cut where one of them changes."""
     start = float(start)
-    begins: list[list[float]] = []
-    for phases in axes:
-        at = 0.0
-        begins.append([])
-        for duration, _ in phases:
-            begins[-1].append(at)
-            at += duration
-    ends = [begin[-1] + phases[-1][0] for begin, phases in zip(begins, axes, strict=True)]
-    cuts = sorted({t for begin in begins for t in begin} | set(ends))
-    pieces: list[Piece] = []
-    for lower, upper in itertools.pairwise(cuts):
-        if upper - lower < 1e-12 and len(pieces) > 0:
-            continue
-        x, y, rotation = (
-            _phase_at(phases, begin, end, lower)
-            for phases, begin, end in zip(axes, begins, ends, strict=True)
-        )
-        begin = pieces[-1].end if pieces else start + lower
-        pieces.append(Piece(begin, start + upper, x, y, rotation))
-    if not pieces:
+    rows = [[c for duration, cubic in phases for c in (duration, *cubic)] for phases in axes]
+    if not (table := merge_axes(rows, start)):
         x, y, rotation = (phases[0][1] for phases in axes)
-        pieces.append(Piece(start, start, x, y, rotation))
-    return Motion(tuple(pieces))
-
-
-def _phase_at(phases: Phases, begins: list[float], end: float, t: float) -> Cubic:
-    """Return the cubic of one axis from `t` on; at rest once its phases are over."""
-    if t >= end:
-        duration, cubic = phases[-1]
-        return (shift(cubic, duration)[0], 0.0, 0.0, 0.0)
-    k = bisect_right(begins, t) - 1
-    return shift(phases[k][1], t - begins[k])
+        return Motion((Piece(start, start, x, y, rotation),))
+    return Motion(tuple(pieces_of(table)))
 
 
 def _longest_of_axis(limits: AxisLimits) -> Stop:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_left, bisect_right
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -16,6 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .kernels.pieces import breaks, evaluate
 from .polynomials import monotone_cubics
 
 Cubic = tuple[float, float, float, float]
@@ -77,17 +78,17 @@ class Motion:
     def __post_init__(self) -> None:
         if not self.pieces:
             raise ValueError("a motion needs at least one piece")
-        for piece in self.pieces:
+        for k in breaks(self.table, JUMP_TOLERANCE):
+            piece, before = self.pieces[k], self.pieces[max(k - 1, 0)]
             if piece.end < piece.begin:
                 raise ValueError(
                     f"a motion ends at t = {piece.end} s, before it begins at {piece.begin} s"
                 )
-        for before, after in zip(self.pieces, self.pieces[1:], strict=False):
-            if before.end != after.begin:
-                raise ValueError(f"a motion has a gap from t = {before.end} s to {after.begin} s")
-            parted = gap(before, after)
-            if parted > JUMP_TOLERANCE and after.begin not in self.jumps:
-                raise ValueError(f"a motion jumps by {parted:.6g} m at t = {after.begin} s")
+            if before.end != piece.begin:
+                raise ValueError(f"a motion has a gap from t = {before.end} s to {piece.begin} s")
+            if piece.begin not in self.jumps:
+                parted = gap(before, piece)
+                raise ValueError(f"a motion jumps by {parted:.6g} m at t = {piece.begin} s")
 
     @classmethod
     def from_samples(cls, t: ArrayLike, xy: ArrayLike, rotation: ArrayLike | None = None) -> Motion:
@@ -150,13 +151,13 @@ class Motion:
 
     def state(self, t: float) -> State:
         """Return position, velocity and acceleration at the instant `t` (seconds)."""
-        piece = self.pieces[max(0, bisect_right(self._begins, t) - 1)]
-        return _state(piece, t, moving=self.start <= t < self.end)
+        row = max(0, bisect_right(self._begins, t) - 1)
+        return State(*evaluate(self.table, row, t, self.start <= t < self.end))
 
     def state_before(self, t: float) -> State:
         """Return the state just before `t`, before a change or a jump at that instant."""
-        piece = self.pieces[max(0, bisect_left(self._begins, t) - 1)]
-        return _state(piece, t, moving=self.start < t <= self.end)
+        row = max(0, bisect_left(self._begins, t) - 1)
+        return State(*evaluate(self.table, row, t, self.start < t <= self.end))
 
     def cut(self, begin: float, end: float) -> Motion:
         """Return the motion from `begin` to `end` (seconds), standing included."""
@@ -197,6 +198,9 @@ class Motion:
     @cached_property
     def table(self) -> list[float]:
         """Begin, end and coefficients of x, y and rotation of each piece, one after another."""
+        flat: Callable[[], list[float]] | None = getattr(self.pieces, "flat", None)
+        if flat is not None:
+            return flat()
         return [c for p in self.pieces for c in (p.begin, p.end, *p.x, *p.y, *p.rotation)]
 
     @cached_property
@@ -218,6 +222,13 @@ class Motion:
             return np.asarray(c[..., 0] + u * (c[..., 1] + u * (c[..., 2] + u * c[..., 3])))
         moving = ((times >= self.start) & (times < self.end))[..., None]
         return np.where(moving, c[..., 1] + u * (2 * c[..., 2] + u * 3 * c[..., 3]), 0.0)
+
+
+def pieces_of(table: list[float]) -> Iterator[Piece]:
+    """Yield the pieces of a motion's table."""
+    for k in range(0, len(table), 14):
+        begin, end, x0, x1, x2, x3, y0, y1, y2, y3, r0, r1, r2, r3 = table[k : k + 14]
+        yield Piece(begin, end, (x0, x1, x2, x3), (y0, y1, y2, y3), (r0, r1, r2, r3))
 
 
 def standing(at: tuple[float, float], *, heading: float = 0.0, start: float = 0.0) -> Motion:
@@ -265,24 +276,6 @@ def _stand_until(pieces: list[Piece], t: float) -> None:
         if u == 0.0:
             pieces.pop()
         pieces.append(still(at, last.end, t))
-
-
-def _state(piece: Piece, t: float, *, moving: bool) -> State:
-    u = float(min(max(t, piece.begin), piece.end) - piece.begin)
-    (x, vx, ax, jx), (y, vy, ay, jy), (r, vr, ar, jr) = piece.x, piece.y, piece.rotation
-    at = (
-        x + u * (vx + u * (ax + u * jx)),
-        y + u * (vy + u * (ay + u * jy)),
-        r + u * (vr + u * (ar + u * jr)),
-    )
-    if not moving:
-        return State(at, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
-    velocity = (
-        vx + u * (2 * ax + u * 3 * jx),
-        vy + u * (2 * ay + u * 3 * jy),
-        vr + u * (2 * ar + u * 3 * jr),
-    )
-    return State(at, velocity, (2 * ax + 6 * u * jx, 2 * ay + 6 * u * jy, 2 * ar + 6 * u * jr))
 
 
 def gap(before: Piece, after: Piece) -> float:

@@ -8,7 +8,7 @@ from typing import overload
 
 import numpy as np
 
-from .motion import JUMP_TOLERANCE, Array, Motion, Piece, gap
+from .motion import JUMP_TOLERANCE, Array, Motion, Piece, gap, pieces_of
 
 _NUMBERS = 14
 """Numbers of a piece: begin, end, and the coefficients of x, y and rotation."""
@@ -60,7 +60,7 @@ class PackedPieces(Sequence[Piece]):
         return len(self._table)
 
     def __iter__(self) -> Iterator[Piece]:
-        return (_piece(row) for row in self._table)
+        return pieces_of(self.flat())
 
     @overload
     def __getitem__(self, index: int) -> Piece: ...
@@ -71,7 +71,11 @@ class PackedPieces(Sequence[Piece]):
     def __getitem__(self, index: int | slice) -> Piece | PackedPieces:
         if isinstance(index, slice):
             return PackedPieces(self._table[index])
-        return _piece(self._table[index])
+        return next(pieces_of(self._table[index].tolist()))
+
+    def flat(self) -> list[float]:
+        """Return all numbers, one piece after another."""
+        return list(self._table.ravel().tolist())
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, (PackedPieces, tuple)):
@@ -80,8 +84,3 @@ class PackedPieces(Sequence[Piece]):
 
     def __hash__(self) -> int:
         return hash(tuple(self))
-
-
-def _piece(row: Array) -> Piece:
-    begin, end, x0, x1, x2, x3, y0, y1, y2, y3, r0, r1, r2, r3 = row.tolist()
-    return Piece(begin, end, (x0, x1, x2, x3), (y0, y1, y2, y3), (r0, r1, r2, r3))

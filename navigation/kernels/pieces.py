@@ -1,0 +1,144 @@
+"""Pieces of motions: states at an instant, continuity, and axes that change at times of their own.
+
+A table has for each piece its begin and end, and four coefficients each of x, y and rotation.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import cython
+else:
+    from . import uncompiled as cython
+
+if not cython.compiled:
+    from math import sqrt
+else:
+    from cython.cimports.libc.math import sqrt
+
+Triple = tuple[float, float, float]
+
+_WIDTH: cython.Py_ssize_t = 14
+_SHORTEST: float = 1e-12  # seconds; nothing changes its course for less
+
+
+def evaluate(
+    table: list[float], row: cython.Py_ssize_t, t: float, moving: bool
+) -> tuple[Triple, Triple, Triple]:
+    """Return position, velocity and acceleration of a piece at `t`, held within it."""
+    o: cython.Py_ssize_t = row * _WIDTH
+    begin: float = table[o]
+    u: float = min(max(t, begin), table[o + 1]) - begin
+    vx: float = table[o + 3]
+    ax: float = table[o + 4]
+    jx: float = table[o + 5]
+    vy: float = table[o + 7]
+    ay: float = table[o + 8]
+    jy: float = table[o + 9]
+    vr: float = table[o + 11]
+    ar: float = table[o + 12]
+    jr: float = table[o + 13]
+    at = (
+        table[o + 2] + u * (vx + u * (ax + u * jx)),
+        table[o + 6] + u * (vy + u * (ay + u * jy)),
+        table[o + 10] + u * (vr + u * (ar + u * jr)),
+    )
+    if not moving:
+        return at, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    velocity = (
+        vx + u * (2 * ax + u * 3 * jx),
+        vy + u * (2 * ay + u * 3 * jy),
+        vr + u * (2 * ar + u * 3 * jr),
+    )
+    return at, velocity, (2 * ax + 6 * u * jx, 2 * ay + 6 * u * jy, 2 * ar + 6 * u * jr)
+
+
+def breaks(table: list[float], tolerance: float) -> list[int]:
+    """Return the rows that end before they begin, or do not begin where the one before ended.
+
+    That is when it ended, and no farther from it than `tolerance` metres.
+    """
+    found: list[int] = []
+    k: cython.Py_ssize_t
+    for k in range(len(table) // _WIDTH):
+        o: cython.Py_ssize_t = k * _WIDTH
+        if table[o + 1] < table[o]:
+            found.append(k)
+        elif k > 0:
+            p: cython.Py_ssize_t = o - _WIDTH
+            end: float = table[p + 1]
+            u: float = end - table[p]
+            dx: float = table[p + 2] + u * (table[p + 3] + u * (table[p + 4] + u * table[p + 5]))
+            dy: float = table[p + 6] + u * (table[p + 7] + u * (table[p + 8] + u * table[p + 9]))
+            dx -= table[o + 2]
+            dy -= table[o + 6]
+            if end != table[o] or sqrt(dx * dx + dy * dy) > tolerance:
+                found.append(k)
+    return found
+
+
+def merge_axes(axes: list[list[float]], start: float) -> list[float]:
+    """Return the table of a motion from `start` on whose three axes have phases of their own.
+
+    An axis has a row of a duration and four coefficients for each phase, and is at rest after the
+    last. The motion is cut where one of them changes.
+    """
+    cuts: list[float] = []
+    at: float
+    phases: list[float]
+    k: cython.Py_ssize_t
+    for phases in axes:
+        at = 0.0
+        for k in range(0, len(phases), 5):
+            cuts.append(at)
+            at += phases[k]
+        cuts.append(at)
+    cuts = sorted(set(cuts))
+    table: list[float] = []
+    rows: list[int] = [0, 0, 0]
+    begins: list[float] = [0.0, 0.0, 0.0]
+    axis: cython.Py_ssize_t
+    begin: float = start
+    for k in range(len(cuts) - 1):
+        lower: float = cuts[k]
+        upper: float = cuts[k + 1]
+        if upper - lower < _SHORTEST and table:
+            continue
+        table.append(begin)
+        begin = start + upper
+        table.append(begin)
+        for axis in range(3):
+            phases = axes[axis]
+            row: cython.Py_ssize_t = rows[axis]
+            at = begins[axis]
+            while row < len(phases) and at + phases[row] <= lower:
+                at += phases[row]
+                row += 5
+            rows[axis] = row
+            begins[axis] = at
+            if row >= len(phases):
+                row -= 5
+                _append_shifted(table, phases, row, phases[row], False)
+            else:
+                _append_shifted(table, phases, row, lower - at, True)
+    return table
+
+
+def _append_shifted(
+    table: list[float], phases: list[float], row: cython.Py_ssize_t, u: float, moving: bool
+) -> cython.int:
+    """Append the cubic of a phase as seen from `u` seconds after it began."""
+    c1: float = phases[row + 2]
+    c2: float = phases[row + 3]
+    c3: float = phases[row + 4]
+    table.append(phases[row + 1] + u * (c1 + u * (c2 + u * c3)))
+    if moving:
+        table.append(c1 + u * (2 * c2 + u * 3 * c3))
+        table.append(c2 + u * 3 * c3)
+        table.append(c3)
+    else:
+        table.append(0.0)
+        table.append(0.0)
+        table.append(0.0)
+    return 0
