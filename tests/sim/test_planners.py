@@ -73,13 +73,17 @@ def walked(trial):
 
 def test_every_run_goes_through_ompl(tmp_path, monkeypatch):
     asked = []
-    solve = og.SimpleSetup.solve
 
-    def noting(setup, until):
-        asked.append(type(setup.getPlanner()))
-        return solve(setup, until)
+    def note(method, planner):
+        def noting(asked_one, until):
+            asked.append(type(planner(asked_one)))
+            return method(asked_one, until)
 
-    monkeypatch.setattr(og.SimpleSetup, "solve", noting)
+        return noting
+
+    setup, roadmap = og.SimpleSetup, RoadmapPlanner
+    monkeypatch.setattr(setup, "solve", note(setup.solve, lambda one: one.getPlanner()))
+    monkeypatch.setattr(roadmap, "solve", note(roadmap.solve, lambda one: one))
     shortest = walked(trial(tmp_path, "Roadmap"))
     assert asked == [RoadmapPlanner]
     assert walked(trial(tmp_path, "RRTConnect")) >= shortest

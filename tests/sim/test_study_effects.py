@@ -45,13 +45,13 @@ def test_combinations_that_differ_in_one_factor_are_set_against_each_other():
     rows = [(a, b) for _ in range(3) for a in ("x", "y", "z") for b in ("p", "q")]
     columns = {
         "row": list(range(len(rows))),
-        "left": [a for a, _ in rows],
-        "right": [b for _, b in rows],
+        "first": [a for a, _ in rows],
+        "second": [b for _, b in rows],
         "penalties": [{"x": 5, "y": 3, "z": 3}[a] for a, _ in rows],
         "jobs_done": [None if a == "z" else k for k, (a, _) in enumerate(rows)],
         "score": [1] * len(rows),
     }
-    found = list(contrasts(compare(columns, ["left", "right"])))
+    found = list(contrasts(compare(columns, ["first", "second"])))
     pairs = [(c.one.label, c.other.label) for c in found]
     assert pairs[:2] == [("x · p", "y · p"), ("x · p", "z · p")]
     assert len(pairs) == 2 * 3 + 3 * 1
