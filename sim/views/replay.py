@@ -7,9 +7,11 @@ into them.
 
 from __future__ import annotations
 
+import base64
 import html
 import json
 import re
+import zlib
 from collections.abc import Mapping
 from functools import cache
 from importlib.resources import files
@@ -19,6 +21,9 @@ from ..record.strict_json import parse_json
 
 FORMAT = "floorwalker-replay/1"
 """The `format` of a recording, by which a page knows one that it can read."""
+
+PACKED_FROM = 1_500_000
+"""Characters of a recording from which it stands packed in its page."""
 
 SCRIPTS = (
     "recording",
@@ -93,12 +98,11 @@ def recordings_in(page: str) -> list[dict[str, Any]]:
     """Return the one or two recordings in a page made by `render`; `ValueError` if none."""
     recordings = []
     for name in ("recording", "other"):
-        found = re.search(
-            rf'<script type="application/json" id="{name}">(.*?)</script>', page, re.S
-        )
+        found = re.search(rf'<script type="[\w/]+" id="{name}"([^>]*)>(.*?)</script>', page, re.S)
         if found is not None:
             try:
-                recordings.append(parse_json(found[1]))
+                text = _unpacked(found[2]) if "data-packed" in found[1] else found[2]
+                recordings.append(parse_json(text))
             except ValueError as why:
                 raise ValueError(f"the {name} in it is damaged: {why}") from None
             _check_format(recordings[-1])
@@ -114,7 +118,18 @@ def _part(name: str) -> str:
 
 def _element(name: str, recording: Mapping[str, Any]) -> str:
     _check_format(recording)
-    return f'<script type="application/json" id="{name}">{_embeddable(recording)}</script>'
+    text = _embeddable(recording)
+    if len(text) < PACKED_FROM:
+        return f'<script type="application/json" id="{name}">{text}</script>'
+    packed = base64.b64encode(zlib.compress(text.encode(), 6)).decode()
+    return f'<script type="text/plain" id="{name}" data-packed="deflate">{packed}</script>'
+
+
+def _unpacked(text: str) -> str:
+    try:
+        return zlib.decompress(base64.b64decode(text, validate=True)).decode()
+    except zlib.error as why:
+        raise ValueError(str(why)) from None
 
 
 def _check_format(recording: Any) -> None:

@@ -71,6 +71,27 @@ def test_the_page_needs_no_network(recording):
     assert not re.search(r"https?:|\bimport\b|\bfetch\b|url\(", replay.render(recording))
 
 
+def test_a_long_recording_is_packed(recording, open_page, monkeypatch):
+    monkeypatch.setattr(replay, "PACKED_FROM", 1000)
+    html = replay.render(recording, recording)
+    monkeypatch.undo()
+    assert len(html) < len(replay.render(recording))
+    assert replay.recordings_in(html) == [json.loads(json.dumps(recording))] * 2
+    viewer = open_page(html)
+    viewer.wait_until(lambda: viewer.page.evaluate("'floorwalker' in window"))
+    viewer.seek(61.7)
+    pair = [viewer.page.locator("[data-shows=distance]").nth(k).inner_text() for k in range(2)]
+    assert pair[0] == pair[1] != ""
+    assert viewer.page.evaluate("floorwalker.recording") == json.loads(json.dumps(recording))
+    found = html.rindex('data-packed="deflate">') + 3000
+    for damaged in (html[:found], html[:found] + "A" + html[found + 1 :]):
+        trouble = open_page(damaged)
+        trouble.wait_until(lambda page=trouble.page: page.locator("#trouble").is_visible())
+        assert "cut off or damaged" in trouble.text("#trouble")
+    with pytest.raises(ValueError, match="damaged"):
+        replay.recordings_in(html[:found] + "A" + html[found + 1 :])
+
+
 @pytest.mark.parametrize("form", [None, "floorwalker-replay/2"])
 def test_another_format_is_refused(recording, form):
     with pytest.raises(ValueError, match="floorwalker-replay/1"):

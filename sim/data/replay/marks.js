@@ -33,7 +33,7 @@ function takeBody({ eye, taken }, body, t) {
 
 /** True if an obstacle that is not seen through stands between the eye and a point. */
 function isCovered({ eye, world }, point) {
-  return world.obstacles.some(({ solid }) => entryInto(solid, eye.position, point) < 0.999);
+  return world.obstacles.some(({ top, solid }) => top >= HIDING && entryInto(solid, eye.position, point) < 0.999);
 }
 
 function drawBodyName(pen, run, body, t, isWatched) {

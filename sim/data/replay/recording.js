@@ -16,19 +16,37 @@ class RecordingError extends Error {
 }
 
 /** The recording in this page. Throws RecordingError with every problem found in it. */
-function readRecording() {
+async function readRecording() {
   const element = document.getElementById("recording");
   if (!element) throw new RecordingError(["the page is cut off: it holds no recording"]);
-  return parseRecording(element.textContent);
+  return parseRecording(await textIn(element));
 }
 
 /** The recording in a file: JSON, or a replay page like this one. */
-function readFile(text) {
+async function readFile(text) {
   if (!/^\s*</.test(text)) return parseRecording(text);
   const page = new DOMParser().parseFromString(text, "text/html");
   const found = page.getElementById("recording");
   if (!found) throw new RecordingError(["this is no replay page: it holds no recording"]);
-  return parseRecording(found.textContent);
+  return parseRecording(await textIn(found));
+}
+
+/** The JSON in an element: as it is, or of a long recording packed (zlib, as base64). */
+async function textIn(element) {
+  const text = element.textContent;
+  if (!element.dataset.packed) return text;
+  if (!("DecompressionStream" in window)) {
+    throw new RecordingError(["the recording is packed, which this browser can't undo: take a newer one"]);
+  }
+  try {
+    const letters = atob(text);
+    const bytes = new Uint8Array(letters.length);
+    for (let i = 0; i < letters.length; i++) bytes[i] = letters.charCodeAt(i);
+    const unpacked = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
+    return await new Response(unpacked).text();
+  } catch (why) {
+    throw new RecordingError([`the recording is cut off or damaged (${why.message})`]);
+  }
 }
 
 function parseRecording(text) {

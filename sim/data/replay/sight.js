@@ -7,6 +7,9 @@ function uprightSolid(footprint, bottom, top) {
 
 /** The share of the line from one point to another at which it enters a solid; Infinity if it does not. */
 function entryInto({ footprint, bottom, top, box }, from, to) {
+  const isBeside = (axis, low, high) => (
+    (from[axis] < low && to[axis] < low) || (from[axis] > high && to[axis] > high));
+  if (isBeside(2, bottom, top) || isBeside(0, box.left, box.right) || isBeside(1, box.bottom, box.top)) return Infinity;
   let [begin, end] = [0, 1];
   for (const [axis, low, high] of [[2, bottom, top], [0, box.left, box.right], [1, box.bottom, box.top]]) {
     const change = to[axis] - from[axis];

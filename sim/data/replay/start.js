@@ -27,7 +27,7 @@ function takeFiles(replay) {
   const take = async file => {
     if (!file) return;
     try {
-      replay.compare(new Run(readFile(await file.text())));
+      replay.compare(new Run(await readFile(await file.text())));
     } catch (why) {
       showDropTrouble(file.name, why);
     }
@@ -75,15 +75,15 @@ function followStream(replay, recording) {
     () => end("the run is gone: the connection was lost"));
 }
 
-document.addEventListener("DOMContentLoaded", () => {
-  $("cut-off").remove();
+document.addEventListener("DOMContentLoaded", async () => {
   try {
-    const recording = readRecording();
+    const recording = await readRecording();
+    $("cut-off").remove();
     $("replay").hidden = false;
     const replay = new Replay(new Run(recording));
     takeFiles(replay);
     const other = $("other");
-    if (other) replay.compare(new Run(parseRecording(other.textContent)));
+    if (other) replay.compare(new Run(parseRecording(await textIn(other))));
     followStream(replay, recording);
     const linked = Number.parseFloat(new URLSearchParams(location.hash.slice(1)).get("t"));
     if (Number.isFinite(linked)) replay.clock.seek(linked);
@@ -111,6 +111,7 @@ document.addEventListener("DOMContentLoaded", () => {
       compare: other => replay.compare(new Run(parseRecording(JSON.stringify(other)))),
     };
   } catch (why) {
+    $("cut-off")?.remove();
     showTrouble(why);
   }
 });
