@@ -40,6 +40,8 @@ class Screen:
     """The turn of the wheel."""
     dark: bool = False
     size: tuple[int, int] = (1400, 860)
+    whole_page: bool = True
+    """False for the floor alone."""
 
 
 TWO_PEOPLE = str(DOCS.parent / "examples" / "two_people.trial.yaml")
@@ -51,8 +53,33 @@ SCREENS = {
     ),
     "space-eyes.png": Screen(trial=TWO_PEOPLE, at=33.0, view="eyes"),
     "compared.png": Screen(
-        trial=TWO_PEOPLE, at=85.0, view="3d", controllers=("oblivious", "avoiding")
+        trial="workcell", at=90.0, view="3d", controllers=("oblivious", "avoiding")
     ),
+}
+
+SCENES = {
+    "people_aisle": 7.5,
+    "people_blind_spot": 5.0,
+    "people_bottleneck": 6.5,
+    "people_corner": 5.5,
+    "people_counterflow": 8.5,
+    "people_crossing": 6.0,
+    "people_door": 9.0,
+    "people_frontal": 7.5,
+    "people_group": 6.5,
+    "people_overtaking": 9.0,
+    "people_parallel": 8.0,
+    "people_perpendicular": 6.5,
+    "people_queue": 24.0,
+    "scene_antagonistic": 17.0,
+    "scene_helpful": 14.0,
+    "scene_indifferent": 16.0,
+}
+"""The scenes among the built-in trials, and an instant of each (seconds)."""
+
+SCREENS |= {
+    f"{name}.png": Screen(trial=name, at=at, view="3d", size=(860, 760), whole_page=False)
+    for name, at in SCENES.items()
 }
 
 
@@ -95,9 +122,12 @@ def shoot(browser: Browser, screen: Screen, file: Path) -> None:
             page.mouse.up()
         page.mouse.move(0, 0)
         page.wait_for_timeout(500)
-        png = page.screenshot(timeout=120_000)
+        clip = None if screen.whole_page else page.locator("#views").bounding_box()
+        png = page.screenshot(timeout=120_000, clip=clip)
         context.close()
-    Image.open(io.BytesIO(png)).convert("RGB").quantize(256).save(file, optimize=True)
+    Image.open(io.BytesIO(png)).convert("RGB").quantize(256 if screen.whole_page else 96).save(
+        file, optimize=True
+    )
 
 
 def main(folder: Path, names: list[str]) -> None:

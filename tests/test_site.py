@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+import sim
+
 ROOT = Path(__file__).resolve().parents[1]
 DOCS = ROOT / "docs"
 
@@ -39,6 +41,14 @@ def test_the_pictures_are_those_that_the_script_makes(tmp_path):
     pytest.importorskip("matplotlib")
     subprocess.run([sys.executable, str(DOCS / "make_pictures.py"), str(tmp_path)], check=True)
     made = {path.name for path in tmp_path.iterdir()}
-    screens = re.findall(r'^    "([\w-]+\.png)":', (DOCS / "make_screens.py").read_text(), re.M)
-    others = {*screens, "competitor.png"}
+    script = (DOCS / "make_screens.py").read_text(encoding="utf-8")
+    screens = re.findall(r'^    "([\w-]+\.png)":', script, re.M)
+    scenes = [f"{name}.png" for name in re.findall(r'^    "(\w+)": [\d.]+,$', script, re.M)]
+    others = {*screens, *scenes, "competitor.png"}
     assert made == {path.name for path in (DOCS / "images").iterdir()} - others
+
+
+def test_the_gallery_has_every_scene():
+    gallery = (DOCS / "gallery.md").read_text(encoding="utf-8")
+    named = set(re.findall(r"`(?:floorwalker run )?(\w+)`", gallery))
+    assert set(sim.builtin_trials()) <= named

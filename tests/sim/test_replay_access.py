@@ -1,0 +1,46 @@
+"""The replay page by keyboard and for screen readers: by the rules of axe-core, if it is there."""
+
+from pathlib import Path
+
+import pytest
+import replay_sample
+
+from sim.views import replay
+
+
+@pytest.fixture(scope="module")
+def axe():
+    package = pytest.importorskip("axe_playwright_python", reason="axe-core is not installed")
+    [script] = Path(package.__file__).parent.rglob("axe.min.js")
+    return script.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_axe_finds_nothing_to_mend(open_page, axe, scheme):
+    viewer = open_page(replay.render(replay_sample.recording()), color_scheme=scheme)
+    viewer.page.add_script_tag(content=axe)
+    for view in ("2d", "3d"):
+        viewer.page.evaluate("view => window.floorwalker.show(view)", view)
+        viewer.seek(61.7)
+        found = viewer.page.evaluate("axe.run(document, { resultTypes: ['violations'] })")
+        assert [(v["id"], [n["html"] for n in v["nodes"]]) for v in found["violations"]] == []
+
+
+def test_every_control_is_reached_by_the_keyboard(open_page):
+    viewer = open_page(replay.render(replay_sample.recording()))
+    viewer.page.locator(".events h2 button").click()  # or each event is a stop
+    wanted = viewer.page.evaluate(
+        """() => [...document.querySelectorAll("button, select, [tabindex='0']")]
+            .filter(e => e.checkVisibility({ visibilityProperty: true })).length"""
+    )
+    seen = set()
+    for _ in range(wanted + 5):
+        viewer.page.keyboard.press("Tab")
+        seen.add(
+            viewer.page.evaluate(
+                """() => [...document.querySelectorAll("button, select, [tabindex='0']")]
+                    .indexOf(document.activeElement)"""
+            )
+        )
+    reached = len(seen - {-1})
+    assert reached == wanted
