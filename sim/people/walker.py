@@ -144,7 +144,7 @@ class Walker:
             return None
         path = remaining_path(self.body.motion, self._clock.now)
         if self._is_free(path):
-            if self._is_free(self.traveller.route):
+            if self._is_free(self.traveller.route) and not self._is_cut_off(path[-1]):
                 return None
         elif self._crowd is not None:
             self.body.follow(self.braking())
@@ -161,6 +161,21 @@ class Walker:
     def _is_free(self, path: list[Place]) -> bool:
         world, radius = self.world, self.human.radius
         return all(world.segment_free(a, b, radius) for a, b in itertools.pairwise(path))
+
+    def _is_cut_off(self, end: Place) -> bool:
+        """Return whether something has closed the leg from the `end` of the motion to the route.
+
+        Among others people stop beside their route: what is fixed there is no news. AGVs that
+        come to rest there are found when the next part of the path is decided on.
+        """
+        there, route = self._stage.there, self.traveller.route[:1]
+        if not there:
+            return False
+        return any(
+            body.name in there
+            for onwards in route
+            for body in self.world.hits(end, onwards, self.human.radius)
+        )
 
     def _bound_for(self) -> Place:
         assert self.goal is not None

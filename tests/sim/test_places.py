@@ -92,6 +92,13 @@ def test_a_closed_door_is_a_wall_and_an_open_one_is_nothing(run, people):
 
 
 @pytest.mark.parametrize("people", [ALONE, PAIR])
+def test_who_is_far_off_learns_at_once_that_there_is_no_way_any_more(run, people):
+    shut = run(f"duration: 8\ndoors: {{lower: {{closed: [[1]]}}}}\n{people}")
+    assert events(shut, "path_blocked")[0]["t"] == pytest.approx(1.0)
+    assert shut.motions["eve"].position(8.0)[0] < 4.0
+
+
+@pytest.mark.parametrize("people", [ALONE, PAIR])
 def test_people_mind_obstacles_while_they_are_there(run, people, tmp_path):
     pallet = "obstacles: {pallet: {x: [5, 6], y: [1, 4], z: [0, 1], there: [[2.0, 30.0]]}}\n"
     found = run(f"duration: 40\n{people}{pallet}")
