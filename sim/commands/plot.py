@@ -142,6 +142,33 @@ def heatmap(
     _save(plots.heat_map(runs, width=width), out)
 
 
+@app.command()
+def riskmap(
+    sources: Annotated[
+        list[str],
+        typer.Argument(
+            metavar="SOURCE...",
+            help="Runs' folders, or trials (which are run); all in one map.",
+            autocompletion=completion.trial,
+        ),
+    ],
+    out: Out,
+    of: Annotated[
+        Literal["margin", "time"],
+        typer.Option(help="The least margin to the required distance, or the time without it."),
+    ] = "margin",
+    width: Columns = "double",
+    no_own_code: NoOwnCode = False,
+) -> None:
+    """Where people came nearer to machines than the rules require, or nearly so."""
+    from sim.commands.sources import run_from
+    from sim.views import plots
+
+    plots.require_savable(out)
+    runs = [run_from(source, own_code=not no_own_code) for source in sources]
+    _save(plots.risk_map(runs, of=of, width=width), out)
+
+
 def _run(source: str, out: Path, *, own_code: bool) -> Recorded:
     """Return the run to be drawn into `out`, if that can be done at all."""
     from sim.commands.sources import run_from

@@ -29,10 +29,11 @@ class SummaryFigure:
     the name of the figure that it is a part of. `of_orders` is one of trials with orders only,
     `of_several` one of trials with more people than one, `of_work` one of trials with tasks for
     people, `of_traffic` one of trials in which people come in or leave, `of_distancing` one of
-    trials whose rules want a distance between people. `label` is what people
-    read; `words`, if given, how much it is on a terminal. A study has it as a column unless not
-    `column`; its report compares it as a `measure`, "rare" ones only where there is something, and
-    its first rows are worth a look if it is among the `worst`: the least (1), or the most (-1).
+    trials whose rules want a distance between people, `of_zones` one of floors with zones. `label`
+    is what people read; `words`, if given, how much it is on a terminal. A study has it as a column
+    unless not `column`; its report compares it as a `measure`, "rare" ones only where there is
+    something, and its first rows are worth a look if it is among the `worst`: the least
+    (1), or the most (-1).
     """
 
     path: str
@@ -48,6 +49,7 @@ class SummaryFigure:
     of_work: bool = False
     of_traffic: bool = False
     of_distancing: bool = False
+    of_zones: bool = False
     label: str = ""
     words: words.Words | None = None
     column: bool = True
@@ -62,6 +64,7 @@ class SummaryFigure:
             and (trial.has_work or not self.of_work)
             and (trial.has_traffic or not self.of_traffic)
             and (trial.rules.between_people is not None or not self.of_distancing)
+            and (bool(trial.floorplan.zones) or not self.of_zones)
         )
 
 
@@ -265,6 +268,36 @@ FIGURES: dict[str, SummaryFigure] = {
             events=(events.TaskDone, {}),
             measure="chief",
             worst=1,
+        ),
+        SummaryFigure(
+            path="zones",
+            form="parts",
+            of=lambda run: run.zones,
+            of_zones=True,
+        ),
+        SummaryFigure(
+            path="zones.NAME.time_occupied",
+            label="time in NAME",
+            meaning="that people were in the zone, all together",
+            unit="s",
+            of_zones=True,
+            measure="rare",
+        ),
+        SummaryFigure(
+            path="zones.NAME.time_too_close",
+            label="too close in NAME",
+            meaning="that people were in the zone and nearer to a machine than required",
+            unit="s",
+            of_zones=True,
+            measure="rare",
+            worst=-1,
+        ),
+        SummaryFigure(
+            path="zones.NAME.entries",
+            label="entries into NAME",
+            meaning="times that somebody came into the zone",
+            of_zones=True,
+            measure="rare",
         ),
         SummaryFigure(
             path="law_audit",

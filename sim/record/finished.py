@@ -14,6 +14,7 @@ from ..core.machine import Category, Machine
 from ..core.scenario import Scenario
 from ..people.person import Person
 from ..safety.referee import Referee
+from .zone_exposure import Stay, zone_exposure
 
 CAUSES = ("gantry", "person")
 """Causes of a violation with a gantry: which of the two moved."""
@@ -96,6 +97,25 @@ class Finished:
         found = self.among_people
         between = [self.people[k].name for k in found.pair]
         return {"distance": found.distance, "time": found.time, "between": between}
+
+    @property
+    def zones(self) -> dict[str, dict[str, float]]:
+        """The exposure of people in each zone of the floor, by its name."""
+        stays = [
+            Stay(
+                self.motions[person.name],
+                (person.started_at, self.duration if person.left_at is None else person.left_at),
+                [
+                    interval
+                    for watch in self.referee.watches
+                    if watch.pair.person is person
+                    for interval in watch.intervals
+                ],
+            )
+            for person in self.people
+            if person.started_at is not None
+        ]
+        return {zone.name: zone_exposure(zone, stays) for zone in self.trial.floorplan.zones}
 
     @cached_property
     def of_machines(self) -> dict[str, dict[str, Any]]:

@@ -35,6 +35,11 @@ def stations(trial: Scenario) -> list[str]:
     return [station.name for station in trial.floorplan.stations]
 
 
+def zones(trial: Scenario) -> list[str]:
+    """Return the names of the zones of the floor."""
+    return [zone.name for zone in trial.floorplan.zones]
+
+
 def places(trial: Scenario) -> list[str]:
     """Return the places that the gantry can pick from and place onto."""
     return [*fixed_places(trial.floorplan), *agvs(trial)]

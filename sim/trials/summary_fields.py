@@ -9,7 +9,7 @@ from typing import Any
 from ..core.scenario import Scenario
 from ..record.figures import FIGURES, PEOPLE, SummaryFigure
 from ..record.outcome import Outcome
-from .names import machines, orders, people
+from .names import machines, orders, people, zones
 
 
 @dataclass(frozen=True)
@@ -89,7 +89,8 @@ def _paths(path: str, trial: Scenario) -> Iterator[tuple[tuple[str, ...], str]]:
         yield tuple(path.split(".")), ""
         return
     group = above.split(".")
-    everybody = {"people": people, "machines": machines, "orders": orders}[group[-1]](trial)
+    named_in = {"people": people, "machines": machines, "orders": orders, "zones": zones}
+    everybody = named_in[group[-1]](trial)
     for name in everybody:
         rest = below.split(".")[1:]
         others = [*people(trial), *machines(trial)] if "OTHER" in rest else [name]

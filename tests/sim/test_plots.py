@@ -401,6 +401,7 @@ def folder(tmp_path_factory):
         ("spacetime", "FOLDER", "--width", "single"),
         ("separation", "FOLDER", "--person", "ben", "--machine", "agv1"),
         ("heatmap", "FOLDER", "FOLDER"),
+        ("riskmap", "FOLDER", "FOLDER", "--of", "time"),
     ],
     ids=str,
 )

@@ -18,6 +18,7 @@ from .floor import floorplan
 from .heat_map import heat_map
 from .of_run import RunPlots
 from .path import path
+from .risk_map import risk_map
 from .separation import separation
 from .space_time import space_time
 from .style import FORMATS, Width, require_savable, save
@@ -35,6 +36,7 @@ __all__ = [
     "render",
     "require_renderable",
     "require_savable",
+    "risk_map",
     "save",
     "separation",
     "space_time",

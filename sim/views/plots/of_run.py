@@ -7,6 +7,7 @@ from matplotlib.figure import Figure
 from ...record.outcome import Outcome
 from .curves import Span
 from .heat_map import heat_map
+from .risk_map import Risk, risk_map
 from .separation import separation
 from .space_time import space_time
 from .style import Width
@@ -45,3 +46,7 @@ class RunPlots:
     def heat_map(self, *, width: Width = "double") -> Figure:
         """The time for which each spot was occupied by people."""
         return heat_map(self._run, width=width)
+
+    def risk_map(self, *, of: Risk = "margin", width: Width = "double") -> Figure:
+        """The least margin to the required distance at each spot, or the time without it."""
+        return risk_map(self._run, of=of, width=width)

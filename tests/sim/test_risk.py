@@ -1,0 +1,80 @@
+"""Risk over a floor and exposure in zones, held to sums over the same run."""
+
+import numpy as np
+import pytest
+import shapely
+
+import sim
+
+plots = pytest.importorskip("sim.views.plots")
+
+TRIAL = """\
+floorplan:
+  boundary: [[0, 0], [20, 0], [20, 12], [0, 12]]
+  stations: {west: [2, 5], east: [18, 6]}
+  safe_zone: {at: [2, 5]}
+  zones:
+    middle: {x: [8, 12], y: [2, 9], max_speed: 0.8}
+    corner: {x: [0, 1], y: [11, 12], max_speed: 0.5}
+  gantry:
+    x: {range: [1, 19], max_speed: 1.0, max_acceleration: 0.5}
+    y: {range: [1, 11], max_speed: 1.0, max_acceleration: 0.5}
+    start: [10, 8, 0]
+    torso: {size: [1.0, 1.0], z: [1.2, 1.6]}
+    arm: {mount: [0.5, 0.0], reach: 0.9, bottom: 1.0}
+    rail_height: 2.9
+    tray_height: 1.3
+rules: {gantry_law: {fixed: 3.0}, machine: none, person: none}
+duration: 50
+people: [{name: eve}, {name: max, at: [17, 8]}]
+expect: {zones.corner.entries: 0, zones.middle.entries: ">= 2"}
+"""
+
+
+@pytest.fixture(scope="module")
+def run():
+    return sim.run(sim.Trial.parse(TRIAL))
+
+
+def test_exposure_in_zones_is_the_time_in_them(run):
+    assert run.unmet == []
+    area = run.floorplan.zones["middle"].area
+    times = np.arange(0.0, 50.0, 0.005) + 0.0025
+    occupied = close = entries = 0.0
+    for name in ("eve", "max"):
+        inside = shapely.contains_xy(area, *run.motions[name].position(times).T)
+        near = run.distance(name, "gantry", times) < 3.0
+        occupied += 0.005 * inside.sum()
+        close += 0.005 * (inside & near).sum()
+        entries += (inside[1:] & ~inside[:-1]).sum()
+    found = run.summary["zones"]["middle"]
+    assert found["time_occupied"] == pytest.approx(occupied, abs=0.1) and occupied > 5
+    assert found["time_too_close"] == pytest.approx(close, abs=0.1) and close > 1
+    assert found["entries"] == entries
+    assert run.summary["zones"]["corner"] == {
+        "time_occupied": 0.0,
+        "time_too_close": 0.0,
+        "entries": 0,
+    }
+
+
+def test_risk_maps_show_the_least_margin_and_the_time_without_it(run):
+    image = plots.risk_map(run).axes[0].images[0].get_array()
+    apart = [run.summary["people"][name]["minimum_separation"] for name in ("eve", "max")]
+    least = min(one["distance"] - one["required"] for one in apart)
+    assert image.min() == pytest.approx(least, abs=0.02) and least < 0 < image.max()
+    x, y = run.motions["eve"].position(apart[0]["time"])
+    margin = apart[0]["distance"] - apart[0]["required"]
+    assert image[int(y / 0.1), int(x / 0.1)] == pytest.approx(margin, abs=0.02)
+    assert np.ma.is_masked(image[-1, 0])
+    seconds = plots.risk_map([run, run], of="time").axes[0].images[0].get_array()
+    total = sum(end - begin for spans in run.violations.values() for begin, end in spans)
+    cells = sum(np.hypot(i, j) * 0.1 < 0.3 + 1e-9 for i in range(-3, 4) for j in range(-3, 4))
+    assert seconds.sum() == pytest.approx(2 * total * cells, rel=0.02)
+    with pytest.raises(ValueError, match="margin or time"):
+        plots.risk_map(run, of="both")
+
+
+def test_a_floor_without_zones_has_no_such_figures():
+    run = sim.run(sim.Trial.parse("{floorplan: ariac2023, duration: 1}"))
+    assert "zones" not in run.summary
