@@ -34,4 +34,4 @@ for extension in extensions:
         # A multiplication and an addition in one instruction would have other last bits.
         extension.extra_compile_args += ["-O2", "-g0", "-ffp-contract=off"]
 
-setup(ext_modules=extensions)
+setup(ext_modules=extensions, options={"build_ext": {"parallel": os.cpu_count() or 1}})
