@@ -27,4 +27,12 @@ bored :- looked_at(T) & now(N) & no_interest_for(Ms) & N - T < Ms.
 
 +!compose <- walk_speed(1); .abolish(errand(_)); .abolish(tried(_)).
 
+// People are as interesting as the gantry, until the interest is lost.
++person_near(Who, _) : bound_for(S) & not errand(_) & not bored
+  <- .drop_all_desires; +errand(person); !call_on(Who); !lose_interest(S).
++!call_on(Who) <- approach(Who).
+-!call_on(_).
+
++work_completed(_) : errand(person).
+
 { include("patrol.asl") }

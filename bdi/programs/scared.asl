@@ -17,4 +17,13 @@ calming_time(3000) :- not calm_after(_).
 +work_completed(_) : errand(retreat) & bound_for(S) & ahead(S, Next) & calming_time(Ms)
   <- .wait(Ms); .abolish(errand(_)); !walk_to(Next).
 
+// Who comes in the way is a fright as well, but once: then it goes on to where it was going.
++in_the_way(Who, _) : bound_for(_) & not errand(_) & not knows(Who)
+  <- .drop_all_desires; +knows(Who); +errand(shy); !keep_away(Who).
++!keep_away(Who) <- avoid(Who).
+-!keep_away(_).
+
++work_completed(_) : errand(shy) & bound_for(S) & calming_time(Ms)
+  <- .wait(Ms); .abolish(errand(_)); !walk_to(S).
+
 { include("patrol.asl") }
