@@ -13,3 +13,9 @@ behind(together, together).
 -!walk_to(_) : leader(_) <- .wait(1000); !!walk_to(together).
 
 +path_blocked(_) : leader(_) <- !walk_to(together).
+
+// Without their leader they leave as well, or walk on alone.
++has_left(Who, _) : leader(Who) & exit(X, Y)
+  <- .drop_all_desires; .abolish(leader(Who)); move(X, Y, 0).
++has_left(Who, _) : leader(Who) & first(S)
+  <- .drop_all_desires; .abolish(leader(Who)); .abolish(bound_for(_)); !walk_to(S).

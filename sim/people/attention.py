@@ -83,8 +83,11 @@ class Attention:
         if not any(one.name == who for one in others):
             hint = suggestion(who, [one.name for one in others]) if others else "they are alone"
             raise NobodyError(f"nobody else is called {who!r}; {hint}")
-        away = next(one.away for one in others if one.name == who)
-        return None if self._crowd is None or away else self._crowd.find(who)
+        found = None if self._crowd is None else self._crowd.find(who)
+        return None if found is None or self._is_away(found) else found
+
+    def _is_away(self, other: Traveller) -> bool:
+        return any(one.away for one in self._stage.people if one.body is other.body)
 
     def give_up(self) -> None:
         """Mind nobody in particular any more."""
@@ -161,8 +164,12 @@ class Attention:
         """Take note that `other` changes course. What follows from it has to wait for its turn."""
         if self._passing is not None and other is self._passing[0]:
             self._wait_for_passing()
-        if other is self._other:
-            self._turning.set(max(self._clock.now, self._moved_at + AT_LEAST))
+        if other is self._other and self._is_away(other):
+            self.give_up()
+            self._walker.stop()
+        elif other is self._other:
+            before = max(self._moved_at, self._walker.traveller.decided)
+            self._turning.set(max(self._clock.now, before + AT_LEAST))
 
     def _has_caught_up(self) -> bool:
         """Return whether an arrival is the end of it: next to who is approached, and stands."""

@@ -103,6 +103,7 @@ class Company:
         if self._crowd is not None:
             self._stage.triggers.each("met", self._perceive_meeting)
             self._stage.triggers.each("gave_way", self._perceive_request)
+            self._stage.triggers.each("left", self._perceive_leaving)
         gap = self._stage.rules.between_people
         if gap is not None:
             radii = [person.walker.human.radius for person in self.people]
@@ -118,6 +119,11 @@ class Company:
     def _perceive_request(self, gave_way: Event) -> None:
         self._named[gave_way["to"]].perceive("gives_way", gave_way["person"])
         self._named[gave_way["person"]].perceive("wants_to_pass", gave_way["to"])
+
+    def _perceive_leaving(self, left: Event) -> None:
+        for person in self.people:
+            if person.name != left["person"]:
+                person.perceive("has_left", left["person"])
 
     def _make_crowd(self) -> Crowd:
         stage, name = self._stage, self._scenario.steering

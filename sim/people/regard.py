@@ -22,7 +22,7 @@ PARTING = 0.5
 NEARNESS = ("person_near", "person_gone")
 """Percepts that need a watch on every other person."""
 
-PERCEPTS = (*NEARNESS, "in_the_way", "gives_way", "wants_to_pass")
+PERCEPTS = (*NEARNESS, "in_the_way", "gives_way", "wants_to_pass", "has_left")
 """Percepts about another person, `functor(Who, N)`."""
 
 

@@ -179,3 +179,31 @@ def test_people_come_and_go_by_doors_that_are_open():
     left = events(run, "left")
     assert all(e["at"][0] > 10.5 and 40.0 <= e["t"] < 45.0 for e in left)
     assert [e["t"] for e in events(run, "door_opened") if e["door"] == "out"] == [40.0]
+
+
+def test_somebody_alone_comes_and_goes_too():
+    text = DOORS.replace("count: 3", "count: 1")
+    run = sim.run(sim.Trial.parse(text))
+    assert run.summary["entered"] == run.summary["left"] == 1
+    assert "overlaps" not in run.summary
+
+
+def test_a_group_waits_for_a_leader_who_comes_later():
+    """And those whom nobody leads yet start on the floor."""
+    tour = """people:
+  - name: guide
+    personality: visitor
+    source: {at: gate, rate: 1, count: 1}
+    sink: [6, 3]
+    group: tour
+  - {name: tourist, count: 2, home: [6, 1], at: anywhere, group: tour, sink: [2, 5]}
+"""
+    text = DOORS.split("people:")[0] + tour
+    run = sim.run(sim.Trial.parse(text))
+    assert all(0 < run.motions[f"tourist{k}"].position(0.0)[0] < 12 for k in (1, 2))
+    came = events(run, "entered")[0]["t"]
+    walked = events(run, "walks_with")
+    assert {e["person"] for e in walked} == {"tourist1", "tourist2"}
+    assert all(came <= e["t"] < came + 2 for e in walked[:2])
+    assert run.summary["overlaps"] == 0 and run.summary["left"] == 3
+    assert events(run, "left")[0]["person"] == "guide1"

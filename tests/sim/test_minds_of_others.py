@@ -185,11 +185,14 @@ def test_a_group_walks_together(count):
     assert min(walked) > 0.75 * walked[0]
 
 
-def test_helpful_people_let_each_other_pass():
-    """Head-on, in the time that it takes alone and what the stop costs."""
-    trial = sim.Trial.load("people_frontal").with_personality("helpful")
-    run = sim.run(trial)
-    assert run.unmet == [] and len(events(run, "arrived")) >= 4
+@pytest.mark.parametrize("personality", ["helpful", "scared", "curious"])
+def test_those_with_manners_of_their_own_get_round_a_corner_too(personality):
+    trial = sim.Trial.load("people_corner").with_personality(personality)
+    run = sim.run(dataclasses.replace(trial, duration=90.0))
+    assert run.summary["overlaps"] == run.summary["deadlocks"] == 0
+    assert all(figures["visits"] for figures in run.summary["people"].values())
+    usual = sim.run(dataclasses.replace(sim.Trial.load("people_corner"), duration=90.0))
+    assert run.events[:50] != usual.events[:50]
 
 
 def test_a_rule_says_how_near_people_may_come(tmp_path):

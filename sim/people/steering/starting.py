@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import zlib
 from random import Random
+from typing import TypeGuard
 
 import shapely
 
@@ -42,7 +43,7 @@ def starting_places(trial: Scenario, world: CollisionWorld, crowd: Crowd | None)
         leader = trial.leader(entry)
         if entry.source is not None:
             places[k] = wings(trial.floorplan, k)
-        elif leader is not None and entry.at == "anywhere" and crowd is not None:
+        elif entry.at == "anywhere" and crowd is not None and _is_there(leader):
             beside = places[trial.people.index(leader)]
             assert beside is not None  # leaders come before those whom they lead
             places[k] = crowd.room(beside, radii[k], taken=taken)
@@ -59,6 +60,11 @@ def starting_places(trial: Scenario, world: CollisionWorld, crowd: Crowd | None)
             message = f"people[{k}]: there is no room for {entry.name} {found}"
             raise TrialError(f"trial {trial.name!r}", [Problem(message)])
     return [place for place in places if place is not None]
+
+
+def _is_there(leader: PersonEntry | None) -> TypeGuard[PersonEntry]:
+    """Return whether there is somebody to start beside: a leader who does not come in later."""
+    return leader is not None and leader.source is None
 
 
 def wings(plan: Floorplan, index: int) -> Place:
