@@ -27,6 +27,7 @@ from .monitor import RESOLUTION, first_time, minimum_separation, when
 from .motion import Motion, join, standing
 from .path import Path, PlanningError
 from .planner import PathPlanner
+from .roadmap_planner import SLACK
 from .separation import FixedDistance
 from .surfaces import PERSON_HEIGHT, Box, Cylinder, Shapes
 from .walk import MAX_ACCELERATION, MAX_SPEED, walk
@@ -37,14 +38,18 @@ GAP = 0.1
 PATIENCE = 60.0
 """Seconds. Longest time that anybody waits."""
 
-_LEAST = 1e-3
-"""Seconds. Delays grow by this much at least, so that grazing bodies end the search as well."""
+_LEAST, _GROWTH = 1e-3, 1.04
+"""Seconds by which delays grow at least, and the factor by which that grows each time: a body that
+grazes, or comes along the path, ends the search as well."""
+
+_PLACES = 4
+"""Number of waypoints before the place where somebody would be touched at which they may wait."""
+
+_LEEWAY = 1e-5
+"""Metres. So much farther off than `gap` is a body that has left a place."""
 
 _SHORT = 0.5
 """Metres. So far short of where they would be touched people may wait on their path."""
-
-_MOST = 500
-"""Number of delays that are tried for one path."""
 
 _SAMPLES = 24
 """Number of instants at which a body is drawn for the area that it covers on its way."""
@@ -91,16 +96,34 @@ class _Watch:
     mover: Mover
     shapes: Shapes
     condition: TooClose
+    still: TooClose
+    """The condition until it sets out: people pass what stands as near as they like."""
+    clear: TooClose
+    """The condition until it has left a place; a little wider, lest one that slides along at just
+    the distance asked for be looked at again and again."""
+    sets_out: float
 
     def touched(self, person: Motion, begin: float, end: float) -> float | None:
         """Return the first instant in [begin, end] at which it touches the person, or None."""
-        return first_time(self.condition, person, self.mover.motion, begin, end, shapes=self.shapes)
+        for condition, one, other in (
+            (self.still, begin, min(end, self.sets_out)),
+            (self.condition, max(begin, self.sets_out), end),
+        ):
+            if one <= other:
+                pair = (person, self.mover.motion)
+                found = first_time(condition, *pair, one, other, shapes=self.shapes)
+                if found is not None:
+                    return found
+        return None
 
     def leaves(self, place: Point, t: float) -> float:
         """Return when it leaves a place free that it touches at `t`; infinity if it stays."""
+        moves = _moves_on(self.mover.motion, t)
+        if moves > t:
+            return math.inf if moves == math.inf else max(self.leaves(place, moves), moves)
         until = max(self.mover.motion.end, t) + 1.0
         stands = standing(place)
-        intervals = when(self.condition, stands, self.mover.motion, t, until, shapes=self.shapes)
+        intervals = when(self.clear, stands, self.mover.motion, t, until, shapes=self.shapes)
         begin, end = next(intervals, (t, t))
         if begin > t + RESOLUTION:  # it only grazes the place
             return t
@@ -128,19 +151,19 @@ def plan_among(
     at `start` and look in the direction `heading` (radians). They wait `patience` seconds at most,
     once: there, at a waypoint, or short of a place where a body would touch them. Paths looked at
     are the shortest one regardless of what is `moving`, and those round where it stands now, where
-    it comes to rest, and all that it covers on its way. Until the arrival, no such body comes
-    closer than `gap` metres, or closer than it is at the beginning where that is less: the monitor
-    has checked it for the motion as it is
-    returned. `PlanningError` if there is none.
+    it comes to rest, and all that it covers on its way. Until the arrival, no such body that has
+    set out comes closer than `gap` metres, or closer than it is at the beginning where that is
+    less: the monitor has checked it for the motion as it is returned. One that still stands is
+    passed like all that stands. `PlanningError` if there is none.
     """
     watches = [_watch(planner, mover, start, at, height, gap) for mover in moving]
     best: Passage | None = None
     failed: list[PlanningError] = []
     limits = (max_speed, max_acceleration)
     for path in _paths(planner, start, goal, moving, at, failed):
-        for passage in _passages(path, watches, at, heading, limits, patience):
-            if best is None or passage.arrives < best.arrives:
-                best = passage
+        latest = math.inf if best is None else best.arrives
+        for passage in _passages(path, watches, at, heading, limits, patience, latest):
+            best = passage
     if best is not None:
         return best
     if len(failed) == _TRIED:  # nor is there a path without what moves
@@ -158,8 +181,21 @@ def _watch(
     x, y = map(float, np.asarray(start, dtype=float))
     here = standing((x, y))
     _, least = minimum_separation(here, mover.motion, at, at, shapes=shapes)
-    kept = min(gap, max(least - 1e-6, 0.0))
-    return _Watch(mover, shapes, TooClose(FixedDistance(kept)))
+    room = max(least - 1e-6, 0.0)
+    kept = min(gap, room)
+    condition, still, clear = (
+        TooClose(FixedDistance(least)) for least in (kept, min(SLACK, room), kept + _LEEWAY)
+    )
+    sets_out = _moves_on(mover.motion, at)
+    return _Watch(mover, shapes, condition, still, clear, at if sets_out == math.inf else sets_out)
+
+
+def _moves_on(motion: Motion, t: float) -> float:
+    """Return the first instant from `t` on at which a body moves; infinity if it stays."""
+    for piece in motion.pieces_from(t):
+        if piece.end > t and any(any(along[1:]) for along in (piece.x, piece.y, piece.rotation)):
+            return max(piece.begin, t)
+    return math.inf
 
 
 def _paths(
@@ -210,13 +246,19 @@ def _passages(
     heading: float,
     limits: Limits,
     patience: float,
+    latest: float,
 ) -> Iterator[Passage]:
-    """Yield the passages along `path` that wait once at most, one for each place to wait at."""
+    """Yield the passages along `path` that wait once at most and arrive before `latest`.
+
+    Of those that wait at one of several places, each arrives before the one yielded before it.
+    """
     points: list[Point] = [(x, y) for x, y in path.points.tolist()]
     speed, acceleration = limits
     straight = walk(points, at, max_speed=speed, max_acceleration=acceleration)
     touched = [watch.touched(straight, at, straight.end) for watch in watches]
     first = min((t for t in touched if t is not None), default=None)
+    if straight.end >= latest:
+        return
     if first is None:
         yield Passage(path, straight)
         return
@@ -225,29 +267,32 @@ def _passages(
             before_it = standing(before[0], heading=heading, start=at)
         else:
             before_it = walk(before, at, max_speed=speed, max_acceleration=acceleration)
-        found = _delayed(before_it, after, watches, at, limits, patience)
+        found = _delayed(before_it, after, watches, at, limits, patience, latest)
         if found is not None:
             motion, delay = found
+            latest = motion.end
             yield Passage(path, motion, ((after[0], delay),))
 
 
 def _splits(points: list[Point], touched: Point) -> Iterator[tuple[list[Point], list[Point]]]:
     """Yield a path in two parts: before and after each place to wait at, the start first.
 
-    These are the waypoints before the place where somebody would be `touched`, and one short of it.
+    These are the last waypoints before the place where somebody would be `touched`, and one short
+    of it.
     """
     yield points[:1], points
     for k, (a, b) in enumerate(itertools.pairwise(points)):
-        if k:
-            yield points[: k + 1], points[k:]
-        length = math.dist(a, b)
         share = _share(a, b, touched)
-        if share is not None:
-            short = share * length - _SHORT
-            if short > 0:
-                x, y = (a[i] + (b[i] - a[i]) * short / length for i in (0, 1))
-                yield [*points[: k + 1], (x, y)], [(x, y), *points[k + 1 :]]
-            return
+        if share is None:
+            continue
+        for waits in range(max(k - _PLACES, 0) + 1, k + 1):
+            yield points[: waits + 1], points[waits:]
+        length = math.dist(a, b)
+        short = share * length - _SHORT
+        if short > 0:
+            x, y = (a[i] + (b[i] - a[i]) * short / length for i in (0, 1))
+            yield [*points[: k + 1], (x, y)], [(x, y), *points[k + 1 :]]
+        return
 
 
 def _share(a: Point, b: Point, place: Point) -> float | None:
@@ -265,16 +310,21 @@ def _delayed(
     at: float,
     limits: Limits,
     patience: float,
+    latest: float,
 ) -> tuple[Motion, float] | None:
     """Return the motion that waits after `before` for as short as is safe, and for how long.
 
-    It goes on along `points` then. None if no wait up to `patience` seconds is safe.
+    It goes on along `points` then. None if no wait up to `patience` seconds is safe, or if it
+    would not arrive before `latest`.
     """
     speed, acceleration = limits
     waits_from = max(before.end, at)
     delay = 0.0
-    for _ in range(_MOST):
+    least = _LEAST
+    while delay <= patience:
         onwards = walk(points, waits_from + delay, max_speed=speed, max_acceleration=acceleration)
+        if onwards.end >= latest:
+            return None
         motion = join([before, onwards])
         touched = [
             (t, k)
@@ -286,7 +336,6 @@ def _delayed(
         t, k = min(touched)
         if t < waits_from + delay:
             return None  # on the way there or while waiting: waiting longer does not help
-        delay += max(watches[k].leaves(motion.state(t).at, t) - t, _LEAST)
-        if delay > patience:
-            return None
+        delay += max(watches[k].leaves(motion.state(t).at, t) - t, least)
+        least *= _GROWTH
     return None

@@ -86,6 +86,10 @@ class Machine(ABC):
     def look_out_for(self, person: Body, top_speed: float) -> None:  # noqa: B027
         """Take note of a person, who walks at `top_speed` (m/s) at most."""
 
+    def foreseen(self, until: float) -> Motion:
+        """Return its motion as anybody may know it now, with all that begins by `until` (s)."""
+        return self.body.motion
+
     def stand_in(self, world: CollisionWorld) -> None:
         """Put a vehicle into `world` where it is now; what works above the floor is not in it."""
         if self.shape.category == "vehicle":

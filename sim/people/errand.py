@@ -46,6 +46,23 @@ class Errand:
         self._record(Goal(person=self._name, station=self._station_at(goal), at=goal))
         return self._set_out(goal)
 
+    def _set_out(self, goal: Place) -> bool:
+        """Walk to `goal`, or to a place to wait beside it; return False if there is no path."""
+        try:
+            self._walker.go(goal)
+        except PlanningError as why:
+            at_the_goal = why.reason == "goal_blocked"
+            if at_the_goal and self._wait_beside(goal):
+                return True
+            return self.fail(goal, str(why), at_the_goal=at_the_goal)
+        return True
+
+    def resume(self, goal: Place) -> None:
+        """Walk on to `goal` after having waited for a vehicle, on a new path."""
+        if self._set_out(goal):
+            self._walker.replans += 1
+            self._record(Replanned(person=self._name, goal=goal))
+
     def give_up(self) -> None:
         """Stop waiting, for a goal to be free or for a vehicle to pass."""
         self._waits_for = self._lets_pass_on_way_to = None
@@ -76,9 +93,7 @@ class Errand:
             return
         if self._lets_pass_on_way_to is not None:
             onwards, self._lets_pass_on_way_to = self._lets_pass_on_way_to, None
-            if self._set_out(onwards):
-                self._walker.replans += 1
-                self._record(Replanned(person=self._name, goal=onwards))
+            self.resume(onwards)
             return
         goal = self._walker.goal
         trouble = self._walker.check_path()
@@ -117,16 +132,6 @@ class Errand:
             self.visits.append(station)
         self._senses.see("at", *self._walker.body.at)
         self._senses.count("work_completed")
-
-    def _set_out(self, goal: Place) -> bool:
-        try:
-            self._walker.go(goal)
-        except PlanningError as why:
-            at_the_goal = why.reason == "goal_blocked"
-            if at_the_goal and self._wait_beside(goal):
-                return True
-            return self.fail(goal, str(why), at_the_goal=at_the_goal)
-        return True
 
     def _check_wait(self, goal: Place) -> None:
         """Go on to `goal` if it is free now; else go on waiting."""

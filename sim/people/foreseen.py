@@ -1,4 +1,4 @@
-"""Vehicles that are under way when a person sets out: the person waits for them, or goes round."""
+"""Vehicles that drive, or will: who sets out waits for them, or goes round."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from navigation import (
     FixedDistance,
     Motion,
     Mover,
+    Passage,
     PathPlanner,
     PlanningError,
     Shapes,
@@ -17,6 +18,7 @@ from navigation import (
 )
 
 from ..core.body import Body
+from ..core.machine import Machine
 from ..core.stage import Stage
 from .crossing import GAP
 
@@ -29,31 +31,18 @@ def among_vehicles(
     goal: tuple[float, float],
     motion: Motion,
     top: float,
-) -> Motion:
-    """Return the motion on which somebody who stands gets to `goal` among the vehicles that drive.
+    gap: float = GAP,
+) -> Passage | None:
+    """Return the passage of somebody who stands to `goal`, at up to `top` m/s, among vehicles.
 
-    That is `motion` itself where no vehicle under way would touch them on it. Else it is one that
-    waits or goes round, at up to `top` m/s; where there is none, they set out all the same, and let
-    the vehicle pass when it comes.
+    They keep `gap` metres from the surfaces of those. None if no vehicle would touch them on
+    `motion`, neither one under way nor one that is known to set out before they arrive. None, too,
+    if there is no passage: they set out all the same then, and let the vehicle pass when it comes.
     """
     now = stage.clock.now
-    driving = [machine for machine in stage.vehicles if machine.body.motion.end > now]
-    person = Cylinder(radius=human.radius, top=human.height)
-    moving = [Mover(one.name, one.body.motion, one.shape.box) for one in driving]
-    close = TooClose(FixedDistance(GAP))
-    if not any(
-        first_time(
-            close,
-            motion,
-            mover.motion,
-            now,
-            motion.end,
-            shapes=Shapes(person=person, machine=(mover.solid,)),
-        )
-        is not None
-        for mover in moving
-    ):
-        return motion
+    moving = _moving(stage, now, motion.end)
+    if not any(_touches(mover, motion, human, now) for mover in moving):
+        return None
     try:
         return plan_among(
             planner,
@@ -65,7 +54,28 @@ def among_vehicles(
             max_speed=top,
             max_acceleration=human.max_acceleration,
             height=human.height,
-            gap=GAP,
-        ).motion
+            gap=gap,
+        )
     except PlanningError:
-        return motion
+        return None
+
+
+def any_moves(stage: Stage, until: float) -> bool:
+    """Return whether a vehicle drives now, or is known to set out by `until` (seconds)."""
+    return bool(_moving(stage, stage.clock.now, until))
+
+
+def _moving(stage: Stage, now: float, until: float) -> list[Mover]:
+    """Return the vehicles that drive now or set out by `until`, as far as that is known."""
+    known = ((machine, machine.foreseen(until)) for machine in stage.vehicles)
+    return [_mover(machine, motion) for machine, motion in known if motion.end > now]
+
+
+def _mover(machine: Machine, motion: Motion) -> Mover:
+    return Mover(machine.name, motion, machine.shape.box)
+
+
+def _touches(mover: Mover, motion: Motion, human: Human, now: float) -> bool:
+    shapes = Shapes(person=Cylinder(radius=human.radius, top=human.height), machine=(mover.solid,))
+    close = TooClose(FixedDistance(GAP))
+    return first_time(close, motion, mover.motion, now, motion.end, shapes=shapes) is not None

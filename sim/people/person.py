@@ -107,6 +107,7 @@ class Person:
             manners=manners,
             recorded=walk is not None,
             blocked=lambda: self._senses.count("blocked"),
+            late=lambda goal: self._errand.resume(goal),
         )
         self._stage = stage
         self._clock = stage.clock

@@ -11,6 +11,7 @@ from floorplan import Human
 from navigation import (
     CollisionWorld,
     Motion,
+    Passage,
     PathPlanner,
     PlanningError,
     can_go_on,
@@ -26,7 +27,8 @@ from ..core.body import PERSON, Body
 from ..core.clock import Alarm, Turn
 from ..core.events import PathBlocked, Replanned
 from ..core.stage import Stage
-from .foreseen import among_vehicles
+from .crossing import GAP
+from .foreseen import among_vehicles, any_moves
 from .steering.crowd import Crowd
 from .steering.manners import Manners
 from .steering.speed_zones import SpeedZones
@@ -35,6 +37,12 @@ from .steering.traveller import Traveller
 REPORT_DELAY = 0.1
 """Seconds until somebody who is sent to where they are already says that they are there."""
 
+LEEWAY = 0.05
+"""Metres. Further from vehicles people keep who must adapt their course to others as well."""
+
+SLOWER = 10.0
+"""Seconds. No walk takes longer than this beyond its length at top speed."""
+
 Place = tuple[float, float]
 
 
@@ -42,7 +50,8 @@ class Walker:
     """One person's legs. `arrived(goal)` is called whenever a goal is reached.
 
     Alone on the floor somebody walks the planned path. In a `crowd` they follow it as others allow;
-    `blocked` is called when these have kept them from going on for too long.
+    `blocked` is called when these have kept them from going on for too long, `late(goal)` when a
+    vehicle has passed that they let pass before they set out, and they stand elsewhere by then.
     """
 
     def __init__(
@@ -60,6 +69,7 @@ class Walker:
         index: int = 0,
         recorded: bool = False,
         blocked: Callable[[], None] = lambda: None,
+        late: Callable[[Place], None] = lambda _: None,
     ) -> None:
         self.human = human
         self.body = Body(
@@ -74,6 +84,10 @@ class Walker:
         self._record = stage.record
         self._arrived = arrived
         self._arrival = Alarm(stage.clock, self._arrive, Turn.MOTION_ENDS)
+        self._late = late
+        self._onward: list[Place] = []
+        self._goes_on_at = 0.0
+        self._setting_out = Alarm(stage.clock, self._go_on, Turn.MOTION_ENDS)
         self._crowd = crowd
         self.traveller = Traveller(
             index,
@@ -87,7 +101,7 @@ class Walker:
         if crowd is not None:
             crowd.enter(
                 self.traveller,
-                reroute=lambda at: self._path(at, self._bound_for())[1:],
+                reroute=lambda at: self._path(at, self.traveller.goal or self._bound_for())[1:],
                 arrive=self._arrive,
                 blocked=blocked,
             )
@@ -109,15 +123,65 @@ class Walker:
     def go(self, goal: Place) -> None:
         """Walk to `goal` from now on; `PlanningError`, and no change, if there is no path."""
         if self._crowd is not None:
-            route = self._path(self.body.at, goal)[1:]
-            self.goal = goal
-            top = self.human.max_speed * self.speed_share
-            self._crowd.set_out(self.traveller, goal, route, top)
+            self._set_out_among_others(self._crowd, goal)
             return
         motion = self._motion_to(goal)
         self.goal = goal
         self._arrival.set(max(motion.end, self._clock.now + REPORT_DELAY))
         self.body.follow(motion)
+
+    def _set_out_among_others(self, crowd: Crowd, goal: Place) -> None:
+        """Walk to `goal` as others allow, waiting for a vehicle where that is quickest."""
+        points = self._path(self.body.at, goal)
+        self.goal = goal
+        self._setting_out.set(None)
+        top, acceleration = self.human.max_speed * self.speed_share, self.human.max_acceleration
+        passage = self._passage_from_rest(goal, points, top)
+        if passage is None:
+            crowd.set_out(self.traveller, goal, points[1:], top)
+            return
+        points, self._onward = [*map(tuple, passage.path.points.tolist())], []
+        now, delay = self._clock.now, 0.0
+        if passage.waits:
+            ((place, delay),) = passage.waits
+            points, self._onward = _parted(points, place)
+        if len(points) > 1:
+            motion = walk(points, now, max_speed=top, max_acceleration=acceleration)
+            self._goes_on_at = motion.end + delay
+            crowd.set_out(self.traveller, points[-1], points[1:], top)
+        else:
+            self._goes_on_at = now + delay
+            self._wait_here(crowd)
+
+    def _wait_here(self, crowd: Crowd) -> None:
+        """Stand until the vehicle that one waits for has passed."""
+        crowd.rest(self.traveller)
+        self._setting_out.set(max(self._goes_on_at, self._clock.now))
+
+    def _passage_from_rest(self, goal: Place, points: list[Place], top: float) -> Passage | None:
+        """Return how somebody who stands gets past vehicles, or None if they need not mind any."""
+        now, acceleration = self._clock.now, self.human.max_acceleration
+        length = sum(math.dist(a, b) for a, b in itertools.pairwise(points))
+        if self.body.motion.end > now or not any_moves(self._stage, now + length / top + SLOWER):
+            return None
+        if self.traveller.zones.along(points, top)[1] != top:  # slower than vehicles are foreseen
+            return None
+        try:
+            motion = walk(points, now, max_speed=top, max_acceleration=acceleration)
+        except ValueError:  # they are there
+            return None
+        return self._among_vehicles(goal, motion, top, GAP + LEEWAY)
+
+    def _go_on(self) -> None:
+        """Walk the rest of a path on which one has waited; plan anew where one was put aside."""
+        goal = self._bound_for()
+        if self._crowd is not None and self.body.at == self._onward[0]:
+            top = self.human.max_speed * self.speed_share
+            self._crowd.set_out(self.traveller, goal, self._onward[1:], top)
+        else:
+            self._forget_goal()
+            self._stage.place_machines()
+            self._late(goal)
 
     def stop(self) -> None:
         """Brake, and stand."""
@@ -201,7 +265,8 @@ class Walker:
                     initial_speed=state.speed,
                 )
             if motion is not None:
-                return motion if state.speed > 0 else self._among_vehicles(goal, motion, top)
+                passage = None if state.speed > 0 else self._among_vehicles(goal, motion, top)
+                return motion if passage is None else passage.motion
         braking = self.braking()
         points = self._path(braking.state(braking.end).at, goal)
         onwards = walk(points, braking.end, max_speed=top, max_acceleration=acceleration)
@@ -239,8 +304,12 @@ class Walker:
         onwards = walked(*self.traveller.zones.along(points, top), braking.end, 0.0)
         return braking if onwards is None else join([braking, onwards])
 
-    def _among_vehicles(self, goal: Place, motion: Motion, top: float) -> Motion:
-        return among_vehicles(self._stage, self._planner, self.human, self.body, goal, motion, top)
+    def _among_vehicles(
+        self, goal: Place, motion: Motion, top: float, gap: float = GAP
+    ) -> Passage | None:
+        return among_vehicles(
+            self._stage, self._planner, self.human, self.body, goal, motion, top, gap
+        )
 
     def _path(self, start: Place, goal: Place) -> list[Place]:
         try:
@@ -271,10 +340,25 @@ class Walker:
     def _forget_goal(self) -> None:
         self.goal = None
         self._arrival.set(None)
+        self._setting_out.set(None)
         if self._crowd is not None:
             self._crowd.rest(self.traveller)
 
     def _arrive(self) -> None:
         goal = self._bound_for()
+        if self._crowd is not None and self.traveller.goal != goal:
+            self._wait_here(self._crowd)
+            return
         self._forget_goal()
         self._arrived(goal)
+
+
+def _parted(points: list[Place], place: Place) -> tuple[list[Place], list[Place]]:
+    """Return a path up to `place` on it, and from there on."""
+    if place in points:
+        k = points.index(place)
+        return points[: k + 1], points[k:]
+    pairs = [*itertools.pairwise(points)]
+    beside = [math.dist(a, place) + math.dist(place, b) - math.dist(a, b) for a, b in pairs]
+    k = beside.index(min(beside))
+    return [*points[: k + 1], place], [place, *points[k + 1 :]]

@@ -116,7 +116,8 @@ def test_people_on_patrol_who_get_on_in_time_stay_on_the_ring(run):
 def test_an_agv_that_drives_across_is_let_pass(run, tmp_path):
     """Under rules so lenient that only touching it counts: the person stops, and walks on."""
     (tmp_path / "close.yaml").write_text("agv_law: {fixed: 0.2}\n")
-    program = "+human_start <- move(11, 12, 0)."
+    # Whoever turns round while walking does not look ahead for vehicles.
+    program = "+human_start <- move(11, 1, 0); .wait(100); move(11, 12, 0)."
     (tmp_path / "floor.yaml").write_text(FLOOR)
     (tmp_path / "mine.asl").write_text(program)
     text = (

@@ -87,7 +87,8 @@ def sampled(run: sim.Run) -> float:
 
 def through_walls(run: sim.Run, radius: float = 0.3) -> list[str]:
     """Those who came closer to a wall than their radius."""
-    world = navigation.CollisionWorld(run.trial.floorplan)
+    plan = run.trial.floorplan
+    world = navigation.CollisionWorld(plan).as_if(away=[lane.name for lane in plan.lanes])
     found = []
     for name in run.summary["people"]:
         begin, end = run.presence[name]

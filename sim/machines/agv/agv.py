@@ -12,6 +12,7 @@ from navigation import (
     Motion,
     agv_run,
     agv_stop,
+    join,
     lane_state,
     required_at_speeds,
 )
@@ -85,6 +86,19 @@ class Agv(Machine):
         """Set out at the times of its moves."""
         for move in self._moves:
             self._clock.call_at(move.time, partial(self.drive, move.to))
+
+    def foreseen(self, until: float) -> Motion:
+        """Return its motion with the moves that the trial announces to begin by `until` (s).
+
+        One that yields, or is held, drives as people let it: then what is under way counts alone.
+        """
+        motion, now = self.body.motion, self._clock.now
+        if self._foresight is None and not self._held:
+            for move in self._moves:
+                if now <= move.time <= until:
+                    at = lane_state(self.lane, motion.state(move.time))
+                    motion = join([motion, agv_run(self.lane, at, move.to, move.time)])
+        return motion
 
     def stand_in(self, world: CollisionWorld) -> None:
         """Put it into `world` where it is now."""
