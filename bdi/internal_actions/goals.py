@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from ..language.body import Achieve, BodyTerm
-from ..language.substitution import Unifier, substitute
+from ..language.substitution import Unifier, rename, substitute
 from ..language.terms import Literal, Term, TriggerTerm, Var, make_list, plain_text, text
 from ..language.unification import unified
 from ..reasoning.achievement import Finish
@@ -177,38 +177,41 @@ def _done_for(call: Call, whole: Intention, goals: Goals) -> object:
     return WAITING
 
 
+def _current(call: Call) -> Intention | None:
+    """Return the intention that is carried out, or for whose event a plan is looked for."""
+    circumstance = call.agent.circumstance
+    event = circumstance.selected_event
+    selected = call.intention or circumstance.selected
+    return event.intention if selected is None and event is not None else selected
+
+
 def current_intention(call: Call, description: Term) -> object:
     """`intention(Id, [im(Label, {Trigger}, {Body left}, Bindings), …])`."""
-    intention = call.intention
-    selected = call.agent.circumstance.selected_event
-    if intention is None and selected is not None:
-        intention = selected.intention
-    return False if intention is None else call.unify(description, _description(intention))
+    intention = _current(call)
+    return False if intention is None else call.unify(description, _described(call, intention))
 
 
 def intention(call: Call, number: Term, state: Term, *more: Term) -> Iterator[Unifier]:
     """`.intention(Number, State, Stack?, current?)`, for each intention or the one that calls."""
     circumstance = call.agent.circumstance
-    current: Intention | None = call.intention
-    if current is None and circumstance.selected_event is not None:
-        current = circumstance.selected_event.intention
+    current = _current(call)
     only_current = len(more) > 1 and text(more[1]) == "current"
     for one in list(circumstance.intentions()):
         if only_current and one is not current:
             continue
-        place = Literal(_state(circumstance, one, call.intention))
+        place = Literal(_state(circumstance, one))
         terms: list[Term] = [float(one.number), place]
         if more:
-            terms.append(_description(one).args[1])
+            terms.append(_described(call, one).args[1])
         solution = call.unify(make_list(terms), make_list([number, state, *more[:1]]))
         if solution is not None:
             yield solution
 
 
-def _state(circumstance: Circumstance, one: Intention, caller: Intention | None) -> str:
+def _state(circumstance: Circumstance, one: Intention) -> str:
     if one.is_suspended:
         return "suspended"
-    if one is caller or one is circumstance.selected:
+    if one is circumstance.selected:
         return "running"
     if one.number in circumstance.pending or one.number in circumstance.pending_actions:
         return "waiting"
@@ -217,6 +220,11 @@ def _state(circumstance: Circumstance, one: Intention, caller: Intention | None)
 
 def _one_or_all(call: Call, *args: Term) -> object:
     return current_intention(call, *args) if len(args) == 1 else intention(call, *args)
+
+
+def _described(call: Call, intention: Intention) -> Literal:
+    """Return an intention as a term, whose variables are not those of the plans in it."""
+    return rename(_description(intention), call.agent.names, {})  # type: ignore[return-value]
 
 
 def _description(intention: Intention) -> Literal:

@@ -44,12 +44,12 @@ def copy_term(call: Call, term: Term, copy: Term) -> object:
 
 
 def namespace(call: Call, name: Term) -> object:
-    """Yield the namespaces of the beliefs and plans there are."""
+    """Yield the namespaces of the beliefs and plans there are, without local ones."""
     agent = call.agent
     functors = [belief.functor for belief in agent.beliefs]
     functors += [p.literal.functor for p in agent.plans if isinstance(p.literal, Literal)]
     names = dict.fromkeys(("default", *map(namespace_of, functors)))
-    return call.each(name, map(Literal, names))
+    return call.each(name, [Literal(space) for space in names if not space.startswith("#")])
 
 
 ACTIONS: Mapping[str, InternalAction] = {

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
+from types import MappingProxyType
 from typing import Any, TypeAlias
 
 from ..errors import Problem
@@ -164,18 +165,62 @@ def block_text(body: Body) -> str:
     return f"{{ {body_text(body)} }}" if body else "{ }"
 
 
+_UPDATES = MappingProxyType(
+    {
+        "+": "addBel",
+        "+<": "addBelBegin",
+        "+>": "addBelEnd",
+        "++": "addBelNewFocus",
+        "-": "delBel",
+        "--": "delBelNewFocus",
+        "-+": "delAddBel",
+    }
+)
+
+
+def _structure(step: BodyFormula) -> Literal | None:
+    """Return a step as a structure, named as in Jason; None for a control structure."""
+    if isinstance(step, Achieve):
+        return Literal("achieveNF" if step.new_focus else "achieve", (step.goal,))
+    if isinstance(step, Test):
+        return Literal("test", (step.formula,))
+    if isinstance(step, Update):
+        return Literal(_UPDATES[step.operator], (step.belief,))
+    if isinstance(step, Constraint):
+        return Literal("constraint", (step.relation,))
+    if isinstance(step, Act):
+        is_internal = isinstance(step.action, Literal) and step.action.is_internal_action
+        return Literal("internalAction" if is_internal else "action", (step.action,))
+    return None
+
+
 @dataclass(frozen=True)
 class BodyTerm(Quoted):
-    """`{ !g; +b }` as an argument."""
+    """`{ !g; +b }` as an argument.
+
+    `bare` is True for one taken out of a plan, which is printed without braces.
+    """
 
     body: Body
+    bare: bool = field(default=False, compare=False)
 
     @cached_property
     def ground(self) -> bool:
         return not has_variables(self.body)
 
     def changed(self, change: Callable[[Any], Any]) -> BodyTerm:
-        return BodyTerm(transformed(self.body, change))
+        return BodyTerm(transformed(self.body, change), self.bare)
+
+    @property
+    def structure(self) -> Literal | None:
+        """The body as a structure: `achieve(g)`, or `achieve(g, { … })` with the steps after it.
+
+        None for one that is empty, and for control structures.
+        """
+        found = _structure(self.body[0]) if self.body else None
+        if found is None or len(self.body) == 1:
+            return found
+        return Literal(found.functor, (*found.args, BodyTerm(self.body[1:], self.bare)))
 
     @property
     def as_trigger(self) -> TriggerTerm | None:
@@ -187,4 +232,4 @@ class BodyTerm(Quoted):
         return None
 
     def __str__(self) -> str:
-        return block_text(self.body)
+        return body_text(self.body) if self.bare else block_text(self.body)

@@ -128,7 +128,20 @@ class Builder(Transformer_NonRecursive[Token, Any]):
     def plan(
         self,
         meta: Meta,
-        label: Literal | None,
+        label: Literal | Var | None,
+        trigger: Trigger,
+        context: Term | None,
+        until: Term | None,
+        body: Body | None,
+    ) -> Plan:
+        if isinstance(label, Var):
+            raise RefusedError(meta, "a label that is a variable stands in plans in braces only")
+        return self._plan(meta, label, trigger, context, until, body)
+
+    def _plan(
+        self,
+        meta: Meta,
+        label: Literal | Var | None,
         trigger: Trigger,
         context: Term | None,
         until: Term | None,
@@ -149,6 +162,9 @@ class Builder(Transformer_NonRecursive[Token, Any]):
 
     def unnamed_label(self, meta: Meta, annots: List) -> Literal:
         return Literal("", (), _annots(annots))
+
+    def variable_label(self, meta: Meta, name: Token) -> Var:
+        return Var(str(name))
 
     def trigger(self, meta: Meta, update: Token, kind: Token | None, literal: _Event) -> Trigger:
         if update not in ("+", "-", "^"):
@@ -388,17 +404,17 @@ class Builder(Transformer_NonRecursive[Token, Any]):
     def plan_term(
         self,
         meta: Meta,
-        label: Literal | None,
+        label: Literal | Var | None,
         trigger: Trigger,
         context: Term,
         body: Body | None,
     ) -> PlanTerm:
-        return PlanTerm(self.plan(meta, label, trigger, context, None, body))
+        return PlanTerm(self._plan(meta, label, trigger, context, None, body))
 
     def short_plan_term(
-        self, meta: Meta, label: Literal | None, trigger: Trigger, body: Body
+        self, meta: Meta, label: Literal | Var | None, trigger: Trigger, body: Body
     ) -> PlanTerm:
-        return PlanTerm(self.plan(meta, label, trigger, None, None, body))
+        return PlanTerm(self._plan(meta, label, trigger, None, None, body))
 
     def rule_term(self, meta: Meta, head: _Event, body: Term) -> RuleTerm:
         if not isinstance(head, Literal):
@@ -443,9 +459,11 @@ def _variable(name: str, written: List | None) -> Var:
     return AnnotatedVar(name, annots) if annots else Var(name)
 
 
-def _annots(annots: List | None) -> tuple[Term, ...]:
+def _annots(annots: List | Var | None) -> tuple[Term, ...]:
     if annots is None or isinstance(annots, Nil):
         return ()
+    if isinstance(annots, Var):  # [|R]
+        return (RestVar(annots.name),)
     rest = annots.open_tail
     ordered = sorted_annots(tuple(annots))
     return ordered if rest is None else (*ordered, RestVar(rest.name))

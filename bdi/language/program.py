@@ -93,7 +93,7 @@ class Plan(Clause):
     """Plan `@label[annotations] trigger : context <- body.`
 
     Attributes:
-        label: name and annotations, or None.
+        label: name and annotations, or None; in a term it may be a variable.
         trigger: the event for which the plan is relevant.
         context: the formula by which it is applicable; `true` if none is written.
         body: its steps, in order.
@@ -102,7 +102,7 @@ class Plan(Clause):
         subplans: plans that are there while this one is carried out.
     """
 
-    label: Literal | None
+    label: Literal | Var | None
     trigger: Trigger
     context: Term
     body: Body
@@ -113,12 +113,12 @@ class Plan(Clause):
     @property
     def atomic(self) -> bool:
         """True if the label says `[atomic]`: no other intention runs while the plan does."""
-        return self.label is not None and _ATOMIC in self.label.annots
+        return isinstance(self.label, Literal) and _ATOMIC in self.label.annots
 
     @property
     def name(self) -> str:
         """Functor of the label; empty without a label."""
-        return "" if self.label is None else self.label.functor
+        return self.label.functor if isinstance(self.label, Literal) else ""
 
     def is_same(self, other: Plan) -> bool:
         """Return True if the plans differ in label and place only."""
@@ -132,8 +132,8 @@ class Plan(Clause):
     def parts(self) -> tuple[Term, ...]:
         """Label, event, context and body as terms, into which `=..` takes a plan apart."""
         label = Literal("nolabel") if self.label is None else self.label
-        event = TriggerTerm(self.trigger.sort, self.trigger.literal)
-        return label, event, self.context, BodyTerm(self.body)
+        event = TriggerTerm(self.trigger.sort, self.trigger.literal, bare=True)
+        return label, event, self.context, BodyTerm(self.body, bare=True)
 
     def __str__(self) -> str:
         label = "" if self.label is None else f"@{self.label} "
@@ -227,6 +227,11 @@ class PlanTerm(Quoted):
 
     def changed(self, change: Callable[[Any], Any]) -> PlanTerm:
         return PlanTerm(transformed(self.plan, change))
+
+    @property
+    def structure(self) -> Literal:
+        """The plan as a structure, `plan(Label, Event, Context, Body)`."""
+        return Literal("plan", self.plan.parts)
 
     def __str__(self) -> str:
         has_more = self.plan.body or self.plan.context != TRUE

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from decimal import Decimal
 from numbers import Real
 from typing import Any, NoReturn, TypeAlias, cast
@@ -488,10 +488,14 @@ class Qualified(Operation):
 
 @dataclass(frozen=True)
 class TriggerTerm:
-    """Event as an argument, `{+!g(X)}`; `sort` is its `+!`."""
+    """Event as an argument, `{+!g(X)}`; `sort` is its `+!`.
+
+    `bare` is True for one taken out of a plan, which is printed without braces.
+    """
 
     sort: str
     literal: Literal | Var | Qualified
+    bare: bool = field(default=False, compare=False)
 
     @property
     def ground(self) -> bool:
@@ -506,7 +510,8 @@ class TriggerTerm:
         return self.literal.depth
 
     def __str__(self) -> str:
-        return f"{{ {self.sort}{self.literal} }}"
+        event = f"{self.sort}{self.literal}"
+        return event if self.bare else f"{{ {event} }}"
 
 
 class Quoted:
@@ -602,7 +607,7 @@ def rebuilt(term: Term, change: Callable[[Term], Term]) -> Term:
     if isinstance(term, TriggerTerm):
         literal = change(term.literal)
         if isinstance(literal, Literal | Var | Qualified):
-            return TriggerTerm(term.sort, literal)
+            return TriggerTerm(term.sort, literal, term.bare)
         return term
     if isinstance(term, Quoted):
         return term.changed(lambda part: change(part) if isinstance(part, Var) else None)

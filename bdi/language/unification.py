@@ -7,7 +7,7 @@ and arithmetic is evaluated before it is compared.
 
 from __future__ import annotations
 
-from .body import Achieve, Act, Body, BodyFormula, BodyTerm, Constraint, Test, Update
+from .body import Achieve, Act, BodyFormula, BodyTerm, Constraint, Test, Update
 from .program import PlanTerm, RuleTerm
 from .substitution import Unifier, substitute, walk
 from .terms import (
@@ -142,6 +142,12 @@ def _unify_others(one: Term, other: Term, u: Unifier) -> bool:
         return one.sort == other.sort and unify(one.literal, other.literal, u)
     if isinstance(one, Quoted) and isinstance(other, Quoted):
         return _unify_quoted(one, other, u)
+    if isinstance(one, PlanTerm | BodyTerm) and isinstance(other, Literal):
+        structure = one.structure
+        return structure is not None and unify(structure, other, u)
+    if isinstance(other, PlanTerm | BodyTerm) and isinstance(one, Literal):
+        structure = other.structure
+        return structure is not None and unify(one, structure, u)
     return one == other
 
 
@@ -150,9 +156,14 @@ def _unify_others(one: Term, other: Term, u: Unifier) -> bool:
 
 def _unify_quoted(one: Quoted, other: Quoted, u: Unifier) -> bool:
     if isinstance(one, BodyTerm) and isinstance(other, BodyTerm):
-        return _unify_bodies(one.body, other.body, u)
+        return _unify_bodies(one, other, u)
     if isinstance(one, PlanTerm) and isinstance(other, PlanTerm):
         # The label of a plan is a name for it and no part of what it does.
+        label, given = one.plan.label, other.plan.label
+        if isinstance(given, Var):
+            label, given = given, label
+        if isinstance(label, Var) and given is not None and not unify(label, given, u):
+            return False
         return _unify_all(one.plan.parts[1:], other.plan.parts[1:], u)
     if isinstance(one, RuleTerm) and isinstance(other, RuleTerm):
         mine, theirs = one.rule, other.rule
@@ -164,24 +175,36 @@ def _unify_all(ones: tuple[Term, ...], others: tuple[Term, ...], u: Unifier) -> 
     return all(unify(*pair, u) for pair in zip(ones, others, strict=True))
 
 
-def _unify_bodies(mine: Body, theirs: Body, u: Unifier) -> bool:
-    """Unify step by step; a variable as last step of several is what is left of the other body."""
-    if not mine or not theirs:
-        return mine == theirs
-    if not _unify_steps(mine[0], theirs[0], u):
+def _unify_bodies(one: BodyTerm, other: BodyTerm, u: Unifier) -> bool:
+    """Unify step by step; a variable as last step is what is left of the other body.
+
+    As the only step it stands for a body of several, or for the step of a body of one.
+    """
+    if not one.body or not other.body:
+        return one.body == other.body
+    for pattern, value in ((one, other), (other, one)):
+        if len(pattern.body) == 1 < len(value.body):
+            variable = _variable_step(pattern.body[0])
+            if variable is not None:
+                return unify(variable, value, u)
+    if not _unify_steps(one, other, u):
         return False
-    rest, others = mine[1:], theirs[1:]
+    rest, others = BodyTerm(one.body[1:], one.bare), BodyTerm(other.body[1:], other.bare)
     for pattern, value in ((rest, others), (others, rest)):
-        if len(pattern) == 1 and (variable := _variable_step(pattern[0])) is not None:
-            return unify(variable, BodyTerm(value), u)
+        if len(pattern.body) == 1:
+            variable = _variable_step(pattern.body[0])
+            if variable is not None:
+                return unify(variable, value, u)
     return _unify_bodies(rest, others, u)
 
 
-def _unify_steps(one: BodyFormula, other: BodyFormula, u: Unifier) -> bool:
-    for pattern, value in ((one, other), (other, one)):
+def _unify_steps(first: BodyTerm, second: BodyTerm, u: Unifier) -> bool:
+    """Unify the first steps of two bodies."""
+    one, other = first.body[0], second.body[0]
+    for pattern, value in ((one, second), (other, first)):
         variable = _variable_step(pattern)
         if variable is not None:
-            return unify(variable, _step_term(value), u)
+            return unify(variable, _step_term(value.body[0], value.bare), u)
     if isinstance(one, Achieve) and isinstance(other, Achieve):
         return one.new_focus == other.new_focus and unify(one.goal, other.goal, u)
     if isinstance(one, Test) and isinstance(other, Test):
@@ -198,11 +221,11 @@ def _variable_step(step: BodyFormula) -> Var | None:
     return step.action if is_variable else None  # type: ignore[union-attr, return-value]
 
 
-def _step_term(step: BodyFormula) -> Term:
+def _step_term(step: BodyFormula, bare: bool = False) -> Term:
     """Return what a variable for a step stands for: an action itself, or a body of one step."""
     if isinstance(step, Act):
         return step.action
-    return step.relation if isinstance(step, Constraint) else BodyTerm((step,))
+    return step.relation if isinstance(step, Constraint) else BodyTerm((step,), bare)
 
 
 def _plain(term: Term) -> Term:

@@ -80,8 +80,10 @@ class Finish:
         return self._fail(intention, dict(u)) if self._failed else self._achieve(intention, dict(u))
 
     def _achieve(self, intention: Intention, u: Unifier) -> int:
-        if intention.drop_goal(self._goals, u) is None:
+        dropped = intention.drop_goal(self._goals, u)
+        if dropped is None:
             return 0
+        self._note(dropped.literal, "achieved", "finished")
         if intention.is_finished:
             clear(self._agent, intention)
             return _IS_OVER
@@ -95,11 +97,13 @@ class Finish:
         dropped = intention.drop_goal(self._goals, u)
         if dropped is None:
             return 0
+        self._note(dropped.literal, "failed")
         goal = self._goals.goal
         wanted = dropped.literal if goal is None else substitute(goal, u)
         failed = Event("+!", wanted if isinstance(wanted, Literal) else dropped.literal, intention)
         event = find_failure_event(agent, intention, failed)
         if event is None:
+            self._note(dropped.literal, "unachieved", "finished")
             end(agent, intention)
             return _IS_OVER
         literal = substitute_literal(event.literal, u)
@@ -108,6 +112,12 @@ class Finish:
         agent.circumstance.post(event)
         return _FAILS
 
+    def _note(self, goal: Literal, *states: str) -> None:
+        noted = self._agent.circumstance.states
+        if noted is not None:
+            for state in states:
+                noted.note(state, "+!", goal)
+
     def _run_on(self, intention: Intention | None, done: int) -> None:
         if done == _RUNS_ON and intention is not None and intention.stack:
             self._agent.circumstance.add_running(intention)
@@ -115,6 +125,7 @@ class Finish:
     def _finish_event(self, event: Event) -> None:
         """Finish a goal that no plan has been chosen for yet."""
         if self._failed:
+            self._note(event.literal, "failed")
             event.sort = "-!"
             if self._annots:
                 literal = event.literal
@@ -124,6 +135,7 @@ class Finish:
         circumstance, intention = self._agent.circumstance, event.intention
         circumstance.remove_event(event)
         if intention is not None and intention.stack:
+            self._note(event.literal, "achieved", "finished")
             if intention.top.step is not None:
                 intention.top.step = intention.top.step.next
             clear(self._agent, intention)

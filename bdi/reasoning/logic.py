@@ -15,7 +15,7 @@ from types import MappingProxyType
 from typing import TypeAlias
 
 from ..errors import TooDeepError
-from ..language.body import Act, BodyTerm
+from ..language.body import Act, BodyTerm, Constraint
 from ..language.order import compare, sorted_annots
 from ..language.program import Plan, PlanTerm, Rule, Trigger
 from ..language.substitution import (
@@ -311,6 +311,8 @@ class Logic:
         inner = pattern.operands[1] if isinstance(pattern, Qualified) else pattern
         for clause in self.beliefs.all_clauses():
             if isinstance(clause, Literal):
+                if inner is pattern and "::" in clause.functor:
+                    continue  # a variable alone stands for what has no namespace
                 solution = unified(pattern, clause, u)
                 if solution is not None:
                     yield solution, goals
@@ -363,6 +365,8 @@ def take_apart(left: Term, right: Term, u: Unifier) -> Unifier | None:
     """
     if isinstance(left, PlanTerm):
         return unified(make_list(left.plan.parts), right, u)
+    if isinstance(left, BodyTerm) and left.structure is not None:
+        left = left.structure
     if isinstance(left, Literal):
         space, _, functor = left.functor.rpartition("::")
         parts: list[Term] = [
@@ -413,7 +417,11 @@ def _plan_of(elements: list[Term]) -> PlanTerm | None:
     if isinstance(context, BodyTerm):
         # A context in braces, { c }, is read as a body of one step.
         step = context.body[0] if len(context.body) == 1 else None
-        context = step.action if isinstance(step, Act) else TRUE
+        context = TRUE
+        if isinstance(step, Act):
+            context = step.action
+        elif isinstance(step, Constraint):
+            context = step.relation
     steps = body.body if isinstance(body, BodyTerm) else (Act(body),)  # type: ignore[arg-type]
     name = None if label.functor == "nolabel" else label
     sort = trigger.sort

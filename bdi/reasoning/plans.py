@@ -127,7 +127,7 @@ class PlanLibrary:
             if known.plan.is_same(plan) and (not plan.name or plan.name == known.label.functor):
                 known.label = known.label.with_annots(sorted_annots((*known.label.annots, source)))
                 return known
-        label = plan.label or Literal("")
+        label = plan.label if isinstance(plan.label, Literal) else Literal("")
         if not label.functor:
             label = Literal(self._new_label(), label.args, label.annots)
         if label.functor in self._by_label:

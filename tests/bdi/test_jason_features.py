@@ -14,9 +14,9 @@ def test_a_plan_is_taken_apart_put_together_and_carried_out():
         "+!y <- .print(y).",
     )
     assert lines[:2] == ["x 3", "y"]
-    assert lines[2].startswith("lbl[source(self)]{ +!x(")
+    assert lines[2].startswith("lbl[source(self)]+!x(")
     assert lines[3].startswith("x ")
-    assert lines[4] == "{ .wait(10); !y }"
+    assert lines[4] == ".wait(10); !y"
 
 
 def test_bodies_in_braces_hold_waits_and_forks():
@@ -36,6 +36,14 @@ def test_bodies_in_braces_hold_waits_and_forks():
 def test_patterns_make_goals_declarative(pattern, plans, lines):
     ending = "+n(2) <- .print(g); +g." if pattern == "bc(g)" else ""
     assert printed(f"n(0). m. !g. {{ begin {pattern} }} {plans} {{ end }} {ending}") == lines
+
+
+def test_what_has_no_namespace_is_what_a_variable_stands_for():
+    lines = printed(
+        """b(1). other::b(2). { begin namespace(hidden, local) } b(3). { end }
+        !go. +!go <- .findall(X, X, L); .print(L); .findall(N, .namespace(N), Ns); .print(Ns)."""
+    )
+    assert lines == ["[b(1)[source(self)]]", "[default,other]"]
 
 
 def test_namespaces_keep_names_apart(tmp_path):
