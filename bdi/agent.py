@@ -6,13 +6,13 @@ Time belongs to the caller: `advance(t)` runs reasoning cycles until nothing is 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import replace
 
-from .errors import EndlessProgramError, Problem, ProgramError, TooDeepError
+from .errors import Problem, ProgramError, TooDeepError
 from .internal_actions import STANDARD
 from .language.parser import parse_literal
 from .language.program import Belief, Program
 from .language.terms import Literal
+from .reasoning import loading
 from .reasoning.actions import InternalAction
 from .reasoning.beliefs import LiveBeliefs
 from .reasoning.calls import call_in_query
@@ -21,7 +21,7 @@ from .reasoning.cycle import ReasoningCycle
 from .reasoning.history import Entry
 from .reasoning.intentions import Intention
 from .reasoning.society import Message, Society
-from .reasoning.state import SECOND, AgentState, nanoseconds
+from .reasoning.state import AgentState
 
 
 class Agent:
@@ -86,7 +86,9 @@ class Agent:
             raise TypeError(f"expected a program, as bdi.load reads one, found {program!r}")
         self.name = name
         self.program = program
-        self.actions: Mapping[str, InternalAction] = {**STANDARD, **(actions or {})}
+        self.actions: Mapping[str, InternalAction] = (
+            {**STANDARD, **actions} if actions else STANDARD
+        )
         self._state = AgentState(
             program,
             name,
@@ -107,11 +109,9 @@ class Agent:
         self.beliefs = self._state.beliefs
         self.plans = self._state.plans
         self._cycle = ReasoningCycle(self._state, max_cycles)
-        self._begun = False
-        self._running = False
-        extra = tuple(Belief(_as_literal(belief)) for belief in beliefs)
+        extra = [Belief(_as_literal(belief)) for belief in beliefs]
         try:
-            self._state.add_program(replace(program, beliefs=extra + program.beliefs))
+            loading.start(self._state, extra)
         except (RecursionError, TooDeepError):
             message = "a formula or a term is nested too deeply"
             raise ProgramError([Problem(program.source, 0, 0, message)]) from None
@@ -132,10 +132,7 @@ class Agent:
     @property
     def next_wakeup(self) -> float | None:
         """Time at which it has something to do without anything new from outside (s), or None."""
-        if not self._begun or self._state.mailbox:
-            return self._state.now
-        due = self._state.alarms.next
-        return None if due is None else due / SECOND
+        return self._cycle.next_wakeup
 
     def advance(self, time: float) -> None:
         """Run until nothing is left to do at `time`, in seconds.
@@ -151,37 +148,7 @@ class Agent:
             EndlessProgramError: a plan does not end at one instant, or there are too many
                 intentions.
         """
-        state, cycle = self._state, self._cycle
-        clock = nanoseconds(time)
-        if clock < state.clock:
-            raise ValueError(f"time goes forward: {time} s comes before {state.now} s")
-        if self._is_idle():
-            state.clock, state.now = clock, time
-            return
-        self._running = True
-        try:
-            if not self._begun:
-                self._begun = True
-                cycle.run_instant()
-            cycle.run_until(clock, time)
-            if state.percepts.coming:
-                state.percepts.come()
-            cycle.run_instant()
-        except RecursionError:
-            raise EndlessProgramError([cycle.problem("a term is nested too deeply")]) from None
-        except TooDeepError as error:
-            raise EndlessProgramError([cycle.problem(str(error))]) from None
-        finally:
-            self._running = False
-
-    def _is_idle(self) -> bool:
-        state = self._state
-        return self._begun and not (
-            state.percepts.coming
-            or state.alarms.heap
-            or state.mailbox
-            or state.circumstance.feedback
-        )
+        self._cycle.advance(time)
 
     # ---- percepts, actions and messages
 
@@ -216,7 +183,7 @@ class Agent:
 
     def _perceive(self, added: bool, percept: str | Literal) -> None:
         change = (added, percept if isinstance(percept, Literal) else parse_literal(percept))
-        if self._running:
+        if self._cycle.runs:
             self._state.percepts.change([change])
         else:
             self._state.percepts.coming.append(change)
@@ -239,13 +206,8 @@ class Agent:
             ProgramError: the text of the action is not one literal.
         """
         wanted = action if isinstance(action, int) else _as_literal(action)
-        circumstance = self._state.circumstance
-        reported = [pending for pending, _ in circumstance.feedback]
-        for pending in circumstance.pending_actions.values():
-            if wanted in (pending.number, pending.action) and pending not in reported:
-                circumstance.feedback.append((pending, success))
-                return
-        raise ValueError(f"no action {action} is waiting for its outcome")
+        if not self._state.circumstance.report(wanted, success):
+            raise ValueError(f"no action {action} is waiting for its outcome")
 
     @property
     def has_mail(self) -> bool:
@@ -277,7 +239,7 @@ class Agent:
         Raises:
             ProgramError: it uses internal actions that do not exist, or a label that is taken.
         """
-        self._state.add_program(program)
+        loading.add_program(self._state, program)
 
     def believe(self, literal: Literal) -> None:
         """Add a belief, with source `self` if it names none, and raise its event."""

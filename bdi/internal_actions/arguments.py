@@ -15,24 +15,28 @@ def wrong(name: str, reason: str) -> ActionError:
 
 
 def a_list(name: str, term: Term, which: str) -> Nil | Cons:
+    """Return a list; raise the error of a wrong argument for anything else."""
     if isinstance(term, Nil | Cons):
         return term
     raise wrong(name, f"{which} argument must be a list and not '{text(term)}'.")
 
 
 def a_number(name: str, term: Term, which: str) -> float:
+    """Return a number; raise the error of a wrong argument for anything else."""
     if isinstance(term, float):
         return term
     raise wrong(name, f"{which} parameter ('{text(term)}') must be a number!")
 
 
 def a_literal(name: str, term: Term) -> Literal:
+    """Return a literal; raise the error of a wrong argument for anything else."""
     if isinstance(term, Literal):
         return term
     raise wrong(name, "first argument must be a literal")
 
 
 def a_goal(name: str, term: Term) -> Literal | Var:
+    """Return a literal or an unbound variable; raise the error of a wrong argument otherwise."""
     if isinstance(term, Literal | Var):
         return term
     raise wrong(name, f"first argument '{text(term)}' must be a literal or variable")

@@ -69,6 +69,7 @@ def _bare(head: Literal) -> Literal:
 
 
 def list_rules(call: Call) -> bool:
+    """Print the rules."""
     for rule in call.agent.beliefs.rules():
         call.agent.say(str(rule))
     return True
@@ -80,10 +81,12 @@ def answers(call: Call, term: Term, formula: Term) -> list[Term]:
 
 
 def findall(call: Call, term: Term, formula: Term, result: Term) -> object:
+    """`.findall(T, F, L)`: a term as it is in each answer of a formula."""
     return call.unify(result, make_list(answers(call, term, formula)))
 
 
 def setof(call: Call, term: Term, formula: Term, result: Term) -> object:
+    """`.setof(T, F, L)`: as `.findall`, in standard order and each once."""
     return call.unify(result, make_list(distinct(answers(call, term, formula))))
 
 

@@ -33,12 +33,14 @@ def _times(limit: tuple[Term, ...]) -> Iterator[int]:
 
 
 def shuffle(call: Call, elements: Term, result: Term) -> object:
+    """`.shuffle(L, R)`: the elements in an order drawn at random."""
     items = list(a_list("shuffle", elements, "first"))
     call.agent.random.shuffle(items)
     return call.unify(result, make_list(items))
 
 
 def set_random_seed(call: Call, seed: Term) -> bool:
+    """`.set_random_seed(N)`: begin the random numbers anew."""
     call.agent.random.seed(int(a_number("set_random_seed", seed, "first")))
     return True
 

@@ -79,16 +79,19 @@ def _to_list(call: Call, container: Container, result: Term) -> object:
 
 
 def put(call: Call, container: MapTerm, key: Term, value: Term) -> bool:
+    """`.map.put(M, K, V)`: give a key a value."""
     container.items[key] = value
     return True
 
 
 def get(call: Call, container: MapTerm, key: Term, value: Term, *default: Term) -> object:
+    """`.map.get(M, K, V, Default?)`: the value of a key, or the default."""
     found = container.items.get(key, default[0] if default else None)
     return False if found is None else call.unify(value, found)
 
 
 def remove_key(call: Call, container: MapTerm, key: Term, *value: Term) -> object:
+    """`.map.remove(M, K, V?)`: remove a key, which there has to be; V is its value."""
     found = container.items.pop(key, None)
     if found is None:
         return False
@@ -96,10 +99,12 @@ def remove_key(call: Call, container: MapTerm, key: Term, *value: Term) -> objec
 
 
 def keys(call: Call, container: MapTerm, key: Term) -> Iterator[Unifier]:
+    """`.map.key(M, K)`: an answer for each key, in order."""
     return call.each(key, list(container))
 
 
 def values(call: Call, container: MapTerm, value: Term) -> Iterator[Unifier]:
+    """`.map.value(M, V)`: an answer for each value, in the order of the keys."""
     return call.each(value, [container.items[key] for key in container])
 
 
@@ -107,17 +112,20 @@ def values(call: Call, container: MapTerm, value: Term) -> Iterator[Unifier]:
 
 
 def add(call: Call, container: SetTerm | QueueTerm, element: Term) -> bool:
+    """`.set.add(S, E)`, `.queue.add(Q, E)`: add an element."""
     container.items.add(element) if isinstance(container, SetTerm) else container.add(element)
     return True
 
 
 def add_all(call: Call, container: SetTerm | QueueTerm, elements: Term) -> bool:
+    """`.set.add_all(S, Es)`, `.queue.add_all(Q, Es)`: add all elements of a list, set or queue."""
     for element in _elements("add_all", elements):
         add(call, container, element)
     return True
 
 
 def remove(call: Call, container: SetTerm, element: Term) -> bool:
+    """`.set.remove(S, E)`: remove an element, which there has to be."""
     if element not in container.items:
         return False
     container.items.remove(element)
@@ -125,11 +133,13 @@ def remove(call: Call, container: SetTerm, element: Term) -> bool:
 
 
 def intersection(call: Call, container: SetTerm, others: Term) -> bool:
+    """`.set.intersection(S, Es)`: keep what is among others as well."""
     container.items.intersection_update(_elements("set.intersection", others))
     return True
 
 
 def difference(call: Call, container: SetTerm, others: Term) -> bool:
+    """`.set.difference(S, Es)`: remove all that is among others."""
     container.items.difference_update(_elements("set.difference", others))
     return True
 
@@ -138,10 +148,12 @@ def difference(call: Call, container: SetTerm, others: Term) -> bool:
 
 
 def head(call: Call, container: QueueTerm, element: Term) -> object:
+    """`.queue.head(Q, E)`: the first element."""
     return call.unify(element, container.items[0]) if container.items else False
 
 
 def take(call: Call, container: QueueTerm, element: Term) -> object:
+    """`.queue.remove(Q, E)`: remove the first element."""
     return call.unify(element, container.items.pop(0)) if container.items else False
 
 

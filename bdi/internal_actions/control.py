@@ -33,19 +33,23 @@ def _carry_out(call: Call, formula: BodyFormula) -> Waiting:
 
 
 def if_then_else(call: Call, condition: Term, then: Term, *otherwise: Term) -> Waiting:
+    """`.if_then_else(F, {a}, {b}?)`: carry out one body or the other."""
     bodies = [_body("if_then_else", term) for term in (then, *otherwise)]
     return _carry_out(call, If(condition, bodies[0], bodies[1] if otherwise else ()))
 
 
 def loop(call: Call, condition: Term, body: Term) -> Waiting:
+    """`.loop(F, {a})`: carry out a body as long as a formula holds."""
     return _carry_out(call, While(condition, _body("loop", body)))
 
 
 def foreach(call: Call, generator: Term, body: Term) -> Waiting:
+    """`.foreach(F, {a})`: carry out a body for each answer of a formula."""
     return _carry_out(call, For(generator, _body("foreach", body)))
 
 
 def fork(call: Call, kind: Term, *branches: Term) -> Waiting:
+    """`.fork(and, {a}, {b})`: carry out bodies concurrently, until all or the first end."""
     name = text(kind)
     if name not in ("and", "or"):
         raise wrong("fork", "first argument must be 'and' or 'or'.")

@@ -17,27 +17,32 @@ from .arguments import a_goal, a_literal
 
 
 def drop_all_desires(call: Call) -> bool:
+    """Drop all intentions but the one that calls, and the events of goals."""
     call.agent.circumstance.clear_intentions()
     call.agent.circumstance.clear_events(only_goals=True)
     return True
 
 
 def drop_all_intentions(call: Call) -> bool:
+    """Drop all intentions but the one that calls."""
     call.agent.circumstance.clear_intentions()
     return True
 
 
 def drop_all_events(call: Call) -> bool:
+    """Drop all events."""
     call.agent.circumstance.clear_events()
     return True
 
 
 def drop_event(call: Call, goal: Term) -> bool:
+    """Drop the events of a goal."""
     call.agent.circumstance.remove_goals(a_literal("drop_event", goal), call.unifier)
     return True
 
 
 def drop_desire(call: Call, goal: Term) -> object:
+    """Drop a goal: its events and the intentions that have it."""
     drop_event(call, goal)
     return drop_intention(call, goal)
 
@@ -94,6 +99,7 @@ def _intended(
 
 
 def intend(call: Call, goal: Term, *identity: Term) -> Iterator[Unifier]:
+    """Yield the goals that are intended and not suspended."""
     return _intended(call, _pattern("intend", goal), identity, suspended=False)
 
 
@@ -131,10 +137,12 @@ def fail(call: Call, *annots: Term) -> bool:
 
 
 def succeed_goal(call: Call, goal: Term) -> object:
+    """Finish a goal as if it were achieved."""
     return _finish(call, a_literal("succeed_goal", goal), failed=False)
 
 
 def fail_goal(call: Call, goal: Term) -> object:
+    """Finish a goal as if its plan had failed."""
     return _finish(call, a_literal("fail_goal", goal), failed=True)
 
 

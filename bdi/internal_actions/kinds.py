@@ -40,6 +40,7 @@ def _kinds(term: Term) -> list[str]:
 
 
 def kind_of(call: Call, term: Term, kind: Term) -> Iterator[Unifier]:
+    """`.type(T, Kind)`: an answer for each kind that a term is of."""
     return call.each(kind, map(Literal, _kinds(term)))
 
 

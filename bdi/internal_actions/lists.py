@@ -16,6 +16,7 @@ from .beliefs import answers
 
 
 def length(call: Call, value: Term, result: Term) -> object:
+    """`.length(L, N)`: number of elements, or of characters."""
     if not isinstance(value, str | Nil | Cons | Container):
         raise wrong("length", "first argument must be a list or a string.")
     return call.unify(result, len(value))
@@ -26,6 +27,7 @@ MAX_LENGTH = 100_000
 
 
 def member(call: Call, element: Term, elements: Term) -> Iterator[Unifier]:
+    """`.member(E, L)`: an answer for each element that unifies."""
     items = elements if isinstance(elements, Container) else a_list("member", elements, "second")
     yield from call.each(element, list(items))
 
@@ -66,6 +68,7 @@ def _bare(term: Term) -> str:
 
 
 def nth(call: Call, index: Term, elements: Term, element: Term) -> object:
+    """`.nth(I, L, E)`: an element by its position from 0; an answer for each where I is unbound."""
     if not isinstance(index, float | Var):
         raise wrong(
             "nth", f"the first argument should be numeric or a variable -- not '{text(index)}'."
@@ -110,11 +113,13 @@ def _extreme(name: str, better: Callable[[int], bool]) -> Callable[..., object]:
 
 
 def sort(call: Call, elements: Term, result: Term) -> object:
+    """`.sort(L, S)`: the elements in standard order."""
     ordered = sorted(a_list("sort", elements, "first"), key=standard_order)
     return call.unify(ordered, result)
 
 
 def reverse(call: Call, value: Term, result: Term) -> object:
+    """`.reverse(L, R)`: a list or a string backwards."""
     if isinstance(value, Nil | Cons):
         rest = value.open_tail if isinstance(value, Cons) else None
         backwards = make_list(reversed(list(value)), EMPTY if rest is None else rest)
@@ -172,6 +177,7 @@ def _prefixes(items: list[Term]) -> Iterator[Term]:
 
 
 def prefix(call: Call, part: Term, whole: Term) -> Iterator[Unifier]:
+    """`.prefix(P, L)`: an answer for each beginning, the longest first."""
     if isinstance(whole, str):
         return call.each(part, (whole[:end] for end in range(len(whole), -1, -1)))
     items = list(a_list("prefix", whole, "second"))
@@ -179,6 +185,7 @@ def prefix(call: Call, part: Term, whole: Term) -> Iterator[Unifier]:
 
 
 def suffix(call: Call, part: Term, whole: Term) -> Iterator[Unifier]:
+    """`.suffix(S, L)`: an answer for each end, the longest first."""
     if isinstance(whole, str):
         return call.each(part, (whole[begin:] for begin in range(len(whole) + 1)))
     items = list(a_list("suffix", whole, "second"))
@@ -186,6 +193,7 @@ def suffix(call: Call, part: Term, whole: Term) -> Iterator[Unifier]:
 
 
 def sublist(call: Call, part: Term, whole: Term) -> Iterator[Unifier]:
+    """`.sublist(S, L)`: an answer for each part, from the beginning on and the longest first."""
     items = list(a_list("sublist", whole, "second"))
 
     def parts() -> Iterator[Term]:
@@ -197,6 +205,7 @@ def sublist(call: Call, part: Term, whole: Term) -> Iterator[Unifier]:
 
 
 def range_(call: Call, number: Term, first: Term, last: Term, *step: Term) -> object:
+    """`.range(I, From, To, Step?)`: an answer for each number, To included."""
     begin = int(a_number("range", first, "second"))
     end = int(a_number("range", last, "third"))
     by = int(a_number("range", step[0], "fourth")) if step else 1
@@ -208,6 +217,7 @@ def range_(call: Call, number: Term, first: Term, last: Term, *step: Term) -> ob
 
 
 def empty(call: Call, value: Term) -> bool:
+    """`.empty(L)`: hold for a list, string or container without elements."""
     return len(value) == 0 if isinstance(value, str | Nil | Cons | Container) else False
 
 

@@ -22,18 +22,22 @@ def _annotated(term: Term, annot: Term) -> Term:
 
 
 def add_annot(call: Call, term: Term, annot: Term, result: Term) -> object:
+    """`.add_annot(T, A, R)`: a literal, or each of a list, with one more annotation."""
     return call.unify(result, _annotated(term, annot))
 
 
 def add_nested_source(call: Call, term: Term, source: Term, result: Term) -> object:
+    """`.add_nested_source(T, S, R)`: a literal, or each of a list, as S would tell it."""
     return call.unify(nested_source(term, source), result)
 
 
 def remove_source_annot(call: Call, term: Term, result: Term, *source: Term) -> object:
+    """`.remove_source_annot(T, R, S?)`: a literal or list without its sources, or without one."""
     return call.unify(without_source(term, *source), result)
 
 
 def evaluate(call: Call, result: Term, formula: Term) -> object:
+    """`.eval(R, F)`: true or false, as a formula holds."""
     solution = call.agent.logic.first(formula, call.unifier)
     return call.unify(result, FALSE if solution is None else TRUE)
 

@@ -74,6 +74,7 @@ def _number(term: Term) -> int:
 
 
 def broadcast(call: Call, force: Term, content: Term) -> bool:
+    """`.broadcast(Force, Content)`: send a message to all others."""
     agent, society = call.agent, _society(call)
     for name in society.names():
         if name != agent.name:
@@ -83,6 +84,7 @@ def broadcast(call: Call, force: Term, content: Term) -> bool:
 
 
 def all_names(call: Call, names: Term) -> object:
+    """`.all_names(Ns)`: the names of all agents, in the order in which they joined."""
     return call.unify(names, [Literal(name) for name in _society(call).names()])
 
 
@@ -112,6 +114,7 @@ def _tell_provider(society: Society, subscriber: str, provider: str, service: Te
 
 
 def deregister(call: Call, service: Term, *kind: Term) -> bool:
+    """`.df_deregister(S, Type?)`: offer a service no longer."""
     _society(call).directory.deregister(call.agent.name, *_service(service, kind))
     return True
 
@@ -124,6 +127,7 @@ def search(call: Call, service: Term, *more: Term) -> object:
 
 
 def subscribe(call: Call, service: Term, *kind: Term) -> bool:
+    """`.df_subscribe(S, Type?)`: be told of those who offer a service, now and later."""
     society, name = _society(call), call.agent.name
     for provider in society.directory.subscribe(name, *_service(service, kind)):
         _tell_provider(society, name, provider, service)

@@ -22,11 +22,13 @@ def _line(terms: tuple[Term, ...]) -> str:
 
 
 def print_line(call: Call, *terms: Term) -> bool:
+    """`.print(…)`: print the terms one after another, on one line."""
     call.agent.say(_line(terms))
     return True
 
 
 def log(call: Call, level: Term, *terms: Term) -> bool:
+    """`.log(Level, …)`: print, warn, or only note, as the level says."""
     name = level.functor if isinstance(level, Literal) else ""
     if name in ("warning", "severe"):
         call.agent.warn(_line(terms), call.intention)
@@ -89,6 +91,7 @@ def printf(call: Call, template: Term, *terms: Term) -> bool:
 
 
 def print_unifier(call: Call) -> bool:
+    """Print the values of the variables."""
     names = [name for name in call.unifier if not name.startswith("_")]
     values = (f"{name}={text(substitute(Var(name), call.unifier))}" for name in names)
     call.agent.say(f"{{{', '.join(values)}}}")
@@ -96,14 +99,17 @@ def print_unifier(call: Call) -> bool:
 
 
 def version(call: Call, result: Term) -> object:
+    """`.version(V)`: the version of the language."""
     return call.unify(result, VERSION)
 
 
 def my_name(call: Call, name: Term) -> object:
+    """`.my_name(N)`: the name of the agent."""
     return call.unify(name, Literal(call.agent.name))
 
 
 def stop(call: Call, *delay: Term) -> Waiting:
+    """`.stopMAS`: end the program."""
     call.agent.note("log", f".stopMAS({','.join(map(text, delay))})", call.intention)
     call.agent.stop()
     return WAITING

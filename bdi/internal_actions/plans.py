@@ -14,6 +14,8 @@ from ..language.terms import Cons, Literal, Nil, Term, Var, make_list, plain_tex
 from ..reasoning.actions import ActionError, InternalAction
 from ..reasoning.beliefs import has_source
 from ..reasoning.calls import Call
+from ..reasoning.loading import add_plan as load_plan
+from ..reasoning.loading import add_program
 from ..reasoning.mail import without_source
 from ..reasoning.plans import LoadedPlan
 from .arguments import a_trigger, wrong
@@ -37,7 +39,7 @@ def include(call: Call, name: Term, *namespace: Term) -> object:
     if isinstance(found, str):
         raise ActionError(found)
     try:
-        agent.add_program(parse_file(found, namespace=space))
+        add_program(agent, parse_file(found, namespace=space))
     except ProgramError as error:
         raise ActionError(str(error)) from None
     return answer
@@ -55,6 +57,7 @@ def _plan(term: Term) -> Plan:
 
 
 def add_plan(call: Call, plans: Term, *more: Term) -> bool:
+    """`.add_plan(P, Source?, begin?)`: add a plan, given as term or text, or a list of them."""
     source = Literal("source", (more[0] if more else Literal("self"),))
     first = len(more) > 1 and text(more[1]) == "begin"
     agent = call.agent
@@ -63,13 +66,14 @@ def add_plan(call: Call, plans: Term, *more: Term) -> bool:
         if plan.name.startswith("l__"):
             plan = replace(plan, label=None)
         try:
-            agent.add_plan(plan, source, first=first)
+            load_plan(agent, plan, source, first=first)
         except (ValueError, ProgramError) as error:
             raise ActionError(str(error)) from None
     return True
 
 
 def remove_plan(call: Call, labels: Term, *more: Term) -> bool:
+    """`.remove_plan(Label, Source?)`: take a source off plans; those without one are removed."""
     source = Literal("source", (more[0] if more else Literal("self"),))
     for label in labels if isinstance(labels, Nil | Cons) else (labels,):
         if isinstance(label, PlanTerm):
@@ -118,6 +122,7 @@ def _as_term(call: Call, plan: LoadedPlan) -> PlanTerm:
 
 
 def relevant_plans(call: Call, event: Term, plans: Term, *labels: Term) -> object:
+    """`.relevant_plans({+!g}, Ps, Labels?)`: the plans for an event, and their labels."""
     found = _relevant(call, event)
     terms: list[Term] = [make_list(_as_term(call, plan) for plan in found)]
     if labels:
@@ -132,6 +137,7 @@ def relevant_plan(call: Call, event: Term, plan: Term, *label: Term) -> Iterator
 
 
 def plan_label(call: Call, plan: Term, label: Term) -> object:
+    """`.plan_label(P, Label)`: the plan that has a label."""
     name = label.functor if isinstance(label, Literal) else plain_text(label)
     found = call.agent.plans.get(name)
     return False if found is None else call.unify(_as_term(call, found), plan)

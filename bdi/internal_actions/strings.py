@@ -59,6 +59,7 @@ def _groups(replacement: str) -> str:
 
 
 def term2string(call: Call, term: Term, string: Term) -> object:
+    """`.term2string(T, S)`: the text of a term, or the term that a text stands for."""
     if not isinstance(term, Var):
         if isinstance(string, str):
             return text(term) == string
@@ -73,10 +74,12 @@ def term2string(call: Call, term: Term, string: Term) -> object:
 
 
 def upper_case(call: Call, word: Term, result: Term) -> object:
+    """`.upper_case(S, R)`: a text in capitals."""
     return call.unify(result, plain_text(word).upper())
 
 
 def lower_case(call: Call, word: Term, result: Term) -> object:
+    """`.lower_case(S, R)`: a text in small letters."""
     return call.unify(result, plain_text(word).lower())
 
 

@@ -14,6 +14,7 @@ from .arguments import a_literal
 
 
 def suspend(call: Call, *goal: Term) -> object:
+    """`.suspend(G?)`: suspend what has a goal, or the intention that calls."""
     circumstance = call.agent.circumstance
     reason = Literal("suspend_ia")
     if not goal:
@@ -66,6 +67,7 @@ def _is_goal(event: Event, wanted: Literal, u: Unifier) -> bool:
 
 
 def resume(call: Call, goal: Term) -> object:
+    """`.resume(G)`: let go on what is suspended and has a goal."""
     wanted = a_literal("resume", goal)
     circumstance = call.agent.circumstance
     u = dict(call.unifier)
@@ -90,6 +92,7 @@ def resume(call: Call, goal: Term) -> object:
 
 
 def suspended(call: Call, goal: Term, *reason: Term) -> object:
+    """`.suspended(G, R?)`: hold if an intention that has a goal is suspended or waits; R is why."""
     wanted = a_literal("suspended", goal)
     circumstance = call.agent.circumstance
     waiting = [

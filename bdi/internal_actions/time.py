@@ -32,6 +32,7 @@ def _milliseconds(number: str, unit: str) -> int:
 
 
 def wait(call: Call, what: Term, *more: Term) -> object:
+    """`.wait(What, Timeout?, Elapsed?)`: wait for a time, an event or a condition."""
     agent, intention = call.agent, call.intention
     if intention is None:
         raise wrong("wait", "it cannot be used in a context")
@@ -65,6 +66,7 @@ def wait(call: Call, what: Term, *more: Term) -> object:
 
 
 def at(call: Call, when: Term, event: Term) -> bool:
+    """`.at("now +3 s", {+!g})`: raise an event later."""
     parsed = _AT.fullmatch(when.strip()) if isinstance(when, str) else None
     if parsed is None:
         raise ActionError(
@@ -96,11 +98,13 @@ def _instant(call: Call) -> datetime:
 
 
 def date(call: Call, year: Term, month: Term, day: Term) -> object:
+    """`.date(Y, M, D)`: the date, counted from EPOCH."""
     now = _instant(call)
     return call.unify([year, month, day], [now.year, now.month, now.day])
 
 
 def time(call: Call, hour: Term, minute: Term, second: Term, *milliseconds: Term) -> object:
+    """`.time(H, M, S, Ms?)`: the time of the day, counted from EPOCH."""
     now = _instant(call)
     values = [now.hour, now.minute, now.second, now.microsecond // 1_000]
     terms = [hour, minute, second, *milliseconds]
@@ -108,6 +112,7 @@ def time(call: Call, hour: Term, minute: Term, second: Term, *milliseconds: Term
 
 
 def nano_time(call: Call, now: Term) -> object:
+    """`.nano_time(N)`: the time in nanoseconds."""
     return call.unify(now, float(call.agent.clock))
 
 

@@ -158,10 +158,12 @@ Body: TypeAlias = tuple[BodyFormula, ...]
 
 
 def body_text(body: Body) -> str:
+    """Return a body as AgentSpeak, its steps separated by semicolons."""
     return "; ".join(map(str, body))
 
 
 def block_text(body: Body) -> str:
+    """Return a body as AgentSpeak, in braces."""
     return f"{{ {body_text(body)} }}" if body else "{ }"
 
 
@@ -206,9 +208,11 @@ class BodyTerm(Quoted):
 
     @cached_property
     def ground(self) -> bool:
+        """True if there are no variables in it."""
         return not has_variables(self.body)
 
     def changed(self, change: Callable[[Any], Any]) -> BodyTerm:
+        """Return it with everything inside replaced for which `change` returns not None."""
         return BodyTerm(transformed(self.body, change), self.bare)
 
     @property

@@ -47,6 +47,7 @@ from .terms import (
     Term,
     TriggerTerm,
     Var,
+    atom,
     make_list,
     text,
 )
@@ -331,7 +332,9 @@ class Builder(Transformer_NonRecursive[Token, Any]):
         annots: List | None,
         negated: bool,
     ) -> Literal | Qualified:
-        literal = Literal(_in(qualifier, name), args or (), _annots(annots), negated)
+        functor, kept = _in(qualifier, name), _annots(annots)
+        is_atom = not (args or kept or negated)
+        literal = atom(functor) if is_atom else Literal(functor, args or (), kept, negated)
         if literal.is_internal_action and (negated or literal.annots):
             what = "be negated" if negated else "have annotations"
             raise RefusedError(meta, f"the internal action {name} cannot {what}")

@@ -15,7 +15,7 @@ from .arithmetic import is_function
 from .body import Place
 from .builder import string_value
 from .program import Belief
-from .terms import Literal, Term
+from .terms import Literal, Term, atom
 
 
 def plain_fact(tokens: Sequence[Token], file: str) -> Belief | None:
@@ -29,7 +29,7 @@ def plain_fact(tokens: Sequence[Token], file: str) -> Belief | None:
     rest = iter(tokens[2:-2])
     for token in rest:
         if token.type == "ATOM" and "." not in token:
-            args.append(Literal(str(token)))
+            args.append(atom(str(token)))
         elif token.type == "STRING":
             args.append(string_value(token))
         else:

@@ -6,6 +6,7 @@ import re
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
+from weakref import WeakValueDictionary
 
 from ..errors import Problem, ProgramError
 from .builder import THIS, Directive
@@ -88,13 +89,22 @@ def _parse(source: str, name: str, folder: Path | None, namespace: str = "defaul
     found, problems = _read_all(source, name, folder, (), within)
     if problems:
         raise ProgramError(problems)
-    return Program(
-        name,
-        tuple(c for c in found if isinstance(c, Belief | Rule)),
-        tuple(c for c in found if isinstance(c, Goal)),
-        tuple(c for c in found if isinstance(c, Plan)),
-        folder,
-    )
+    # Clauses are read once for each text: where all are the same, so is the program.
+    key = (name, folder, tuple(map(id, found)))
+    known = _READ.get(key)
+    if known is None:
+        known = _READ[key] = Program(
+            name,
+            tuple(c for c in found if isinstance(c, Belief | Rule)),
+            tuple(c for c in found if isinstance(c, Goal)),
+            tuple(c for c in found if isinstance(c, Plan)),
+            folder,
+        )
+    return known
+
+
+_READ: WeakValueDictionary[tuple[object, ...], Program] = WeakValueDictionary()
+"""Programs that somebody has, by their name, folder and clauses, which live as long."""
 
 
 def _read_all(

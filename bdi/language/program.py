@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeAlias, TypeVar
@@ -63,7 +63,7 @@ class Clause:
         def look(part: object) -> None:
             if isinstance(part, Function):
                 found.add(part.symbol)
-            elif isinstance(part, Literal) and part.is_internal_action:
+            elif isinstance(part, Literal) and part.is_internal_action and _is_own(part):
                 found.add(part.functor)
 
         transformed(self, look)
@@ -203,6 +203,14 @@ class Program:
             for clause in transformed(clauses, _escaped)
         )
 
+    def __hash__(self) -> int:
+        return self._hash
+
+    @cached_property
+    def _hash(self) -> int:
+        # Found once: a program is long, and shared.
+        return hash((self.source, self.beliefs, self.goals, self.plans, self.folder))
+
     def __repr__(self) -> str:
         counts = f"{len(self.beliefs)} beliefs, {len(self.goals)} goals, {len(self.plans)} plans"
         return f"<Program {self.source}: {counts}>"
@@ -223,9 +231,11 @@ class PlanTerm(Quoted):
 
     @cached_property
     def ground(self) -> bool:
+        """True if there are no variables in it."""
         return not has_variables(self.plan)
 
     def changed(self, change: Callable[[Any], Any]) -> PlanTerm:
+        """Return it with everything inside replaced for which `change` returns not None."""
         return PlanTerm(transformed(self.plan, change))
 
     @property
@@ -246,9 +256,11 @@ class RuleTerm(Quoted):
 
     @cached_property
     def ground(self) -> bool:
+        """True if there are no variables in it."""
         return not has_variables(self.rule)
 
     def changed(self, change: Callable[[Any], Any]) -> RuleTerm:
+        """Return it with everything inside replaced for which `change` returns not None."""
         return RuleTerm(transformed(self.rule, change))
 
     def __str__(self) -> str:
@@ -261,31 +273,36 @@ class RuleTerm(Quoted):
 _Clause = TypeVar("_Clause", bound=Clause)
 
 
-def with_run_functions(program: Program, functions: Mapping[str, Callable[..., float]]) -> Program:
-    """Return the program with the functions of one run, as `math.random`, bound to `functions`.
+def _is_own(literal: Literal) -> bool:
+    """Return True if a literal may be a function of a run.
 
-    A program is shared by the agents that run it, so each binds its own when it loads it.
+    An internal action may have the name of one, as `.count(Formula, N)` has.
+    """
+    count = len(literal.args)
+    return literal.functor not in RUN_FUNCTIONS or is_function(literal.functor, count)
+
+
+def with_run_functions(
+    clauses: tuple[_Clause, ...], functions: Mapping[str, Callable[..., float]]
+) -> tuple[_Clause, ...]:
+    """Return clauses with the functions of one run, as `math.random`, bound to `functions`.
+
+    Clauses are shared by the agents that run them, so each binds its own where they call any;
+    where none does, they are returned as they are.
     """
 
     def bind(part: Any) -> Any:
         if isinstance(part, Function) and part.symbol in functions:
             args = transformed(part.operands, bind)
             return Function(part.symbol, args, functions[part.symbol])
-        if isinstance(part, Literal) and part.functor in functions and is_own(part):
+        if isinstance(part, Literal) and part.functor in functions and _is_own(part):
             args = transformed(part.args, bind)
             return Function(part.functor, args, functions[part.functor])
         return None
 
-    def is_own(literal: Literal) -> bool:
-        # As `.count(Formula, N)`, an internal action may have the name of a function.
-        count = len(literal.args)
-        return literal.functor not in RUN_FUNCTIONS or is_function(literal.functor, count)
-
-    def bound(clause: _Clause) -> _Clause:
-        return clause if clause.functions.isdisjoint(functions) else transformed(clause, bind)
-
-    return replace(
-        program,
-        beliefs=tuple(map(bound, program.beliefs)),
-        plans=tuple(map(bound, program.plans)),
+    if all(clause.functions.isdisjoint(functions) for clause in clauses):
+        return clauses
+    return tuple(
+        clause if clause.functions.isdisjoint(functions) else transformed(clause, bind)
+        for clause in clauses
     )

@@ -14,6 +14,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from decimal import Decimal
+from functools import lru_cache
 from numbers import Real
 from typing import Any, NoReturn, TypeAlias, cast
 
@@ -144,11 +145,25 @@ class Literal:
         other.negated = self.negated
         other.key = self.key
         other._hash = None
-        other.ground = True
-        other.size = 1
-        other.depth = 0
-        if args:
-            other._weigh(args)
+        # As `_weigh`, in place: most literals that a program makes are made here.
+        ground, size, depth = True, 1, 0
+        for term in args:
+            cls = term.__class__
+            if cls is float:
+                continue
+            if cls is str:
+                size += len(term) >> 6  # type: ignore[arg-type]
+                continue
+            if not term.ground:  # type: ignore[union-attr]
+                ground = False
+            size += term.size  # type: ignore[union-attr]
+            if term.depth >= depth:  # type: ignore[union-attr]
+                depth = term.depth + 1  # type: ignore[union-attr]
+        if size > MAX_SIZE or depth > MAX_DEPTH:
+            _refuse(size)
+        other.ground = ground
+        other.size = size
+        other.depth = depth
         return other
 
     def with_annots(self, annots: tuple[Term, ...]) -> Literal:
@@ -284,6 +299,7 @@ class Cons:
         self.depth = depth
 
     def cells(self) -> Iterator[Cons]:
+        """Iterate over the cells, each with one element and what follows."""
         cell: Term = self
         while isinstance(cell, Cons):
             yield cell
@@ -298,6 +314,7 @@ class Cons:
 
     @property
     def open_tail(self) -> Var | None:
+        """The variable at the end, if the list is open."""
         rest: Term = self
         while isinstance(rest, Cons):
             rest = rest.tail
@@ -499,14 +516,17 @@ class TriggerTerm:
 
     @property
     def ground(self) -> bool:
+        """True if substitution leaves it unchanged."""
         return is_ground(self.literal)
 
     @property
     def size(self) -> int:
+        """Number of its parts."""
         return self.literal.size
 
     @property
     def depth(self) -> int:
+        """Number of terms nested in each other."""
         return self.literal.depth
 
     def __str__(self) -> str:
@@ -635,6 +655,13 @@ def placed(literal: Literal, namespace: str, negated: bool | None = None) -> Lit
 
 
 # ---- making terms
+
+
+@lru_cache(maxsize=4096)
+def atom(name: str) -> Literal:
+    """Return the atom of a name: the same for all that read it, which are soon compared."""
+    return Literal(name)
+
 
 TRUE = Literal("true")
 FALSE = Literal("false")

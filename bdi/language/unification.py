@@ -82,6 +82,7 @@ def _bind(var: Var, value: Term, u: Unifier) -> bool:
 
 
 def unify_literals(one: Literal, other: Literal, u: Unifier) -> bool:
+    """Do as `unify` for two literals."""
     if (
         one.functor != other.functor
         or len(one.args) != len(other.args)

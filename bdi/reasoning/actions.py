@@ -157,7 +157,7 @@ def check_actions(program: Program, actions: Mapping[str, object]) -> None:
         ProgramError: some are not; it has all of them.
     """
     problems: dict[Problem, None] = {}
-    for place, action, in_context in _calls(program):
+    for place, action, in_context in _known_calls(program):
         name = action.functor
         if name not in actions:
             near = get_close_matches(name, actions, n=1)
@@ -167,6 +167,14 @@ def check_actions(program: Program, actions: Mapping[str, object]) -> None:
             problems[place.problem(f"{name} cannot be used in a context or query")] = None
     if problems:
         raise ProgramError(list(problems))
+
+
+def _known_calls(program: Program) -> tuple[tuple[Place, Literal, bool], ...]:
+    """Return the calls of a program, looked for once."""
+    known = program.__dict__.get("calls")
+    if known is None:
+        known = program.__dict__["calls"] = tuple(_calls(program))
+    return known
 
 
 def _calls(program: Program) -> Iterator[tuple[Place, Literal, bool]]:

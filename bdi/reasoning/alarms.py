@@ -17,6 +17,7 @@ class Alarm:
         self.cancelled = False
 
     def cancel(self) -> None:
+        """Have the task not run."""
         self.cancelled = True
 
 
@@ -52,4 +53,5 @@ class Alarms:
             heapq.heappop(self.heap)[2].task()
 
     def clear(self) -> None:
+        """Cancel all of them."""
         self.heap.clear()

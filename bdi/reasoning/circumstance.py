@@ -233,6 +233,15 @@ class Circumstance:
             self._release(intention)
         return action
 
+    def report(self, wanted: int | Literal, success: bool) -> bool:
+        """Note the outcome of an action, named by its number or as it is; False if none is open."""
+        reported = [pending for pending, _ in self.feedback]
+        for pending in self.pending_actions.values():
+            if wanted in (pending.number, pending.action) and pending not in reported:
+                self.feedback.append((pending, success))
+                return True
+        return False
+
     def has_feedback(self) -> bool:
         """Return True if an outcome has come for an intention that is not suspended."""
         return any(not action.intention.is_suspended for action, _ in self.feedback)

@@ -108,6 +108,9 @@ def _build_literal(literal: Literal) -> Build:
     if len(build_args) == 2:
         first, second = build_args
         return lambda u: literal.with_args((first(u), second(u)))
+    if len(build_args) == 3:
+        first, second, third = build_args
+        return lambda u: literal.with_args((first(u), second(u), third(u)))
     return lambda u: literal.with_args(tuple([build(u) for build in build_args]))
 
 
@@ -183,6 +186,7 @@ def _query(query: Term, following: Term | None = None) -> Condition:
     key = query.key
     formula: Term = query if following is None else And(query, following)
     rest = None if following is None else condition(following)
+    name = query.args[0].name if len(query.args) > 1 and query.args[0].__class__ is Var else ""
 
     def check(logic: Logic, u: Unifier) -> Unifier | None:
         shelf = logic.shelves.get(key)
@@ -190,7 +194,12 @@ def _query(query: Term, following: Term | None = None) -> Condition:
             return None
         if shelf.rules:
             return logic.first(formula, u)
+        wanted = u.get(name) if name else None
         for belief in shelf.candidates(query, u):
+            if wanted.__class__ is Literal:
+                first = belief.args[0]  # type: ignore[union-attr]
+                if first.__class__ is Literal and first.key != wanted.key:
+                    continue
             solution = matched(query, belief, u)  # type: ignore[arg-type]
             if solution is None:
                 continue

@@ -6,7 +6,7 @@ takes the outcome of one action and carries out one step of one intention.
 
 from __future__ import annotations
 
-from ..errors import EndlessProgramError, Problem
+from ..errors import EndlessProgramError, Problem, TooDeepError
 from ..language.terms import ONLY_SELF, Literal
 from .achievement import finish_satisfied
 from .actions import error_annots
@@ -16,32 +16,72 @@ from .failure import fail
 from .intentions import Event
 from .mail import read
 from .plans import SLEEPING
-from .state import SECOND, AgentState
+from .state import SECOND, AgentState, nanoseconds
 
 
 class ReasoningCycle:
-    """Runs the cycles of one agent."""
+    """Runs the cycles of one agent.
+
+    Attributes:
+        runs: True while it does.
+    """
 
     def __init__(self, state: AgentState, max_cycles: int) -> None:
+        self.runs = False
         self._state = state
         self._max_cycles = max_cycles
+        self._has_begun = False
 
-    def run_until(self, clock: int, time: float) -> None:
-        """Run all that is due before a time, each at its own, and set the time.
+    @property
+    def next_wakeup(self) -> float | None:
+        """Time at which there is something to do without anything new from outside (s), or None."""
+        if not self._has_begun or self._state.mailbox:
+            return self._state.now
+        due = self._state.alarms.next
+        return None if due is None else due / SECOND
 
-        Args:
-            clock: the time (ns).
-            time: the same time as the caller gave it (s).
-        """
+    def advance(self, time: float) -> None:
+        """Run until nothing is left to do at `time` (s); raise as `Agent.advance`."""
+        state = self._state
+        clock = nanoseconds(time)
+        if clock < state.clock:
+            raise ValueError(f"time goes forward: {time} s comes before {state.now} s")
+        if self._has_begun and not (
+            state.percepts.coming
+            or state.alarms.heap
+            or state.mailbox
+            or state.circumstance.feedback
+        ):
+            state.clock, state.now = clock, time
+            return
+        self.runs = True
+        try:
+            if not self._has_begun:
+                self._has_begun = True
+                self._run_instant()
+            self._run_until(clock)
+            state.clock, state.now = clock, time
+            percepts = state.percepts
+            coming, percepts.coming = percepts.coming, []
+            percepts.change(coming)
+            self._run_instant()
+        except RecursionError:
+            raise EndlessProgramError([self._problem("a term is nested too deeply")]) from None
+        except TooDeepError as error:
+            raise EndlessProgramError([self._problem(str(error))]) from None
+        finally:
+            self.runs = False
+
+    def _run_until(self, clock: int) -> None:
+        """Run all that is due before a time (ns), each at its own."""
         state = self._state
         due = state.alarms.next
         while due is not None and due < clock:
             state.clock, state.now = due, due / SECOND
-            self.run_instant()
+            self._run_instant()
             due = state.alarms.next
-        state.clock, state.now = clock, time
 
-    def run_instant(self) -> None:
+    def _run_instant(self) -> None:
         """Run cycles until nothing is left to do at the present time.
 
         Raises:
@@ -61,7 +101,7 @@ class ReasoningCycle:
             left -= 1
             if left < 0:
                 limit = f"more than {self._max_cycles} cycles at {state.now:g} s"
-                raise EndlessProgramError([self.problem(f"{limit}: this plan does not end")])
+                raise EndlessProgramError([self._problem(f"{limit}: this plan does not end")])
             if logic.goals_left != logic.max_goals:
                 logic.begin_cycle()
             circumstance.selected_event = circumstance.selected = None
@@ -122,10 +162,10 @@ class ReasoningCycle:
         if state.alarms.heap:
             state.alarms.ring(state.clock)
         if state.percepts.changed:
-            for event in state.percepts.update(state.beliefs):
+            for sort, literal in state.percepts.update(state.beliefs):
                 if state.is_observed:
-                    state.note("percept", event)
-                state.changed(event.sort, event.literal, None)
+                    state.note("percept", f"{sort}{literal}")
+                state.changed(sort, literal, None)
         if state.plans.has_sleep:
             self._fall_asleep_or_wake()
         if state.mailbox:
@@ -170,7 +210,7 @@ class ReasoningCycle:
                 fail(state, intention, error_annots("action_failed", ""))
             return
 
-    def problem(self, message: str) -> Problem:
+    def _problem(self, message: str) -> Problem:
         """Return a problem of the plan that is being carried out or looked for."""
         state, circumstance = self._state, self._state.circumstance
         selected, event = circumstance.selected, circumstance.selected_event

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TypeAlias
 
 from ..errors import TooDeepError
@@ -67,12 +68,13 @@ def _option_inside(agent: AgentState, event: Event) -> tuple[_Option | None, boo
     if event.option is not None:
         return event.option, True
     intention = event.intention
-    library: PlanLibrary | None = agent.plans
+    libraries = [agent.plans]
     if intention is not None and intention.stack:
         plan = intention.top.plan
         library = plan.scope if plan.inner is None else plan.inner
+        libraries = [*_outwards(library), agent.plans]
     is_relevant = False
-    while library is not None:
+    for library in libraries:
         for plan in library.candidates(event.sort, event.literal):
             is_relevant = True
             u = _begin(plan, event.literal, intention)
@@ -80,13 +82,19 @@ def _option_inside(agent: AgentState, event: Event) -> tuple[_Option | None, boo
                 u = plan.applies(agent.logic, u)
             if u is not None:
                 return (plan, u), True
-        library = library.outer
     return None, is_relevant
+
+
+def _outwards(library: PlanLibrary | None) -> Iterator[PlanLibrary]:
+    """Yield the library of a plan, and those around it."""
+    while library is not None:
+        yield library
+        library = library.outer
 
 
 def _begin(plan: LoadedPlan, literal: Literal, intention: Intention | None) -> Unifier | None:
     """Return the bindings of a plan for an event: with those of the plan that it is inside of."""
-    if intention is not None:
+    if intention is not None and plan.scope is not None:
         for means in intention.downwards():
             if means.plan.inner is plan.scope:
                 return unified(plan.literal, literal, means.first)
@@ -108,7 +116,7 @@ def _share(agent: AgentState, event: Event) -> None:
         copy = intention.copy(agent.next_intention_number())
         copy.outer = intention
         ending = compiled(_ENDING).body
-        loaded = LoadedPlan(_ENDING, Literal("ending"), agent.plans)
+        loaded = LoadedPlan(_ENDING, Literal("ending"))
         copy.push(Means(loaded, event.sort, event.literal, {}, ending))
         shared = Event(event.sort, event.literal, copy)
         shared.option = option

@@ -22,6 +22,7 @@ from .beliefs import with_source
 from .deliberation import move_on
 from .failure import fail
 from .intentions import Event, Intention
+from .loading import learn
 from .plans import PROTOCOL
 from .society import Message
 from .state import AgentState
@@ -53,7 +54,7 @@ def read(agent: AgentState, message: Message) -> None:
         goal = nested_source(content, Literal(sender))
         agent.circumstance.post(Event("+!", with_source(goal)))  # type: ignore[arg-type]
     else:
-        agent.learn(protocol())
+        learn(agent, protocol())
         number = Literal(f"mid{message.question}")
         args = (Literal(sender), Literal(message.force), content, number)
         agent.circumstance.post(Event("+!", with_source(Literal("kqml_received", args))))

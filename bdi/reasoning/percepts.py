@@ -6,14 +6,13 @@ from collections.abc import Iterable
 
 from ..language.terms import Literal
 from .beliefs import BeliefBase
-from .intentions import Event
 
 
 class Percepts:
     """The percepts that hold now, and those that come or go with the next `advance`.
 
     Attributes:
-        coming: those that wait for the next `come`, in order; True for those that begin to hold.
+        coming: those that wait for the next `advance`, in order, as `change` takes them.
         changed: by their identity, those that have come or gone since the belief base was updated.
     """
 
@@ -26,11 +25,6 @@ class Percepts:
     def current(self) -> list[Literal]:
         """The percepts that hold, in the order in which they came."""
         return list(self._now.values())
-
-    def come(self) -> None:
-        """Let those that wait come and go."""
-        coming, self.coming = self.coming, []
-        self.change(coming)
 
     def change(self, changes: Iterable[tuple[bool, Literal]]) -> None:
         """Let percepts come, with True, and go."""
@@ -46,19 +40,19 @@ class Percepts:
             changed.pop(key, None)
             changed[key] = percept
 
-    def update(self, beliefs: BeliefBase) -> list[Event]:
-        """Update the beliefs from the percepts; return the events, deletions before additions.
+    def update(self, beliefs: BeliefBase) -> list[tuple[str, Literal]]:
+        """Update the beliefs from the percepts; return the changes, deletions before additions.
 
         A percept that the program has stopped believing although it still holds is new again.
         """
         changed, self.changed = self.changed, {}
         now = self._now
-        events = []
+        changes = []
         for key, percept in changed.items():
             if key not in now:
                 removed = beliefs.forget_percept(percept)
                 if removed is not None:
-                    events.append(Event("-", removed))
+                    changes.append(("-", removed))
         if beliefs.lost_percepts:
             changed = {**beliefs.lost_percepts, **changed}
             beliefs.lost_percepts = {}
@@ -66,5 +60,5 @@ class Percepts:
             if key in now:
                 belief = beliefs.perceive(now[key])
                 if belief is not None:
-                    events.append(Event("+", belief))
-        return events
+                    changes.append(("+", belief))
+        return changes

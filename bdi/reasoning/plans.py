@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from copy import copy
 
 from ..language.body import Place
 from ..language.order import sorted_annots
@@ -46,11 +47,13 @@ def compiled(plan: Plan) -> Compiled:
 class LoadedPlan:
     """Plan in a library: compiled, with a label that has a name and sources.
 
+    It never changes: agents that run one program share its plans.
+
     Attributes:
         plan: the plan as written.
         label: its label.
         inner: the library of the plans inside it, if there are any.
-        scope: the library it is in.
+        scope: the library it is in, if that is the one of a plan.
         until: check of the condition by which its goal is achieved, if it has one that may hold.
     """
 
@@ -59,7 +62,7 @@ class LoadedPlan:
         *("scope", "sort", "until"),
     )
 
-    def __init__(self, plan: Plan, label: Literal, scope: PlanLibrary) -> None:
+    def __init__(self, plan: Plan, label: Literal, scope: PlanLibrary | None = None) -> None:
         self.plan = plan
         self.label = label
         self.scope = scope
@@ -73,7 +76,7 @@ class LoadedPlan:
         self.atomic = plan.atomic
         self.inner: PlanLibrary | None = None
         if plan.subplans:
-            self.inner = PlanLibrary(scope)
+            self.inner = PlanLibrary(scope, is_inside=True)
             for part in plan.subplans:
                 self.inner.add(part)
 
@@ -88,7 +91,9 @@ class PlanLibrary:
     """The plans of an agent, or of a plan. One for any event, `+!G`, is found among those of each.
 
     Args:
-        outer: the library around it, in which events are looked for that have no plan here.
+        outer: the library around it, in which events are looked for that have no plan here; those
+            of an agent are around all others.
+        is_inside: True for the library of a plan.
 
     Attributes:
         has_inner: True if plans have plans inside.
@@ -96,15 +101,18 @@ class PlanLibrary:
         has_sleep: True if there are plans for `jag_sleeping` or `jag_awaking`.
         has_protocol: True if the program has plans of its own for messages.
         has_inner_updates: True if plans have plans inside for changes of beliefs.
+        has_special: True if plans have plans inside, or are for an agent that sleeps or awakes.
     """
 
-    def __init__(self, outer: PlanLibrary | None = None) -> None:
+    def __init__(self, outer: PlanLibrary | None = None, *, is_inside: bool = False) -> None:
         self.outer = outer
         self.has_inner = False
         self.has_states = False
         self.has_sleep = False
         self.has_protocol = False
         self.has_inner_updates = False
+        self.has_special = False
+        self._is_inside = is_inside
         self._plans: list[LoadedPlan] = []
         self._by_trigger: dict[str, dict[Key, list[LoadedPlan]]] = {sort: {} for sort in _SORTS}
         self._for_any: dict[str, list[LoadedPlan]] = {sort: [] for sort in _SORTS}
@@ -117,16 +125,31 @@ class PlanLibrary:
     def __len__(self) -> int:
         return len(self._plans)
 
+    def take(self, other: PlanLibrary) -> None:
+        """Take the plans of another library, while there are none here."""
+        self.has_inner = other.has_inner
+        self.has_states = other.has_states
+        self.has_sleep = other.has_sleep
+        self.has_protocol = other.has_protocol
+        self.has_inner_updates = other.has_inner_updates
+        self.has_special = other.has_special
+        self._plans = other._plans.copy()
+        for sort, filed in other._by_trigger.items():
+            self._by_trigger[sort] = {key: plans.copy() for key, plans in filed.items()}
+            self._for_any[sort] = other._for_any[sort].copy()
+        self._by_label = other._by_label.copy()
+        self._made_labels = other._made_labels
+
     def add(self, plan: Plan, source: Literal = FROM_SELF, *, first: bool = False) -> LoadedPlan:
         """Add a plan, or only another source to a plan that is there already.
 
         Raises:
             ValueError: another plan has its label.
         """
-        for known in self._plans:
+        for known in self.candidates(plan.trigger.sort, plan.trigger.literal):
             if known.plan.is_same(plan) and (not plan.name or plan.name == known.label.functor):
-                known.label = known.label.with_annots(sorted_annots((*known.label.annots, source)))
-                return known
+                annots = sorted_annots((*known.label.annots, source))
+                return self._relabel(known, known.label.with_annots(annots))
         label = plan.label if isinstance(plan.label, Literal) else Literal("")
         if not label.functor:
             label = Literal(self._new_label(), label.args, label.annots)
@@ -137,7 +160,7 @@ class PlanLibrary:
         )
         annots = sorted_annots((*label.annots, *own))
         labelled = Literal(label.functor, label.args, annots)
-        loaded = LoadedPlan(plan, labelled, self)
+        loaded = LoadedPlan(plan, labelled, self if self._is_inside else None)
         self._by_label[label.functor] = loaded
         self._take_notes(loaded)
         self._file(loaded, first)
@@ -149,13 +172,25 @@ class PlanLibrary:
             self.has_sleep = True
         if isinstance(loaded.literal, Literal) and loaded.literal.functor == "kqml_received":
             self.has_protocol = self.has_protocol or loaded.plan.place.file != PROTOCOL
-        updates = self.outer is not None and len(loaded.sort) == 1
-        library: PlanLibrary | None = self
-        while library is not None:
-            library.has_inner = library.has_inner or loaded.inner is not None
-            library.has_states = library.has_states or self.has_states
-            library.has_inner_updates = library.has_inner_updates or updates
-            library = library.outer
+        if self._is_inside and len(loaded.sort) == 1:
+            self.has_inner_updates = True
+        inner = loaded.inner
+        if inner is not None:
+            self.has_inner = True
+            self.has_states = self.has_states or inner.has_states
+            self.has_inner_updates = self.has_inner_updates or inner.has_inner_updates
+        self.has_special = self.has_inner or self.has_sleep
+
+    def _relabel(self, plan: LoadedPlan, label: Literal) -> LoadedPlan:
+        """Put the plan with another label in its place: others may share it as it is."""
+        changed = copy(plan)
+        changed.label = label
+        filed = self._by_trigger[plan.sort].values()
+        for plans in (self._plans, self._for_any[plan.sort], *filed):
+            if plan in plans:
+                plans[plans.index(plan)] = changed
+        self._by_label[label.functor] = changed
+        return changed
 
     def get(self, label: str) -> LoadedPlan | None:
         """Return the plan with a label, if there is one."""
@@ -189,8 +224,9 @@ class PlanLibrary:
         if plan is None or source not in plan.label.annots:
             return
         annots = tuple(annot for annot in plan.label.annots if annot != source)
-        plan.label = plan.label.with_annots(annots)
-        if has_source(plan.label):
+        left = plan.label.with_annots(annots)
+        if has_source(left):
+            self._relabel(plan, left)
             return
         del self._by_label[label]
         self._plans.remove(plan)

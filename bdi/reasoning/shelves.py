@@ -141,9 +141,11 @@ class LiveShelf(Shelf):
         self._source = source
 
     def candidates(self, query: Literal, u: Unifier) -> tuple[Literal | Rule, ...]:
+        """Return what may answer a query, in order."""
         return (*self._live(), *self.kept(query, u))
 
     def everything(self) -> tuple[Literal | Rule, ...]:
+        """Return all that may answer a query for anything, in order."""
         return (*self._live(), *self.all())
 
     def _live(self) -> Iterator[Literal]:

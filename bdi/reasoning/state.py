@@ -10,15 +10,14 @@ from itertools import count
 from random import Random
 from typing import Protocol, TypeAlias
 
-from ..errors import ProgramError, TooDeepError
-from ..language.program import Belief, Plan, Program, Rule, with_run_functions
-from ..language.substitution import Names, Unifier, rename, substitute_literal
-from ..language.terms import TRUE, Literal
-from .actions import InternalAction, check_actions
+from ..errors import TooDeepError
+from ..language.program import Program
+from ..language.substitution import Names, Unifier
+from ..language.terms import Literal
+from .actions import InternalAction
 from .alarms import Alarm, Alarms
 from .beliefs import BeliefBase, LiveBeliefs, with_source
 from .circumstance import Circumstance, Perform
-from .goal_states import GoalStates
 from .history import Entry
 from .intentions import Event, Intention
 from .logic import Answer, Logic
@@ -71,6 +70,7 @@ class AgentState:
         questions: by its number, the question whose answer is waited for.
         society: the agents it can send messages to; itself alone if it belongs to no other.
         functions: its arithmetic functions that belong to the run, by name.
+        known_programs: names of the programs that it has learnt when it needed them.
         sleeps: True if it has nothing to do and its plans for that have been called.
         alarms: tasks for later times.
         tasks: tasks for the beginning of the next cycle.
@@ -126,7 +126,7 @@ class AgentState:
         self._max_intentions = max_intentions
         self._print = print
         self._on_event = on_event
-        self._known: set[str] = set()
+        self.known_programs: set[str] = set()
         self.functions: dict[str, Callable[..., float]] = {
             "math.random": lambda limit=1.0: self.random.random() * limit,
             "system.time": lambda: float(self.clock // MILLISECOND),
@@ -137,63 +137,6 @@ class AgentState:
         self._action_numbers = count(1)
         if on_event is not None:
             self.circumstance.on_end = self._note_end
-
-    # ---- loading
-
-    def add_program(self, program: Program) -> None:
-        """Add plans after those there are, then beliefs and goals, which raise events.
-
-        Raises:
-            ProgramError: it uses internal actions that do not exist, or a label that is taken.
-        """
-        check_actions(program, {**self.actions, **self.functions})
-        program = with_run_functions(program, self.functions)
-        for plan in program.plans:
-            try:
-                self.plans.add(plan)
-            except ValueError as error:
-                raise ProgramError([plan.place.problem(str(error))]) from None
-        self.note_plans()
-        # Each belief goes to the front, so that the first of them stands first in the end.
-        for clause in reversed(program.beliefs):
-            self._add_initial(clause)
-        for goal in program.goals:
-            literal = rename(with_source(goal.goal), self.names, {})
-            self.circumstance.post(Event("+!", literal))  # type: ignore[arg-type]
-
-    def add_plan(self, plan: Plan, source: Literal, *, first: bool = False) -> None:
-        """Add one plan while the agent runs.
-
-        Raises:
-            ProgramError: it uses internal actions that do not exist.
-            ValueError: another plan has its label.
-        """
-        whole = Program(self.program.source, plans=(plan,))
-        check_actions(whole, {**self.actions, **self.functions})
-        (bound,) = with_run_functions(whole, self.functions).plans
-        self.plans.add(bound, source, first=first)
-        self.note_plans()
-
-    def learn(self, program: Program) -> None:
-        """Add the plans of a program that the agent needs, once."""
-        if program.source not in self._known:
-            self._known.add(program.source)
-            self.add_program(program)
-
-    def note_plans(self) -> None:
-        """Take notice of the kinds of plans there are now."""
-        if self.plans.has_states and self.circumstance.states is None:
-            self.circumstance.states = GoalStates(self.circumstance, self.plans)
-
-    def _add_initial(self, clause: Belief | Rule) -> None:
-        if isinstance(clause, Rule):
-            self.beliefs.add_rule(Rule(with_source(clause.head), clause.body, clause.place))
-            return
-        literal = substitute_literal(clause.belief, {})
-        if literal.ground:
-            self.believe(literal)
-        else:
-            self.beliefs.add_rule(Rule(with_source(literal), TRUE, clause.place))
 
     # ---- beliefs
 
@@ -249,8 +192,7 @@ class AgentState:
             or self.mailbox
             or (self.alarms.heap and self.alarms.is_due(self.clock))
             or circumstance.has_conditions
-            or self.plans.has_inner
-            or self.plans.has_sleep
+            or self.plans.has_special
         )
 
     # ---- actions and intentions

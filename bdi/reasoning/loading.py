@@ -1,0 +1,119 @@
+"""Programs loaded into agents.
+
+What a program comes to is found out once, however many agents run it: which internal actions it
+calls, and its plans compiled and filed. An agent has a library of its own of the plans that it
+shares with others, and its own beliefs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ..errors import ProgramError
+from ..language.program import Belief, Plan, Program, Rule, with_run_functions
+from ..language.substitution import rename, substitute_literal
+from ..language.terms import TRUE, Literal
+from .actions import check_actions
+from .beliefs import with_source
+from .goal_states import GoalStates
+from .intentions import Event
+from .plans import PlanLibrary
+from .state import AgentState
+
+
+def start(agent: AgentState, beliefs: Sequence[Belief] = ()) -> None:
+    """Load the program that an agent starts with; more `beliefs` come before its own.
+
+    Raises:
+        ProgramError: it uses internal actions that do not exist, or one label twice.
+    """
+    program = agent.program
+    check_actions(program, {**agent.actions, **agent.functions})
+    plans = with_run_functions(program.plans, agent.functions)
+    if plans is program.plans:
+        agent.plans.take(_library(program))
+    else:
+        _file(plans, agent.plans)
+    _note_plans(agent)
+    _begin(agent, program, beliefs)
+
+
+def add_program(agent: AgentState, program: Program) -> None:
+    """Add plans after those there are, then beliefs and goals, which raise events.
+
+    Raises:
+        ProgramError: it uses internal actions that do not exist, or a label that is taken.
+    """
+    check_actions(program, {**agent.actions, **agent.functions})
+    _file(with_run_functions(program.plans, agent.functions), agent.plans)
+    _note_plans(agent)
+    _begin(agent, program)
+
+
+def add_plan(agent: AgentState, plan: Plan, source: Literal, *, first: bool = False) -> None:
+    """Add one plan while the agent runs.
+
+    Raises:
+        ProgramError: it uses internal actions that do not exist.
+        ValueError: another plan has its label.
+    """
+    whole = Program(agent.program.source, plans=(plan,))
+    check_actions(whole, {**agent.actions, **agent.functions})
+    (bound,) = with_run_functions(whole.plans, agent.functions)
+    agent.plans.add(bound, source, first=first)
+    _note_plans(agent)
+
+
+def learn(agent: AgentState, program: Program) -> None:
+    """Add the plans of a program that the agent needs, once."""
+    if program.source not in agent.known_programs:
+        agent.known_programs.add(program.source)
+        add_program(agent, program)
+
+
+def _library(program: Program) -> PlanLibrary:
+    """Return the plans of a program, compiled and filed: once, however many agents run it."""
+    known = program.__dict__.get("library")
+    if known is None:
+        library = PlanLibrary()
+        _file(program.plans, library)
+        known = program.__dict__["library"] = library
+    return known
+
+
+def _file(plans: Sequence[Plan], library: PlanLibrary) -> None:
+    for plan in plans:
+        try:
+            library.add(plan)
+        except ValueError as error:
+            raise ProgramError([plan.place.problem(str(error))]) from None
+
+
+def _note_plans(agent: AgentState) -> None:
+    """Take notice of the kinds of plans there are now."""
+    if agent.plans.has_states and agent.circumstance.states is None:
+        agent.circumstance.states = GoalStates(agent.circumstance, agent.plans)
+
+
+def _begin(agent: AgentState, program: Program, beliefs: Sequence[Belief] = ()) -> None:
+    """Believe what a program believes, and adopt its goals."""
+    clauses = with_run_functions((*beliefs, *program.beliefs), agent.functions)
+    # Each belief goes to the front, so that the first of them stands first in the end.
+    for clause in reversed(clauses):
+        _believe(agent, clause)
+    for goal in program.goals:
+        literal = rename(with_source(goal.goal), agent.names, {})
+        agent.circumstance.post(Event("+!", literal))  # type: ignore[arg-type]
+
+
+def _believe(agent: AgentState, clause: Belief | Rule) -> None:
+    if isinstance(clause, Rule):
+        agent.beliefs.add_rule(Rule(with_source(clause.head), clause.body, clause.place))
+        return
+    literal = clause.belief
+    if not literal.ground:
+        literal = substitute_literal(literal, {})
+    if literal.ground:
+        agent.believe(literal)
+    else:
+        agent.beliefs.add_rule(Rule(with_source(literal), TRUE, clause.place))
