@@ -1,9 +1,12 @@
 """Risk over a floor and exposure in zones, held to sums over the same run."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import shapely
 
+import floorplan
 import sim
 
 plots = pytest.importorskip("sim.views.plots")
@@ -73,6 +76,17 @@ def test_risk_maps_show_the_least_margin_and_the_time_without_it(run):
     assert seconds.sum() == pytest.approx(2 * total * cells, rel=0.02)
     with pytest.raises(ValueError, match="margin or time"):
         plots.risk_map(run, of="both")
+
+
+def test_zones_and_doors_are_drawn(run):
+    plan = run.floorplan
+    door = floorplan.Door("gate", ((5.0, 0.0), (5.0, 2.0)), is_open=False)
+    without, with_both = (
+        (len(axes.lines), len(axes.patches))
+        for one in (replace(plan, zones=()), replace(plan, doors=[door]))
+        for axes in plots.floorplan(one).axes[:1]
+    )
+    assert with_both == (without[0] + 1, without[1] + 2)
 
 
 def test_a_floor_without_zones_has_no_such_figures():

@@ -22,6 +22,7 @@ from .style import (
     GREY,
     MACHINES,
     PALE,
+    VERMILION,
     Width,
     explain,
     inches,
@@ -86,6 +87,8 @@ def floor_axes(axes: Axes, plan: Floorplan) -> Axes:
 def draw_floor(axes: Axes, plan: Floorplan, machines: Iterable[MachineShape] = ()) -> None:
     """Draw walls, obstacles (the higher the darker; overhead ones dashed), lanes and stations.
 
+    Zones are dashed outlines, doors lines: green where they are open unless a trial says otherwise.
+
     The courses of `machines` are drawn as the lanes.
     """
     for ring in (plan.boundary.exterior, *plan.boundary.interiors):
@@ -96,6 +99,12 @@ def draw_floor(axes: Axes, plan: Floorplan, machines: Iterable[MachineShape] = (
         axes.plot(x, y, color=GREY, linewidth=0.5, linestyle=":", zorder=1)
     for obstacle in plan.obstacles:
         _draw_obstacle(axes, obstacle, plan.human.height)
+    for zone in plan.zones:
+        look = {"facecolor": "none", "edgecolor": VERMILION if zone.forbidden else GREY}
+        fill_area(axes, zone.area, linewidth=0.6, linestyle=_DASHES, zorder=1.4, **look)
+    for door in plan.doors:
+        x, y = np.array(door.ends).T
+        axes.plot(x, y, color=GREEN if door.is_open else BLACK, linewidth=1.5, zorder=2.2)
     for station in plan.stations:
         axes.plot(
             *station.position, "+", color=BLACK, markersize=5, markeredgewidth=0.8, zorder=3.4
