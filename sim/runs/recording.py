@@ -39,6 +39,10 @@ TRAJECTORY_RATE = 10.0
 """Hz. Rate of trajectory.csv."""
 
 
+def _controller(run: Run) -> str:
+    return run.trial.gantry.controller_name if run.floorplan.gantry is not None else ""
+
+
 class Recording(Listener):
     """Writes a run into a folder, which is made as the run begins if it isn't there.
 
@@ -116,7 +120,7 @@ class Recording(Listener):
             with self._whole("trajectory.csv") as file:
                 write_trajectory(run, file, TRAJECTORY_RATE)
         with self._whole("replay.html") as file:
-            file.write(render(replay_data(run)))
+            file.write(render(replay_data(run, _controller(run))))
 
     def _taken(self, name: str) -> OutputError:
         return OutputError(

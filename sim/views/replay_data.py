@@ -18,8 +18,11 @@ from ..safety.requirement_curve import is_plain
 from .replay import FORMAT
 
 
-def replay_data(run: Outcome) -> dict[str, Any]:
-    """Return the run in the format of the replay page: metres, seconds, radians."""
+def replay_data(run: Outcome, controller: str = "") -> dict[str, Any]:
+    """Return the run in the format of the replay page: metres, seconds, radians.
+
+    `controller` is the name of the gantry's, which what a recording holds does not say.
+    """
     plan, trial = run.floorplan, run.scene.trial
     timing = ("cpu_seconds", "realtime_factor")
     data: dict[str, Any] = rounded(
@@ -38,6 +41,7 @@ def replay_data(run: Outcome) -> dict[str, Any]:
             "watches": _watches(run),
             "minds": _minds(run),
             **_passing(run),
+            **({"controller": controller} if controller else {}),
         }
     )
     return data

@@ -702,14 +702,12 @@ def broken(recording, change):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (lambda r: r.update(format="floorwalker-replay/9"), "this page reads floorwalker-replay/1"),
+        (lambda r: r.update(format="something-else/1"), "this page reads floorwalker-replay/1"),
         (lambda r: r.pop("duration"), "duration: a number of seconds above 0 is missing"),
         (lambda r: r.pop("floorplan"), "floorplan: missing"),
         (lambda r: r["floorplan"].update(boundary=[[0, 0], [1]]), "floorplan.boundary"),
-        (lambda r: r["motions"].pop("agv1"), "motions.agv1: needs at least one piece"),
         (lambda r: r["motions"]["operator"][4].__setitem__(0, 1e6), "motions.operator[4]"),
         (lambda r: r["motions"]["gantry"][2][3].append("x"), "motions.gantry[2]"),
-        (lambda r: r["motions"].update(gantry=[]), "motions.gantry: needs at least one piece"),
         (lambda r: r["bodies"][0].update(category="ghost"), "bodies[0].category"),
         (lambda r: r["bodies"][0].pop("radius"), "bodies[0]: needs numbers: radius"),
         (lambda r: r["events"].reverse(), "events[1]: needs a kind, and a time"),
@@ -722,6 +720,26 @@ def test_what_is_wrong_with_a_recording_is_said(open_page, recording, change, me
     viewer = open_page(broken(recording, change))
     assert message in viewer.text("#trouble")
     assert viewer.page.locator("#replay").is_hidden()
+    assert viewer.complaints == []
+
+
+@pytest.mark.parametrize(
+    ("change", "message", "bodies"),
+    [
+        (lambda r: r.update(format="floorwalker-replay/9"), "later format floorwalker-replay/9", 7),
+        (lambda r: r["motions"].pop("agv1"), "without the motions of agv1", 6),
+        (lambda r: r["motions"].update(operator=[]), "without the motions of operator", 6),
+        (lambda r: r["motions"].clear(), "without the motions of operator, visitor, gantry", 0),
+    ],
+)
+def test_what_is_there_is_shown_with_a_line(open_page, recording, change, message, bodies):
+    viewer = open_page(broken(recording, change), viewport={"width": 700, "height": 500})
+    assert message in viewer.text("#notice")
+    assert viewer.page.locator("#follow option").count() == 1 + bodies
+    for view in ("3d", "eyes", "2d"):
+        viewer.page.evaluate("view => window.floorwalker.show(view)", view)
+        viewer.seek(61.7)
+        assert message in viewer.text("#notice")
     assert viewer.complaints == []
 
 

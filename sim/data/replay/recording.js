@@ -56,9 +56,31 @@ function parseRecording(text) {
   } catch (why) {
     throw new RecordingError([`the recording is cut off or damaged (${why.message})`]);
   }
+  const notices = isObject(recording) ? takeWhatThereIs(recording) : [];
   const problems = problemsOf(recording);
-  if (problems.length) throw new RecordingError(problems);
-  return recording;
+  if (problems.length) throw new RecordingError([...notices, ...problems]);
+  return Object.defineProperty(recording, "notices", { value: notices });
+}
+
+/**
+ * Makes a recording of a later version, or one without the motions of somebody, as much of one as can be
+ * shown; returns what is missing, in lines.
+ */
+function takeWhatThereIs(recording) {
+  const notices = [];
+  const { format, bodies, motions, watches } = recording;
+  if (/^floorwalker-replay\/([2-9]|\d\d+)$/.test(format)) {
+    notices.push(`made in the later format ${format}; this page reads ${FORMAT}, and shows it as far as it goes`);
+    recording.format = FORMAT;
+  }
+  if (!Array.isArray(bodies) || !Array.isArray(watches)) return notices;
+  const isStill = body => !(motions?.[body?.name]?.length > 0);
+  const missing = bodies.filter(isStill).map(body => body?.name);
+  if (!missing.length) return notices;
+  recording.bodies = bodies.filter(body => !isStill(body));
+  recording.watches = watches.filter(watch => !missing.includes(watch?.person) && !missing.includes(watch?.other));
+  notices.push(`without the motions of ${missing.map(name => spoken(name)).join(", ")}, who can't be shown`);
+  return notices;
 }
 
 function problemsOf(recording) {

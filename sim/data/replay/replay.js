@@ -106,6 +106,7 @@ class Replay {
     this.#offer($("follow"), bodies.map(({ name }) => [name, spoken(name)]), 1);
     this.#offer($("watch"), first.watches.map((watch, i) => [i, watch.name]), 0);
     this.panels.forEach((panels, i) => panels.fill(this.runs[i], this.runs));
+    if (!this.isInSpace) this.#say("");
     this.chart.show(this.runs);
     showKinds($("kinds"), this.runs);
     this.#layOut();
@@ -236,8 +237,9 @@ class Replay {
 
   /** A line over the floor. */
   #say(words) {
-    $("notice").hidden = words === "";
-    write($("notice"), words);
+    const lines = [...new Set(this.runs.flatMap(run => run.recording.notices ?? [])), words].filter(Boolean);
+    $("notice").hidden = lines.length === 0;
+    write($("notice"), lines.join("\n"));
   }
 
   /** Looks through the eyes of the followed person, or else of the chosen one; or from outside again. */

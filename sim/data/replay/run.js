@@ -49,7 +49,7 @@ class Run {
 
   /** What may tell this run from another one, by kind; what comes first says most. */
   get marks() {
-    const { bodies, folder, summary } = this.recording;
+    const { bodies, controller, folder, summary } = this.recording;
     const { rules, seed } = summary ?? {};
     const people = bodies.filter(body => body.personality);
     const whose = name => (people.length > 1 ? `${spoken(name)}: ` : "");
@@ -57,6 +57,7 @@ class Run {
       title: this.title,
       ...Object.fromEntries(people.map(({ name, personality }) => (
         [`personality of ${name}`, `${whose(name)}${spoken(personality)}`]))),
+      controller: controller && `controller ${controller}`,
       rules: rules && `rules ${rules}`,
       seed: seed !== undefined && `seed ${seed}`,
       folder,
