@@ -4,7 +4,7 @@ from .among import Mover, Passage, plan_among
 from .bodies import Disc
 from .catalog import planners
 from .choice import PlannerChoice
-from .clearance import Swath, first_conflict, swath
+from .clearance import Swath, first_conflict, swath, walked
 from .conditions import (
     STANDING_SPEED,
     Apart,
@@ -19,6 +19,8 @@ from .courses import Company, Courses
 from .crowding import Nearest, nearest_pair
 from .encounter import Encounter
 from .gantry_planner import GantryPath, GantryPlanner
+from .kernels.discs import first_met
+from .kernels.edges import touches
 from .machines import (
     ARIAC_GANTRY,
     GantryLimits,
@@ -43,7 +45,7 @@ from .monitor import (
 )
 from .motion import Cubic, Motion, Piece, State, join, standing
 from .odometer import Enclosure, Odometer
-from .pace import paced
+from .pace import pace, paced
 from .path import Path, PlannerError, PlannerInfo, PlanningError, Watch
 from .planner import PathPlanner
 from .profiles import AxisLimits, AxisState
@@ -125,6 +127,7 @@ __all__ = [
     "can_go_on",
     "corner_speed",
     "first_conflict",
+    "first_met",
     "first_time",
     "first_violation",
     "folded_arm",
@@ -139,6 +142,7 @@ __all__ = [
     "minimum_margin",
     "minimum_separation",
     "nearest_pair",
+    "pace",
     "paced",
     "plan_among",
     "planners",
@@ -150,7 +154,9 @@ __all__ = [
     "stop_walking",
     "swath",
     "torso_box",
+    "touches",
     "violations",
     "walk",
+    "walked",
     "when",
 ]

@@ -8,8 +8,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .clearance import swath
+from .kernels.discs import ROW, meeting
 from .monitor import minimum_separation
-from .motion import Motion
+from .motion import Array, Motion
 
 STEP = 0.1
 """Seconds between the instants at which all pairs are looked at first."""
@@ -41,36 +43,53 @@ def nearest_pair(
     `motions` are those of their centres, `radii` in metres, `top_speeds` in m/s, which none of them
     exceeds but where it is put elsewhere. None for fewer than two. Exact as `minimum_separation`:
     between two instants that are looked at, a pair comes no nearer than its distance at both and
-    its speeds allow, and wherever that is nearer than the nearest pair known it is solved for.
+    its speeds allow; wherever that is nearer than the nearest pair known, the kernel says whether
+    it comes nearer, and if so it is solved for.
     """
     if len(motions) < 2:
         return None
     count = max(math.ceil((end - begin) / STEP), 1)
     t = np.linspace(begin, end, count + 1)
     at = np.array([motion.position(t) for motion in motions])
+    radius = np.array(radii)
     best = (math.inf, begin, (0, 1))
-    overlapping: set[tuple[int, int]] = set()
+    for i in range(len(motions) - 1):
+        apart = (
+            np.hypot(*np.moveaxis(at[i + 1 :] - at[i], -1, 0))
+            - (radius[i + 1 :] + radius[i])[:, None]
+        )
+        row, k = divmod(int(np.argmin(apart)), count + 1)
+        best = min(best, (float(apart[row, k]), float(t[k]), (i, i + 1 + row)))
+    tables = [swath(motion, begin).table for motion in motions]
+    rows = [np.searchsorted(table[1::ROW], t, side="right").tolist() for table in tables]
     jumps = [np.searchsorted(t, sorted(motion.jumps), side="right") - 1 for motion in motions]
+    overlapping: set[tuple[int, int]] = set()
     for i in range(len(motions) - 1):
         others = np.arange(i + 1, len(motions))
-        apart = np.hypot(*np.moveaxis(at[others] - at[i], -1, 0))
-        apart -= (np.array(radii)[others] + radii[i])[:, None]
+        apart = (
+            np.hypot(*np.moveaxis(at[others] - at[i], -1, 0))
+            - (radius[others] + radius[i])[:, None]
+        )
         reach = (np.array(top_speeds)[others] + top_speeds[i])[:, None] * (t[1] - t[0])
         lower = (apart[:, :-1] + apart[:, 1:] - reach) / 2
         for row, j in enumerate(others):
             lower[row, np.clip([*jumps[i], *jumps[j]], 0, count - 1).astype(int)] = -math.inf
-        while True:
-            limit = max(min(best[0], float(apart.min())), 0.0) + _HAIR
-            row, k = divmod(int(np.argmin(lower)), count)
-            if lower[row, k] >= limit:
-                break
-            lower[row, k] = math.inf
-            pair = (i, int(others[row]))
-            when, centres = minimum_separation(
-                motions[i], motions[pair[1]], float(t[k]), float(t[k + 1])
-            )
-            gap = centres - radii[i] - radii[pair[1]]
-            if gap < -_HAIR:
+        for row, k in np.argwhere(lower < max(best[0], 0.0)).tolist():
+            pair = (i, i + 1 + row)
+            a, b = tables[i], tables[pair[1]]
+            least = radii[i] + radii[pair[1]]
+            since, until = float(t[k]), float(t[k + 1])
+            nearer = least + max(best[0], 0.0) - _HAIR
+            if meeting(a, b, nearer, since, until, rows[i][k], rows[pair[1]][k]) > until:
+                continue
+            when, centres = minimum_separation(motions[i], motions[pair[1]], since, until)
+            if centres - least < -_HAIR:
                 overlapping.add(pair)
-            best = min(best, (gap, when, pair))
+            best = min(best, (centres - least, when, pair))
     return Nearest(*best, len(overlapping))
+
+
+def _gaps(at: Array, radius: Array, i: int) -> Array:
+    """Return the gaps of the i-th of all to each that follows, at all instants: (M, T)."""
+    x, y = at[i + 1 :, :, 0] - at[i, :, 0], at[i + 1 :, :, 1] - at[i, :, 1]
+    return np.asarray(np.hypot(x, y) - (radius[i + 1 :] + radius[i])[:, None])

@@ -18,6 +18,7 @@ from .bodies import Body, region
 from .freespace import FreeSpace, shrunk, without
 from .narrows import narrows
 from .roadmap import Roadmap
+from .walls import Walls
 
 MOST_KEPT = 8
 """Number of floors, and of radii on them, that are kept."""
@@ -88,3 +89,9 @@ def roadmap(floor: shapely.Geometry, radius: float, step: float) -> Roadmap:
 def narrow_places(floor: shapely.Geometry, radius: float) -> shapely.Geometry:
     """Return where discs of `radius` metres can't pass each other on `floor`, and around it."""
     return narrows(fixed_space(floor, radius), radius)
+
+
+@_kept(MOST_KEPT)
+def walls(floor: shapely.Geometry, radius: float) -> Walls:
+    """Return the walls of `floor` as discs of `radius` metres see them."""
+    return Walls(floor, radius)

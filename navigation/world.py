@@ -17,6 +17,7 @@ from . import ground
 from .bodies import TOLERANCE, Body, Disc, Sweep, touch
 from .freespace import FreeSpace
 from .roadmap import HAIR, Roadmap
+from .walls import Walls
 
 _ROUNDING = 10 * TOLERANCE
 """Metres. A disc that is this much too close to something counts as beside it."""
@@ -130,6 +131,10 @@ class CollisionWorld:
         """The bodies on the floor now, within the heights of interest."""
         return Named(self._bodies.values())
 
+    def near(self, a: Point, b: Point, radius: float) -> list[Body]:
+        """Return the bodies whose bounds a disc of `radius` metres from a to b comes into."""
+        return [body for body in self._bodies.values() if body.near(a, b, radius)]
+
     def _put(self, name: str, shape: Polygon | Disc, bottom: float, top: float) -> None:
         body = ground.body(name, shape) if isinstance(shape, Polygon) else Body.of(name, shape)
         if bottom < self.top and self.bottom < top:
@@ -169,6 +174,10 @@ class CollisionWorld:
         """
         return ground.narrow_places(self.floor, radius)
 
+    def walls(self, radius: float) -> Walls:
+        """Return the walls of the floor as discs of `radius` metres see them; no bodies."""
+        return ground.walls(self.floor, radius)
+
     def roadmap(self, radius: float, step: float) -> Roadmap:
         """Return the network of paths between the fixed things for discs of `radius` metres.
 
@@ -203,7 +212,7 @@ class CollisionWorld:
 
     def hits(self, a: Point, b: Point, radius: float) -> list[Body]:
         """Return the bodies that a disc of `radius` metres touches on the segment from a to b."""
-        near = [body for body in self._bodies.values() if body.near(a, b, radius)]
+        near = self.near(a, b, radius)
         if not near:
             return []
         self.checks += 1

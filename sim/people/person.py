@@ -38,13 +38,11 @@ from .regard import Regard
 from .steering.crowd import Crowd
 from .steering.manners import Manners
 from .steering.starting import wings
+from .steering.traveller import AT_THE_DOOR
 from .tracks.walks import RecordedWalk
 from .walker import Place, Walker
 from .work_board import WorkBoard
 from .worker import Worker
-
-AT_THE_DOOR = 1.0
-"""Metres. So near to it people come in where they come in, and leave where they leave."""
 
 LOOKS_AGAIN = 0.5
 """Seconds until somebody who finds no room to come in looks again."""
@@ -109,6 +107,7 @@ class Person:
             blocked=lambda: self._senses.count("blocked"),
             late=lambda goal: self._errand.resume(goal),
         )
+        self.walker.traveller.leaves_at = self._sink
         self._stage = stage
         self._clock = stage.clock
         self._entry = entry

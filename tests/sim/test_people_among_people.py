@@ -232,6 +232,14 @@ def test_random_people_never_overlap_and_arrive(walks, seed):
     assert arrived(run) == set(run.summary["people"])
 
 
+def test_a_crowd_around_a_goal_dissolves(walks):
+    """Fifteen want to one place and back; who comes late arrives at the edge of the others."""
+    _, ways = circle(15)
+    run = walks(hall(16, 16), [(start, [(8, 8), start]) for start, _ in ways], 90.0)
+    assert len(events(run, "arrived")) == 30
+    assert least(run) >= 0.6
+
+
 def test_the_same_people_walk_the_same_again(walks):
     floor, ways = scene(3)
     one, again = walks(floor, ways, 40.0), walks(floor, ways, 40.0)

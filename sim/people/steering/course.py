@@ -6,8 +6,6 @@ import itertools
 import math
 from collections.abc import Sequence
 
-from navigation import Motion
-
 Place = tuple[float, float]
 
 
@@ -54,26 +52,3 @@ def heading(course: Sequence[Place], length: float) -> Place:
             break
         length -= leg
     return found
-
-
-def gone(motion: Motion, since: float, t: float) -> float:
-    """Return the metres that a walk goes from `since` to `t` (seconds)."""
-    total = 0.0
-    for piece in motion.pieces_from(since):
-        begin, end = max(piece.begin, since), min(piece.end, t)
-        if end > begin:
-            total += math.dist(motion.state(begin).at, motion.state_before(end).at)
-    return total
-
-
-def distance_to(course: Sequence[Place], place: Place) -> float:
-    """Return the metres between a polyline and a point."""
-    x, y = place
-    least = math.dist(course[0], place)
-    for (ax, ay), (bx, by) in itertools.pairwise(course):
-        dx, dy = bx - ax, by - ay
-        square = dx * dx + dy * dy
-        u = 0.0 if square == 0.0 else ((x - ax) * dx + (y - ay) * dy) / square
-        u = min(max(u, 0.0), 1.0)
-        least = min(least, math.hypot(ax + u * dx - x, ay + u * dy - y))
-    return least

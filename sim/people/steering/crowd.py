@@ -10,27 +10,30 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from navigation import (
     CollisionWorld,
     Motion,
     PlanningError,
+    Swath,
     first_conflict,
     join,
     standing,
     stop_walking,
     swath,
+    walked,
 )
 
 from ...core.clock import Alarm, Turn
 from ...core.events import Blocked, Deadlock, GaveWay, Met
 from ...core.stage import Stage
 from .course import Place
-from .outlook import GAP, Ground, Hit, Outlook, first_hit
+from .outlook import GAP, Ground, Hit, Others, Outlook
 from .requests import Request
 from .steering import Foresighted, Steering, both_aside
-from .traveller import Traveller
+from .traveller import AT_THE_DOOR, Traveller
+from .whereabouts import Whereabouts
 
 EARLY = 0.25
 """Seconds before braking would begin at which people decide anew."""
@@ -41,14 +44,18 @@ APART = 0.5
 ANEW = 1.5
 """Seconds until somebody who is not on the course that they wish for looks again."""
 
-PAUSE = 2.0
-"""Seconds until somebody who waits looks again for a way round what has not changed."""
+PAUSE, LONGEST = 1.0, 4.0
+"""Seconds until somebody who waits looks again for a way round what has not changed: at first, and
+at most, as each pause is twice as long as the one before."""
 
 WORTH = 0.6
 """Metres. Who would lose more than this on their own looks whether both could shift aside."""
 
-BESIDE = 1.25
-"""Metres. Whoever is kept from a goal so near by somebody who stands there has arrived."""
+IN_REACH = 1.25
+"""Metres. Whoever is kept from a goal so near by somebody who is at it has arrived."""
+
+BESIDE = 6.0
+"""Metres. Whoever is kept from a goal so near by those who stand around it has arrived."""
 
 LOOK = 0.5
 """Seconds from point to point of a recorded course that others step off."""
@@ -68,10 +75,16 @@ class _Party:
     deciding: Alarm
     arriving: Alarm
     waits_for: Traveller | None = None
+    kept: dict[Traveller, None] = field(default_factory=dict)
+    """Those who wait for them."""
+    looked: float = -math.inf
+    """When they last looked whether they can go on, seconds."""
     waits_on: Motion | None = None
     """The motion of whom they wait for, when they last looked for a way round it."""
     tries_again: float = 0.0
     """When they look again though it is still the same, seconds."""
+    pause: float = 0.0
+    """How long they have paused until then, seconds."""
     said: bool = False
 
 
@@ -86,6 +99,8 @@ class Crowd:
         self._clock = stage.clock
         self._parties: dict[Traveller, _Party] = {}
         self._people: list[Traveller] = []
+        self._whereabouts = Whereabouts()
+        self._widest = 0.0
         self._grounds: dict[tuple[CollisionWorld, float], Ground] = {}
         self._met: dict[tuple[int, int], float] = {}
 
@@ -103,6 +118,9 @@ class Crowd:
         goal, `blocked` when they could not go on for as long as their patience lasts.
         """
         self._people.append(me)
+        self._widest = max(self._widest, me.radius)
+        self._whereabouts.put(me)
+        me.body.on_change.append(lambda: self._whereabouts.put(me))
         self._parties[me] = _Party(
             me,
             reroute,
@@ -132,6 +150,7 @@ class Crowd:
                 angle = 2 * math.pi * k / ANGLES
                 at = (place[0] + away * math.cos(angle), place[1] + away * math.sin(angle))
                 stand = swath(standing(at, start=now), now)
+                near = self._near(stand.box, radius)
                 # The place itself was found fit by whoever chose it, however close to a wall.
                 if (
                     (ring == 0 or ground.free(place, at))
@@ -139,7 +158,7 @@ class Crowd:
                     and not any(
                         first_conflict(stand, other.swath, radius + other.radius + GAP, now)
                         is not None
-                        for other in self._people
+                        for other in near
                         if other is not me
                     )
                 ):
@@ -155,11 +174,12 @@ class Crowd:
 
     def make_way_for(self, me: Traveller) -> None:
         """Let others mind the new motion of somebody who walks as they were measured."""
-        now, ahead, others = self._clock.now, me.swath, self._near(me)
+        now, ahead = self._clock.now, me.swath
 
         def in_the_way(other: Traveller) -> bool:
-            return first_hit(me, ahead, (other,), now) is not None
+            return not Others(me, [other], now).free(ahead)
 
+        others = self._among(me, ahead.box)
         for other in others:
             if other.goal is not None and in_the_way(other):
                 self._decide(other)
@@ -167,12 +187,11 @@ class Crowd:
             return
         steps = math.ceil((me.body.motion.end - now) / LOOK)
         course = [me.body.motion.state(now + k * LOOK).at for k in range(steps + 1)]
-        request = Request(me, now, others, self._ground)
+        request = Request(me, now, self._among, self._ground)
         request.make_way(course)
-        for who, motion in request.motions.items():
+        for who, draft in request.drafts.items():
             if who is not me:
-                self._stage.record(GaveWay(person=who.name, to=me.name))
-                self._commit(self._parties[who], motion)
+                self._give_way(who, draft, to=me)
 
     def find(self, name: str) -> Traveller | None:
         """Return the one in the crowd who is called so."""
@@ -194,13 +213,13 @@ class Crowd:
     def braking(self, me: Traveller) -> Motion:
         """Return the earliest stop of somebody on their own course that is free."""
         now, motion = self._clock.now, me.body.motion
-        others = self._near(me)
+        others = Others(me, self._among(me, me.swath.box), now)
         t = now
         while t < motion.end:
             stop = stop_walking(motion, t, max_acceleration=me.human.max_acceleration)
             if t > now:
                 stop = join([motion.cut(now, t), stop])
-            if first_hit(me, swath(stop, now), others, now) is None:
+            if others.free(swath(stop, now)):
                 return stop
             t += EARLY
         return motion
@@ -217,35 +236,38 @@ class Crowd:
         except PlanningError:
             self._again(party, now + ANEW)
             return
-        wish = outlook.wish
-        if wish is None:  # they are there, or can only come to rest
+        wished = outlook.wished
+        if wished is None:  # they are there, or can only come to rest
             self._again(party, max(me.body.motion.end, now + APART))
             if math.dist(outlook.at, me.goal) < 1e-6 and outlook.speed < 1e-6:
                 party.arriving.set(max(outlook.t, now + EARLY))
             return
-        hit = outlook.hit(wish)
+        party.looked = now
+        hit = outlook.others.first_hit(wished)
         if hit is not None and self._may_go_on(hit, now, (*asked, me)):
             self._decide(hit.other, (*asked, me))
-            hit = outlook.hit(wish)
+            outlook.look_again()
+            hit = outlook.others.first_hit(wished)
         if hit is not None and self._waits_on(party, hit, now):
             self._wait(party, outlook, hit, ask=False)
             return
         motion = self.steering.replan(me, outlook.near, outlook)
         loss = math.inf
         if motion is not None:
-            if hit is not None or motion is not wish:
-                if first_hit(me, swath(motion, now), outlook.others, now) is not None:
-                    motion = None
-                else:
-                    loss = outlook.gone(wish, math.inf) - outlook.gone(motion, math.inf)
-            else:
+            if hit is None and motion is outlook.wish:
                 loss = 0.0
+            elif outlook.free(motion):
+                loss = wished.gone(outlook.t, math.inf)
+                loss -= outlook.ahead(motion).gone(outlook.t, math.inf)
+            else:
+                motion = None
         if hit is not None:
             self._meet(me, hit, now)
             if loss > WORTH and self._both_aside(me, outlook, hit, now):
                 return
         if motion is not None:
-            self._commit(party, motion, outlook, wished=motion is wish)
+            wish = motion is outlook.wish
+            self._commit(party, motion, outlook.ahead(motion), outlook, wished=wish)
         elif hit is not None:
             self._wait(party, outlook, hit)
         else:
@@ -262,13 +284,20 @@ class Crowd:
     def _may_go_on(self, hit: Hit, now: float, asked: tuple[Traveller, ...]) -> bool:
         """Return whether the other may look first whether they can go on: they have not of late."""
         other = hit.other
+        party = self._parties[other]
         return (
             hit.at_rest
             and other.goal is not None
             and other not in asked
             and len(asked) < 6
             and now - other.decided >= APART
-            and self._parties[other].arriving.time is None
+            and now - party.looked >= APART
+            and party.arriving.time is None
+            and not (
+                party.waits_for is not None
+                and party.waits_for.body.motion is party.waits_on
+                and now < party.tries_again
+            )
         )
 
     def _both_aside(self, me: Traveller, mine: Outlook, hit: Hit, now: float) -> bool:
@@ -283,13 +312,15 @@ class Crowd:
             outlook = self._outlook(other)
         except PlanningError:
             return False
+        our_others = Others(me, [one for one in mine.near if one is not other], now)
+        their_others = Others(other, [one for one in outlook.near if one is not me], now)
         for one, two in both_aside(me, mine, hit, outlook):
-            if mine.hit(one, but=[other]) or outlook.hit(two, but=[me]):
+            if not (our_others.free(one) and their_others.free(two)):
                 continue
             if _conflict(me, one, other, two, now):
                 continue
-            self._commit(self._parties[me], one, mine)
-            self._commit(self._parties[other], two, outlook)
+            self._commit(self._parties[me], mine.made(one), one, mine)
+            self._commit(self._parties[other], outlook.made(two), two, outlook)
             return True
         return False
 
@@ -303,25 +334,68 @@ class Crowd:
             me.stands_since = now
         stood = now - me.stands_since
         if ask:
-            party.waits_for, party.waits_on = hit.other, hit.other.body.motion
+            self._wait_for(party, hit.other)
+            party.waits_on = hit.other.body.motion
         assert me.goal is not None
-        if stood >= me.manners.reaction_time and hit.at_rest and hit.other.body.motion.end <= now:
-            here = me.body.motion.state(now).at
-            taken = math.dist(hit.other.swath.place, me.goal)
-            if math.dist(here, me.goal) < BESIDE and taken < me.radius + hit.other.radius + GAP:
-                self._goes_on(party)
-                party.arriving.set(now)
+        if stood >= me.manners.reaction_time and self._is_beside_goal(me, hit, now):
+            self._goes_on(party)
+            party.arriving.set(now)
+            return
+        stands = hit.at_rest and hit.other.body.motion.end <= now
+        if ask and stands and stood >= me.manners.reaction_time:
+            party.pause = min(2 * party.pause, LONGEST) if party.pause else PAUSE
+            party.tries_again = now + party.pause
+            if me.rank < hit.other.rank and self._ask(me, outlook, hit):
                 return
-            if ask:
-                party.tries_again = now + PAUSE
-                if me.rank < hit.other.rank and self._ask(me, outlook, hit):
-                    return
         if stood >= me.manners.patience and not party.said:
             party.said = True
             self._stage.record(Blocked(person=me.name, by=hit.other.name))
             party.blocked()
             self._look_for_deadlock(now)
-        self._again(party, now + APART)
+        due = max(party.tries_again, now + APART)
+        if stood < me.manners.reaction_time:
+            due = me.stands_since + me.manners.reaction_time
+        elif not hit.at_rest:
+            due = now + APART
+        if not party.said:
+            due = min(due, me.stands_since + me.manners.patience)
+        self._again(party, due)
+
+    def _is_beside_goal(self, me: Traveller, hit: Hit, now: float) -> bool:
+        """Return whether who keeps somebody from their goal is one of those around it.
+
+        These are who is on the goal, or about to be; who is as near to it as `me`, who stands in
+        reach of it; and farther away who stands so close to one of them that nobody gets through
+        between the two.
+        """
+        here, goal, other = me.swath.place, me.goal, hit.other
+        assert goal is not None
+        leaves = goal == me.leaves_at
+        if math.dist(here, goal) < (AT_THE_DOOR if leaves else IN_REACH):
+            return math.dist(other.body.at, goal) < IN_REACH + me.radius
+        if (
+            leaves
+            or math.dist(here, goal) >= BESIDE
+            or not hit.at_rest
+            or other.body.motion.end > now
+        ):
+            return False
+        left = [
+            one
+            for one in self._near([*goal, *goal], BESIDE)
+            if one is not me and one.body.motion.end <= now
+        ]
+        ring = [(goal, -me.radius)]
+        while ring:
+            place, radius = ring.pop()
+            for one in list(left):
+                apart = math.dist(one.swath.place, place)
+                if apart < radius + one.radius + 2 * (me.radius + GAP):
+                    if one is other:
+                        return True
+                    left.remove(one)
+                    ring.append((one.swath.place, one.radius))
+        return False
 
     def _look_for_deadlock(self, now: float) -> None:
         """Record it if everybody under way has lost patience."""
@@ -332,19 +406,29 @@ class Crowd:
 
     def _ask(self, me: Traveller, outlook: Outlook, hit: Hit) -> bool:
         """Ask those in the way to step aside; return whether they did."""
-        now, wish = self._clock.now, outlook.wish
-        assert wish is not None
-        request = Request(me, now, outlook.others, self._ground)
-        if not request.succeeds(outlook, outlook.gone(wish, hit.t)):
+        request = Request(me, self._clock.now, self._among, self._ground)
+        if not request.succeeds(outlook, outlook.gone(hit.t)):
             return False
-        for who, motion in request.motions.items():
-            if who is not me:
-                self._stage.record(GaveWay(person=who.name, to=me.name))
-            self._commit(self._parties[who], motion, outlook if who is me else None)
+        for who, draft in request.drafts.items():
+            if who is me:
+                self._commit(self._parties[me], outlook.made(draft), draft, outlook)
+                continue
+            self._give_way(who, draft, to=me)
         return True
 
+    def _give_way(self, who: Traveller, draft: Swath, *, to: Traveller) -> None:
+        """Let somebody step aside for another."""
+        self._stage.record(GaveWay(person=who.name, to=to.name))
+        self._commit(self._parties[who], walked(draft, who.body.state.position[2]), draft)
+
     def _commit(
-        self, party: _Party, motion: Motion, outlook: Outlook | None = None, *, wished: bool = False
+        self,
+        party: _Party,
+        motion: Motion,
+        ahead: Swath,
+        outlook: Outlook | None = None,
+        *,
+        wished: bool = False,
     ) -> None:
         """Let somebody follow a motion that was found free, and decide anew when it is due."""
         me, now = party.me, self._clock.now
@@ -352,20 +436,19 @@ class Crowd:
             me.route = outlook.course[1:]
             self._goes_on(party)
         me.decided = now
-        me.body.follow(motion)
-        at_goal = me.goal is not None and math.dist(motion.state(motion.end).at, me.goal) < 1e-6
+        me.follow(motion, ahead)
+        at_goal = me.goal is not None and math.dist(ahead.place, me.goal) < 1e-6
         party.arriving.set(motion.end if at_goal else None)
         if me.goal is None or (wished and at_goal):
             party.deciding.set(None)
         else:
             due = motion.pieces[-1].begin - EARLY
             self._again(party, due if wished else min(due, now + ANEW))
-        for other in self._parties.values():
-            if other.waits_for is me:
-                self._again(other, now + EARLY, sooner=True)
+        for other in party.kept:
+            self._again(self._parties[other], now + EARLY, sooner=True)
 
     def _again(self, party: _Party, t: float, *, sooner: bool = False) -> None:
-        t = max(t, self._clock.now + EARLY if sooner else party.me.decided + APART)
+        t = max(t, party.looked + APART if sooner else party.me.decided + APART)
         t = max(t, self._clock.now + EARLY)
         if sooner and party.deciding.time is not None:
             t = min(t, party.deciding.time)
@@ -376,8 +459,18 @@ class Crowd:
         me = party.me
         if me.stands_since is not None:
             me.lost += self._clock.now - me.stands_since
-        me.stands_since, party.waits_for, party.said = None, None, False
-        party.waits_on, party.tries_again = None, 0.0
+        self._wait_for(party, None)
+        me.stands_since, party.said = None, False
+        party.waits_on, party.tries_again, party.pause = None, 0.0, 0.0
+
+    def _wait_for(self, party: _Party, other: Traveller | None) -> None:
+        """Take note of whom somebody waits for."""
+        if party.waits_for is not other:
+            if party.waits_for is not None:
+                del self._parties[party.waits_for].kept[party.me]
+            party.waits_for = other
+            if other is not None:
+                self._parties[other].kept[party.me] = None
 
     def _meet(self, me: Traveller, hit: Hit, now: float) -> None:
         """Record that somebody has to mind somebody else, once for each time that they meet."""
@@ -390,7 +483,7 @@ class Crowd:
 
     def _outlook(self, me: Traveller) -> Outlook:
         reroute = self._parties[me].reroute
-        return Outlook(me, self._clock.now, self._near(me), self._ground(me), reroute)
+        return Outlook(me, self._clock.now, self._among, self._ground(me), reroute)
 
     def _ground(self, me: Traveller) -> Ground:
         return self._ground_in(me.world, me.radius)
@@ -400,16 +493,21 @@ class Crowd:
             self._grounds[world, radius] = Ground(world, radius)
         return self._grounds[world, radius]
 
-    def _near(self, me: Traveller) -> list[Traveller]:
-        """Return who may be in the way of somebody's next motion."""
-        return [other for other in self._people if other is not me]
+    def _among(self, me: Traveller, box: Sequence[float]) -> list[Traveller]:
+        """Return the others who may come near a box that somebody walks in."""
+        near = self._near(box, me.radius + me.manners.comfort)
+        return [other for other in near if other is not me]
+
+    def _near(self, box: Sequence[float], radius: float) -> list[Traveller]:
+        """Return who may come near a box that a disc of `radius` metres moves in, by index."""
+        margin = radius + self._widest + 2 * GAP
+        low_x, low_y, high_x, high_y = box
+        around = [low_x - margin, low_y - margin, high_x + margin, high_y + margin]
+        return self._whereabouts.within(around)
 
 
-def _conflict(me: Traveller, mine: Motion, other: Traveller, theirs: Motion, now: float) -> bool:
-    """Return whether two motions of two people conflict."""
+def _conflict(me: Traveller, mine: Swath, other: Traveller, theirs: Swath, now: float) -> bool:
+    """Return whether where two people go conflicts."""
     least = me.radius + other.radius + GAP
     apart = math.dist(me.body.motion.state(now).at, other.body.motion.state(now).at)
-    return (
-        first_conflict(swath(mine, now), swath(theirs, now), min(least, apart - 1e-9), now)
-        is not None
-    )
+    return first_conflict(mine, theirs, min(least, apart - 1e-9), now) is not None

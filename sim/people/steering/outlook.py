@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-import numpy as np
 import shapely
 
 from navigation import (
@@ -15,15 +14,14 @@ from navigation import (
     Motion,
     Swath,
     can_go_on,
-    first_conflict,
-    join,
-    paced,
-    standing,
+    first_met,
+    pace,
     stop_walking,
     swath,
+    walked,
 )
 
-from .course import Place, first, gone, length_of, rest
+from .course import Place, first, length_of, rest
 from .traveller import Traveller
 
 GAP = 0.006
@@ -35,11 +33,11 @@ STEP = 0.25
 FARTHEST = 25.0
 """Metres. So far a course is looked ahead to find the end of a narrow place."""
 
-AROUND = 3.0
-"""Metres. Those who stay so far from the course are not looked at."""
+AROUND = 2.0
+"""Metres. Those who stay so far from the course, and more than they need, are not looked at."""
 
-JUST_NOW = 1e-3
-"""Seconds. Who is too close so soon is so already."""
+Among = Callable[[Traveller, Sequence[float]], list[Traveller]]
+"""The others but somebody who may come near a box: least x and y, greatest x and y (metres)."""
 
 
 @dataclass(frozen=True)
@@ -51,33 +49,41 @@ class Hit:
     at_rest: bool
 
 
-def first_hit(
-    me: Traveller, ahead: Swath, others: Iterable[Traveller], now: float, comfort: float = 0.0
-) -> Hit | None:
-    """Return the first conflict of `ahead` with what `others` have committed themselves to.
+class Others:
+    """People that somebody may meet, with what they have committed themselves to, side by side."""
 
-    Two bodies keep `GAP` and `comfort` (metres) between them; those who are closer already come
-    no closer.
-    """
-    found: Hit | None = None
-    for other in others:
-        theirs = other.swath
-        least = me.radius + other.radius + GAP + comfort
-        if (
-            ahead.low_x - theirs.high_x >= least
-            or theirs.low_x - ahead.high_x >= least
-            or ahead.low_y - theirs.high_y >= least
-            or theirs.low_y - ahead.high_y >= least
-        ):
-            continue
-        t = first_conflict(ahead, theirs, least, now)
-        if t is not None and t <= now + JUST_NOW:
-            apart = math.dist(me.body.motion.state(now).at, other.body.motion.state(now).at)
-            if apart < least + JUST_NOW:
-                t = first_conflict(ahead, theirs, min(least, apart - 1e-9), now)
-        if t is not None and (found is None or t < found.t):
-            found = Hit(t, other, t >= theirs.rests)
-    return found
+    def __init__(self, me: Traveller, people: Sequence[Traveller], now: float) -> None:
+        self.people = people
+        self._now = now
+        swaths = [other.swath for other in people]
+        self._rests = [one.rests for one in swaths]
+        self._tables = [one.table for one in swaths]
+        self._boxes = [bound for one in swaths for bound in one.box]
+        self._leasts = [me.radius + other.radius + GAP for other in people]
+        self._with_comfort = [least + me.manners.comfort for least in self._leasts]
+        self._when = [math.inf]
+
+    def first_hit(self, ahead: Swath, *, comfort: bool = False) -> Hit | None:
+        """Return the first conflict of a motion of theirs from now on with any of these.
+
+        Two bodies keep `GAP` between them, or the `comfort` distance besides; those who are closer
+        already come no closer.
+        """
+        leasts = self._with_comfort if comfort else self._leasts
+        who = first_met(
+            ahead.table, ahead.box, self._tables, self._boxes, leasts, self._now, self._when
+        )
+        if who < 0:
+            return None
+        t = self._when[0]
+        return Hit(t, self.people[who], t >= self._rests[who])
+
+    def free(self, ahead: Swath) -> bool:
+        """Return whether a motion of theirs from now on conflicts with none of these."""
+        who = first_met(
+            ahead.table, ahead.box, self._tables, self._boxes, self._leasts, self._now, self._when
+        )
+        return who < 0
 
 
 class Ground:
@@ -86,22 +92,33 @@ class Ground:
     def __init__(self, world: CollisionWorld, radius: float) -> None:
         self.world = world
         self.radius = radius
+        self._walls = world.walls(radius)
 
     @cached_property
     def _narrow(self) -> shapely.Geometry:
         return self.world.narrows(self.radius)
 
-    def free(self, a: Place, b: Place) -> bool:
-        """Return whether the segment from a to b touches nothing."""
-        return self.world.segment_free(a, b, self.radius)
+    @cached_property
+    def _narrow_bounds(self) -> tuple[float, float, float, float]:
+        bounds: tuple[float, float, float, float] = self._narrow.bounds
+        return bounds
 
-    def narrow(self, places: Sequence[Place]) -> list[bool]:
-        """Return for each place whether it is in a narrow place, or just before one."""
+    def free(self, a: Place, b: Place) -> bool:
+        """Return whether the segment from a, a free place, to b touches nothing."""
+        if not self._walls.clear(a, b):
+            return False
+        near = self.world.near(a, b, self.radius)
+        return not near or self.world.segment_free(a, b, self.radius, near)
+
+    def narrow(self, place: Place) -> bool:
+        """Return whether a place is in a narrow one, or just before it."""
         if self._narrow.is_empty:
-            return [False] * len(places)
-        xy = np.array(places)
-        found: list[bool] = shapely.intersects_xy(self._narrow, xy[:, 0], xy[:, 1]).tolist()
-        return found
+            return False
+        low_x, low_y, high_x, high_y = self._narrow_bounds
+        x, y = place
+        if not (low_x <= x <= high_x and low_y <= y <= high_y):
+            return False
+        return bool(shapely.intersects_xy(self._narrow, x, y))
 
 
 class Outlook:
@@ -116,22 +133,28 @@ class Outlook:
         self,
         me: Traveller,
         now: float,
-        others: Sequence[Traveller],
+        among: Among,
         ground: Ground,
         reroute: Callable[[Place], list[Place]],
     ) -> None:
         self.me = me
         self.now = now
-        self.others = others
         self.ground = ground
+        self._among = among
         self._state = me.body.motion.state(now)
+        self._narrow: dict[int, bool] = {}
+        self._around = AROUND
+        self._others: Others | None = None
+        self._made: tuple[Motion | None, Swath | None] = (None, None)
         self.lead: Motion | None = None
+        self._lead: Swath | None = None
         self.at, self.t, self.speed = self._state.at, now, self._state.speed
         self.course = [self.at, *self._taut(self.at, reroute)]
         if self.speed > 1e-6 and not self.can_turn(self.course):
             self.lead = stop_walking(
                 me.body.motion, now, max_acceleration=me.human.max_acceleration
             )
+            self._lead = swath(self.lead, now)
             end = self.lead.state(self.lead.end)
             self.at, self.t, self.speed = end.at, self.lead.end, 0.0
             self.course = [self.at, *self._taut(self.at, reroute)]
@@ -139,7 +162,16 @@ class Outlook:
     @cached_property
     def wish(self) -> Motion | None:
         """The motion along the course as far as they look ahead, as if nobody were there."""
-        return self.walk(self.course, self.stop_beyond(self.reach))
+        return None if self.wished is None else self.made(self.wished)
+
+    @cached_property
+    def wished(self) -> Swath | None:
+        """Where the `wish` goes."""
+        return self.draft(self.course, self.stop_beyond(self.reach))
+
+    @cached_property
+    def _whole(self) -> float:
+        return length_of(self.course)
 
     @cached_property
     def reach(self) -> float:
@@ -164,6 +196,18 @@ class Outlook:
 
         None if they can't. `delay` (seconds) counts from when they stand.
         """
+        draft = self.draft(course, length, top_speed=top_speed, delay=delay)
+        return None if draft is None else self.made(draft)
+
+    def draft(
+        self,
+        course: Sequence[Place],
+        length: float | None = None,
+        *,
+        top_speed: float | None = None,
+        delay: float = 0.0,
+    ) -> Swath | None:
+        """Return where `walk` would go."""
         me = self.me
         if delay and self.speed > 1e-6:
             return None
@@ -172,34 +216,38 @@ class Outlook:
         top: float | list[float] = fastest
         if me.zones:
             points, top = me.zones.along(points, fastest)
-        motion = paced(
+        return pace(
             points,
             self.t + delay,
             initial_speed=self.speed,
             top_speed=top,
             max_speed=me.human.max_speed,
             max_acceleration=me.human.max_acceleration,
+            lead=self._lead,
+            since=self.now,
         )
-        if motion is None:
-            return None
-        if self.lead is not None:
-            return join([self.lead, motion])
-        if delay:
-            x, y, heading = self._state.position
-            return join([standing((x, y), heading=heading, start=self.now), motion])
+
+    def made(self, draft: Swath) -> Motion:
+        """Return the motion of a draft."""
+        motion = walked(draft, self._state.position[2])
+        self._made = (motion, draft)
         return motion
+
+    def ahead(self, motion: Motion) -> Swath:
+        """Return where a motion goes from now on."""
+        made, draft = self._made
+        return draft if motion is made and draft is not None else swath(motion, self.now)
 
     def stop_beyond(self, length: float) -> float:
         """Return the first length along the course, from `length` metres on, for a stop.
 
         Nobody stops in a narrow place of their own will, but at their goal.
         """
-        whole = length_of(self.course)
-        while length < min(whole, FARTHEST):
+        while length < min(self._whole, FARTHEST):
             if not self.is_narrow(length):
                 return length
             length += STEP
-        return whole
+        return self._whole
 
     def stop_before(self, length: float) -> float:
         """Return the last length along the course, up to `length` metres, for a stop."""
@@ -210,48 +258,51 @@ class Outlook:
     def is_narrow(self, length: float) -> bool:
         """Return whether the course is in a narrow place after `length` metres."""
         k = math.ceil(length / STEP)
-        return k < len(self._narrow) and self._narrow[k]
-
-    @cached_property
-    def _narrow(self) -> list[bool]:
-        whole = min(length_of(self.course), FARTHEST)
-        ends = [rest(self.course, k * STEP)[0] for k in range(math.ceil(whole / STEP) + 1)]
-        return self.ground.narrow(ends)
+        if k * STEP > min(self._whole, FARTHEST) + STEP:
+            return False
+        if k not in self._narrow:
+            self._narrow[k] = self.ground.narrow(rest(self.course, k * STEP)[0])
+        return self._narrow[k]
 
     def free(self, motion: Motion) -> bool:
-        """Return whether a motion of theirs from now on conflicts with nobody near."""
-        ahead = swath(motion, self.now)
-        return not any(first_hit(self.me, ahead, (other,), self.now) for other in self.near)
+        """Return whether a motion of theirs from now on conflicts with nobody."""
+        ahead = self.ahead(motion)
+        return Others(self.me, self._among(self.me, ahead.box), self.now).free(ahead)
 
-    @cached_property
+    @property
+    def others(self) -> Others:
+        """Those who may come near the course, or beside it."""
+        if self._others is None:
+            wished = self.wished
+            box = self.me.swath.box if wished is None else wished.box
+            low_x, low_y, high_x, high_y = box
+            around = self._around
+            box = [low_x - around, low_y - around, high_x + around, high_y + around]
+            self._others = Others(self.me, self._among(self.me, box), self.now)
+        return self._others
+
+    def look_around(self, metres: float) -> None:
+        """See those as well who stay so far from the course."""
+        self._around = metres
+        self._others = None
+
+    def look_again(self) -> None:
+        """See the others anew: one of them has committed themselves to something else."""
+        self._others = None
+
+    @property
     def near(self) -> Sequence[Traveller]:
         """Those of the others who may come near the course, or beside it."""
-        wish = self.wish
-        if wish is None:
-            return self.others
-        ahead = swath(wish, self.now)
-        low_x, high_x = ahead.low_x - AROUND, ahead.high_x + AROUND
-        low_y, high_y = ahead.low_y - AROUND, ahead.high_y + AROUND
-        return [
-            other
-            for other in self.others
-            for theirs in (other.swath,)
-            if theirs.low_x < high_x
-            and theirs.high_x > low_x
-            and theirs.low_y < high_y
-            and theirs.high_y > low_y
-        ]
+        return self.others.people
 
-    def hit(
-        self, motion: Motion, comfort: float = 0.0, but: Collection[Traveller] = ()
-    ) -> Hit | None:
-        """Return the first conflict of a motion of theirs from now on, `but` with some people."""
-        others = [o for o in self.near if o not in but] if but else self.near
-        return first_hit(self.me, swath(motion, self.now), others, self.now, comfort)
+    def hit(self, motion: Motion) -> Hit | None:
+        """Return the first conflict of a motion of theirs from now on."""
+        ahead = self.ahead(motion)
+        return Others(self.me, self._among(self.me, ahead.box), self.now).first_hit(ahead)
 
-    def gone(self, motion: Motion, t: float) -> float:
-        """Return the metres along its course that a motion has gone at `t` (seconds)."""
-        return gone(motion, self.t, t)
+    def gone(self, t: float) -> float:
+        """Return the metres along the course that they would have gone at `t` (seconds)."""
+        return 0.0 if self.wished is None else self.wished.gone(self.t, t)
 
     def _taut(self, at: Place, reroute: Callable[[Place], list[Place]]) -> list[Place]:
         """Return the route from `at`: without the points that can be left out, or a new one."""

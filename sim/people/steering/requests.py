@@ -6,10 +6,10 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise
 
-from navigation import Motion, Swath, first_conflict, paced, swath
+from navigation import Swath, first_conflict, pace, touches
 
-from .course import Place, distance_to, first, length_of, rest
-from .outlook import GAP, STEP, Ground, Outlook, first_hit
+from .course import Place, first, length_of, rest
+from .outlook import GAP, STEP, Among, Ground, Others, Outlook
 from .traveller import Traveller
 
 DEEPEST = 4
@@ -18,13 +18,20 @@ DEEPEST = 4
 MOST = 12
 """At most so many people move for one request."""
 
-TRIES = 200
+TRIES = 80
 """At most so many courses are tried for one request."""
 
 RINGS = (0.3, 0.5, 0.7, 1.0, 1.4, 2.0, 2.8)
 """Metres. So far people look around them for a place to step aside to."""
 
 ANGLES = 16
+
+AROUND = [
+    (r * math.cos(2 * math.pi * k / ANGLES), r * math.sin(2 * math.pi * k / ANGLES))
+    for r in RINGS
+    for k in range(ANGLES)
+]
+"""Metres. The places around them, the nearest first."""
 
 WIDE = 6
 """Places that one person tries."""
@@ -37,7 +44,7 @@ WAITS = (0.0, 0.5, 1.0, 2.0, 4.0)
 
 
 class Request:
-    """One request of `asker`, and what comes of it: the motions of all who move for it.
+    """One request of `asker`, and what comes of it: where all go who move for it.
 
     Depth first: each asked looks for the nearest place off the way of whoever asks, else ahead of
     them, and asks those who stand in the way of that step. Nobody is asked who ranks higher than
@@ -48,16 +55,16 @@ class Request:
         self,
         asker: Traveller,
         now: float,
-        others: Sequence[Traveller],
+        among: Among,
         ground_of: Callable[[Traveller], Ground],
     ) -> None:
         self._asker = asker
         self._now = now
-        self._others = others
+        self._among = among
         self._ground_of = ground_of
         self._left = TRIES
-        self.motions: dict[Traveller, Motion] = {}
-        self._swaths: dict[Traveller, Swath] = {}
+        self.drafts: dict[Traveller, Swath] = {}
+        """Where everybody goes who moves for it."""
 
     def succeeds(self, outlook: Outlook, passed: float) -> bool:
         """Return whether all can move so that the asker gets past `passed` metres of its course."""
@@ -67,33 +74,29 @@ class Request:
         for length in dict.fromkeys((near, far)):
             course = first(outlook.course, length)
             for wait in WAITS:
-                motion = outlook.walk(course, delay=wait)
-                if motion is None:
+                draft = outlook.draft(course, delay=wait)
+                if draft is None:
                     continue
-                self._put(self._asker, motion)
+                self.drafts = {self._asker: draft}
                 if self._clear(self._asker, course, 0):
                     return True
-                self.motions.clear()
-                self._swaths.clear()
         return False
 
     def make_way(self, course: Sequence[Place]) -> None:
         """Let all who can step off the motion that the asker is committed to, along `course`."""
-        self._put(self._asker, self._asker.body.motion)
+        self.drafts = {self._asker: self._asker.swath}
         self._clear(self._asker, course, 0)
-
-    def _put(self, who: Traveller, motion: Motion) -> None:
-        self.motions[who] = motion
-        self._swaths[who] = swath(motion, self._now)
 
     def _clear(self, mover: Traveller, course: Sequence[Place], depth: int) -> bool:
         """Let all step aside who stand in the way of `mover`; return whether they can."""
+        draft = self.drafts[mover]
+        near = self._among(mover, draft.box)
         while True:
-            others = [other for other in self._others if other not in self.motions]
-            hit = first_hit(mover, self._swaths[mover], others, self._now)
+            others = Others(mover, [one for one in near if one not in self.drafts], self._now)
+            hit = others.first_hit(draft)
             if hit is None:
                 return True
-            if depth >= DEEPEST or len(self.motions) > MOST or not self._may_ask(hit.other):
+            if depth >= DEEPEST or len(self.drafts) > MOST or not self._may_ask(hit.other):
                 return False
             if not self._step(hit.other, course, depth):
                 return False
@@ -109,39 +112,37 @@ class Request:
 
     def _step(self, who: Traveller, course: Sequence[Place], depth: int) -> bool:
         """Let `who` step off `course`, and whoever is in the way of that; else leave all as is."""
-        before, swaths = dict(self.motions), dict(self._swaths)
+        before = dict(self.drafts)
         tried = 0
         for retreat in self._retreats(who, course):
             self._left -= 1
             if self._left < 0 or tried >= WIDE:
                 break
             points, top = who.zones.along(retreat, who.top_speed)
-            motion = paced(
+            draft = pace(
                 points,
                 self._now,
                 top_speed=top,
                 max_speed=who.human.max_speed,
                 max_acceleration=who.human.max_acceleration,
             )
-            if motion is None:
+            if draft is None:
                 continue
-            self._put(who, motion)
-            if not self._meets(who, swaths):
+            if not self._meets(who, draft, before):
                 tried += 1
+                self.drafts[who] = draft
                 if self._clear(who, retreat, depth + 1):
                     return True
-            self.motions, self._swaths = dict(before), dict(swaths)
+            self.drafts = dict(before)
         return False
 
-    def _meets(self, who: Traveller, others: dict[Traveller, Swath]) -> bool:
+    def _meets(self, who: Traveller, draft: Swath, others: dict[Traveller, Swath]) -> bool:
         """Return whether `who` would come too close to any of those who move."""
-        mine = self._swaths[who]
+        here = who.body.motion.state(self._now).at
         for other, theirs in others.items():
-            apart = math.dist(
-                who.body.motion.state(self._now).at, other.body.motion.state(self._now).at
-            )
+            apart = math.dist(here, other.body.motion.state(self._now).at)
             least = min(who.radius + other.radius + GAP, apart - 1e-9)
-            if first_conflict(mine, theirs, least, self._now) is not None:
+            if first_conflict(draft, theirs, least, self._now) is not None:
                 return True
         return False
 
@@ -149,14 +150,11 @@ class Request:
         """Yield courses off `course`: to the nearest places around, then to places ahead of it."""
         at = who.body.motion.state(self._now).at
         needed, ground = 2 * who.radius + GAP, self._ground_of(who)
-        places = [
-            (at[0] + r * math.cos(angle), at[1] + r * math.sin(angle))
-            for r in RINGS
-            for angle in (2 * math.pi * k / ANGLES for k in range(ANGLES))
-        ]
-        for place in places:
-            if distance_to(course, place) >= needed and ground.free(at, place):
-                yield [at, place]
+        legs = [number for a, b in pairwise(course) for number in (*a, *b)]
+        for dx, dy in AROUND:
+            x, y = at[0] + dx, at[1] + dy
+            if not touches(legs, x, y, x, y, needed) and ground.free(at, (x, y)):
+                yield [at, (x, y)]
         gone, near = 0.0, math.inf
         whole = length_of(course)
         steps = [k * STEP for k in range(math.ceil(whole / STEP) + 1)]
@@ -174,6 +172,6 @@ class Request:
             for k in range(ANGLES // 2):
                 angle = 4 * math.pi * k / ANGLES
                 for r in (needed + 0.02, 1.3 * needed):
-                    place = (onwards[0] + r * math.cos(angle), onwards[1] + r * math.sin(angle))
-                    if distance_to(course, place) >= needed and ground.free(onwards, place):
-                        yield [*path, place]
+                    x, y = onwards[0] + r * math.cos(angle), onwards[1] + r * math.sin(angle)
+                    if not touches(legs, x, y, x, y, needed) and ground.free(onwards, (x, y)):
+                        yield [*path, (x, y)]

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
-from functools import partial
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
-from navigation import Motion
+from navigation import Motion, Swath
 
 from .course import Place, first, heading, length_of, rest
 from .outlook import GAP, Hit, Outlook
@@ -17,7 +16,10 @@ from .traveller import Traveller
 SIDEWAYS = (0.45, 0.9, 1.35)
 """Metres. Shifts to the side that are tried besides the one that just gets past."""
 
-WIDEST = 1.8
+DETOURS = (2.0, 2.8, 3.6)
+"""Metres. Shifts that somebody tries who stands before others who don't go the same way."""
+
+WIDEST = 3.6
 """Metres. Nobody shifts further to the side than this."""
 
 SHARES = (0.75, 0.5, 0.25)
@@ -44,8 +46,18 @@ OTHER_SIDE = 0.15
 BRUSH = 0.5
 """Metres. Detour that keeping the comfort distance is worth."""
 
-Proposal = tuple[float, Callable[[], "Motion | None"]]
-"""Metres that a course loses, and the motion along it, if it is possible."""
+
+class Proposal(NamedTuple):
+    """A walk along a course, and the metres that it loses.
+
+    `length` and `top_speed` (metres, m/s) are as for `Outlook.walk`, and `delay` (seconds).
+    """
+
+    loss: float
+    course: list[Place]
+    length: float
+    top_speed: float | None = None
+    delay: float = 0.0
 
 
 class Steering(Protocol):
@@ -73,38 +85,54 @@ class Foresighted:
         self, body: Traveller, neighbours: Sequence[Traveller], outlook: Outlook
     ) -> Motion | None:
         """See `Steering`."""
-        wish = outlook.wish
-        if wish is None:
+        wished = outlook.wished
+        if wished is None:
             return None
-        hit = outlook.hit(wish, body.manners.comfort)
+        near = outlook.others.first_hit(wished, comfort=True)
+        if near is None:
+            return outlook.wish
+        hit = outlook.others.first_hit(wished)
         if hit is None:
-            return wish
-        proposals = sorted(self._proposals(body, outlook, wish, hit), key=lambda one: one[0])
-        for _, make in proposals:
-            motion = make()
-            if motion is not None and outlook.free(motion):
-                return motion
-        return None
+            brush = Proposal(BRUSH, outlook.course, outlook.stop_beyond(outlook.reach))
+            draft = _first_free(outlook, [brush, *_asides(body, outlook, near)])
+            if draft is not None and draft.table == wished.table:
+                return outlook.wish
+        else:
+            follows = _same_way(body, hit, outlook.now)
+            proposals = [*self._later_or_shorter(body, outlook, hit, follows)]
+            if hit.at_rest and follows:
+                # They are about to walk on: nobody passes them where they can get nearer.
+                draft = _first_free(outlook, proposals)
+                if draft is not None:
+                    return outlook.made(draft)
+                proposals = []
+            proposals += _asides(body, outlook, near)
+            if near.other is not hit.other:
+                proposals += _asides(body, outlook, hit)
+            draft = _first_free(outlook, proposals)
+            if draft is None and outlook.speed < STANDS and not follows:
+                outlook.look_around(DETOURS[-1])
+                draft = _first_free(outlook, _asides(body, outlook, hit, DETOURS))
+        return None if draft is None else outlook.made(draft)
 
-    def _proposals(
-        self, me: Traveller, outlook: Outlook, wish: Motion, hit: Hit
+    def _later_or_shorter(
+        self, me: Traveller, outlook: Outlook, hit: Hit, follows: bool
     ) -> Iterator[Proposal]:
-        yield BRUSH, lambda: wish
-        gone = outlook.gone(wish, hit.t)
-        whole = length_of(first(outlook.course, outlook.reach))
-        for loss, course in asides(me, outlook, hit, gone):
-            yield loss, partial(_walk_aside, outlook, course)
-        stop = outlook.stop_beyond(outlook.reach)
-        walk = partial(outlook.walk, outlook.course)
-        for pace in SHARES:
-            yield (1 - pace) * whole, partial(walk, stop, top_speed=pace * me.top_speed)
-        if outlook.speed < STANDS:
-            for delay in DELAYS:
-                yield delay * me.top_speed, partial(walk, stop, delay=delay)
-        follows = _same_way(me, hit, outlook.now)
+        """Yield walks along the course that are slower, later, or end before the other.
+
+        Who `follows` goes the same way as the other.
+        """
+        course, stop = outlook.course, outlook.stop_beyond(outlook.reach)
+        whole = length_of(first(course, outlook.reach))
+        if not hit.at_rest:  # else it would be as much in the way later on
+            for pace in SHARES:
+                yield Proposal((1 - pace) * whole, course, stop, top_speed=pace * me.top_speed)
+            if outlook.speed < STANDS:
+                for delay in DELAYS:
+                    yield Proposal(delay * me.top_speed, course, stop, delay=delay)
         share = PHANTOM if hit.at_rest and follows else 1.0
-        for length in self._stops(me, outlook, gone, follows):
-            yield share * max(whole - length, 0.0), partial(walk, length)
+        for length in self._stops(me, outlook, outlook.gone(hit.t), follows):
+            yield Proposal(share * max(whole - length, 0.0), course, length)
 
     def _stops(
         self, me: Traveller, outlook: Outlook, gone: float, follows: bool
@@ -123,14 +151,38 @@ class Foresighted:
             yield braking
 
 
-def _walk_aside(outlook: Outlook, course: list[Place]) -> Motion | None:
-    ground = outlook.ground
-    if not outlook.can_turn(course):
+def _first_free(outlook: Outlook, proposals: list[Proposal]) -> Swath | None:
+    """Return the draft of the proposal that loses least of those that are free."""
+    proposals.sort(key=_loss)
+    for one in proposals:
+        draft = _draft(outlook, one)
+        if draft is not None and outlook.others.free(draft) and _has_room(outlook, one):
+            return draft
+    return None
+
+
+def _loss(one: Proposal) -> float:
+    return one.loss
+
+
+def _draft(outlook: Outlook, one: Proposal) -> Swath | None:
+    if one.course is not outlook.course and not outlook.can_turn(one.course):
         return None
-    if not all(ground.free(a, b) for a, b in pairwise(course[:4])):
-        return None
+    return outlook.draft(one.course, one.length, top_speed=one.top_speed, delay=one.delay)
+
+
+def _has_room(outlook: Outlook, one: Proposal) -> bool:
+    """Return whether there are no walls in the way; people were looked at before, it is quicker."""
+    free = outlook.ground.free
+    return one.course is outlook.course or all(free(a, b) for a, b in pairwise(one.course[:4]))
+
+
+def _asides(
+    me: Traveller, outlook: Outlook, hit: Hit, widths: Sequence[float] = ()
+) -> list[Proposal]:
+    """Return the courses that pass the other, or all that stand there at these `widths`."""
     length = outlook.reach + 0.5
-    return outlook.walk(course, min(length, length_of(course)))
+    return [Proposal(loss, course, length) for loss, course in asides(me, outlook, hit, widths)]
 
 
 def _same_way(me: Traveller, hit: Hit, now: float) -> bool:
@@ -142,22 +194,31 @@ def _same_way(me: Traveller, hit: Hit, now: float) -> bool:
 
 
 def asides(
-    me: Traveller, outlook: Outlook, hit: Hit, gone: float
+    me: Traveller, outlook: Outlook, hit: Hit, widths: Sequence[float] = ()
 ) -> Iterator[tuple[float, list[Place]]]:
-    """Yield courses that pass the other on either side, and what they lose (metres)."""
-    other = hit.other
+    """Yield courses that pass the other on either side, and what they lose (metres).
+
+    Just past the other and a little wider, or else by these `widths` (metres) alone.
+    """
+    other, gone = hit.other, outlook.gone(hit.t)
     c, s = heading(outlook.course, max(gone - 1e-6, 0.0))
     x, y = rest(outlook.course, gone)[0]
     px, py = other.body.motion.state(hit.t).at
     ahead, beside = (px - x) * c + (py - y) * s, (py - y) * c - (px - x) * s
     needed = me.radius + other.radius + GAP
-    sides = [beside - needed - me.manners.comfort, beside + needed + me.manners.comfort]
-    sides += [beside - needed - 1e-3, beside + needed + 1e-3]
-    if not hit.at_rest:
-        sides += [side for width in SIDEWAYS for side in (-width, width)]
+    sides = [side for width in widths or SIDEWAYS for side in (-width, width)]
+    if not widths:
+        wide = needed + me.manners.comfort
+        sides = [
+            beside - wide,
+            beside + wide,
+            beside - needed - 1e-3,
+            beside + needed + 1e-3,
+            *sides,
+        ]
     usual = -1.0 if me.manners.passing_side == "right" else 1.0
     for side in dict.fromkeys(sides):
-        if not 0.02 < abs(side) < WIDEST:
+        if not 0.02 < abs(side) <= WIDEST:
             continue
         course = aside(outlook.course, gone + max(ahead, 0.0), side)
         loss = length_of(course) - length_of(outlook.course)
@@ -180,13 +241,12 @@ def aside(course: Sequence[Place], length: float, side: float) -> list[Place]:
 
 def both_aside(
     me: Traveller, mine: Outlook, hit: Hit, theirs: Outlook
-) -> Iterator[tuple[Motion, Motion]]:
-    """Yield motions in which two who meet head-on both shift to their side, the usual one first."""
-    wish = mine.wish
-    if wish is None or theirs.wish is None:
+) -> Iterator[tuple[Swath, Swath]]:
+    """Yield drafts in which two who meet head-on both shift to their side, the usual one first."""
+    if mine.wished is None or theirs.wished is None:
         return
     other = hit.other
-    gone = mine.gone(wish, hit.t)
+    gone = mine.gone(hit.t)
     c, s = heading(mine.course, max(gone - 1e-6, 0.0))
     x, y = rest(mine.course, gone)[0]
     px, py = other.body.motion.state(hit.t).at
@@ -204,9 +264,13 @@ def both_aside(
             for share in (0.5, 0.7, 0.3):
                 one = aside(mine.course, max(gone + ahead / 2, 0.1), way * share * width)
                 two = aside(theirs.course, max(passed, 0.1), way * (1 - share) * width)
-                first_motion, second = _walk_aside(mine, one), _walk_aside(theirs, two)
-                if first_motion is not None and second is not None:
-                    yield first_motion, second
+                both = [
+                    (outlook, Proposal(0.0, course, outlook.reach + 0.5))
+                    for outlook, course in ((mine, one), (theirs, two))
+                ]
+                ours, yours = (_draft(*walk) for walk in both)
+                if ours and yours and all(_has_room(*walk) for walk in both):
+                    yield ours, yours
 
 
 def _nearest_length(course: Sequence[Place], place: Place) -> float:

@@ -13,6 +13,9 @@ from .course import Place
 from .manners import Manners
 from .speed_zones import SpeedZones
 
+AT_THE_DOOR = 1.0
+"""Metres. So near to it people come in where they come in, and leave where they leave."""
+
 
 @dataclass(eq=False)
 class Traveller:
@@ -34,6 +37,8 @@ class Traveller:
     recorded: bool = False
     goal: Place | None = None
     route: list[Place] = field(default_factory=list)
+    leaves_at: Place | None = None
+    """Where they leave the floor, if anywhere: there they queue."""
     since: float = 0.0
     top_speed: float = field(init=False)
     decided: float = -math.inf
@@ -68,6 +73,11 @@ class Traveller:
         if self._swath is None or self._of is not motion:
             self._of, self._swath = motion, swath(motion, self.body.clock.now)
         return self._swath
+
+    def follow(self, motion: Motion, ahead: Swath) -> None:
+        """Follow `motion` from now on, which goes `ahead`."""
+        self._of, self._swath = motion, ahead
+        self.body.follow(motion)
 
     @property
     def rank(self) -> tuple[bool, float, int]:

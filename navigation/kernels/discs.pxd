@@ -1,0 +1,25 @@
+cdef double _distance(list[double] a, list[double] b, double t) noexcept
+cdef double _meeting(
+    list[double] a,
+    list[double] b,
+    double least,
+    double begin,
+    double until,
+    Py_ssize_t row,
+    Py_ssize_t other_row,
+) noexcept
+cdef double _within(
+    double x0,
+    double x1,
+    double x2,
+    double x3,
+    double y0,
+    double y1,
+    double y2,
+    double y3,
+    double duration,
+    double least,
+) noexcept
+cdef double _entered(
+    double x, double vx, double y, double vy, double duration, double least
+) noexcept

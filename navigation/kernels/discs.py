@@ -1,0 +1,268 @@
+"""Discs that meet: the first instant at which two centres, or one and any other, come too close.
+
+A table holds the motion of a centre in rows of ten numbers, one after another: begin and end of a
+piece (seconds), then the coefficients of its cubics of x and y since it began. The last row is the
+final standing, and never ends.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import cython
+else:
+    from . import uncompiled as cython
+
+if not cython.compiled:
+    from math import inf, sqrt
+
+    INFINITY = inf
+else:
+    from cython.cimports.libc.math import INFINITY, sqrt
+
+ROW = 10
+"""Numbers in a row."""
+
+_R: cython.Py_ssize_t = ROW
+_RESOLUTION: float = 1e-4  # seconds; what is undecided when it is shorter counts as a conflict
+_JUST_NOW: float = 1e-3  # seconds; who is too close so soon is so already
+
+
+def first_met(
+    table: list[float],
+    box: list[float],
+    others: list[list[float]],
+    boxes: list[float],
+    leasts: list[float],
+    begin: float,
+    when: list[float],
+) -> int:
+    """Return the index of the other who is met first from `begin` (seconds) on; -1 for nobody.
+
+    `table` is the motion of one, `others` those of the others. To meet the k-th is to come closer
+    than `leasts[k]` (metres); who is closer already is met by coming closer still. `box` and
+    `boxes` bound the motions: least x and y, greatest x and y, four numbers for each. When it is,
+    is `when[0]`.
+    """
+    low_x: float = box[0]
+    low_y: float = box[1]
+    high_x: float = box[2]
+    high_y: float = box[3]
+    first: float = INFINITY
+    who: cython.Py_ssize_t = -1
+    k: cython.Py_ssize_t
+    least: float
+    apart: float
+    t: float
+    other: list[float]
+    for k in range(len(others)):
+        least = leasts[k]
+        if (
+            low_x - boxes[4 * k + 2] >= least
+            or boxes[4 * k] - high_x >= least
+            or low_y - boxes[4 * k + 3] >= least
+            or boxes[4 * k + 1] - high_y >= least
+        ):
+            continue
+        other = others[k]
+        t = _meeting(table, other, least, begin, first, 0, 0)
+        if t <= begin + _JUST_NOW:
+            apart = _distance(table, other, begin)
+            if apart < least + _JUST_NOW:
+                t = _meeting(table, other, min(least, apart - 1e-9), begin, first, 0, 0)
+        if t < first:
+            first = t
+            who = k
+    when[0] = first
+    found: int = who
+    return found
+
+
+def meeting(
+    a: list[float],
+    b: list[float],
+    least: float,
+    begin: float,
+    until: float,
+    row: int = 0,
+    other_row: int = 0,
+) -> float:
+    """Return the first instant from `begin` to `until` at which two are nearer than `least`.
+
+    Seconds and metres; infinite if there is none. Both tables reach back to `begin`, from these
+    rows on. Never misses one; finds one too many only where the two stay within rounding of
+    `least`.
+    """
+    return _meeting(a, b, least, begin, until, row, other_row)
+
+
+def _distance(a: list[float], b: list[float], t: float) -> float:
+    """Return the distance of two centres at `t` (seconds), metres."""
+    i: cython.Py_ssize_t = 0
+    j: cython.Py_ssize_t = 0
+    while a[i + 1] <= t:
+        i += _R
+    while b[j + 1] <= t:
+        j += _R
+    u: float = max(t - a[i], 0.0)
+    w: float = max(t - b[j], 0.0)
+    x: float = a[i + 2] + u * (a[i + 3] + u * (a[i + 4] + u * a[i + 5]))
+    y: float = a[i + 6] + u * (a[i + 7] + u * (a[i + 8] + u * a[i + 9]))
+    x -= b[j + 2] + w * (b[j + 3] + w * (b[j + 4] + w * b[j + 5]))
+    y -= b[j + 6] + w * (b[j + 7] + w * (b[j + 8] + w * b[j + 9]))
+    return sqrt(x * x + y * y)
+
+
+def _meeting(
+    a: list[float],
+    b: list[float],
+    least: float,
+    begin: float,
+    until: float,
+    row: cython.Py_ssize_t,
+    other_row: cython.Py_ssize_t,
+) -> float:
+    """See `meeting`."""
+    i: cython.Py_ssize_t = row * _R
+    j: cython.Py_ssize_t = other_row * _R
+    while a[i + 1] <= begin:
+        i += _R
+    while b[j + 1] <= begin:
+        j += _R
+    t: float = begin
+    while t < until:
+        a_end: float = a[i + 1]
+        b_end: float = b[j + 1]
+        x: float = a[i + 2]
+        x1: float = a[i + 3]
+        x2: float = a[i + 4]
+        x3: float = a[i + 5]
+        y: float = a[i + 6]
+        y1: float = a[i + 7]
+        y2: float = a[i + 8]
+        y3: float = a[i + 9]
+        u: float = t - a[i]
+        if u > 0.0:
+            x += u * (x1 + u * (x2 + u * x3))
+            x1 += u * (2 * x2 + u * 3 * x3)
+            x2 += u * 3 * x3
+            y += u * (y1 + u * (y2 + u * y3))
+            y1 += u * (2 * y2 + u * 3 * y3)
+            y2 += u * 3 * y3
+        if b_end == INFINITY:  # the other stands
+            x -= b[j + 2]
+            y -= b[j + 6]
+            if a_end == INFINITY:
+                return t if x * x + y * y < least * least else INFINITY
+        else:
+            w: float = t - b[j]
+            bx1: float = b[j + 3]
+            bx2: float = b[j + 4]
+            bx3: float = b[j + 5]
+            by1: float = b[j + 7]
+            by2: float = b[j + 8]
+            by3: float = b[j + 9]
+            x -= b[j + 2] + w * (bx1 + w * (bx2 + w * bx3))
+            x1 -= bx1 + w * (2 * bx2 + w * 3 * bx3)
+            x2 -= bx2 + w * 3 * bx3
+            x3 -= bx3
+            y -= b[j + 6] + w * (by1 + w * (by2 + w * by3))
+            y1 -= by1 + w * (2 * by2 + w * 3 * by3)
+            y2 -= by2 + w * 3 * by3
+            y3 -= by3
+        end: float = a_end if a_end < b_end else b_end
+        duration: float = end - t
+        apart: cython.bint = False
+        if x3 == 0.0 and y3 == 0.0:
+            # A quadratic stays between its control points.
+            xm: float = x + duration * x1 / 2
+            ym: float = y + duration * y1 / 2
+            xe: float = x + duration * (x1 + duration * x2)
+            ye: float = y + duration * (y1 + duration * y2)
+            apart = (
+                (x >= least and xm >= least and xe >= least)
+                or (x <= -least and xm <= -least and xe <= -least)
+                or (y >= least and ym >= least and ye >= least)
+                or (y <= -least and ym <= -least and ye <= -least)
+            )
+        if not apart:
+            met: float = _within(x, x1, x2, x3, y, y1, y2, y3, duration, least)
+            if met >= 0.0:
+                return t + met
+        t = end
+        if a_end <= t:
+            i += _R
+        if b_end <= t:
+            j += _R
+    return INFINITY
+
+
+def _within(
+    x0: float,
+    x1: float,
+    x2: float,
+    x3: float,
+    y0: float,
+    y1: float,
+    y2: float,
+    y3: float,
+    duration: float,
+    least: float,
+) -> float:
+    """Return the first u from 0 to `duration` at which x, y is within `least` of 0, 0; or -1.
+
+    About the middle of a stretch the position is r + v u + (a/2) u² + (j/6) u³. The distance along
+    the straight line r + v u is convex, and the rest can't be longer than (a/2) h² + (j/6) h³
+    (as in `Encounter`); a stretch that this leaves undecided is halved. Stretches are `width` long,
+    and the one to look at is the k-th of that width.
+    """
+    curved: cython.bint = x2 != 0.0 or y2 != 0.0 or x3 != 0.0 or y3 != 0.0
+    width: float = duration
+    k: cython.Py_ssize_t = 0
+    while True:
+        half: float = width / 2
+        since: float = k * width
+        m: float = since + half
+        x: float = x0 + m * (x1 + m * (x2 + m * x3))
+        y: float = y0 + m * (y1 + m * (y2 + m * y3))
+        vx: float = x1 + m * (2 * x2 + m * 3 * x3)
+        vy: float = y1 + m * (2 * y2 + m * 3 * y3)
+        square: float = vx * vx + vy * vy
+        offset: float = 0.0
+        if square > 0.0:
+            offset = -(x * vx + y * vy) / square
+            offset = -half if offset < -half else half if offset > half else offset
+        x += vx * offset
+        y += vy * offset
+        near: float = sqrt(x * x + y * y)
+        if curved:
+            ax: float = x2 + 3 * x3 * m
+            ay: float = y2 + 3 * y3 * m
+            bend: float = sqrt(ax * ax + ay * ay) + half * sqrt(x3 * x3 + y3 * y3)
+            near -= half * half * bend
+        if near >= least:
+            k += 1
+            while k % 2 == 0:
+                k //= 2
+                width *= 2
+            if width >= duration:
+                return -1.0
+        elif not curved:
+            return _entered(x0, x1, y0, y1, duration, least)
+        elif width <= _RESOLUTION:
+            return since
+        else:
+            k *= 2
+            width = half
+
+
+def _entered(x: float, vx: float, y: float, vy: float, duration: float, least: float) -> float:
+    """Return the first u from 0 to `duration` at which x + vx u, y + vy u is within `least`."""
+    c: float = x * x + y * y - least * least
+    if c <= 0.0:
+        return 0.0
+    a: float = vx * vx + vy * vy
+    b: float = x * vx + y * vy
+    root: float = sqrt(max(b * b - a * c, 0.0))
+    return min(max(c / (root - b), 0.0), duration)

@@ -1,0 +1,71 @@
+"""Discs that meet, walks in closed form, and walls, beside ways to tell that know no tables."""
+
+import random
+
+import numpy as np
+import pytest
+
+import floorplan
+import navigation
+
+
+def places(rng: random.Random, count: int) -> list[tuple[float, float]]:
+    return [(rng.uniform(0, 6), rng.uniform(0, 6)) for _ in range(count)]
+
+
+def walks(rng: random.Random) -> navigation.Motion:
+    found = None
+    while found is None:
+        found = navigation.paced(
+            places(rng, rng.randint(2, 6)),
+            rng.uniform(0, 3),
+            initial_speed=rng.choice([0.0, 0.3, 0.9]),
+            top_speed=rng.choice([1.0, 0.5, 0.25]),
+            max_speed=1.0,
+            max_acceleration=2.5,
+        )
+    return found
+
+
+def test_conflicts_are_those_that_the_monitor_sees():
+    rng = random.Random(4)
+    for _ in range(300):
+        one, other = walks(rng), walks(rng)
+        least = rng.uniform(0.1, 1.5)
+        t = navigation.first_conflict(
+            navigation.swath(one, 3.0), navigation.swath(other, 3.0), least, 3.0
+        )
+        end = max(one.end, other.end, 3.0) + 1.0
+        law = navigation.FixedDistance(least)
+        found = navigation.violations(one, other, law, 3.0, end)
+        if t is None:
+            assert not found
+        elif found:
+            assert t == pytest.approx(found[0][0], abs=2e-4)
+        else:  # no more than rounding
+            assert navigation.minimum_separation(one, other, 3.0, end)[1] < least + 1e-3
+
+
+def test_walks_keep_their_limits_and_are_what_their_swaths_are():
+    rng = random.Random(5)
+    for _ in range(200):
+        walk = walks(rng)
+        t = np.linspace(walk.start, walk.end, 200)
+        assert np.hypot(*walk.velocity(t).T).max() <= 1.0 + 1e-9
+        assert all(abs(a) <= 2.5 + 1e-9 for s in t for a in walk.state(s).acceleration[:2])
+        swath = navigation.swath(walk, walk.start)
+        assert navigation.walked(swath, 0.0).position(t) == pytest.approx(walk.position(t))
+        assert (walk.position(t) >= np.array(swath.box[:2]) - 1e-9).all()
+        assert (walk.position(t) <= np.array(swath.box[2:]) + 1e-9).all()
+
+
+def test_walls_are_where_the_world_has_them():
+    rng = random.Random(6)
+    world = navigation.CollisionWorld(floorplan.load("ariac2023"))
+    walls, (low_x, low_y, high_x, high_y) = world.walls(0.3), world.plan.boundary.bounds
+    for _ in range(2000):
+        a = (rng.uniform(low_x, high_x), rng.uniform(low_y, high_y))
+        away = rng.choice([0.3, 1.0, 3.0, 8.0])
+        b = (a[0] + rng.uniform(-away, away), a[1] + rng.uniform(-away, away))
+        if world.segment_free(a, a, 0.3, among=()):
+            assert walls.clear(a, b) == world.segment_free(a, b, 0.3, among=())
