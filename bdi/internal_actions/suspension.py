@@ -30,8 +30,10 @@ def suspend(call: Call, *goal: Term) -> object:
             action.intention.is_suspended = True
             circumstance.suspend("suspended", action.intention, reason)
     for _, intention in list(circumstance.pending.values()):
-        if intention.wants(wanted, u):
+        if intention.wants(wanted, u) and not intention.is_suspended:
             intention.is_suspended = True
+            if circumstance.states is not None:
+                circumstance.states.note_top("suspended", intention, reason)
     running = [circumstance.atomic, *circumstance.running]
     for candidate in running:
         if candidate is not None and candidate.wants(wanted, u):
@@ -81,6 +83,8 @@ def resume(call: Call, goal: Term) -> object:
             circumstance.take_pending(intention, kind)
             if intention.number not in circumstance.pending_actions:
                 circumstance.add_running(intention)
+        elif circumstance.states is not None:
+            circumstance.states.note_top("resumed", intention, intention.reason)
     for event in list(circumstance.suspended_events):
         stacked = event.intention
         if _is_goal(event, wanted, u) or (stacked is not None and stacked.wants(wanted, u)):
