@@ -75,6 +75,10 @@ def test_runs_of_one_title_are_named_by_what_differs(open_page, recording):
         "A operator: indifferent",
         "B operator: scared",
     ]
+    one, two = ({**recording, "controller": name} for name in ("pausing", "avoiding"))
+    viewer = open_page(replay.render(one, two))
+    titles = viewer.page.locator(".view .title").all_inner_texts()
+    assert titles == ["controller pausing", "controller avoiding"]
 
 
 def test_the_longer_one_gives_the_end(compared, open_page, recording, other):
