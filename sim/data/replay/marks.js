@@ -16,7 +16,7 @@ function drawMarks(tools, run, t, chosen, afterglow, hidden) {
   for (const body of bodies) takeBody(pen, body, t);
   const isWatched = body => body === chosen?.person || body === chosen?.other;
   for (const body of bodies) drawBodyName(pen, run, body, t, isWatched(body));
-  const violated = run.watches.filter(watch => !shown.includes(watch) && watch.at(t).violated);
+  const violated = run.watches.filter(watch => !shown.includes(watch) && watch.violatedAt(t));
   for (const watch of [...violated, ...shown]) drawFigure(pen, watch, t, watch === chosen);
   drawPlaceNames(pen, run);
 }

@@ -35,7 +35,7 @@ function drawScene(tools, run, t, chosen, afterglow) {
   const named = [...people, ...ofCategory("robot"), ...ofCategory("vehicle")];
   drawViolations(pen, run, t, afterglow);
   for (const body of named) drawName(pen, run, body, t);
-  const violated = run.watches.filter(watch => !shown.includes(watch) && watch.at(t).violated);
+  const violated = run.watches.filter(watch => !shown.includes(watch) && watch.violatedAt(t));
   for (const watch of [...violated, ...shown]) drawSeparation(pen, watch, t, watch === chosen);
 }
 

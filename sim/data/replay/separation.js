@@ -68,11 +68,12 @@ class Watch {
         requiredDistance(this.noticeLaw, person.speed, other.speed, t, before), this.noticeCap);
     return {
       distance, required, margin: distance - required, notice,
-      personSpeed: person.speed, otherSpeed: other.speed, violated: this.#violatedAt(t),
+      personSpeed: person.speed, otherSpeed: other.speed, violated: this.violatedAt(t),
     };
   }
 
-  #violatedAt(t) {
+  /** True if at t the two are too close, by the rules. */
+  violatedAt(t) {
     const i = lastUpTo(this.violationBegins, t);
     return i >= 0 && t < this.violations[i][1];
   }

@@ -86,7 +86,7 @@ class World {
     for (const body of bodies) this.#addTrail(body, t);
     for (const body of bodies) if (body.category === "person") this.#addPathAhead(body, t, afterglow);
     for (const watch of run.watches) {
-      if (shown.includes(watch) || watch.at(t).violated) this.#addLine(watch, t);
+      if (shown.includes(watch) || watch.violatedAt(t)) this.#addLine(watch, t);
     }
     return [this.fixed, moving];
   }
