@@ -86,15 +86,16 @@ class Roadmap:
         edges = edges_of_room(floor)
         self.bends = self._standing_bends(corners(edges))
         self._points: list[Point] = [(x, y) for x, y in self.bends.point.tolist()]
-        self.asked: dict[tuple[int, int], bool] = {}
-        """FCL's answers about links between bends, by the numbers of both, the lower first."""
-        self._links: dict[int, list[Link]] = {}
+        self.asked: dict[int, bool] = {}
+        """FCL's answers about links between bends, by the `number` of the link."""
+        self.links: list[list[Link] | None] = [None] * len(self.bends)
+        """The links of each bend that are known."""
         self.between: Floats | None = None
         """Distances (N, N) between all bends in metres, if they are known."""
         self._sight: Sight | None = None
         if len(self.bends) <= MOST_DISTANCES:
             network = self._network()
-            self._links = dict(enumerate(network))
+            self.links = [*network]
             self.between = _all_distances(network)
         else:
             self._sight = Sight(edges, self.bends, radius)
@@ -135,7 +136,7 @@ class Roadmap:
     def link_all(self, most: int) -> None:
         """Link all bends now, if they are no more than `most`."""
         if len(self.bends) <= most:
-            left = [bend for bend in range(len(self.bends)) if bend not in self._links]
+            left = [bend for bend in range(len(self.bends)) if self.links[bend] is None]
             for k in range(0, len(left), _AT_ONCE):
                 self.links_of(left[k], left[k : k + _AT_ONCE])
 
@@ -162,7 +163,8 @@ class Roadmap:
         chain = [first]
         while chain[-1] != last:
             left = self.between[:, last]
-            chain.append(min(self._links[chain[-1]], key=lambda link: link[1] + left[link[0]])[0])
+            links = self.links_of(chain[-1])
+            chain.append(min(links, key=lambda link: link[1] + left[link[0]])[0])
         return chain
 
     def links_of(self, bend: int, soon: Iterable[int] = ()) -> list[Link]:
@@ -170,12 +172,18 @@ class Roadmap:
 
         Bends that will `soon` be asked for, too, are linked in one go with it.
         """
-        known = self._links.get(bend)
+        known = self.links[bend]
         if known is None:
-            fresh = np.array([bend, *{k for k in soon if k not in self._links and k != bend}])
-            self._links.update(zip(fresh.tolist(), self._links_of_some(fresh), strict=True))
-            known = self._links[bend]
+            fresh = [bend, *{k for k in soon if self.links[k] is None and k != bend}]
+            found = self._links_of_some(np.array(fresh))
+            for k, links in zip(fresh, found, strict=True):
+                self.links[k] = links
+            known = found[0]
         return known
+
+    def number(self, one: int, other: int) -> int:
+        """Return the number of the link between two bends."""
+        return min(one, other) * len(self.bends) + max(one, other)
 
     def _links_from(self, places: Floats) -> list[list[Link]]:
         """Return the links of each of `places` (N, 2) to bends that a path could go on from."""

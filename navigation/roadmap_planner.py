@@ -75,7 +75,7 @@ class RoadmapSearch:
         """
         if min(here, there) < 0 or max(here, there) >= len(roadmap.bends):
             return self._ask(a, b)
-        link = (min(here, there), max(here, there))
+        link = roadmap.number(here, there)
         met, self._links.met = self._links.met, []
         free = roadmap.asked.get(link)
         if free is None:
@@ -122,7 +122,8 @@ class RoadmapSearch:
             if points is None:
                 if ends is None:
                     ends = known.ends() if known else roadmap.ends(self._start, self._goal)
-                points = shortest_path(roadmap, ends, met, free, self._hopeless)
+                points, known_links = shortest_path(roadmap, ends, met, free, self._hopeless)
+                self._links.world.checks += known_links  # as above
             if points is None:
                 return None
             fresh = [

@@ -6,10 +6,10 @@ minimum cost paths", IEEE Transactions on Systems Science and Cybernetics 4 (196
 
 from __future__ import annotations
 
-import heapq
 import itertools
 import math
 from collections.abc import Callable, Iterator, Sequence
+from heapq import heappop, heappush
 
 import numpy as np
 
@@ -19,8 +19,8 @@ from .bodies import Body
 from .corners import Bends, Floats
 from .roadmap import BodyBends, Ends, Link, Roadmap
 
-_Entry = tuple[float, float, int, int]
-"""Lower bound of a path's length, length up to its last link, and that link."""
+Entry = tuple[float, float, int, int]
+"""Lower bound of a path's length, length up to its last link, and the places of that link."""
 
 Free = Callable[[int, int, Point, Point], bool]
 """Function that returns whether the link between two places is free, by their numbers and points.
@@ -42,11 +42,12 @@ def shortest_path(
     bodies: Sequence[Body],
     free: Free,
     hopeless: Callable[[], bool],
-) -> list[Point] | None:
+) -> tuple[list[Point] | None, int]:
     """Return the shortest path on `roadmap` round `bodies`, or None where there is none.
 
-    `free` decides about each link that the search takes. `hopeless()` is asked once if the search
-    takes long, and ends it if it is true.
+    `free` decides about each link that the search takes, but for those that the roadmap has been
+    told of, whose number is returned as well. `hopeless()` is asked once if the search takes long,
+    and ends it if it is true.
     """
     return _Search(roadmap, ends, [roadmap.around(body) for body in bodies], free).run(hopeless)
 
@@ -119,46 +120,24 @@ class _Search:
         fixed = self._roadmap.distances_to(ends.goal, last)
         return [*fixed.tolist(), *straight.tolist()]
 
-    def run(self, hopeless: Callable[[], bool]) -> list[Point] | None:
-        """Return the points of the shortest path, or None."""
-        best = {self._start: 0.0}
-        before: dict[int, int] = {}
-        queue: list[_Entry] = []
-        self._expand(self._start, 0.0, best, queue)
-        taken = 0
-        while queue:
-            _, so_far, here, there = heapq.heappop(queue)
-            if so_far >= best.get(there, math.inf):
-                continue
-            taken += 1
-            if taken == PATIENCE and hopeless():
-                return None
-            if not self._free(here, there, self._point(here), self._point(there)):
-                continue
-            best[there] = so_far
-            before[there] = here
-            if there == self._goal:
-                return self._trace(before)
-            self._expand(there, so_far, best, queue)
-        return None
+    def run(self, hopeless: Callable[[], bool]) -> tuple[list[Point] | None, int]:
+        """Return the points of the shortest path, or None, and how many links were known."""
+        alone = not self._around
+        chain, used = _shortest(
+            self._start,
+            self._goal,
+            self._roadmap.links if alone else [None] * self._fixed,
+            self._links_of,
+            self._to_goal,
+            self._left,
+            self._roadmap.asked if alone else {},
+            lambda here, there: self._free(here, there, self._point(here), self._point(there)),
+            PATIENCE,
+            hopeless,
+        )
+        return None if chain is None else [self._point(place) for place in chain], used
 
-    def _expand(
-        self,
-        here: int,
-        so_far: float,
-        best: dict[int, float],
-        queue: list[_Entry],
-    ) -> None:
-        left = self._left
-        for there, length in self._links_of(here, queue):
-            then = so_far + length
-            if then < best.get(there, math.inf) and left[there] < math.inf:
-                heapq.heappush(queue, (then + left[there], then, here, there))
-        if here in self._to_goal:
-            then = so_far + self._to_goal[here]
-            heapq.heappush(queue, (then, then, here, self._goal))
-
-    def _links_of(self, here: int, queue: list[_Entry]) -> list[Link]:
+    def _links_of(self, here: int, queue: list[Entry]) -> list[Link]:
         if here == self._start:
             return self._links[here]
         if here < self._fixed:
@@ -190,7 +169,7 @@ class _Search:
             yield first, part
             first += len(part.bends)
 
-    def _next(self, queue: list[_Entry]) -> Iterator[int]:
+    def _next(self, queue: list[Entry]) -> Iterator[int]:
         """The floor's bends that will be taken soon: a heap has those not far from its top."""
         return (there for _, _, _, there in queue[:_SOON] if there < self._fixed)
 
@@ -199,10 +178,64 @@ class _Search:
             return self._extra[index - self._fixed]
         return self._roadmap.point(index)
 
-    def _trace(self, before: dict[int, int]) -> list[Point]:
-        index = self._goal
-        points = [self._point(index)]
-        while index != self._start:
-            index = before[index]
-            points.append(self._point(index))
-        return points[::-1]
+
+def _shortest(
+    start: int,
+    goal: int,
+    links: Sequence[list[Link] | None],
+    expand: Callable[[int, list[Entry]], list[Link]],
+    to_goal: dict[int, float],
+    left: list[float],
+    known: dict[int, bool],
+    free: Callable[[int, int], bool],
+    patience: int,
+    hopeless: Callable[[], bool],
+) -> tuple[list[int] | None, int]:
+    """Return the numbers of the places of the shortest path from `start` to `goal`, or None.
+
+    `links[here]` are the links from a place, where they are known; `expand(here, queue)` returns
+    them elsewhere. Links to the goal stand in `to_goal`. `left` are lower bounds of the lengths
+    from places to the goal; no path leads on where that is infinite. `free(here, there)` decides
+    about a link when the search takes it, unless `known` does, by the number
+    lower * len(links) + higher; how often it did is returned as well. `hopeless()` is asked once,
+    after `patience` links, and ends the search if it is true.
+    """
+    count = len(links)
+    best = [math.inf] * len(left)
+    before = [start] * len(left)
+    queue: list[Entry] = []
+    used, taken = 0, 0
+    so_far, there = 0.0, start
+    best[start] = 0.0
+    while there != goal:
+        some = links[there] if there < count else None
+        for to, length in expand(there, queue) if some is None else some:
+            then = so_far + length
+            if then < best[to] and left[to] < math.inf:
+                heappush(queue, (then + left[to], then, there, to))
+        if there in to_goal:
+            then = so_far + to_goal[there]
+            heappush(queue, (then, then, there, goal))
+        while True:
+            if not queue:
+                return None, used
+            _, so_far, here, there = heappop(queue)
+            if so_far >= best[there]:
+                continue
+            taken += 1
+            if taken == patience and hopeless():
+                return None, used
+            answer = None
+            if here < count and there < count:
+                answer = known.get(here * count + there if here < there else there * count + here)
+            if answer is None:
+                answer = free(here, there)
+            else:
+                used += 1
+            if answer:
+                break
+        best[there], before[there] = so_far, here
+    chain = [goal]
+    while chain[-1] != start:
+        chain.append(before[chain[-1]])
+    return chain[::-1], used
