@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 import shapely
 
+from floorplan import Point
+
 from .kernels.edges import touches
 
 STRIDE = 1.0
@@ -15,8 +17,6 @@ STRIDE = 1.0
 
 CELL = 1.0
 """Metres. The width of a cell."""
-
-Place = tuple[float, float]
 
 
 class Walls:
@@ -31,7 +31,7 @@ class Walls:
         self._tree: Any = shapely.STRtree(shapely.linestrings(self._edges.reshape(-1, 2, 2)))
         self._cells: dict[tuple[int, int], list[float] | None] = {}
 
-    def clear(self, a: Place, b: Place) -> bool:
+    def clear(self, a: Point, b: Point) -> bool:
         """Return whether a disc touches nothing on the segment from `a`, where it is free, to b."""
         ax, ay = a
         bx, by = b

@@ -8,6 +8,7 @@ from functools import partial
 from typing import Any
 
 import bdi
+from floorplan import Point
 from navigation import CollisionWorld, PathPlanner, PlanningError
 
 from ..core.rules import Notice
@@ -19,8 +20,6 @@ from . import human_topics as topics
 from .connection import Connection
 from .human_topics import BLOCKED, BOOL, DETECTED, PERCEPTS, STRING
 from .readings import NOWHERE
-
-Place = tuple[float, float]
 
 _REPETITION = 0.5
 """Seconds. A violation that is heard of again within them is the same one."""
@@ -61,9 +60,9 @@ class RemotePerson:
         self._percepts = Percepts(mind)
         self._noticing = SampledNotice(trial.rules.notice)
         self._offered: Collection[str] = ()
-        self._at: Place = (0.0, 0.0)
-        self._gantry: Place | None = None
-        self._ahead: list[Place] = []
+        self._at: Point = (0.0, 0.0)
+        self._gantry: Point | None = None
+        self._ahead: list[Point] = []
         """Waypoints that are still to be sent."""
         self._started = False
         self._quiet_until = -math.inf
@@ -198,7 +197,7 @@ class RemotePerson:
         self._ahead.clear()
         return self._send(topics.STOP, BOOL, data=True)
 
-    def _go(self, goal: Place) -> bool:
+    def _go(self, goal: Point) -> bool:
         if not self._waypoints:
             return self._send_goal(goal)
         try:
@@ -209,7 +208,7 @@ class RemotePerson:
         self._ahead = [(float(x), float(y)) for x, y in path.points[1:]] or [goal]
         return self._send_goal(self._ahead.pop(0))
 
-    def _send_goal(self, goal: Place) -> bool:
+    def _send_goal(self, goal: Point) -> bool:
         return self._send(topics.GOAL, topics.POINT, x=goal[0], y=goal[1], z=0.0)
 
     def _send(self, topic: str, type_: str, **message: Any) -> bool:
@@ -254,5 +253,5 @@ class SampledNotice:
         self._before = math.inf
 
 
-def _place(point: dict[str, Any]) -> Place:
+def _place(point: dict[str, Any]) -> Point:
     return (point["x"], point["y"])

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import zlib
 from dataclasses import dataclass
 from random import Random
 
+from .seeds import seed_of
 from .work import Duration
 
 Drawn = float | tuple[float, float] | Duration
@@ -32,7 +32,7 @@ ALL_ROUND = NoticingEntry()
 
 def drawn_figure(value: Drawn, seed: int, what: str) -> float:
     """Return a figure, drawn for `what` from the `seed` of a trial unless it is fixed."""
-    random = Random(zlib.crc32(f"{seed} {what}".encode()))
+    random = Random(seed_of(seed, what))
     if isinstance(value, Duration):
         return value.draw(random)
     return random.uniform(*value) if isinstance(value, tuple) else value

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import zlib
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -20,6 +19,7 @@ from .manners import AS_USUAL, MannersEntry
 from .noticing import ALL_ROUND, Drawn, NoticingEntry
 from .recorded_track import RecordedTrack
 from .rules import PAPER, RuleSet
+from .seeds import seed_of
 from .start import AT_ONCE, Start
 from .work import Shift, WorkList, WorkTask
 from .workload import Workload
@@ -69,7 +69,7 @@ class Source:
 
     def time(self, seed: int) -> float:
         """Return the instant at which they want to come in, of a trial with this seed."""
-        random = Random(zlib.crc32(f"{seed} source {self.stream}".encode()))
+        random = Random(seed_of(seed, f"source {self.stream}"))
         return self.start + sum(random.expovariate(self.rate) for _ in range(self.number))
 
 

@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable
 
 import bdi
-from floorplan import SafeZone
+from floorplan import Point, SafeZone
 
 from ..core.events import Teleport
 from ..core.machine import Machine
@@ -16,7 +16,7 @@ from .attention import Attention, NobodyError
 from .errand import Errand
 from .steering.crowd import Crowd
 from .steering.traveller import Traveller
-from .walker import Place, Walker
+from .walker import Walker
 from .worker import Worker
 
 GLANCE_AHEAD = 2.0
@@ -135,7 +135,7 @@ class Actions:
         if self._worker is not None:
             self._worker.pause()
 
-    def _place_at_home(self) -> Place | None:
+    def _place_at_home(self) -> Point | None:
         """Return home, or the nearest free place beside the vehicle that stands there, if any."""
         self._stage.place_machines()
         home, radius, world = self._home.position, self._walker.human.radius, self._walker.world
@@ -168,7 +168,7 @@ class Actions:
         robot = self._robot()
         return robot is not None and self._step_back(robot.body.at, metres)
 
-    def _step_back(self, point: Place, metres: float) -> bool:
+    def _step_back(self, point: Point, metres: float) -> bool:
         """Walk so far away from `point`, straight, as far as it is free."""
         self._stage.place_machines()
         (x, y), (gx, gy) = self._walker.body.at, point
@@ -218,7 +218,7 @@ class Actions:
         self._stage.place_machines()
         return self._attention.find(who)
 
-    def _go_near(self, point: Place) -> bool:
+    def _go_near(self, point: Point) -> bool:
         self._stage.place_machines()
         free = self._walker.world.nearest_free(point, self._walker.human.radius)
         if free is None:

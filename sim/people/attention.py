@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from contextlib import suppress
 
-from floorplan import suggestion
+from floorplan import Point, suggestion
 from navigation import Approaching, Not, PlanningError, first_time
 
 from ..core.clock import Alarm, Turn
@@ -15,7 +15,7 @@ from ..core.stage import Stage
 from .errand import Errand
 from .steering.crowd import Crowd
 from .steering.traveller import Traveller
-from .walker import Place, Walker
+from .walker import Walker
 
 AT_LEAST = 0.5
 """Seconds between two changes of course for somebody's sake, and the least that one is let pass."""
@@ -38,7 +38,7 @@ SLOTS = ((0.0, -1.0), (0.0, 1.0), (-1.0, -0.5), (-1.0, 0.5))
 abreast, as groups do where there is room (M. Moussaïd et al., "The walking behaviour of pedestrian
 social groups and its impact on crowd dynamics", PLoS ONE 5, 2010)."""
 
-Aim = Callable[[Traveller], Place | None]
+Aim = Callable[[Traveller], Point | None]
 
 
 class NobodyError(LookupError):
@@ -69,7 +69,7 @@ class Attention:
         self._aim: Aim | None = None
         self._known: set[Traveller] = set()
         self._moved_at = -math.inf
-        self._passing: tuple[Traveller, Place, float, float] | None = None
+        self._passing: tuple[Traveller, Point, float, float] | None = None
         """Whom they let pass, where they go on to, and when at the earliest and the latest (s)."""
         self._turning = Alarm(stage.clock, self._turn, Turn.NOTICE)
         self._going_on = Alarm(stage.clock, self._go_on, Turn.NOTICE)
@@ -204,10 +204,10 @@ class Attention:
     def _reach(self, other: Traveller, between: float) -> float:
         return self._walker.human.radius + other.radius + between
 
-    def _behind(self, other: Traveller) -> Place | None:
+    def _behind(self, other: Traveller) -> Point | None:
         return self._place(other, -self._reach(other, BEHIND), 0.0)
 
-    def _beside(self, other: Traveller) -> Place | None:
+    def _beside(self, other: Traveller) -> Point | None:
         step = self._reach(other, BETWEEN)
         slot = self._slot
         if slot is None:
@@ -218,7 +218,7 @@ class Attention:
         row = -(slot + 1) * step
         return self._place(other, ahead * step, left * step, row)
 
-    def _up_to(self, other: Traveller) -> Place | None:
+    def _up_to(self, other: Traveller) -> Point | None:
         (x, y), (ox, oy), heading = self._walker.body.at, *_bound(other)
         away, reach = math.dist((x, y), (ox, oy)), self._reach(other, TALKING)
         if away <= reach:
@@ -230,7 +230,7 @@ class Attention:
 
     def _place(
         self, other: Traveller, ahead: float, left: float, row: float | None = None
-    ) -> Place | None:
+    ) -> Point | None:
         """Return the place `ahead` and to the `left` (m) of where somebody will come to stand.
 
         Where a wall is in between, that on their path behind them (`row`, m), or what is free.
@@ -245,7 +245,7 @@ class Attention:
         return world.nearest_free((x, y), radius)
 
 
-def _bound(other: Traveller) -> tuple[Place, float]:
+def _bound(other: Traveller) -> tuple[Point, float]:
     """Return where somebody will come to stand as things are, and their heading there (rad)."""
     motion = other.body.motion
     state = motion.state(motion.end)

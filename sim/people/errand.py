@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
+from floorplan import Point
 from navigation import PlanningError
 
 from ..core.events import Arrived, Goal, GoalFree, GoalOccupied, PathBlocked, Replanned
@@ -12,7 +13,7 @@ from ..core.stage import Stage
 from .crossing import CrossingWatch
 from .percepts import Senses
 from .waiting_place import WaitingPlaces
-from .walker import Place, Walker
+from .walker import Walker
 
 BESIDE = 1e-3
 """Metres. Further from their goal than this, people have arrived beside somebody else."""
@@ -37,16 +38,16 @@ class Errand:
         self._senses = senses
         self._name = walker.body.name
         self._waiting_places = WaitingPlaces(stage, walker.world, walker.human)
-        self._waits_for: Place | None = None
-        self._lets_pass_on_way_to: Place | None = None
+        self._waits_for: Point | None = None
+        self._lets_pass_on_way_to: Point | None = None
 
-    def go(self, goal: Place) -> bool:
+    def go(self, goal: Point) -> bool:
         """Set out for `goal`; return True if there is a path to it, or to a place to wait."""
         self._stage.place_machines()
         self._record(Goal(person=self._name, station=self._station_at(goal), at=goal))
         return self._set_out(goal)
 
-    def _set_out(self, goal: Place) -> bool:
+    def _set_out(self, goal: Point) -> bool:
         """Walk to `goal`, or to a place to wait beside it; return False if there is no path."""
         try:
             self._walker.go(goal)
@@ -57,7 +58,7 @@ class Errand:
             return self.fail(goal, str(why), at_the_goal=at_the_goal)
         return True
 
-    def resume(self, goal: Place) -> None:
+    def resume(self, goal: Point) -> None:
         """Walk on to `goal` after having waited for a vehicle, on a new path."""
         if self._set_out(goal):
             self._walker.replans += 1
@@ -67,7 +68,7 @@ class Errand:
         """Stop waiting, for a goal to be free or for a vehicle to pass."""
         self._waits_for = self._lets_pass_on_way_to = None
 
-    def interrupt(self) -> Place | None:
+    def interrupt(self) -> Point | None:
         """Stop, and return the goal to `go_on` to; None if they are not on the way to one."""
         goal = self._walker.goal
         if goal is None or self._waits_for is not None or self._lets_pass_on_way_to is not None:
@@ -75,12 +76,12 @@ class Errand:
         self._walker.stop()
         return goal
 
-    def go_on(self, goal: Place) -> None:
+    def go_on(self, goal: Point) -> None:
         """Set out anew for the goal of an errand that was interrupted."""
         self._stage.place_machines()
         self._set_out(goal)
 
-    def fail(self, goal: Place, message: str, *, at_the_goal: bool = False) -> bool:
+    def fail(self, goal: Point, message: str, *, at_the_goal: bool = False) -> bool:
         """Perceive that there is no path to `goal`; False, as the outcome of the action."""
         self._record(PathBlocked(person=self._name, goal=goal, message=message))
         self._senses.count("goal_blocked" if at_the_goal else "path_blocked")
@@ -117,7 +118,7 @@ class Errand:
             self._walker.stop()
             self._lets_pass_on_way_to = goal
 
-    def arrived(self, goal: Place) -> None:
+    def arrived(self, goal: Point) -> None:
         """Take note that the walker has reached `goal`, or the place to wait for it."""
         if self._waits_for is not None:
             self._senses.count("goal_occupied")
@@ -133,7 +134,7 @@ class Errand:
         self._senses.see("at", *self._walker.body.at)
         self._senses.count("work_completed")
 
-    def _check_wait(self, goal: Place) -> None:
+    def _check_wait(self, goal: Point) -> None:
         """Go on to `goal` if it is free now; else go on waiting."""
         if self._waiting_places.occupant(goal) is None:
             self._waits_for = None
@@ -142,7 +143,7 @@ class Errand:
         elif self._walker.check_path() is not None and not self._wait_beside(goal):
             self.fail(goal, "there is no way to a place to wait", at_the_goal=True)
 
-    def _wait_beside(self, goal: Place) -> bool:
+    def _wait_beside(self, goal: Point) -> bool:
         """Wait near a goal until the vehicle on it has left; return False if none stands there."""
         self._waits_for = None
         occupant = self._waiting_places.occupant(goal)
@@ -157,7 +158,7 @@ class Errand:
         self._record(GoalOccupied(person=self._name, goal=goal, by=occupant.name))
         return True
 
-    def _station_at(self, point: Place) -> str | None:
+    def _station_at(self, point: Point) -> str | None:
         tolerance = self._walker.human.goal_tolerance
         near = [
             (distance, station.name)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import zlib
 from collections.abc import Callable, Sequence
 from typing import Protocol
 
@@ -13,6 +12,7 @@ from floorplan import Floorplan
 from ..core.body import Body
 from ..core.rules import RuleSet
 from ..core.scenario import PersonEntry, Scenario, spot
+from ..core.seeds import seed_of
 from ..core.stage import Stage
 from .own_actions import import_actions, modules_of, sources_of
 from .programs import in_group, load_program
@@ -130,7 +130,7 @@ def make_agent(
         beliefs=[*first_beliefs(entry, trial.floorplan, trial.rules, leader), *kept],
         act=act,
         name=entry.name,
-        seed=_seed_of(trial.seed, f"{entry.name} {start}" if start else entry.name),
+        seed=seed_of(trial.seed, f"{entry.name} {start}" if start else entry.name),
         start=start,
         print=print,
         on_event=on_event,
@@ -206,8 +206,3 @@ def first_beliefs(
 def as_term(name: str) -> bdi.Term:
     """Return a name as an AgentSpeak term: an atom where it can be one, else a string."""
     return bdi.Literal(name) if re.fullmatch(r"[a-z][A-Za-z0-9_]*", name) else name
-
-
-def _seed_of(seed: int, name: str) -> int:
-    """Return the random seed of one person: their own, and the same whoever else is there."""
-    return zlib.crc32(f"{seed} {name}".encode())

@@ -13,7 +13,7 @@ from functools import partial
 from pathlib import Path
 
 import bdi
-from floorplan import Human
+from floorplan import Human, Point
 from navigation import PathPlanner
 
 from ..core.body import Body
@@ -40,7 +40,7 @@ from .steering.manners import Manners
 from .steering.starting import wings
 from .steering.traveller import AT_THE_DOOR
 from .tracks.walks import RecordedWalk
-from .walker import Place, Walker
+from .walker import Walker
 from .work_board import WorkBoard
 from .worker import Worker
 
@@ -66,7 +66,7 @@ class Person:
         human: Human,
         planner: PathPlanner,
         *,
-        at: Place,
+        at: Point,
         crowd: Crowd | None,
         index: int,
         manners: Manners,
@@ -166,7 +166,7 @@ class Person:
         """Come in, as soon as there is room at the entrance."""
         self._stage.place_machines()
         entrance, radius, source = self._entrance, self.walker.human.radius, self._entry.source
-        at: Place | None = entrance if self.walker.world.free(entrance, radius) else None
+        at: Point | None = entrance if self.walker.world.free(entrance, radius) else None
         if self._crowd is not None:
             at = self._crowd.room(entrance, radius, self.walker.traveller)
         if source is not None and source.at in self._stage.there:  # the door is closed
@@ -179,7 +179,7 @@ class Person:
         self.walker.put(at, 0.0)
         self.start()
 
-    def _arrived(self, goal: Place) -> None:
+    def _arrived(self, goal: Point) -> None:
         """Take note that a goal is reached; at their sink people leave the floor."""
         self._errand.arrived(goal)
         if self._sink is not None and goal == self._sink:

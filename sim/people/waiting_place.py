@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from floorplan import Human
+from floorplan import Human, Point
 from navigation import CollisionWorld, Disc
 
 from ..core.machine import Machine
 from ..core.stage import Stage
-from .walker import Place
 
 SPARE = 0.1
 """Metres. Distance beyond the needed one at which people wait."""
@@ -23,7 +22,7 @@ class WaitingPlaces:
         self._world = world
         self._human = human
 
-    def occupant(self, goal: Place) -> Machine | None:
+    def occupant(self, goal: Point) -> Machine | None:
         """Return the vehicle that is all that keeps a person from standing at `goal`."""
         radius, vehicles = self._human.radius, [*self._stage.vehicles]
         names = [vehicle.name for vehicle in vehicles]
@@ -35,7 +34,7 @@ class WaitingPlaces:
                 return vehicle
         return None
 
-    def beside(self, goal: Place, vehicle: Machine) -> Place | None:
+    def beside(self, goal: Point, vehicle: Machine) -> Point | None:
         """Return the free place nearest to `goal` that lets the vehicle set out, if any."""
         radius = self._human.radius
         kept = vehicle.zone(self._human.max_speed) + SPARE - radius

@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable
 from contextlib import suppress
 
-from floorplan import Human
+from floorplan import Human, Point
 from navigation import (
     CollisionWorld,
     Motion,
@@ -43,8 +43,6 @@ LEEWAY = 0.05
 SLOWER = 10.0
 """Seconds. No walk takes longer than this beyond its length at top speed."""
 
-Place = tuple[float, float]
-
 
 class Walker:
     """One person's legs. `arrived(goal)` is called whenever a goal is reached.
@@ -61,21 +59,21 @@ class Walker:
         human: Human,
         planner: PathPlanner,
         *,
-        at: Place,
+        at: Point,
         heading: float,
-        arrived: Callable[[Place], None],
+        arrived: Callable[[Point], None],
         crowd: Crowd | None = None,
         manners: Manners | None = None,
         index: int = 0,
         recorded: bool = False,
         blocked: Callable[[], None] = lambda: None,
-        late: Callable[[Place], None] = lambda _: None,
+        late: Callable[[Point], None] = lambda _: None,
     ) -> None:
         self.human = human
         self.body = Body(
             stage.clock, name, PERSON, standing(at, heading=heading, start=stage.clock.now)
         )
-        self.goal: Place | None = None
+        self.goal: Point | None = None
         self.speed_share = 1.0
         self.replans = 0
         self._stage = stage
@@ -85,7 +83,7 @@ class Walker:
         self._arrived = arrived
         self._arrival = Alarm(stage.clock, self._arrive, Turn.MOTION_ENDS)
         self._late = late
-        self._onward: list[Place] = []
+        self._onward: list[Point] = []
         self._goes_on_at = 0.0
         self._setting_out = Alarm(stage.clock, self._go_on, Turn.MOTION_ENDS)
         self._crowd = crowd
@@ -120,7 +118,7 @@ class Walker:
         """Compute beforehand what planning the first path would need."""
         self._planner.prepare()
 
-    def go(self, goal: Place) -> None:
+    def go(self, goal: Point) -> None:
         """Walk to `goal` from now on; `PlanningError`, and no change, if there is no path."""
         if self._crowd is not None:
             self._set_out_among_others(self._crowd, goal)
@@ -130,7 +128,7 @@ class Walker:
         self._arrival.set(max(motion.end, self._clock.now + REPORT_DELAY))
         self.body.follow(motion)
 
-    def _set_out_among_others(self, crowd: Crowd, goal: Place) -> None:
+    def _set_out_among_others(self, crowd: Crowd, goal: Point) -> None:
         """Walk to `goal` as others allow, waiting for a vehicle where that is quickest."""
         points = self._path(self.body.at, goal)
         self.goal = goal
@@ -158,7 +156,7 @@ class Walker:
         crowd.rest(self.traveller)
         self._setting_out.set(max(self._goes_on_at, self._clock.now))
 
-    def _passage_from_rest(self, goal: Place, points: list[Place], top: float) -> Passage | None:
+    def _passage_from_rest(self, goal: Point, points: list[Point], top: float) -> Passage | None:
         """Return how somebody who stands gets past vehicles, or None if they need not mind any."""
         now, acceleration = self._clock.now, self.human.max_acceleration
         length = sum(math.dist(a, b) for a, b in itertools.pairwise(points))
@@ -189,7 +187,7 @@ class Walker:
         self._forget_goal()
         self.body.follow(braking)
 
-    def turn_to(self, point: Place) -> None:
+    def turn_to(self, point: Point) -> None:
         """Brake, stand, and look towards `point`."""
         braking = self.braking()
         self._forget_goal()
@@ -197,7 +195,7 @@ class Walker:
         heading = math.atan2(point[1] - y, point[0] - x)
         self.body.follow(join([braking, standing((x, y), heading=heading, start=braking.end)]))
 
-    def put(self, at: Place, heading: float) -> None:
+    def put(self, at: Point, heading: float) -> None:
         """Be at `at` from one instant to the next, standing."""
         self._forget_goal()
         self.body.follow(standing(at, heading=heading, start=self._clock.now))
@@ -222,11 +220,11 @@ class Walker:
         self._record(Replanned(person=self.body.name, goal=self.goal))
         return None
 
-    def _is_free(self, path: list[Place]) -> bool:
+    def _is_free(self, path: list[Point]) -> bool:
         world, radius = self.world, self.human.radius
         return all(world.segment_free(a, b, radius) for a, b in itertools.pairwise(path))
 
-    def _is_cut_off(self, end: Place) -> bool:
+    def _is_cut_off(self, end: Point) -> bool:
         """Return whether something has closed the leg from the `end` of the motion to the route.
 
         Among others people stop beside their route: what is fixed there is no news. AGVs that
@@ -241,11 +239,11 @@ class Walker:
             for body in self.world.hits(end, onwards, self.human.radius)
         )
 
-    def _bound_for(self) -> Place:
+    def _bound_for(self) -> Point:
         assert self.goal is not None
         return self.goal
 
-    def _motion_to(self, goal: Place) -> Motion:
+    def _motion_to(self, goal: Point) -> Motion:
         now, state = self._clock.now, self.body.state
         points = self._path(state.at, goal)
         top, acceleration = self.human.max_speed * self.speed_share, self.human.max_acceleration
@@ -272,7 +270,7 @@ class Walker:
         onwards = walk(points, braking.end, max_speed=top, max_acceleration=acceleration)
         return join([braking, onwards])
 
-    def _through_zones(self, points: list[Place], top: float) -> Motion | None:
+    def _through_zones(self, points: list[Point], top: float) -> Motion | None:
         """Return the walk along `points` where limits hold; None where there are none ahead.
 
         Somebody who has to turn, or to slow down, more than they can come to rest first.
@@ -283,7 +281,7 @@ class Walker:
         now, state, acceleration = self._clock.now, self.body.state, self.human.max_acceleration
 
         def walked(
-            course: list[Place], tops: float | list[float], t: float, speed: float
+            course: list[Point], tops: float | list[float], t: float, speed: float
         ) -> Motion | None:
             return paced(
                 course,
@@ -305,13 +303,13 @@ class Walker:
         return braking if onwards is None else join([braking, onwards])
 
     def _among_vehicles(
-        self, goal: Place, motion: Motion, top: float, gap: float = GAP
+        self, goal: Point, motion: Motion, top: float, gap: float = GAP
     ) -> Passage | None:
         return among_vehicles(
             self._stage, self._planner, self.human, self.body, goal, motion, top, gap
         )
 
-    def _path(self, start: Place, goal: Place) -> list[Place]:
+    def _path(self, start: Point, goal: Point) -> list[Point]:
         try:
             path = self._planner.plan(start, goal)
         except PlanningError as why:
@@ -320,7 +318,7 @@ class Walker:
             return [start, *self._step_out(start, goal, why)]
         return [*map(tuple, path.points.tolist())]
 
-    def _step_out(self, start: Place, goal: Place, blocked: PlanningError) -> list[Place]:
+    def _step_out(self, start: Point, goal: Point, blocked: PlanningError) -> list[Point]:
         """Return a path to `goal` from the nearest place beside what blocks `start`."""
         failed: list[PlanningError] = []
         for place in self.world.exits(start, self.human.radius):
@@ -353,7 +351,7 @@ class Walker:
         self._arrived(goal)
 
 
-def _parted(points: list[Place], place: Place) -> tuple[list[Place], list[Place]]:
+def _parted(points: list[Point], place: Point) -> tuple[list[Point], list[Point]]:
     """Return a path up to `place` on it, and from there on."""
     if place in points:
         k = points.index(place)

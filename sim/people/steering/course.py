@@ -6,15 +6,15 @@ import itertools
 import math
 from collections.abc import Sequence
 
-Place = tuple[float, float]
+from floorplan import Point
 
 
-def length_of(course: Sequence[Place]) -> float:
+def length_of(course: Sequence[Point]) -> float:
     """Return the length of a polyline, metres."""
     return sum(math.dist(a, b) for a, b in itertools.pairwise(course))
 
 
-def first(course: Sequence[Place], length: float) -> list[Place]:
+def first(course: Sequence[Point], length: float) -> list[Point]:
     """Return the first `length` metres of a polyline, or all of it."""
     kept = [course[0]]
     for a, b in itertools.pairwise(course):
@@ -29,7 +29,7 @@ def first(course: Sequence[Place], length: float) -> list[Place]:
     return kept
 
 
-def rest(course: Sequence[Place], length: float) -> list[Place]:
+def rest(course: Sequence[Point], length: float) -> list[Point]:
     """Return the polyline from `length` metres on; its last point at least."""
     for k, (a, b) in enumerate(itertools.pairwise(course)):
         leg = math.dist(a, b)
@@ -41,7 +41,7 @@ def rest(course: Sequence[Place], length: float) -> list[Place]:
     return [course[-1]]
 
 
-def heading(course: Sequence[Place], length: float) -> Place:
+def heading(course: Sequence[Point], length: float) -> Point:
     """Return the unit vector along a polyline at `length` metres; (1, 0) where it has none."""
     found = (1.0, 0.0)
     for a, b in itertools.pairwise(course):

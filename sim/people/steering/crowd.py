@@ -12,6 +12,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
+from floorplan import Point
 from navigation import (
     CollisionWorld,
     Motion,
@@ -28,7 +29,6 @@ from navigation import (
 from ...core.clock import Alarm, Turn
 from ...core.events import Blocked, Deadlock, GaveWay, Met
 from ...core.stage import Stage
-from .course import Place
 from .outlook import GAP, Ground, Hit, Others, Outlook
 from .requests import Request
 from .steering import Foresighted, Steering, both_aside
@@ -69,7 +69,7 @@ class _Party:
     """A traveller in the crowd: how their path is planned, and whom they wait for."""
 
     me: Traveller
-    reroute: Callable[[Place], list[Place]]
+    reroute: Callable[[Point], list[Point]]
     arrive: Callable[[], None]
     blocked: Callable[[], None]
     deciding: Alarm
@@ -108,7 +108,7 @@ class Crowd:
         self,
         me: Traveller,
         *,
-        reroute: Callable[[Place], list[Place]],
+        reroute: Callable[[Point], list[Point]],
         arrive: Callable[[], None],
         blocked: Callable[[], None],
     ) -> None:
@@ -132,11 +132,11 @@ class Crowd:
 
     def room(
         self,
-        place: Place,
+        place: Point,
         radius: float,
         me: Traveller | None = None,
-        taken: Sequence[tuple[Place, float]] = (),
-    ) -> Place | None:
+        taken: Sequence[tuple[Point, float]] = (),
+    ) -> Point | None:
         """Return the free place nearest to `place` for somebody to stand at for good.
 
         None if there is none near. The order of the places that are tried is fixed. Besides those
@@ -165,7 +165,7 @@ class Crowd:
                     return at
         return None
 
-    def set_out(self, me: Traveller, goal: Place, route: list[Place], top_speed: float) -> None:
+    def set_out(self, me: Traveller, goal: Point, route: list[Point], top_speed: float) -> None:
         """Let somebody walk to `goal` by `route` (the points after where they are) from now on."""
         if me.goal != goal:
             me.since = self._clock.now

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import zlib
 from dataclasses import dataclass, fields
 from random import Random
 
 from ...core.manners import MannersEntry, Side
+from ...core.seeds import seed_of
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,7 +40,7 @@ def drawn(entry: MannersEntry, seed: int, name: str) -> Manners:
 
     From the trial's `seed` and their `name` alone, whoever else is there.
     """
-    random = Random(zlib.crc32(f"{seed} manners {name}".encode()))
+    random = Random(seed_of(seed, f"manners {name}"))
     given = {}
     for field in fields(entry):
         value = getattr(entry, field.name)

@@ -9,6 +9,7 @@ from functools import cached_property
 
 import shapely
 
+from floorplan import Point
 from navigation import (
     CollisionWorld,
     Motion,
@@ -21,7 +22,7 @@ from navigation import (
     walked,
 )
 
-from .course import Place, first, length_of, rest
+from .course import first, length_of, rest
 from .traveller import Traveller
 
 GAP = 0.006
@@ -103,14 +104,14 @@ class Ground:
         bounds: tuple[float, float, float, float] = self._narrow.bounds
         return bounds
 
-    def free(self, a: Place, b: Place) -> bool:
+    def free(self, a: Point, b: Point) -> bool:
         """Return whether the segment from a, a free place, to b touches nothing."""
         if not self._walls.clear(a, b):
             return False
         near = self.world.near(a, b, self.radius)
         return not near or self.world.segment_free(a, b, self.radius, near)
 
-    def narrow(self, place: Place) -> bool:
+    def narrow(self, place: Point) -> bool:
         """Return whether a place is in a narrow one, or just before it."""
         if self._narrow.is_empty:
             return False
@@ -135,7 +136,7 @@ class Outlook:
         now: float,
         among: Among,
         ground: Ground,
-        reroute: Callable[[Place], list[Place]],
+        reroute: Callable[[Point], list[Point]],
     ) -> None:
         self.me = me
         self.now = now
@@ -178,7 +179,7 @@ class Outlook:
         """How far along the course they look ahead, metres."""
         return self.me.top_speed * self.me.manners.foresight
 
-    def can_turn(self, course: Sequence[Place]) -> bool:
+    def can_turn(self, course: Sequence[Point]) -> bool:
         """Return whether they may set out on `course` from here without slowing down first."""
         if len(course) < 2 or self.speed < 1e-6:
             return True
@@ -186,7 +187,7 @@ class Outlook:
 
     def walk(
         self,
-        course: Sequence[Place],
+        course: Sequence[Point],
         length: float | None = None,
         *,
         top_speed: float | None = None,
@@ -201,7 +202,7 @@ class Outlook:
 
     def draft(
         self,
-        course: Sequence[Place],
+        course: Sequence[Point],
         length: float | None = None,
         *,
         top_speed: float | None = None,
@@ -211,7 +212,7 @@ class Outlook:
         me = self.me
         if delay and self.speed > 1e-6:
             return None
-        points: Sequence[Place] = course if length is None else first(course, length)
+        points: Sequence[Point] = course if length is None else first(course, length)
         fastest = me.top_speed if top_speed is None else top_speed
         top: float | list[float] = fastest
         if me.zones:
@@ -304,7 +305,7 @@ class Outlook:
         """Return the metres along the course that they would have gone at `t` (seconds)."""
         return 0.0 if self.wished is None else self.wished.gone(self.t, t)
 
-    def _taut(self, at: Place, reroute: Callable[[Place], list[Place]]) -> list[Place]:
+    def _taut(self, at: Point, reroute: Callable[[Point], list[Point]]) -> list[Point]:
         """Return the route from `at`: without the points that can be left out, or a new one."""
         route = self.me.route
         for k in range(min(len(route), 4) - 1, -1, -1):

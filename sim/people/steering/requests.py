@@ -6,9 +6,10 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise
 
+from floorplan import Point
 from navigation import Swath, first_conflict, pace, touches
 
-from .course import Place, first, length_of, rest
+from .course import first, length_of, rest
 from .outlook import GAP, STEP, Among, Ground, Others, Outlook
 from .traveller import Traveller
 
@@ -82,12 +83,12 @@ class Request:
                     return True
         return False
 
-    def make_way(self, course: Sequence[Place]) -> None:
+    def make_way(self, course: Sequence[Point]) -> None:
         """Let all who can step off the motion that the asker is committed to, along `course`."""
         self.drafts = {self._asker: self._asker.swath}
         self._clear(self._asker, course, 0)
 
-    def _clear(self, mover: Traveller, course: Sequence[Place], depth: int) -> bool:
+    def _clear(self, mover: Traveller, course: Sequence[Point], depth: int) -> bool:
         """Let all step aside who stand in the way of `mover`; return whether they can."""
         draft = self.drafts[mover]
         near = self._among(mover, draft.box)
@@ -110,7 +111,7 @@ class Request:
             and other.rank > self._asker.rank
         )
 
-    def _step(self, who: Traveller, course: Sequence[Place], depth: int) -> bool:
+    def _step(self, who: Traveller, course: Sequence[Point], depth: int) -> bool:
         """Let `who` step off `course`, and whoever is in the way of that; else leave all as is."""
         before = dict(self.drafts)
         tried = 0
@@ -146,7 +147,7 @@ class Request:
                 return True
         return False
 
-    def _retreats(self, who: Traveller, course: Sequence[Place]) -> Iterator[list[Place]]:
+    def _retreats(self, who: Traveller, course: Sequence[Point]) -> Iterator[list[Point]]:
         """Yield courses off `course`: to the nearest places around, then to places ahead of it."""
         at = who.body.motion.state(self._now).at
         needed, ground = 2 * who.radius + GAP, self._ground_of(who)

@@ -8,9 +8,7 @@ from itertools import pairwise
 
 import shapely
 
-from floorplan import Zone
-
-from .course import Place
+from floorplan import Point, Zone
 
 SLIGHT = 1e-6
 """Metres. Shorter parts of a course count as nothing."""
@@ -27,8 +25,8 @@ class SpeedZones:
         return bool(self._zones)
 
     def along(
-        self, course: Sequence[Place], top_speed: float
-    ) -> tuple[list[Place], float | list[float]]:
+        self, course: Sequence[Point], top_speed: float
+    ) -> tuple[list[Point], float | list[float]]:
         """Return `course` with the points at which limits change, and the top speed of each leg.
 
         Only `top_speed` (m/s) where the course is clear of all zones.
@@ -42,7 +40,7 @@ class SpeedZones:
             return [*course], top_speed
         return points, speeds
 
-    def _parts(self, a: Place, b: Place, top_speed: float) -> list[tuple[Place, float]]:
+    def _parts(self, a: Point, b: Point, top_speed: float) -> list[tuple[Point, float]]:
         """Return the ends of the parts of a leg that have one limit each, and that limit."""
         length = math.dist(a, b)
         inside: list[tuple[float, float, float]] = []

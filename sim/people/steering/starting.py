@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import math
-import zlib
 from random import Random
 from typing import TypeGuard
 
 import shapely
 
-from floorplan import Floorplan, Problem
+from floorplan import Floorplan, Point, Problem
 from navigation import CollisionWorld
 
 from ...core.scenario import PersonEntry, Scenario, TrialError
-from .course import Place
+from ...core.seeds import seed_of
 from .crowd import Crowd
 from .outlook import GAP
 
@@ -23,11 +22,11 @@ TRIES = 5_000
 WINGS = 1000.0
 """Metres beyond the floor at which people are while they are away."""
 
-Standing = tuple[Place, float]
+Standing = tuple[Point, float]
 """The place and the radius of somebody (metres)."""
 
 
-def starting_places(trial: Scenario, world: CollisionWorld, crowd: Crowd | None) -> list[Place]:
+def starting_places(trial: Scenario, world: CollisionWorld, crowd: Crowd | None) -> list[Point]:
     """Return where the people of a trial start, so that none of them overlap.
 
     First come those with places of their own, then the others in their order. `TrialError` says
@@ -67,7 +66,7 @@ def _is_there(leader: PersonEntry | None) -> TypeGuard[PersonEntry]:
     return leader is not None and leader.source is None
 
 
-def wings(plan: Floorplan, index: int) -> Place:
+def wings(plan: Floorplan, index: int) -> Point:
     """Return where the person of that index is while they are not on the floor: far from it all.
 
     So far that nothing there concerns anybody on the floor, and nobody anybody else there.
@@ -78,14 +77,14 @@ def wings(plan: Floorplan, index: int) -> Place:
 
 def _anywhere(
     entry: PersonEntry, seed: int, world: CollisionWorld, radius: float, taken: list[Standing]
-) -> Place | None:
+) -> Point | None:
     """Return a free place drawn evenly from the largest connected part of the floor."""
     space = world.free_space(radius + GAP)
     if not len(space.pieces):
         return None
     piece = max(space.pieces, key=lambda one: one.area)
     low_x, low_y, high_x, high_y = piece.bounds
-    random = Random(zlib.crc32(f"{seed} start {entry.name}".encode()))
+    random = Random(seed_of(seed, f"start {entry.name}"))
     for _ in range(TRIES):
         at = (random.uniform(low_x, high_x), random.uniform(low_y, high_y))
         if all(math.dist(at, other) >= radius + r + GAP for other, r in taken) and bool(

@@ -7,9 +7,10 @@ from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import NamedTuple, Protocol
 
+from floorplan import Point
 from navigation import Motion, Swath
 
-from .course import Place, first, heading, length_of, rest
+from .course import first, heading, length_of, rest
 from .outlook import GAP, Hit, Outlook
 from .traveller import Traveller
 
@@ -54,7 +55,7 @@ class Proposal(NamedTuple):
     """
 
     loss: float
-    course: list[Place]
+    course: list[Point]
     length: float
     top_speed: float | None = None
     delay: float = 0.0
@@ -195,7 +196,7 @@ def _same_way(me: Traveller, hit: Hit, now: float) -> bool:
 
 def asides(
     me: Traveller, outlook: Outlook, hit: Hit, widths: Sequence[float] = ()
-) -> Iterator[tuple[float, list[Place]]]:
+) -> Iterator[tuple[float, list[Point]]]:
     """Yield courses that pass the other on either side, and what they lose (metres).
 
     Just past the other and a little wider, or else by these `widths` (metres) alone.
@@ -225,7 +226,7 @@ def asides(
         yield loss + (OTHER_SIDE if side * usual < 0 else 0.0), course
 
 
-def aside(course: Sequence[Place], length: float, side: float) -> list[Place]:
+def aside(course: Sequence[Point], length: float, side: float) -> list[Point]:
     """Return a course that is `side` metres to the left of another after `length` metres."""
     c, s = heading(course, max(length - 1e-6, 0.0))
     x, y = rest(course, length)[0]
@@ -273,7 +274,7 @@ def both_aside(
                     yield ours, yours
 
 
-def _nearest_length(course: Sequence[Place], place: Place) -> float:
+def _nearest_length(course: Sequence[Point], place: Point) -> float:
     """Return the length along a polyline at which it is nearest to a point."""
     best, at, gone = math.inf, 0.0, 0.0
     for (ax, ay), (bx, by) in pairwise(course):

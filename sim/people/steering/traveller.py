@@ -5,11 +5,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
-from floorplan import Human
+from floorplan import Human, Point
 from navigation import CollisionWorld, Motion, Swath, swath
 
 from ...core.body import Body
-from .course import Place
 from .manners import Manners
 from .speed_zones import SpeedZones
 
@@ -35,9 +34,9 @@ class Traveller:
     world: CollisionWorld
     zones: SpeedZones
     recorded: bool = False
-    goal: Place | None = None
-    route: list[Place] = field(default_factory=list)
-    leaves_at: Place | None = None
+    goal: Point | None = None
+    route: list[Point] = field(default_factory=list)
+    leaves_at: Point | None = None
     """Where they leave the floor, if anywhere: there they queue."""
     since: float = 0.0
     top_speed: float = field(init=False)
@@ -99,7 +98,7 @@ class Traveller:
         """Return whether their motion is over, or all but."""
         return self.swath.rests <= now + 0.3
 
-    def direction(self, now: float) -> Place | None:
+    def direction(self, now: float) -> Point | None:
         """Return the unit vector of where they walk, or would walk on; None if they rest."""
         state = self.body.motion.state(now)
         if state.speed > 0.05:
