@@ -7,6 +7,7 @@ from typing import Any, TypeVar
 
 from ..core.noticing import ALL_ROUND, drawn_figure
 from ..core.scenario import PersonEntry, Scenario
+from ..core.work import Duration
 
 _Made = TypeVar("_Made", bound=Scenario)
 
@@ -18,7 +19,7 @@ def with_figures(scenario: _Made) -> _Made:
 
 
 def _with_figures(entry: PersonEntry, seed: int) -> PersonEntry:
-    if entry.max_speed is not None and not isinstance(entry.max_speed, float | int):
+    if isinstance(entry.max_speed, tuple | Duration):
         speed = drawn_figure(entry.max_speed, seed, f"speed {entry.name}")
         entry = replace(entry, max_speed=speed)
     if entry.noticing == ALL_ROUND:
@@ -35,5 +36,5 @@ def _with_figures(entry: PersonEntry, seed: int) -> PersonEntry:
 def speed_of(entry: PersonEntry, usual: float) -> float:
     """Return the top speed (m/s) of somebody `with_figures`; `usual` is that of the floor."""
     speed = usual if entry.max_speed is None else entry.max_speed
-    assert isinstance(speed, float | int)
+    assert not isinstance(speed, tuple | Duration)
     return speed

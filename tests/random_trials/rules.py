@@ -275,7 +275,9 @@ def _person_faults(run, person, figures):
             yield f"is at {at} at {speed} m/s: {event}"
         if event["station"] is not None:
             place = plan.station(event["station"]).position
-            taken = _away(run, person, place, event["t"]) < 2.5 * radius
+            # By somebody who is there, or whose way there is already theirs.
+            soon = (event["t"] + wait for wait in (0.0, 1.0, 2.0, 3.0))
+            taken = any(_away(run, person, place, t) < 2.5 * radius for t in soon)
             if math.dist(place, event["at"]) > plan.human.goal_tolerance and not taken:
                 yield f"is not at the station: {event}"
     home = _home(run, person)
