@@ -350,7 +350,7 @@ def test_it(run_trial):
 def test_the_example_project_passes_on_several_processes(pytester, run_pytest_alone):
     shutil.copytree(EXAMPLE, pytester.path, dirs_exist_ok=True)
     result = run_pytest_alone("-n", "2")
-    result.assert_outcomes(passed=11)
+    result.assert_outcomes(passed=12)
 
 
 def test_suites_without_trials_load_nothing(pytester, run_pytest_alone):

@@ -239,7 +239,8 @@ class Crowd:
         wished = outlook.wished
         if wished is None:  # they are there, or can only come to rest
             self._again(party, max(me.body.motion.end, now + APART))
-            if math.dist(outlook.at, me.goal) < 1e-6 and outlook.speed < 1e-6:
+            stands = outlook.speed < 1e-6 and me.body.motion.end <= outlook.t
+            if stands and math.dist(outlook.at, me.goal) < 1e-6:
                 party.arriving.set(max(outlook.t, now + EARLY))
             return
         party.looked = now
