@@ -265,7 +265,7 @@ def least(
             lower = encounter.since
             upper = encounter.until
         else:
-            return when, best
+            return float(when), float(best)
         margin_over(law, encounter, lower, upper)
         low = encounter.near
         high = encounter.far
