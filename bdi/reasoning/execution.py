@@ -136,9 +136,21 @@ def _believe(
     else:
         literal = _export(agent, means, literal)
     added = agent.beliefs.add(literal, at_end=step.operation == "+>")
-    waits = step.operation != "++"
+    _post(agent, intention, means, "+", added, waits=step.operation != "++")
+
+
+def _post(
+    agent: AgentState,
+    intention: Intention,
+    means: Means,
+    sign: str,
+    changed: Literal | None,
+    *,
+    waits: bool,
+) -> None:
+    """Post the event of a change of belief, if there is one, and go on unless that is awaited."""
     focus = intention if waits else None
-    if added is None or not agent.changed("+", added, focus) or not waits:
+    if changed is None or not agent.changed(sign, changed, focus) or not waits:
         move_on(agent, intention, means)
 
 
@@ -150,10 +162,7 @@ def _delete(agent: AgentState, intention: Intention, means: Means, step: Step) -
         return
     means.awaited = ()
     removed = agent.beliefs.remove(literal, means.u)
-    waits = step.operation != "--"
-    focus = intention if waits else None
-    if removed is None or not agent.changed("-", removed, focus) or not waits:
-        move_on(agent, intention, means)
+    _post(agent, intention, means, "-", removed, waits=step.operation != "--")
 
 
 def _replace(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:

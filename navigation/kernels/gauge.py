@@ -137,5 +137,4 @@ class Gauge:
             low = max(low, turning)
         low += self.height * self.height / distance - level * (self.radius + self.rounding)
         self.low = low if slope or curve else max(low, self.height)
-        self.high = self.high
         return 0

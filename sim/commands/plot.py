@@ -30,6 +30,15 @@ Columns = Annotated[
 Begin = Annotated[float | None, typer.Option("--from", help="Draw from this time on, seconds.")]
 End = Annotated[float | None, typer.Option("--to", help="Draw up to this time, seconds.")]
 
+Sources = Annotated[
+    list[str],
+    typer.Argument(
+        metavar="SOURCE...",
+        help="Runs' folders, or trials (which are run); all in one map.",
+        autocompletion=completion.trial,
+    ),
+]
+
 
 @app.command()
 def floorplan(
@@ -121,37 +130,21 @@ def separation(
 
 @app.command()
 def heatmap(
-    sources: Annotated[
-        list[str],
-        typer.Argument(
-            metavar="SOURCE...",
-            help="Runs' folders, or trials (which are run); all in one map.",
-            autocompletion=completion.trial,
-        ),
-    ],
+    sources: Sources,
     out: Out,
     width: Columns = "double",
     no_own_code: NoOwnCode = False,
 ) -> None:
     """Time that people spent at each place."""
-    from sim.commands.sources import run_from
     from sim.views import plots
 
-    plots.require_savable(out)
-    runs = [run_from(source, own_code=not no_own_code) for source in sources]
+    runs = [_run(source, out, own_code=not no_own_code) for source in sources]
     _save(plots.heat_map(runs, width=width), out)
 
 
 @app.command()
 def riskmap(
-    sources: Annotated[
-        list[str],
-        typer.Argument(
-            metavar="SOURCE...",
-            help="Runs' folders, or trials (which are run); all in one map.",
-            autocompletion=completion.trial,
-        ),
-    ],
+    sources: Sources,
     out: Out,
     of: Annotated[
         Literal["margin", "time"],
@@ -161,11 +154,9 @@ def riskmap(
     no_own_code: NoOwnCode = False,
 ) -> None:
     """Where people came nearer to machines than the rules require, or nearly so."""
-    from sim.commands.sources import run_from
     from sim.views import plots
 
-    plots.require_savable(out)
-    runs = [run_from(source, own_code=not no_own_code) for source in sources]
+    runs = [_run(source, out, own_code=not no_own_code) for source in sources]
     _save(plots.risk_map(runs, of=of, width=width), out)
 
 
