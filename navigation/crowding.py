@@ -11,7 +11,7 @@ import numpy as np
 from .clearance import swath
 from .kernels.discs import ROW, meeting
 from .monitor import minimum_separation
-from .motion import Array, Motion
+from .motion import Motion
 
 STEP = 0.1
 """Seconds between the instants at which all pairs are looked at first."""
@@ -87,9 +87,3 @@ def nearest_pair(
                 overlapping.add(pair)
             best = min(best, (centres - least, when, pair))
     return Nearest(*best, len(overlapping))
-
-
-def _gaps(at: Array, radius: Array, i: int) -> Array:
-    """Return the gaps of the i-th of all to each that follows, at all instants: (M, T)."""
-    x, y = at[i + 1 :, :, 0] - at[i, :, 0], at[i + 1 :, :, 1] - at[i, :, 1]
-    return np.asarray(np.hypot(x, y) - (radius[i + 1 :] + radius[i])[:, None])
