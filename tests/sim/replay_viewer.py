@@ -21,6 +21,7 @@ class Viewer:
         self.page.on("pageerror", lambda error: self.complaints.append(str(error)))
         self.page.on("request", lambda request: self.requests.append(request.url))
         self.page.goto(address)
+        self.wait_until(lambda: not self.page.locator("body[aria-busy=true]").count())
 
     def _take(self, message):
         # WebGL in software has to be read back for every frame, which the driver finds slow.

@@ -76,6 +76,7 @@ function followStream(replay, recording) {
 }
 
 document.addEventListener("DOMContentLoaded", async () => {
+  document.body.ariaBusy = "true"; // a packed recording takes a while
   try {
     const recording = await readRecording();
     $("cut-off").remove();
@@ -113,5 +114,7 @@ document.addEventListener("DOMContentLoaded", async () => {
   } catch (why) {
     $("cut-off")?.remove();
     showTrouble(why);
+  } finally {
+    document.body.ariaBusy = "false";
   }
 });
