@@ -19,7 +19,8 @@ from .courses import Company, Courses
 from .crowding import Nearest, nearest_pair
 from .encounter import Encounter
 from .gantry_planner import GantryPath, GantryPlanner
-from .kernels.discs import first_met
+from .kernels.candidates import Candidates, next_step
+from .kernels.discs import first_met, within_bounds
 from .kernels.edges import touches
 from .machines import (
     ARIAC_GANTRY,
@@ -81,6 +82,7 @@ __all__ = [
     "AxisState",
     "Both",
     "Box",
+    "Candidates",
     "CollisionWorld",
     "Company",
     "Condition",
@@ -142,6 +144,7 @@ __all__ = [
     "minimum_margin",
     "minimum_separation",
     "nearest_pair",
+    "next_step",
     "pace",
     "paced",
     "plan_among",
@@ -159,4 +162,5 @@ __all__ = [
     "walk",
     "walked",
     "when",
+    "within_bounds",
 ]

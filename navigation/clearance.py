@@ -24,6 +24,16 @@ class Swath(NamedTuple):
     rests: float
     box: list[float]
 
+    @staticmethod
+    def of(table: list[float], box: list[float]) -> Swath:
+        """Return the swath of a table within bounds."""
+        return Swath(table, table[-ROW], box)
+
+    @property
+    def walk(self) -> list[float]:
+        """Its table without the final standing."""
+        return self.table[:-ROW]
+
     @property
     def place(self) -> tuple[float, float]:
         """Where it comes to stand."""
@@ -66,7 +76,7 @@ def swath(motion: Motion, begin: float) -> Swath:
     table += (since, math.inf, x, 0.0, 0.0, 0.0, y, 0.0, 0.0, 0.0)
     xs.append(x)
     ys.append(y)
-    return Swath(table, since, [min(xs), min(ys), max(xs), max(ys)])
+    return Swath.of(table, [min(xs), min(ys), max(xs), max(ys)])
 
 
 def walked(swath: Swath, heading: float) -> Motion:

@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from .clearance import Swath, walked
-from .kernels.discs import ROW
 from .kernels.pacing import stand, walk_table
 from .motion import Motion
 
@@ -41,7 +40,7 @@ def pace(
     xs, ys = flat[::2], flat[1::2]
     table: list[float] = []
     if lead is not None:
-        table += lead.table[:-ROW]
+        table += lead.walk
         xs += lead.box[::2]
         ys += lead.box[1::2]
         since = lead.rests
@@ -51,7 +50,7 @@ def pace(
     tops = [float(top_speed)] * legs if isinstance(top_speed, float | int) else list(top_speed)
     if not walk_table(flat, tops, start, initial_speed, max_speed, max_acceleration, table):
         return None
-    return Swath(table, table[-ROW], [min(xs), min(ys), max(xs), max(ys)])
+    return Swath.of(table, [min(xs), min(ys), max(xs), max(ys)])
 
 
 def paced(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
@@ -10,13 +9,13 @@ import shapely
 
 from floorplan import Point
 
-from .kernels.edges import touches
-
-STRIDE = 1.0
-"""Metres. A segment is looked at in cells at most so far apart."""
+from .kernels.edges import ROWS, clear
 
 CELL = 1.0
-"""Metres. The width of a cell."""
+"""Metres. The width of a cell; a segment is looked at in places at most so far apart."""
+
+OFF = [0.0]
+"""The edges of a cell that is off the floor."""
 
 
 class Walls:
@@ -29,40 +28,29 @@ class Walls:
         ends = [shapely.get_coordinates(ring) for ring in rings]
         self._edges = np.concatenate([np.hstack([xy[:-1], xy[1:]]) for xy in ends])
         self._tree: Any = shapely.STRtree(shapely.linestrings(self._edges.reshape(-1, 2, 2)))
-        self._cells: dict[tuple[int, int], list[float] | None] = {}
+        self._cells: dict[int, list[float]] = {}
 
     def clear(self, a: Point, b: Point) -> bool:
         """Return whether a disc touches nothing on the segment from `a`, where it is free, to b."""
-        ax, ay = a
-        bx, by = b
-        length = math.sqrt((bx - ax) * (bx - ax) + (by - ay) * (by - ay))
-        count = math.ceil(length / STRIDE) or 1
-        last = None
-        for k in range(count + 1):
-            share = k / count
-            key = (
-                math.floor((ax + share * (bx - ax)) / CELL),
-                math.floor((ay + share * (by - ay)) / CELL),
-            )
-            if key == last:
-                continue
-            last = key
-            edges = self._cells[key] if key in self._cells else self._cell(key)
-            if edges is None or (edges and touches(edges, ax, ay, bx, by, self._radius)):
+        while True:
+            missing: list[int] = []
+            if clear(self._cells, CELL, *a, *b, self._radius, missing):
+                return True
+            if not missing:
                 return False
-        return True
+            self._fill(missing[0])
 
-    def _cell(self, key: tuple[int, int]) -> list[float] | None:
-        """Return the edges that count in a cell; None if it is off the floor.
+    def _fill(self, key: int) -> None:
+        """Find the edges that count in a cell.
 
-        No point of a segment is farther than half a stride from a place where it is looked at.
+        No point of a segment is farther than half a width from a place where it is looked at.
         """
-        x, y = key[0] * CELL, key[1] * CELL
-        margin = self._radius + STRIDE / 2
+        column, row = (key + ROWS // 2) // ROWS, (key + ROWS // 2) % ROWS - ROWS // 2
+        x, y = column * CELL, row * CELL
+        margin = self._radius + CELL / 2
         box = shapely.box(x - margin, y - margin, x + CELL + margin, y + CELL + margin)
         near = np.sort(self._tree.query(box, predicate="intersects"))
-        found: list[float] | None = self._edges[near].ravel().tolist()
+        found: list[float] = self._edges[near].ravel().tolist()
         if not found and not shapely.intersects_xy(self._floor, x + CELL / 2, y + CELL / 2):
-            found = None
+            found = OFF
         self._cells[key] = found
-        return found

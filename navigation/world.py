@@ -16,6 +16,7 @@ from floorplan import Floorplan, Named, Point, check, suggestion
 from . import ground
 from .bodies import TOLERANCE, Body, Disc, Sweep, touch
 from .freespace import FreeSpace
+from .kernels.discs import within_bounds
 from .roadmap import HAIR, Roadmap
 from .walls import Walls
 
@@ -48,6 +49,7 @@ class CollisionWorld:
         self._solid = ground.solid(self.floor, self._bounds)
         self._sweep = Sweep()
         self._bodies: dict[str, Body] = {}
+        self._all_bounds: list[float] | None = None
         self._agvs: dict[str, float] = {}
         self.checks = 0
         """Number of collision queries answered."""
@@ -103,6 +105,7 @@ class CollisionWorld:
             placed = ", ".join(n for n in self._bodies if n not in self._agvs) or "none"
             raise KeyError(f"no placed body is called {name!r} (there are: {placed})")
         del self._bodies[name]
+        self._all_bounds = None
         self.changes += 1
 
     def as_if(
@@ -122,6 +125,7 @@ class CollisionWorld:
         other._bodies = {name: b for name, b in self._bodies.items() if name not in away}
         other._agvs = {name: q for name, q in self._agvs.items() if name not in away}
         other._free_space = dict(self._free_space)
+        other._all_bounds = None
         for name, shape in (there or {}).items():
             other.place(name, shape)
         return other
@@ -133,7 +137,22 @@ class CollisionWorld:
 
     def near(self, a: Point, b: Point, radius: float) -> list[Body]:
         """Return the bodies whose bounds a disc of `radius` metres from a to b comes into."""
-        return [body for body in self._bodies.values() if body.near(a, b, radius)]
+        if self._all_bounds is None:
+            self._all_bounds = [bound for body in self._bodies.values() for bound in body.bounds]
+        if not self._all_bounds:
+            return []
+        (ax, ay), (bx, by) = a, b
+        near = within_bounds(
+            self._all_bounds,
+            (ax if ax < bx else bx) - radius,
+            (ay if ay < by else by) - radius,
+            (ax if ax > bx else bx) + radius,
+            (ay if ay > by else by) + radius,
+        )
+        if not near:
+            return []
+        bodies = [*self._bodies.values()]
+        return [bodies[k] for k in near]
 
     def _put(self, name: str, shape: Polygon | Disc, bottom: float, top: float) -> None:
         body = ground.body(name, shape) if isinstance(shape, Polygon) else Body.of(name, shape)
@@ -141,6 +160,7 @@ class CollisionWorld:
             self._bodies[name] = body
         else:
             self._bodies.pop(name, None)
+        self._all_bounds = None
         self.changes += 1
 
     # The room there is

@@ -1,3 +1,14 @@
+cdef double met(
+    list[double] table,
+    list[double] box,
+    list[list[double]] tables,
+    list[double] boxes,
+    list[double] radii,
+    double own,
+    double begin,
+    double until,
+    Py_ssize_t k,
+) noexcept
 cdef double _distance(list[double] a, list[double] b, double t) noexcept
 cdef double _meeting(
     list[double] a,

@@ -29,54 +29,87 @@ _RESOLUTION: float = 1e-4  # seconds; what is undecided when it is shorter count
 _JUST_NOW: float = 1e-3  # seconds; who is too close so soon is so already
 
 
+def within_bounds(
+    boxes: list[float], low_x: float, low_y: float, high_x: float, high_y: float
+) -> list[int]:
+    """Return who of those with these bounds may come into some: their indices.
+
+    `boxes` holds four numbers for each: least x and y, greatest x and y (metres).
+    """
+    found: list[int] = []
+    k: cython.Py_ssize_t
+    for k in range(len(boxes) // 4):
+        if (
+            boxes[4 * k] < high_x
+            and boxes[4 * k + 2] > low_x
+            and boxes[4 * k + 1] < high_y
+            and boxes[4 * k + 3] > low_y
+        ):
+            found.append(k)  # noqa: PERF401
+    return found
+
+
 def first_met(
     table: list[float],
     box: list[float],
-    others: list[list[float]],
+    near: list[int],
+    tables: list[list[float]],
     boxes: list[float],
-    leasts: list[float],
+    radii: list[float],
+    own: float,
     begin: float,
     when: list[float],
 ) -> int:
-    """Return the index of the other who is met first from `begin` (seconds) on; -1 for nobody.
+    """Return who of those `near` is met first from `begin` (seconds) on; -1 for nobody.
 
-    `table` is the motion of one, `others` those of the others. To meet the k-th is to come closer
-    than `leasts[k]` (metres); who is closer already is met by coming closer still. `box` and
-    `boxes` bound the motions: least x and y, greatest x and y, four numbers for each. When it is,
-    is `when[0]`.
+    `table` is the motion of one, `tables` those of all others. To meet one of them is to come
+    closer than `own` and their radius of `radii` (metres); who is closer already is met by coming
+    closer still. `box` and `boxes` bound the motions: least x and y, greatest x and y, four numbers
+    for each. When it is, is `when[0]`.
     """
-    low_x: float = box[0]
-    low_y: float = box[1]
-    high_x: float = box[2]
-    high_y: float = box[3]
     first: float = INFINITY
     who: cython.Py_ssize_t = -1
+    i: cython.Py_ssize_t
     k: cython.Py_ssize_t
-    least: float
-    apart: float
     t: float
-    other: list[float]
-    for k in range(len(others)):
-        least = leasts[k]
-        if (
-            low_x - boxes[4 * k + 2] >= least
-            or boxes[4 * k] - high_x >= least
-            or low_y - boxes[4 * k + 3] >= least
-            or boxes[4 * k + 1] - high_y >= least
-        ):
-            continue
-        other = others[k]
-        t = _meeting(table, other, least, begin, first, 0, 0)
-        if t <= begin + _JUST_NOW:
-            apart = _distance(table, other, begin)
-            if apart < least + _JUST_NOW:
-                t = _meeting(table, other, min(least, apart - 1e-9), begin, first, 0, 0)
+    for i in range(len(near)):
+        k = near[i]
+        t = met(table, box, tables, boxes, radii, own, begin, first, k)
         if t < first:
             first = t
             who = k
     when[0] = first
     found: int = who
     return found
+
+
+def met(
+    table: list[float],
+    box: list[float],
+    tables: list[list[float]],
+    boxes: list[float],
+    radii: list[float],
+    own: float,
+    begin: float,
+    until: float,
+    k: cython.Py_ssize_t,
+) -> float:
+    """Return when the k-th is met before `until`, as `first_met` has it; infinite if never."""
+    least: float = own + radii[k]
+    if (
+        box[0] - boxes[4 * k + 2] >= least
+        or boxes[4 * k] - box[2] >= least
+        or box[1] - boxes[4 * k + 3] >= least
+        or boxes[4 * k + 1] - box[3] >= least
+    ):
+        return INFINITY
+    other: list[float] = tables[k]
+    t: float = _meeting(table, other, least, begin, until, 0, 0)
+    if t <= begin + _JUST_NOW:
+        apart: float = _distance(table, other, begin)
+        if apart < least + _JUST_NOW:
+            t = _meeting(table, other, min(least, apart - 1e-9), begin, until, 0, 0)
+    return t
 
 
 def meeting(

@@ -10,9 +10,54 @@ else:
     from . import uncompiled as cython
 
 if not cython.compiled:
-    from math import sqrt
+    from math import ceil, floor, sqrt
 else:
-    from cython.cimports.libc.math import sqrt
+    from cython.cimports.libc.math import ceil, floor, sqrt
+
+ROWS = 1 << 20
+"""Keys of cells from one column to the next: column · ROWS + row, as seen from the origin."""
+
+_ROWS: float = 1048576.0
+
+
+def clear(
+    cells: dict[int, list[float]],
+    width: float,
+    ax: float,
+    ay: float,
+    bx: float,
+    by: float,
+    radius: float,
+    missing: list[int],
+) -> bool:
+    """Return whether a disc of `radius` metres touches no edge from (ax, ay) to (bx, by).
+
+    `cells` holds by their keys the edges that count in cells of `width` metres, for places that are
+    as far apart at most; a single number where it is off the floor. The key of one that is
+    not there goes to `missing`, and the answer has to wait for it.
+    """
+    dx: float = bx - ax
+    dy: float = by - ay
+    steps: float = ceil(sqrt(dx * dx + dy * dy) / width)
+    if steps < 1.0:
+        steps = 1.0
+    last: float = 0.5
+    step: float = 0.0
+    while step <= steps:
+        share: float = step / steps
+        column: float = floor((ax + share * dx) / width)
+        key: float = column * _ROWS + floor((ay + share * dy) / width)
+        step += 1.0
+        if key == last:
+            continue
+        last = key
+        edges: list[float] | None = cells.get(int(key))
+        if edges is None:
+            missing.append(int(key))
+            return False
+        if len(edges) == 1 or (len(edges) > 0 and touches(edges, ax, ay, bx, by, radius)):
+            return False
+    return True
 
 
 def touches(edges: list[float], ax: float, ay: float, bx: float, by: float, radius: float) -> bool:

@@ -1,4 +1,16 @@
-cdef double _bend_speed(double cosine, double shorter, double acceleration) noexcept
+cpdef bint walk_table(
+    list[double] corners,
+    list[double] tops,
+    double start,
+    double initial_speed,
+    double max_speed,
+    double acceleration,
+    list[double] table,
+) except -1
+cpdef void stand(
+    list[double] table, double since, double until, double x, double y
+) except *
+cdef double bend_speed(double cosine, double shorter, double acceleration) noexcept
 cdef double _leg(
     list[double] table,
     double t,

@@ -79,7 +79,7 @@ def walk_table(
             cap = tops[k // 2]
             cap = min(max_speed, max(min(top, cap), slowed))
             shorter = before if before < length else length
-            caps.append(min(cap, _bend_speed(c * dx + s * dy, shorter, acceleration)))
+            caps.append(min(cap, bend_speed(c * dx + s * dy, shorter, acceleration)))
         c = dx
         s = dy
         top = tops[k // 2]
@@ -123,7 +123,7 @@ def walk_table(
     return True
 
 
-def _bend_speed(cosine: float, shorter: float, acceleration: float) -> float:
+def bend_speed(cosine: float, shorter: float, acceleration: float) -> float:
     """Return the speed (m/s) of a turn between two legs, of which one is `shorter` (metres).
 
     `cosine` is that of the turn. This is `corner_speed`, by the half-angle formulas.

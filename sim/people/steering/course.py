@@ -39,16 +39,3 @@ def rest(course: Sequence[Point], length: float) -> list[Point]:
             return [at, *course[k + 1 :]]
         length -= leg
     return [course[-1]]
-
-
-def heading(course: Sequence[Point], length: float) -> Point:
-    """Return the unit vector along a polyline at `length` metres; (1, 0) where it has none."""
-    found = (1.0, 0.0)
-    for a, b in itertools.pairwise(course):
-        leg = math.dist(a, b)
-        if leg > 1e-9:
-            found = ((b[0] - a[0]) / leg, (b[1] - a[1]) / leg)
-        if leg > length:
-            break
-        length -= leg
-    return found

@@ -29,11 +29,11 @@ from navigation import (
 from ...core.clock import Alarm, Turn
 from ...core.events import Blocked, Deadlock, GaveWay, Met
 from ...core.stage import Stage
-from .outlook import GAP, Ground, Hit, Others, Outlook
+from .outlook import Ground, Outlook
 from .requests import Request
 from .steering import Foresighted, Steering, both_aside
 from .traveller import AT_THE_DOOR, Traveller
-from .whereabouts import Whereabouts
+from .whereabouts import GAP, Hit, Whereabouts
 
 EARLY = 0.25
 """Seconds before braking would begin at which people decide anew."""
@@ -98,9 +98,7 @@ class Crowd:
         self._stage = stage
         self._clock = stage.clock
         self._parties: dict[Traveller, _Party] = {}
-        self._people: list[Traveller] = []
         self._whereabouts = Whereabouts()
-        self._widest = 0.0
         self._grounds: dict[tuple[CollisionWorld, float], Ground] = {}
         self._met: dict[tuple[int, int], float] = {}
 
@@ -117,8 +115,6 @@ class Crowd:
         `reroute` plans their path from a place on, `arrive` is called when they have reached their
         goal, `blocked` when they could not go on for as long as their patience lasts.
         """
-        self._people.append(me)
-        self._widest = max(self._widest, me.radius)
         self._whereabouts.put(me)
         me.body.on_change.append(lambda: self._whereabouts.put(me))
         self._parties[me] = _Party(
@@ -143,14 +139,14 @@ class Crowd:
         of the crowd but `me`, others are about to stand where it is `taken` (place and radius).
         """
         ground = self._ground_in(self._stage.world if me is None else me.world, radius)
-        now = self._clock.now
+        now, people = self._clock.now, self._whereabouts.people
         for ring in range(RINGS + 1):
             away = 0.5 * ring * (radius + GAP)
             for k in range(ANGLES if ring else 1):
                 angle = 2 * math.pi * k / ANGLES
                 at = (place[0] + away * math.cos(angle), place[1] + away * math.sin(angle))
                 stand = swath(standing(at, start=now), now)
-                near = self._near(stand.box, radius)
+                near = [people[k] for k in self._whereabouts.near(stand.box, radius)]
                 # The place itself was found fit by whoever chose it, however close to a wall.
                 if (
                     (ring == 0 or ground.free(place, at))
@@ -177,9 +173,9 @@ class Crowd:
         now, ahead = self._clock.now, me.swath
 
         def in_the_way(other: Traveller) -> bool:
-            return not Others(me, [other], now).free(ahead)
+            return not self._whereabouts.only(me, other, now).free(ahead)
 
-        others = self._among(me, ahead.box)
+        others = self._whereabouts.others(me, ahead.box, now).people
         for other in others:
             if other.goal is not None and in_the_way(other):
                 self._decide(other)
@@ -187,7 +183,7 @@ class Crowd:
             return
         steps = math.ceil((me.body.motion.end - now) / LOOK)
         course = [me.body.motion.state(now + k * LOOK).at for k in range(steps + 1)]
-        request = Request(me, now, self._among, self._ground)
+        request = Request(me, now, self._whereabouts, self._ground)
         request.make_way(course)
         for who, draft in request.drafts.items():
             if who is not me:
@@ -195,7 +191,7 @@ class Crowd:
 
     def find(self, name: str) -> Traveller | None:
         """Return the one in the crowd who is called so."""
-        return next((one for one in self._people if one.name == name), None)
+        return next((one for one in self._whereabouts.people if one.name == name), None)
 
     def waits_for(self, me: Traveller) -> str | None:
         """Return the name of who keeps somebody from going on now."""
@@ -213,7 +209,7 @@ class Crowd:
     def braking(self, me: Traveller) -> Motion:
         """Return the earliest stop of somebody on their own course that is free."""
         now, motion = self._clock.now, me.body.motion
-        others = Others(me, self._among(me, me.swath.box), now)
+        others = self._whereabouts.others(me, me.swath.box, now)
         t = now
         while t < motion.end:
             stop = stop_walking(motion, t, max_acceleration=me.human.max_acceleration)
@@ -313,8 +309,8 @@ class Crowd:
             outlook = self._outlook(other)
         except PlanningError:
             return False
-        our_others = Others(me, [one for one in mine.near if one is not other], now)
-        their_others = Others(other, [one for one in outlook.near if one is not me], now)
+        our_others = mine.others.without([other])
+        their_others = outlook.others.without([me])
         for one, two in both_aside(me, mine, hit, outlook):
             if not (our_others.free(one) and their_others.free(two)):
                 continue
@@ -383,7 +379,8 @@ class Crowd:
             return False
         left = [
             one
-            for one in self._near([*goal, *goal], BESIDE)
+            for k in self._whereabouts.near([*goal, *goal], BESIDE)
+            for one in [self._whereabouts.people[k]]
             if one is not me and one.body.motion.end <= now
         ]
         ring = [(goal, -me.radius)]
@@ -407,7 +404,7 @@ class Crowd:
 
     def _ask(self, me: Traveller, outlook: Outlook, hit: Hit) -> bool:
         """Ask those in the way to step aside; return whether they did."""
-        request = Request(me, self._clock.now, self._among, self._ground)
+        request = Request(me, self._clock.now, self._whereabouts, self._ground)
         if not request.succeeds(outlook, outlook.gone(hit.t)):
             return False
         for who, draft in request.drafts.items():
@@ -484,7 +481,7 @@ class Crowd:
 
     def _outlook(self, me: Traveller) -> Outlook:
         reroute = self._parties[me].reroute
-        return Outlook(me, self._clock.now, self._among, self._ground(me), reroute)
+        return Outlook(me, self._clock.now, self._whereabouts, self._ground(me), reroute)
 
     def _ground(self, me: Traveller) -> Ground:
         return self._ground_in(me.world, me.radius)
@@ -493,18 +490,6 @@ class Crowd:
         if (world, radius) not in self._grounds:
             self._grounds[world, radius] = Ground(world, radius)
         return self._grounds[world, radius]
-
-    def _among(self, me: Traveller, box: Sequence[float]) -> list[Traveller]:
-        """Return the others who may come near a box that somebody walks in."""
-        near = self._near(box, me.radius + me.manners.comfort)
-        return [other for other in near if other is not me]
-
-    def _near(self, box: Sequence[float], radius: float) -> list[Traveller]:
-        """Return who may come near a box that a disc of `radius` metres moves in, by index."""
-        margin = radius + self._widest + 2 * GAP
-        low_x, low_y, high_x, high_y = box
-        around = [low_x - margin, low_y - margin, high_x + margin, high_y + margin]
-        return self._whereabouts.within(around)
 
 
 def _conflict(me: Traveller, mine: Swath, other: Traveller, theirs: Swath, now: float) -> bool:

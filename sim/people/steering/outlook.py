@@ -4,87 +4,39 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import shapely
 
 from floorplan import Point
 from navigation import (
+    Candidates,
     CollisionWorld,
     Motion,
     Swath,
     can_go_on,
-    first_met,
     pace,
     stop_walking,
     swath,
     walked,
 )
 
-from .course import first, length_of, rest
+from .course import first, length_of
 from .traveller import Traveller
-
-GAP = 0.006
-"""Metres. Kept between two bodies in any case, so that rounding can't let them touch."""
+from .whereabouts import Hit, Others, Whereabouts
 
 STEP = 0.25
 """Metres between the places along a course that are looked at for a stop."""
+
+CELL = 0.5
+"""Metres. The width of the cells by which it is known what is narrow."""
 
 FARTHEST = 25.0
 """Metres. So far a course is looked ahead to find the end of a narrow place."""
 
 AROUND = 2.0
 """Metres. Those who stay so far from the course, and more than they need, are not looked at."""
-
-Among = Callable[[Traveller, Sequence[float]], list[Traveller]]
-"""The others but somebody who may come near a box: least x and y, greatest x and y (metres)."""
-
-
-@dataclass(frozen=True)
-class Hit:
-    """The first conflict of a motion: when (seconds), with whom, and whether they stand by then."""
-
-    t: float
-    other: Traveller
-    at_rest: bool
-
-
-class Others:
-    """People that somebody may meet, with what they have committed themselves to, side by side."""
-
-    def __init__(self, me: Traveller, people: Sequence[Traveller], now: float) -> None:
-        self.people = people
-        self._now = now
-        swaths = [other.swath for other in people]
-        self._rests = [one.rests for one in swaths]
-        self._tables = [one.table for one in swaths]
-        self._boxes = [bound for one in swaths for bound in one.box]
-        self._leasts = [me.radius + other.radius + GAP for other in people]
-        self._with_comfort = [least + me.manners.comfort for least in self._leasts]
-        self._when = [math.inf]
-
-    def first_hit(self, ahead: Swath, *, comfort: bool = False) -> Hit | None:
-        """Return the first conflict of a motion of theirs from now on with any of these.
-
-        Two bodies keep `GAP` between them, or the `comfort` distance besides; those who are closer
-        already come no closer.
-        """
-        leasts = self._with_comfort if comfort else self._leasts
-        who = first_met(
-            ahead.table, ahead.box, self._tables, self._boxes, leasts, self._now, self._when
-        )
-        if who < 0:
-            return None
-        t = self._when[0]
-        return Hit(t, self.people[who], t >= self._rests[who])
-
-    def free(self, ahead: Swath) -> bool:
-        """Return whether a motion of theirs from now on conflicts with none of these."""
-        who = first_met(
-            ahead.table, ahead.box, self._tables, self._boxes, self._leasts, self._now, self._when
-        )
-        return who < 0
 
 
 class Ground:
@@ -94,15 +46,11 @@ class Ground:
         self.world = world
         self.radius = radius
         self._walls = world.walls(radius)
+        self._narrow_cells: dict[tuple[int, int], bool | None] = {}
 
     @cached_property
     def _narrow(self) -> shapely.Geometry:
         return self.world.narrows(self.radius)
-
-    @cached_property
-    def _narrow_bounds(self) -> tuple[float, float, float, float]:
-        bounds: tuple[float, float, float, float] = self._narrow.bounds
-        return bounds
 
     def free(self, a: Point, b: Point) -> bool:
         """Return whether the segment from a, a free place, to b touches nothing."""
@@ -113,13 +61,20 @@ class Ground:
 
     def narrow(self, place: Point) -> bool:
         """Return whether a place is in a narrow one, or just before it."""
-        if self._narrow.is_empty:
-            return False
-        low_x, low_y, high_x, high_y = self._narrow_bounds
         x, y = place
-        if not (low_x <= x <= high_x and low_y <= y <= high_y):
+        cell = (math.floor(x / CELL), math.floor(y / CELL))
+        if cell not in self._narrow_cells:
+            self._narrow_cells[cell] = self._narrow_cell(*cell)
+        known = self._narrow_cells[cell]
+        return bool(shapely.intersects_xy(self._narrow, x, y)) if known is None else known
+
+    def _narrow_cell(self, column: int, row: int) -> bool | None:
+        """Return whether all of a cell is narrow, or none of it; None if some is."""
+        x, y = column * CELL, row * CELL
+        cell = shapely.box(x, y, x + CELL, y + CELL)
+        if not shapely.intersects(self._narrow, cell):
             return False
-        return bool(shapely.intersects_xy(self._narrow, x, y))
+        return True if shapely.contains_properly(self._narrow, cell) else None
 
 
 class Outlook:
@@ -134,18 +89,19 @@ class Outlook:
         self,
         me: Traveller,
         now: float,
-        among: Among,
+        whereabouts: Whereabouts,
         ground: Ground,
         reroute: Callable[[Point], list[Point]],
     ) -> None:
         self.me = me
         self.now = now
         self.ground = ground
-        self._among = among
+        self._whereabouts = whereabouts
         self._state = me.body.motion.state(now)
         self._narrow: dict[int, bool] = {}
         self._around = AROUND
         self._others: Others | None = None
+        self._seen: list[float] = []
         self._made: tuple[Motion | None, Swath | None] = (None, None)
         self.lead: Motion | None = None
         self._lead: Swath | None = None
@@ -171,7 +127,26 @@ class Outlook:
         return self.draft(self.course, self.stop_beyond(self.reach))
 
     @cached_property
-    def _whole(self) -> float:
+    def walks(self) -> Candidates:
+        """Walks along the course and beside it, to be weighed against each other."""
+        human, state, lead = self.me.human, self._state, self._lead
+        vx, vy, _ = state.velocity
+        return Candidates(
+            [number for corner in self.course for number in corner],
+            self.t,
+            self.now,
+            self.speed,
+            vx,
+            vy,
+            human.max_speed,
+            human.max_acceleration,
+            [] if lead is None else lead.walk,
+            [] if lead is None else lead.box,
+        )
+
+    @cached_property
+    def whole(self) -> float:
+        """The length of the course, metres."""
         return length_of(self.course)
 
     @cached_property
@@ -210,13 +185,14 @@ class Outlook:
     ) -> Swath | None:
         """Return where `walk` would go."""
         me = self.me
+        fastest = me.top_speed if top_speed is None else top_speed
+        if course is self.course and not me.zones:
+            walks, most = self.walks, math.inf if length is None else length
+            return _drawn(walks) if walks.draw_along(most, fastest, delay) else None
         if delay and self.speed > 1e-6:
             return None
         points: Sequence[Point] = course if length is None else first(course, length)
-        fastest = me.top_speed if top_speed is None else top_speed
-        top: float | list[float] = fastest
-        if me.zones:
-            points, top = me.zones.along(points, fastest)
+        points, top = me.zones.along(points, fastest)
         return pace(
             points,
             self.t + delay,
@@ -226,6 +202,43 @@ class Outlook:
             max_acceleration=me.human.max_acceleration,
             lead=self._lead,
             since=self.now,
+        )
+
+    def next_free(self) -> Swath | None:
+        """Return the draft of the next of the `walks` that meets nobody; None for none."""
+        walks = self.walks
+        if not self.me.zones:
+            return _drawn(walks) if self.others.next_free(walks) else None
+        while walks.next_course():
+            draft = self._zoned()
+            if draft is not None and self.others.free(draft):
+                return draft
+        return None
+
+    def aside(self, along: float, side: float) -> Swath | None:
+        """Return the draft of a walk `side` metres to the left after `along` metres of the course.
+
+        None if it is not free, of walls or of others.
+        """
+        walks, me = self.walks, self.me
+        draft = None
+        if walks.draw_aside(self.reach + 0.5, me.top_speed, along, side):
+            draft = self._zoned() if me.zones else _drawn(walks)
+        return draft if draft is not None and self.has_room() else None
+
+    def has_room(self) -> bool:
+        """Return whether there are no walls in the way of the walk that is looked at.
+
+        To be asked after others were looked at: that is quicker.
+        """
+        walks, free = self.walks, self.ground.free
+        return walks.side == 0.0 or all(free(a, b) for a, b in pairwise(_points(walks.corners)[:4]))
+
+    def _zoned(self) -> Swath | None:
+        """Return the draft of the walk that is looked at where limits hold."""
+        walks = self.walks
+        return self.draft(
+            _points(walks.corners), walks.length, top_speed=walks.top_speed, delay=walks.delay
         )
 
     def made(self, draft: Swath) -> Motion:
@@ -244,11 +257,11 @@ class Outlook:
 
         Nobody stops in a narrow place of their own will, but at their goal.
         """
-        while length < min(self._whole, FARTHEST):
+        while length < min(self.whole, FARTHEST):
             if not self.is_narrow(length):
                 return length
             length += STEP
-        return self._whole
+        return self.whole
 
     def stop_before(self, length: float) -> float:
         """Return the last length along the course, up to `length` metres, for a stop."""
@@ -259,16 +272,16 @@ class Outlook:
     def is_narrow(self, length: float) -> bool:
         """Return whether the course is in a narrow place after `length` metres."""
         k = math.ceil(length / STEP)
-        if k * STEP > min(self._whole, FARTHEST) + STEP:
+        if k * STEP > min(self.whole, FARTHEST) + STEP:
             return False
         if k not in self._narrow:
-            self._narrow[k] = self.ground.narrow(rest(self.course, k * STEP)[0])
+            self._narrow[k] = self.ground.narrow(self.walks.at(k * STEP)[:2])
         return self._narrow[k]
 
     def free(self, motion: Motion) -> bool:
         """Return whether a motion of theirs from now on conflicts with nobody."""
         ahead = self.ahead(motion)
-        return Others(self.me, self._among(self.me, ahead.box), self.now).free(ahead)
+        return self._around_of(ahead).free(ahead)
 
     @property
     def others(self) -> Others:
@@ -278,9 +291,18 @@ class Outlook:
             box = self.me.swath.box if wished is None else wished.box
             low_x, low_y, high_x, high_y = box
             around = self._around
-            box = [low_x - around, low_y - around, high_x + around, high_y + around]
-            self._others = Others(self.me, self._among(self.me, box), self.now)
+            self._seen = [low_x - around, low_y - around, high_x + around, high_y + around]
+            self._others = self._whereabouts.others(self.me, self._seen, self.now)
         return self._others
+
+    def _around_of(self, ahead: Swath) -> Others:
+        """Return those who may come near a motion."""
+        low_x, low_y, high_x, high_y = ahead.box
+        if self._others is not None:
+            seen = self._seen
+            if low_x >= seen[0] and low_y >= seen[1] and high_x <= seen[2] and high_y <= seen[3]:
+                return self._others
+        return self._whereabouts.others(self.me, ahead.box, self.now)
 
     def look_around(self, metres: float) -> None:
         """See those as well who stay so far from the course."""
@@ -299,7 +321,7 @@ class Outlook:
     def hit(self, motion: Motion) -> Hit | None:
         """Return the first conflict of a motion of theirs from now on."""
         ahead = self.ahead(motion)
-        return Others(self.me, self._among(self.me, ahead.box), self.now).first_hit(ahead)
+        return self._around_of(ahead).first_hit(ahead)
 
     def gone(self, t: float) -> float:
         """Return the metres along the course that they would have gone at `t` (seconds)."""
@@ -312,3 +334,13 @@ class Outlook:
             if self.ground.free(at, route[k]):
                 return route[k:]
         return reroute(at)
+
+
+def _drawn(walks: Candidates) -> Swath:
+    """Return the draft of the walk that was looked at last."""
+    return Swath.of(walks.table, walks.box)
+
+
+def _points(corners: Sequence[float]) -> list[Point]:
+    """Return corners whose x and y stand in turn as points."""
+    return [*zip(corners[::2], corners[1::2], strict=True)]

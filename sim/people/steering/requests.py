@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
-from itertools import pairwise
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from itertools import islice, pairwise
 
 from floorplan import Point
-from navigation import Swath, first_conflict, pace, touches
+from navigation import Swath, first_met, next_step, pace
 
 from .course import first, length_of, rest
-from .outlook import GAP, STEP, Among, Ground, Others, Outlook
+from .outlook import STEP, Ground, Outlook
 from .traveller import Traveller
+from .whereabouts import GAP, Others, Whereabouts
 
 DEEPEST = 4
 """People ask on along a chain of so many."""
@@ -28,11 +29,13 @@ RINGS = (0.3, 0.5, 0.7, 1.0, 1.4, 2.0, 2.8)
 ANGLES = 16
 
 AROUND = [
-    (r * math.cos(2 * math.pi * k / ANGLES), r * math.sin(2 * math.pi * k / ANGLES))
+    number
     for r in RINGS
     for k in range(ANGLES)
+    for angle in (2 * math.pi * k / ANGLES,)
+    for number in (r * math.cos(angle), r * math.sin(angle))
 ]
-"""Metres. The places around them, the nearest first."""
+"""Metres. The places around them, the nearest first: x and y of each in turn."""
 
 WIDE = 6
 """Places that one person tries."""
@@ -56,12 +59,12 @@ class Request:
         self,
         asker: Traveller,
         now: float,
-        among: Among,
+        whereabouts: Whereabouts,
         ground_of: Callable[[Traveller], Ground],
     ) -> None:
         self._asker = asker
         self._now = now
-        self._among = among
+        self._whereabouts = whereabouts
         self._ground_of = ground_of
         self._left = TRIES
         self.drafts: dict[Traveller, Swath] = {}
@@ -69,31 +72,46 @@ class Request:
 
     def succeeds(self, outlook: Outlook, passed: float) -> bool:
         """Return whether all can move so that the asker gets past `passed` metres of its course."""
-        whole = length_of(outlook.course)
-        near = min(outlook.stop_beyond(passed + PASSED), whole)
+        near = min(outlook.stop_beyond(passed + PASSED), outlook.whole)
         far = outlook.stop_beyond(outlook.reach)
         for length in dict.fromkeys((near, far)):
             course = first(outlook.course, length)
-            for wait in WAITS:
-                draft = outlook.draft(course, delay=wait)
-                if draft is None:
-                    continue
-                self.drafts = {self._asker: draft}
-                if self._clear(self._asker, course, 0):
-                    return True
+            # Who waits long enough is in nobody's way: those who can't step aside then never can.
+            latest = outlook.draft(outlook.course, length, delay=WAITS[-1])
+            if latest is None:
+                continue
+            self.drafts = {self._asker: latest}
+            if self._clear(self._asker, course, 0):
+                self._set_out_sooner(outlook, length)
+                return True
         return False
+
+    def _set_out_sooner(self, outlook: Outlook, length: float) -> None:
+        """Let the asker set out as soon as all the others who move are out of its way."""
+        others = {who: draft for who, draft in self.drafts.items() if who is not self._asker}
+        moving = Moving(others, self._now)
+        for wait in WAITS[:-1]:
+            draft = outlook.draft(outlook.course, length, delay=wait)
+            if draft is None or moving.meet(self._asker, draft):
+                continue
+            if self._near(self._asker, draft).free(draft):
+                self.drafts[self._asker] = draft
+                return
 
     def make_way(self, course: Sequence[Point]) -> None:
         """Let all who can step off the motion that the asker is committed to, along `course`."""
         self.drafts = {self._asker: self._asker.swath}
         self._clear(self._asker, course, 0)
 
+    def _near(self, mover: Traveller, draft: Swath) -> Others:
+        """Return those who may come near where `mover` goes, but who move for the request."""
+        return self._whereabouts.others(mover, draft.box, self._now).without(self.drafts)
+
     def _clear(self, mover: Traveller, course: Sequence[Point], depth: int) -> bool:
         """Let all step aside who stand in the way of `mover`; return whether they can."""
         draft = self.drafts[mover]
-        near = self._among(mover, draft.box)
+        others = self._near(mover, draft)
         while True:
-            others = Others(mover, [one for one in near if one not in self.drafts], self._now)
             hit = others.first_hit(draft)
             if hit is None:
                 return True
@@ -101,6 +119,7 @@ class Request:
                 return False
             if not self._step(hit.other, course, depth):
                 return False
+            others = others.without(self.drafts)
 
     def _may_ask(self, other: Traveller) -> bool:
         return (
@@ -114,48 +133,28 @@ class Request:
     def _step(self, who: Traveller, course: Sequence[Point], depth: int) -> bool:
         """Let `who` step off `course`, and whoever is in the way of that; else leave all as is."""
         before = dict(self.drafts)
-        tried = 0
-        for retreat in self._retreats(who, course):
+        for retreat, draft in islice(self._retreats(who, course), WIDE):
             self._left -= 1
-            if self._left < 0 or tried >= WIDE:
+            if self._left < 0:
                 break
-            points, top = who.zones.along(retreat, who.top_speed)
-            draft = pace(
-                points,
-                self._now,
-                top_speed=top,
-                max_speed=who.human.max_speed,
-                max_acceleration=who.human.max_acceleration,
-            )
-            if draft is None:
-                continue
-            if not self._meets(who, draft, before):
-                tried += 1
-                self.drafts[who] = draft
-                if self._clear(who, retreat, depth + 1):
-                    return True
+            self.drafts[who] = draft
+            if self._clear(who, retreat, depth + 1):
+                return True
             self.drafts = dict(before)
         return False
 
-    def _meets(self, who: Traveller, draft: Swath, others: dict[Traveller, Swath]) -> bool:
-        """Return whether `who` would come too close to any of those who move."""
-        here = who.body.motion.state(self._now).at
-        for other, theirs in others.items():
-            apart = math.dist(here, other.body.motion.state(self._now).at)
-            least = min(who.radius + other.radius + GAP, apart - 1e-9)
-            if first_conflict(draft, theirs, least, self._now) is not None:
-                return True
-        return False
+    def _retreats(
+        self, who: Traveller, course: Sequence[Point]
+    ) -> Iterator[tuple[list[Point], Swath]]:
+        """Yield courses off `course`: to the nearest places around, then to places ahead of it.
 
-    def _retreats(self, who: Traveller, course: Sequence[Point]) -> Iterator[list[Point]]:
-        """Yield courses off `course`: to the nearest places around, then to places ahead of it."""
-        at = who.body.motion.state(self._now).at
-        needed, ground = 2 * who.radius + GAP, self._ground_of(who)
+        And what comes of them; none meets anybody who moves.
+        """
+        at, ground = who.swath.place, self._ground_of(who)
+        needed = 2 * who.radius + GAP
         legs = [number for a, b in pairwise(course) for number in (*a, *b)]
-        for dx, dy in AROUND:
-            x, y = at[0] + dx, at[1] + dy
-            if not touches(legs, x, y, x, y, needed) and ground.free(at, (x, y)):
-                yield [at, (x, y)]
+        moving = Moving(self.drafts, self._now)
+        yield from moving.steps(who, [at], AROUND, legs, needed, ground)
         gone, near = 0.0, math.inf
         whole = length_of(course)
         steps = [k * STEP for k in range(math.ceil(whole / STEP) + 1)]
@@ -163,16 +162,101 @@ class Request:
             away = math.dist(rest(course, s)[0], at)
             if away < near:
                 near, gone = away, s
+        beside = [
+            number
+            for k in range(ANGLES // 2)
+            for angle in (4 * math.pi * k / ANGLES,)
+            for r in (needed + 0.02, 1.3 * needed)
+            for number in (r * math.cos(angle), r * math.sin(angle))
+        ]
         for s in steps:
             if s <= gone + STEP:
                 continue
-            onwards = rest(course, s)[0]
             path = [at, *first(rest(course, gone + STEP), s - gone - STEP)]
             if not all(ground.free(a, b) for a, b in pairwise(path)):
                 return
-            for k in range(ANGLES // 2):
-                angle = 4 * math.pi * k / ANGLES
-                for r in (needed + 0.02, 1.3 * needed):
-                    x, y = onwards[0] + r * math.cos(angle), onwards[1] + r * math.sin(angle)
-                    if not touches(legs, x, y, x, y, needed) and ground.free(onwards, (x, y)):
-                        yield [*path, (x, y)]
+            yield from moving.steps(who, path, beside, legs, needed, ground)
+
+
+class Moving:
+    """Those who move for a request, as of `now` (seconds): where each of them goes."""
+
+    def __init__(self, drafts: Mapping[Traveller, Swath], now: float) -> None:
+        self._now = now
+        self._near = [*range(len(drafts))]
+        self._tables = [draft.table for draft in drafts.values()]
+        self._boxes = [bound for draft in drafts.values() for bound in draft.box]
+        self._radii = [who.radius for who in drafts]
+
+    def meet(self, who: Traveller, draft: Swath) -> bool:
+        """Return whether somebody who goes like this would come too close to any of them."""
+        found = first_met(
+            draft.table,
+            draft.box,
+            self._near,
+            self._tables,
+            self._boxes,
+            self._radii,
+            who.radius + GAP,
+            self._now,
+            [math.inf],
+        )
+        return found >= 0
+
+    def steps(
+        self,
+        who: Traveller,
+        path: list[Point],
+        places: list[float],
+        legs: list[float],
+        width: float,
+        ground: Ground,
+    ) -> Iterator[tuple[list[Point], Swath]]:
+        """Yield the courses of `who` along `path` and on to each of the `places` that are fit.
+
+        Those `width` metres off the `legs` of a course, without a wall in between, and in the way
+        of none of these.
+        """
+        flat = [number for corner in path for number in corner]
+        x, y = path[-1]
+        k = -1
+        while True:
+            table: list[float] = []
+            box: list[float] = []
+            k = next_step(
+                k + 1,
+                flat,
+                places,
+                legs,
+                width,
+                self._now,
+                who.top_speed,
+                who.human.max_speed,
+                who.human.max_acceleration,
+                self._near,
+                self._tables,
+                self._boxes,
+                self._radii,
+                who.radius + GAP,
+                table,
+                box,
+            )
+            if k < 0:
+                return
+            place = (x + places[2 * k], y + places[2 * k + 1])
+            if not ground.free((x, y), place):
+                continue
+            retreat, draft = [*path, place], Swath.of(table, box)
+            if who.zones:
+                points, top = who.zones.along(retreat, who.top_speed)
+                slower = pace(
+                    points,
+                    self._now,
+                    top_speed=top,
+                    max_speed=who.human.max_speed,
+                    max_acceleration=who.human.max_acceleration,
+                )
+                if slower is None or self.meet(who, slower):
+                    continue
+                draft = slower
+            yield retreat, draft

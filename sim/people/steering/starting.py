@@ -14,7 +14,7 @@ from navigation import CollisionWorld
 from ...core.scenario import PersonEntry, Scenario, TrialError
 from ...core.seeds import seed_of
 from .crowd import Crowd
-from .outlook import GAP
+from .whereabouts import GAP
 
 TRIES = 5_000
 """Number of places that are drawn for one person."""

@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
-from typing import NamedTuple, Protocol
+from typing import Protocol
 
 from floorplan import Point
 from navigation import Motion, Swath
 
-from .course import first, heading, length_of, rest
-from .outlook import GAP, Hit, Outlook
+from .outlook import Outlook
 from .traveller import Traveller
+from .whereabouts import GAP, Hit
 
 SIDEWAYS = (0.45, 0.9, 1.35)
 """Metres. Shifts to the side that are tried besides the one that just gets past."""
@@ -48,19 +48,6 @@ BRUSH = 0.5
 """Metres. Detour that keeping the comfort distance is worth."""
 
 
-class Proposal(NamedTuple):
-    """A walk along a course, and the metres that it loses.
-
-    `length` and `top_speed` (metres, m/s) are as for `Outlook.walk`, and `delay` (seconds).
-    """
-
-    loss: float
-    course: list[Point]
-    length: float
-    top_speed: float | None = None
-    delay: float = 0.0
-
-
 class Steering(Protocol):
     """Interface of a steering: it decides how somebody walks on among others."""
 
@@ -92,48 +79,53 @@ class Foresighted:
         near = outlook.others.first_hit(wished, comfort=True)
         if near is None:
             return outlook.wish
+        walks = outlook.walks
+        walks.clear()
         hit = outlook.others.first_hit(wished)
         if hit is None:
-            brush = Proposal(BRUSH, outlook.course, outlook.stop_beyond(outlook.reach))
-            draft = _first_free(outlook, [brush, *_asides(body, outlook, near)])
-            if draft is not None and draft.table == wished.table:
+            walks.add(BRUSH, outlook.stop_beyond(outlook.reach), body.top_speed, 0.0)
+            _add_asides(body, outlook, near)
+            draft = _first_free(outlook)
+            if draft is not None and walks.row == 0:
                 return outlook.wish
         else:
             follows = _same_way(body, hit, outlook.now)
-            proposals = [*self._later_or_shorter(body, outlook, hit, follows)]
+            self._add_later_or_shorter(body, outlook, hit, follows)
             if hit.at_rest and follows:
                 # They are about to walk on: nobody passes them where they can get nearer.
-                draft = _first_free(outlook, proposals)
+                draft = _first_free(outlook)
                 if draft is not None:
                     return outlook.made(draft)
-                proposals = []
-            proposals += _asides(body, outlook, near)
+                walks.clear()
+            _add_asides(body, outlook, near)
             if near.other is not hit.other:
-                proposals += _asides(body, outlook, hit)
-            draft = _first_free(outlook, proposals)
+                _add_asides(body, outlook, hit)
+            draft = _first_free(outlook)
             if draft is None and outlook.speed < STANDS and not follows:
                 outlook.look_around(DETOURS[-1])
-                draft = _first_free(outlook, _asides(body, outlook, hit, DETOURS))
+                walks.clear()
+                _add_asides(body, outlook, hit, DETOURS)
+                draft = _first_free(outlook)
         return None if draft is None else outlook.made(draft)
 
-    def _later_or_shorter(
+    def _add_later_or_shorter(
         self, me: Traveller, outlook: Outlook, hit: Hit, follows: bool
-    ) -> Iterator[Proposal]:
-        """Yield walks along the course that are slower, later, or end before the other.
+    ) -> None:
+        """Add walks along the course that are slower, later, or end before the other.
 
         Who `follows` goes the same way as the other.
         """
-        course, stop = outlook.course, outlook.stop_beyond(outlook.reach)
-        whole = length_of(first(course, outlook.reach))
+        walks, top, stop = outlook.walks, me.top_speed, outlook.stop_beyond(outlook.reach)
+        whole = min(outlook.reach, outlook.whole)
         if not hit.at_rest:  # else it would be as much in the way later on
             for pace in SHARES:
-                yield Proposal((1 - pace) * whole, course, stop, top_speed=pace * me.top_speed)
+                walks.add((1 - pace) * whole, stop, pace * top, 0.0)
             if outlook.speed < STANDS:
                 for delay in DELAYS:
-                    yield Proposal(delay * me.top_speed, course, stop, delay=delay)
+                    walks.add(delay * top, stop, top, delay)
         share = PHANTOM if hit.at_rest and follows else 1.0
         for length in self._stops(me, outlook, outlook.gone(hit.t), follows):
-            yield Proposal(share * max(whole - length, 0.0), course, length)
+            walks.add(share * max(whole - length, 0.0), length, top, 0.0)
 
     def _stops(
         self, me: Traveller, outlook: Outlook, gone: float, follows: bool
@@ -152,38 +144,12 @@ class Foresighted:
             yield braking
 
 
-def _first_free(outlook: Outlook, proposals: list[Proposal]) -> Swath | None:
-    """Return the draft of the proposal that loses least of those that are free."""
-    proposals.sort(key=_loss)
-    for one in proposals:
-        draft = _draft(outlook, one)
-        if draft is not None and outlook.others.free(draft) and _has_room(outlook, one):
+def _first_free(outlook: Outlook) -> Swath | None:
+    """Return the draft of the walk that loses least of those that are free."""
+    while True:
+        draft = outlook.next_free()
+        if draft is None or outlook.has_room():
             return draft
-    return None
-
-
-def _loss(one: Proposal) -> float:
-    return one.loss
-
-
-def _draft(outlook: Outlook, one: Proposal) -> Swath | None:
-    if one.course is not outlook.course and not outlook.can_turn(one.course):
-        return None
-    return outlook.draft(one.course, one.length, top_speed=one.top_speed, delay=one.delay)
-
-
-def _has_room(outlook: Outlook, one: Proposal) -> bool:
-    """Return whether there are no walls in the way; people were looked at before, it is quicker."""
-    free = outlook.ground.free
-    return one.course is outlook.course or all(free(a, b) for a, b in pairwise(one.course[:4]))
-
-
-def _asides(
-    me: Traveller, outlook: Outlook, hit: Hit, widths: Sequence[float] = ()
-) -> list[Proposal]:
-    """Return the courses that pass the other, or all that stand there at these `widths`."""
-    length = outlook.reach + 0.5
-    return [Proposal(loss, course, length) for loss, course in asides(me, outlook, hit, widths)]
 
 
 def _same_way(me: Traveller, hit: Hit, now: float) -> bool:
@@ -194,19 +160,13 @@ def _same_way(me: Traveller, hit: Hit, now: float) -> bool:
     return mine[0] * theirs[0] + mine[1] * theirs[1] > 0.3
 
 
-def asides(
-    me: Traveller, outlook: Outlook, hit: Hit, widths: Sequence[float] = ()
-) -> Iterator[tuple[float, list[Point]]]:
-    """Yield courses that pass the other on either side, and what they lose (metres).
+def _add_asides(me: Traveller, outlook: Outlook, hit: Hit, widths: Sequence[float] = ()) -> None:
+    """Add the walks that pass the other on either side.
 
     Just past the other and a little wider, or else by these `widths` (metres) alone.
     """
-    other, gone = hit.other, outlook.gone(hit.t)
-    c, s = heading(outlook.course, max(gone - 1e-6, 0.0))
-    x, y = rest(outlook.course, gone)[0]
-    px, py = other.body.motion.state(hit.t).at
-    ahead, beside = (px - x) * c + (py - y) * s, (py - y) * c - (px - x) * s
-    needed = me.radius + other.radius + GAP
+    gone, ahead, beside = _relative(outlook, hit)
+    needed = me.radius + hit.other.radius + GAP
     sides = [side for width in widths or SIDEWAYS for side in (-width, width)]
     if not widths:
         wide = needed + me.manners.comfort
@@ -217,27 +177,23 @@ def asides(
             beside + needed + 1e-3,
             *sides,
         ]
+    walks, length, along = outlook.walks, outlook.reach + 0.5, gone + max(ahead, 0.0)
     usual = -1.0 if me.manners.passing_side == "right" else 1.0
     for side in dict.fromkeys(sides):
-        if not 0.02 < abs(side) <= WIDEST:
-            continue
-        course = aside(outlook.course, gone + max(ahead, 0.0), side)
-        loss = length_of(course) - length_of(outlook.course)
-        yield loss + (OTHER_SIDE if side * usual < 0 else 0.0), course
+        if 0.02 < abs(side) <= WIDEST:
+            extra = OTHER_SIDE if side * usual < 0 else 0.0
+            walks.add_aside(extra, length, me.top_speed, along, side)
 
 
-def aside(course: Sequence[Point], length: float, side: float) -> list[Point]:
-    """Return a course that is `side` metres to the left of another after `length` metres."""
-    c, s = heading(course, max(length - 1e-6, 0.0))
-    x, y = rest(course, length)[0]
-    ramp = 1.2 * abs(side)
-    early, late = min(0.35, length), 0.35
-    before = (x - early * c - side * s, y - early * s + side * c)
-    after = (x + late * c - side * s, y + late * s + side * c)
-    whole = length_of(course)
-    if length + late >= whole:  # the goal itself is beside the other
-        return [course[0], before, course[-1]]
-    return [course[0], before, after, *rest(course, min(length + late + ramp, whole))]
+def _relative(outlook: Outlook, hit: Hit) -> tuple[float, float, float]:
+    """Return how far one would have gone by a conflict, and where the other is from there.
+
+    Metres along the course, ahead, and to the left.
+    """
+    gone = outlook.gone(hit.t)
+    x, y, c, s = outlook.walks.at(gone)
+    px, py = hit.other.body.motion.state(hit.t).at
+    return gone, (px - x) * c + (py - y) * s, (py - y) * c - (px - x) * s
 
 
 def both_aside(
@@ -246,15 +202,10 @@ def both_aside(
     """Yield drafts in which two who meet head-on both shift to their side, the usual one first."""
     if mine.wished is None or theirs.wished is None:
         return
-    other = hit.other
-    gone = mine.gone(hit.t)
-    c, s = heading(mine.course, max(gone - 1e-6, 0.0))
-    x, y = rest(mine.course, gone)[0]
-    px, py = other.body.motion.state(hit.t).at
-    ahead, beside = (px - x) * c + (py - y) * s, (py - y) * c - (px - x) * s
-    place = rest(mine.course, gone + max(ahead, 0.0) / 2)[0]
-    passed = _nearest_length(theirs.course, place)
-    needed = me.radius + other.radius + GAP + 1e-3
+    gone, ahead, beside = _relative(mine, hit)
+    x, y, _, _ = mine.walks.at(gone + max(ahead, 0.0) / 2)
+    passed = _nearest_length(theirs.course, (x, y))
+    needed = me.radius + hit.other.radius + GAP + 1e-3
     comfort = min(me.manners.comfort, 0.1)
     usual = -1.0 if me.manners.passing_side == "right" else 1.0
     for spare in (comfort, 0.0):
@@ -263,14 +214,11 @@ def both_aside(
             if width <= 0.0:
                 continue
             for share in (0.5, 0.7, 0.3):
-                one = aside(mine.course, max(gone + ahead / 2, 0.1), way * share * width)
-                two = aside(theirs.course, max(passed, 0.1), way * (1 - share) * width)
-                both = [
-                    (outlook, Proposal(0.0, course, outlook.reach + 0.5))
-                    for outlook, course in ((mine, one), (theirs, two))
-                ]
-                ours, yours = (_draft(*walk) for walk in both)
-                if ours and yours and all(_has_room(*walk) for walk in both):
+                ours = mine.aside(max(gone + ahead / 2, 0.1), way * share * width)
+                if ours is None:
+                    continue
+                yours = theirs.aside(max(passed, 0.1), way * (1 - share) * width)
+                if yours is not None:
                     yield ours, yours
 
 

@@ -1,74 +1,133 @@
-"""Whereabouts: who may be near some part of the floor, without a look at everybody.
-
-The floor is a grid of cells without end, and each cell knows who has committed themselves to a
-motion whose bounds reach into it. So what somebody's decision costs depends on who is near.
-"""
+"""Whereabouts: what all people on a floor have committed themselves to, in tables side by side."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Container, Sequence
+from dataclasses import dataclass
+
+from navigation import Candidates, Swath, first_met, within_bounds
 
 from .traveller import Traveller
 
-CELL = 2.0
-"""Metres. The width of a cell: a motion reaches into some ten of them."""
+GAP = 0.006
+"""Metres. Kept between two bodies in any case, so that rounding can't let them touch."""
 
-MOST = 400
-"""Bounds that reach into more cells than this belong to none: they are always looked at."""
 
-Cell = tuple[int, int]
+@dataclass(frozen=True)
+class Hit:
+    """The first conflict of a motion: when (seconds), with whom, and whether they stand by then."""
+
+    t: float
+    other: Traveller
+    at_rest: bool
 
 
 class Whereabouts:
-    """The people on a floor, by the cells that they may be in."""
+    """The people on a floor, in the order in which they came: where they go, and its bounds.
+
+    Whoever decides passes over the bounds of all others, some nanoseconds each, and looks at those
+    alone who may come near.
+    """
 
     def __init__(self) -> None:
-        self._cells: dict[Cell, dict[Traveller, None]] = {}
-        self._of: dict[Traveller, list[Cell]] = {}
-        self._far: dict[Traveller, None] = {}
+        self.people: list[Traveller] = []
+        self.tables: list[list[float]] = []
+        self.boxes: list[float] = []
+        self.radii: list[float] = []
+        self.indices: dict[Traveller, int] = {}
+        self._widest = 0.0
 
     def put(self, who: Traveller) -> None:
         """Take note of what somebody has committed themselves to."""
-        for cell in self._of.get(who, ()):
-            del self._cells[cell][who]
-        self._far.pop(who, None)
-        cells = _cells(who.swath.box)
-        self._of[who] = cells or []
-        if cells is None:
-            self._far[who] = None
-            return
-        for cell in cells:
-            self._cells.setdefault(cell, {})[who] = None
+        table, _, box = who.swath
+        k = self.indices.get(who)
+        if k is None:
+            self.indices[who] = len(self.people)
+            self.people.append(who)
+            self.tables.append(table)
+            self.boxes += box
+            self.radii.append(who.radius)
+            self._widest = max(self._widest, who.radius)
+        else:
+            self.tables[k] = table
+            self.boxes[4 * k : 4 * k + 4] = box
 
-    def within(self, box: Sequence[float]) -> list[Traveller]:
-        """Return who may come into `box`: least x and y, greatest x and y (metres).
-
-        By their index. The bounds are those of centres: add what bodies need beyond theirs.
-        """
+    def near(self, box: Sequence[float], radius: float) -> list[int]:
+        """Return who may come near the bounds of a disc of `radius` metres: their indices."""
+        margin = radius + self._widest + 2 * GAP
         low_x, low_y, high_x, high_y = box
-        cells = _cells(box)
-        found = dict(self._far) if cells is not None else dict.fromkeys(self._of)
-        for cell in cells or ():
-            there = self._cells.get(cell)
-            if there:
-                found.update(there)
-        near = []
-        for who in found:
-            a, b, c, d = who.swath.box
-            if a < high_x and c > low_x and b < high_y and d > low_y:
-                near.append(who)
-        near.sort(key=_index)
-        return near
+        return within_bounds(
+            self.boxes, low_x - margin, low_y - margin, high_x + margin, high_y + margin
+        )
+
+    def others(self, me: Traveller, box: Sequence[float], now: float) -> Others:
+        """Return the others who may come near bounds that somebody moves in from now on."""
+        near = self.near(box, me.radius + me.manners.comfort)
+        k = self.indices[me]
+        if k in near:
+            near.remove(k)
+        return Others(self, me, near, now)
+
+    def only(self, me: Traveller, other: Traveller, now: float) -> Others:
+        """Return one other, as somebody may meet them."""
+        return Others(self, me, [self.indices[other]], now)
 
 
-def _index(who: Traveller) -> int:
-    return who.index
+class Others:
+    """People that somebody may meet, with what they have committed themselves to."""
 
+    def __init__(self, floor: Whereabouts, me: Traveller, near: list[int], now: float) -> None:
+        self._floor = floor
+        self._me = me
+        self._near = near
+        self._now = now
+        self._own = me.radius + GAP
+        self._when = [math.inf]
 
-def _cells(box: Sequence[float]) -> list[Cell] | None:
-    """Return the cells that a box reaches into; None if they are too many."""
-    low_x, low_y, high_x, high_y = (math.floor(bound / CELL) for bound in box)
-    if (high_x - low_x + 1) * (high_y - low_y + 1) > MOST:
-        return None
-    return [(i, j) for i in range(low_x, high_x + 1) for j in range(low_y, high_y + 1)]
+    @property
+    def people(self) -> list[Traveller]:
+        """Those that they may meet, in the order in which they came."""
+        people = self._floor.people
+        return [people[k] for k in self._near]
+
+    def without(self, some: Container[Traveller]) -> Others:
+        """Return these without some of them."""
+        people = self._floor.people
+        near = [k for k in self._near if people[k] not in some]
+        return Others(self._floor, self._me, near, self._now)
+
+    def first_hit(self, ahead: Swath, *, comfort: bool = False) -> Hit | None:
+        """Return the first conflict of a motion of theirs from now on with any of these.
+
+        Two bodies keep `GAP` between them, or the `comfort` distance besides; those who are closer
+        already come no closer.
+        """
+        found = self._first_met(ahead, self._me.manners.comfort if comfort else 0.0)
+        if found < 0:
+            return None
+        t, other = self._when[0], self._floor.people[found]
+        return Hit(t, other, t >= other.swath.rests)
+
+    def free(self, ahead: Swath) -> bool:
+        """Return whether a motion of theirs from now on conflicts with none of these."""
+        return self._first_met(ahead, 0.0) < 0
+
+    def next_free(self, walks: Candidates) -> bool:
+        """Come to the next of the `walks` that conflicts with none of these; False for none."""
+        floor = self._floor
+        return walks.next_free(self._near, floor.tables, floor.boxes, floor.radii, self._own)
+
+    def _first_met(self, ahead: Swath, comfort: float) -> int:
+        floor = self._floor
+        return first_met(
+            ahead.table,
+            ahead.box,
+            self._near,
+            floor.tables,
+            floor.boxes,
+            floor.radii,
+            self._own + comfort,
+            self._now,
+            self._when,
+        )

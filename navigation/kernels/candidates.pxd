@@ -1,0 +1,46 @@
+cdef class Candidates:
+    cdef list[double] course
+    cdef double begin
+    cdef double now
+    cdef double speed
+    cdef double vx
+    cdef double vy
+    cdef double max_speed
+    cdef double acceleration
+    cdef list[double] lead
+    cdef list[double] lead_box
+    cdef double whole
+    cdef list[double] rows
+    cdef readonly Py_ssize_t row
+    cdef double loss
+    cdef Py_ssize_t blocker
+    cdef readonly double length
+    cdef readonly double top_speed
+    cdef readonly double delay
+    cdef readonly double side
+    cdef readonly list[double] corners
+    cdef readonly list[double] table
+    cdef readonly list[double] box
+    cdef double x
+    cdef double y
+    cdef double c
+    cdef double s
+    cdef Py_ssize_t leg
+    cpdef bint next_course(self) except -1
+    cdef bint _draw(self) except -1
+    cdef int _add(
+        self,
+        double loss,
+        double length,
+        double top_speed,
+        double delay,
+        double along,
+        double side,
+    ) except -1
+    cdef bint _can_turn(self) noexcept
+    cdef int _aside(self, double along, double side) except -1
+    cdef int _seek(self, double length) noexcept
+
+cdef double _length(list[double] corners) noexcept
+cdef list[double] _first(list[double] corners, double length)
+cdef list[double] _bounds(list[double] corners, list[double] more)

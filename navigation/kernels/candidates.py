@@ -1,0 +1,437 @@
+"""Walks that somebody may take among others: along a course, or beside it, from one state on.
+
+They are given in any order by what they lose, and drawn up from the least on until one is free, so
+that most of them never are. For the tables see `discs`.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import cython
+else:
+    from . import uncompiled as cython
+
+if not cython.compiled:
+    from math import inf, sqrt
+
+    from .discs import met
+    from .edges import touches
+    from .pacing import bend_speed, stand, walk_table
+
+    INFINITY = inf
+else:
+    from cython.cimports.libc.math import INFINITY, sqrt
+    from cython.cimports.navigation.kernels.discs import met
+    from cython.cimports.navigation.kernels.edges import touches
+    from cython.cimports.navigation.kernels.pacing import bend_speed, stand, walk_table
+
+_ROW: cython.Py_ssize_t = 6  # loss, length, top speed, delay, and for an aside: along, side
+_R: cython.Py_ssize_t = 10  # numbers in a row of a table
+_BEFORE: float = 0.35  # metres before and after the place at which an aside is beside its course
+_RAMP: float = 1.2  # metres that it takes to come back, for each metre of a shift
+_HAIR: float = 1e-6
+_STANDS: float = 1e-6  # m/s; slower than this is standing
+
+
+class Candidates:
+    """Walks of one person from `begin` (seconds) on, who has been on the `lead` until then.
+
+    They set out at `speed` with the velocity `vx`, `vy` (m/s). `course` holds x and y of its
+    corners in turn (metres); the `lead` is a table without its final standing, `lead_box` its
+    bounds, and both are empty for who sets out `now`.
+    """
+
+    def __init__(
+        self,
+        course: list[float],
+        begin: float,
+        now: float,
+        speed: float,
+        vx: float,
+        vy: float,
+        max_speed: float,
+        acceleration: float,
+        lead: list[float],
+        lead_box: list[float],
+    ) -> None:
+        self.course = course
+        self.begin = begin
+        self.now = now
+        self.speed = speed
+        self.vx = vx
+        self.vy = vy
+        self.max_speed = max_speed
+        self.acceleration = acceleration
+        self.lead = lead
+        self.lead_box = lead_box
+        self.whole = _length(course)
+        none: list[float] = []
+        self.rows = none
+        self.row = -1
+        self.loss = -INFINITY
+        self.blocker = -1
+        self.length = self.top_speed = self.delay = self.side = 0.0
+        self.corners = none
+        self.table = none
+        self.box = none
+        self.x = self.y = 0.0
+        self.c = 1.0
+        self.s = 0.0
+        self.leg = 0
+
+    def clear(self) -> None:
+        """Forget all that were added."""
+        self.rows = []
+        self.row = -1
+        self.blocker = -1
+        self.loss = -INFINITY
+
+    def add(self, loss: float, length: float, top_speed: float, delay: float) -> None:
+        """Add the walk along the first `length` metres of the course, which loses `loss` metres.
+
+        At up to `top_speed` (m/s), `delay` seconds later.
+        """
+        self._add(loss, length, top_speed, delay, 0.0, 0.0)
+
+    def add_aside(
+        self, extra: float, length: float, top_speed: float, along: float, side: float
+    ) -> None:
+        """Add a walk that is `side` metres to the left of the course after `along` metres of it.
+
+        It loses the metres by which it is longer, and `extra`. It is cut off after `length` metres.
+        """
+        self._aside(along, side)
+        loss: float = _length(self.corners) - self.whole + extra
+        self._add(loss, length, top_speed, 0.0, along, side)
+
+    def next_course(self) -> bool:
+        """Come to the walk that loses least of those not looked at; False if there is none.
+
+        `corners`, `length`, `top_speed`, `delay` and `side` are its own then. Those that one can't
+        turn to are left out.
+        """
+        rows: list[float] = self.rows
+        while True:
+            best: float = INFINITY
+            row: cython.Py_ssize_t = -1
+            k: cython.Py_ssize_t
+            for k in range(len(rows) // _ROW):
+                loss: float = rows[k * _ROW]
+                if loss < best and (loss > self.loss or (loss == self.loss and k > self.row)):
+                    best = loss
+                    row = k
+            if row < 0:
+                return False
+            self.row = row
+            self.loss = best
+            self.length = rows[row * _ROW + 1]
+            self.top_speed = rows[row * _ROW + 2]
+            self.delay = rows[row * _ROW + 3]
+            self.side = rows[row * _ROW + 5]
+            if self.side == 0.0:
+                self.corners = self.course
+                return True
+            self._aside(rows[row * _ROW + 4], self.side)
+            if self._can_turn():
+                return True
+
+    def draw_along(self, length: float, top_speed: float, delay: float) -> bool:
+        """Draw up the walk along the first `length` metres of the course; False if it can't be.
+
+        At up to `top_speed` (m/s), and `delay` seconds later, who stands.
+        """
+        self.corners = self.course
+        self.length = length
+        self.top_speed = top_speed
+        self.delay = delay
+        self.side = 0.0
+        return self._draw()
+
+    def draw_aside(self, length: float, top_speed: float, along: float, side: float) -> bool:
+        """Draw up a walk that is `side` metres to the left `along` metres on; False if it can't be.
+
+        Of its `length` metres at most, at up to `top_speed` (m/s).
+        """
+        self._aside(along, side)
+        self.length = length
+        self.top_speed = top_speed
+        self.delay = 0.0
+        self.side = side
+        return self._can_turn() and self._draw()
+
+    def at(self, length: float) -> tuple[float, float, float, float]:
+        """Return the place after `length` metres of the course, and its direction just before."""
+        self._seek(max(length - _HAIR, 0.0))
+        c: float = self.c
+        s: float = self.s
+        self._seek(length)
+        return self.x, self.y, c, s
+
+    def next_free(
+        self,
+        near: list[int],
+        tables: list[list[float]],
+        boxes: list[float],
+        radii: list[float],
+        own: float,
+    ) -> bool:
+        """Come to the next walk that meets nobody `near`, as `first_met` has it.
+
+        False if there is none. Its `corners`, `table` and `box` are there then.
+        """
+        now: float = self.now
+        i: cython.Py_ssize_t
+        k: cython.Py_ssize_t
+        while self.next_course():
+            if not self._draw():
+                continue
+            table: list[float] = self.table
+            box: list[float] = self.box
+            # Whoever was in the way of the last one is likely to be in the way of this one.
+            last: cython.Py_ssize_t = self.blocker
+            if last >= 0 and met(table, box, tables, boxes, radii, own, now, INFINITY, last) < (
+                INFINITY
+            ):
+                continue
+            blocker: cython.Py_ssize_t = -1
+            for i in range(len(near)):
+                k = near[i]
+                if met(table, box, tables, boxes, radii, own, now, INFINITY, k) < INFINITY:
+                    blocker = k
+                    break
+            if blocker < 0:
+                return True
+            self.blocker = blocker
+        return False
+
+    def _draw(self) -> bool:
+        """Set `table` and `box` to those of the walk that is to be looked at."""
+        table: list[float] = self.lead[:]
+        start: float = self.begin + self.delay
+        since: float = self.begin if table else self.now
+        if self.delay != 0.0 and self.speed > _STANDS:
+            return False
+        corners: list[float] = _first(self.corners, self.length)
+        if since < start:
+            x: float = corners[0]
+            y: float = corners[1]
+            stand(table, since, start, x, y)
+        tops: list[float] = [self.top_speed] * (len(corners) // 2 - 1)
+        if not walk_table(
+            corners, tops, start, self.speed, self.max_speed, self.acceleration, table
+        ):
+            return False
+        self.table = table
+        self.box = _bounds(corners, self.lead_box)
+        return True
+
+    def _add(
+        self,
+        loss: float,
+        length: float,
+        top_speed: float,
+        delay: float,
+        along: float,
+        side: float,
+    ) -> cython.int:
+        rows: list[float] = self.rows
+        rows.append(loss)
+        rows.append(length)
+        rows.append(top_speed)
+        rows.append(delay)
+        rows.append(along)
+        rows.append(side)
+        return 0
+
+    def _can_turn(self) -> bool:
+        """Return whether they may set out on `corners` without slowing down first."""
+        if self.speed < _STANDS:
+            return True
+        corners: list[float] = self.corners
+        dx: float = corners[2] - corners[0]
+        dy: float = corners[3] - corners[1]
+        length: float = sqrt(dx * dx + dy * dy)
+        speed: float = sqrt(self.vx * self.vx + self.vy * self.vy)
+        if length == 0.0 or speed == 0.0:
+            return True
+        cosine: float = (dx * self.vx + dy * self.vy) / (length * speed)
+        shorter: float = length if length < speed else speed
+        return self.speed <= bend_speed(cosine, shorter, self.acceleration)
+
+    def _aside(self, along: float, side: float) -> cython.int:
+        """Set `corners` to a course that is `side` metres to the left after `along` metres."""
+        course: list[float] = self.course
+        corners: list[float] = []
+        count: cython.Py_ssize_t = len(course)
+        self._seek(max(along - _HAIR, 0.0))
+        c: float = self.c
+        s: float = self.s
+        self._seek(along)
+        x: float = self.x - side * s
+        y: float = self.y + side * c
+        early: float = min(_BEFORE, along)
+        corners.append(course[0])
+        corners.append(course[1])
+        corners.append(x - early * c)
+        corners.append(y - early * s)
+        if along + _BEFORE >= self.whole:  # the goal itself is beside the other
+            corners.append(course[count - 2])
+            corners.append(course[count - 1])
+        else:
+            corners.append(x + _BEFORE * c)
+            corners.append(y + _BEFORE * s)
+            self._seek(min(along + _BEFORE + _RAMP * abs(side), self.whole))
+            corners.append(self.x)
+            corners.append(self.y)
+            corners += course[2 * self.leg + 2 :]
+        self.corners = corners
+        return 0
+
+    def _seek(self, length: float) -> cython.int:
+        """Come to the place after `length` metres of the course: `x`, `y`, and the leg it is on.
+
+        Also the direction of that leg. At its end, the leg is one that is not there.
+        """
+        course: list[float] = self.course
+        count: cython.Py_ssize_t = len(course)
+        self.c = 1.0
+        self.s = 0.0
+        k: cython.Py_ssize_t
+        for k in range(0, count - 2, 2):
+            x: float = course[k]
+            y: float = course[k + 1]
+            dx: float = course[k + 2] - x
+            dy: float = course[k + 3] - y
+            leg: float = sqrt(dx * dx + dy * dy)
+            if leg > 1e-9:
+                self.c = dx / leg
+                self.s = dy / leg
+            if leg > length:
+                share: float = max(length, 0.0) / leg
+                self.x = x + share * dx
+                self.y = y + share * dy
+                self.leg = k // 2
+                return 0
+            length -= leg
+        self.x = course[count - 2]
+        self.y = course[count - 1]
+        self.leg = count // 2 - 1
+        return 0
+
+
+def next_step(
+    k: cython.Py_ssize_t,
+    path: list[float],
+    places: list[float],
+    legs: list[float],
+    width: float,
+    start: float,
+    top_speed: float,
+    max_speed: float,
+    acceleration: float,
+    near: list[int],
+    tables: list[list[float]],
+    boxes: list[float],
+    radii: list[float],
+    own: float,
+    table: list[float],
+    box: list[float],
+) -> int:
+    """Return the first place from the k-th on to step aside to, off a course; -1 if there is none.
+
+    Who steps there from rest at `start` follows `path` (x and y of its corners in turn), then goes
+    on to the place; `places` are relative to the end of the path. A place is off the course if it
+    is `width` metres from all of its `legs` (as edges are given to `touches`), and fit if the walk
+    to it meets nobody of those `near`, as `first_met` has it: `table` and `box` are its own then.
+    """
+    count: cython.Py_ssize_t = len(path)
+    x: float = path[count - 2]
+    y: float = path[count - 1]
+    tops: list[float] = [top_speed] * (count // 2)
+    none: list[float] = []
+    i: cython.Py_ssize_t
+    other: cython.Py_ssize_t
+    while k < len(places) // 2:
+        px: float = x + places[2 * k]
+        py: float = y + places[2 * k + 1]
+        if not touches(legs, px, py, px, py, width):
+            corners: list[float] = path[:]
+            corners.append(px)
+            corners.append(py)
+            del table[:]
+            if walk_table(corners, tops, start, 0.0, max_speed, acceleration, table):
+                box[:] = _bounds(corners, none)
+                fit: cython.bint = True
+                for i in range(len(near)):
+                    other = near[i]
+                    if met(table, box, tables, boxes, radii, own, start, INFINITY, other) < (
+                        INFINITY
+                    ):
+                        fit = False
+                        break
+                if fit:
+                    found: int = k
+                    return found
+        k += 1
+    return -1
+
+
+def _length(corners: list[float]) -> float:
+    """Return the length of a polyline, metres."""
+    total: float = 0.0
+    k: cython.Py_ssize_t
+    for k in range(0, len(corners) - 2, 2):
+        dx: float = corners[k + 2] - corners[k]
+        dy: float = corners[k + 3] - corners[k + 1]
+        total += sqrt(dx * dx + dy * dy)
+    return total
+
+
+def _first(corners: list[float], length: float) -> list[float]:
+    """Return the first `length` metres of a polyline, or all of it."""
+    kept: list[float] = corners[:2]
+    k: cython.Py_ssize_t
+    for k in range(0, len(corners) - 2, 2):
+        x: float = corners[k]
+        y: float = corners[k + 1]
+        dx: float = corners[k + 2] - x
+        dy: float = corners[k + 3] - y
+        leg: float = sqrt(dx * dx + dy * dy)
+        if leg >= length:
+            if length > 1e-9:
+                share: float = length / leg
+                kept.append(x + share * dx)
+                kept.append(y + share * dy)
+            return kept
+        kept.append(corners[k + 2])
+        kept.append(corners[k + 3])
+        length -= leg
+    return kept
+
+
+def _bounds(corners: list[float], more: list[float]) -> list[float]:
+    """Return least x and y and greatest x and y of corners, and of bounds besides."""
+    low_x: float = INFINITY
+    low_y: float = INFINITY
+    high_x: float = -INFINITY
+    high_y: float = -INFINITY
+    k: cython.Py_ssize_t
+    x: float
+    y: float
+    for k in range(0, len(corners), 2):
+        x = corners[k]
+        y = corners[k + 1]
+        low_x = min(low_x, x)
+        low_y = min(low_y, y)
+        high_x = max(high_x, x)
+        high_y = max(high_y, y)
+    for k in range(0, len(more), 2):
+        x = more[k]
+        y = more[k + 1]
+        low_x = min(low_x, x)
+        low_y = min(low_y, y)
+        high_x = max(high_x, x)
+        high_y = max(high_y, y)
+    return [low_x, low_y, high_x, high_y]
