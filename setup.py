@@ -32,6 +32,6 @@ for extension in extensions:
     extension.optional = True  # cythonize leaves this out
     if os.name == "posix":
         # A multiplication and an addition in one instruction would have other last bits.
-        extension.extra_compile_args += ["-g0", "-ffp-contract=off"]
+        extension.extra_compile_args += ["-O2", "-g0", "-ffp-contract=off"]
 
 setup(ext_modules=extensions, options={"build_ext": {"parallel": os.cpu_count() or 1}})

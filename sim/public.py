@@ -2,6 +2,7 @@
 
 from .core.body import Body
 from .core.clock import Clock, StandstillError
+from .core.commands import Command
 from .core.events import EventKind
 from .core.machine import Machine, MachineShape
 from .core.machine_model import MachineEntry, MachineModel
@@ -64,6 +65,7 @@ __all__ = [
     "Body",
     "Caution",
     "Clock",
+    "Command",
     "Controller",
     "ControllerError",
     "Duration",

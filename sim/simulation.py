@@ -6,16 +6,20 @@ import math
 import time
 from collections import Counter
 from collections.abc import Mapping
+from dataclasses import replace
 from itertools import takewhile
 
-from floorplan import require, suggestion
+from floorplan import refuse, require, suggestion
 from navigation import CollisionWorld
 
 from .core.body import Body
 from .core.clock import MOMENT, Clock
 from .core.closures import Closures
+from .core.commander import Commander
+from .core.commands import Command
 from .core.events import Notice, TrialEnded, TrialStarted
 from .core.recorder import Event, Listener, Listeners, recording_to, rounded
+from .core.scenario import TrialError
 from .core.scene import Figure, Scene
 from .core.stage import Stage
 from .core.start import Start
@@ -36,6 +40,7 @@ from .safety.own_law import own_laws
 from .safety.referee import Referee
 from .safety.requirement_curve import requirement_curve
 from .trials.checks import check
+from .trials.command_checks import command_faults
 from .trials.trial import Trial
 
 MOST_AT_ONCE, MOST_AT_ONCE_EACH = 3000, 100
@@ -89,6 +94,8 @@ class Simulation:
             self.machines[name] = model.make(name, self._stage)
         self.referee = Referee(self._stage)
         self.dispatcher = self._make_dispatcher()
+        self._commander = Commander(self._stage)
+        self.commands: list[Command] = [*trial.commands]
         self._company = Company(self._stage, people, self.referee, self._listener, walks)
         self.people = self._stage.people = self._company.people
         self.clock.most = MOST_AT_ONCE + MOST_AT_ONCE_EACH * len(self.bodies)
@@ -114,6 +121,8 @@ class Simulation:
         self._end_with_jobs()
         self._company.begin()
         blackouts.begin(stage, trial.blackouts)
+        for command in trial.commands:
+            self._commander.give(command)
 
     @property
     def bodies(self) -> list[Body]:
@@ -154,6 +163,20 @@ class Simulation:
         self.start()
         if until > self.clock.now and not self.over:
             self.clock.run(min(until, self.trial.duration))
+
+    def command(self, command: Command) -> None:
+        """Have something done from outside, at the command's time; it is recorded.
+
+        The trial with all `commands` is the same run again. `TrialError` if it can't be done,
+        `ValueError` if its time is past.
+        """
+        self.start()
+        if rounded(command.time) < self.clock.now:
+            raise ValueError(f"a command for t = {command.time:g} s comes too late")
+        commanded = replace(self.trial, commands=(*self.commands, command))
+        refuse("the command", command_faults(commanded), TrialError)
+        self.commands.append(command)
+        self._commander.give(command)
 
     def stop(self) -> None:
         """Leave it at what has happened, and `over` as it is; at any time, from any thread.
@@ -262,6 +285,7 @@ class Simulation:
             starts={body.name: body.state.position for body in self.bodies},
             machines=tuple(machine.shape for machine in self.machines.values()),
             passing=tuple(timed.obstacle for timed in trial.obstacles),
+            controller=trial.gantry.controller_name if trial.floorplan.gantry else "",
         )
 
 

@@ -56,9 +56,15 @@ def run(
     duration: Duration = None,
     seed: Seed = None,
     rules: Rules = None,
+    commands: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE", help="Repeat these: the commands.yaml of a run that was watched."
+        ),
+    ] = None,
     out: RecordingFolder = None,
     watch: Annotated[
-        bool, typer.Option("--watch", help="Show it in the browser while it goes on.")
+        bool, typer.Option("--watch", help="Show it in the browser, to interfere with it too.")
     ] = False,
     speed: Annotated[
         float | None, typer.Option(metavar="X", help="With --watch: × real time (1).")
@@ -85,7 +91,7 @@ def run(
     if speed is not None and not (math.isfinite(speed) and speed > 0):
         raise typer.BadParameter(f"must be more than 0, not {speed:g}", param_hint="--speed")
     given = Trial.load(trial, own_code=not no_own_code)
-    chosen = changed(given, personality, duration, seed, rules, controller, planner)
+    chosen = changed(given, personality, duration, seed, rules, controller, planner, commands)
     print_notices(chosen)
     _warn_of_external(chosen)
     _warn_of_undone(chosen)
@@ -145,6 +151,7 @@ def changed(
     rules: str | None,
     controller: str | None = None,
     planner: str | None = None,
+    commands: Path | None = None,
 ) -> Trial:
     """Return the trial as the options change it; `TrialError` if it can't be run so."""
     from floorplan import is_there
@@ -152,6 +159,7 @@ def changed(
     from sim.machines.gantry.controllers import controller_source
     from sim.people.planners import with_planner
     from sim.trials.checks import check
+    from sim.trials.command_keys import load_commands
 
     if personality is not None:
         path = Path(personality)
@@ -168,6 +176,8 @@ def changed(
         trial = replace(trial, seed=seed)
     if rules is not None:
         trial = replace(trial, rules=find_rules(rules, own_code=trial.own_code))
+    if commands is not None:
+        trial = replace(trial, commands=load_commands(commands))
     check(trial)
     return trial
 

@@ -17,9 +17,10 @@ class Turn(IntEnum):
     `VIOLATION` comes before `MOTION_ENDS`, so that the law is applied to the speeds with which the
     instant was reached, before anybody sets out anew. People notice (`NOTICE`) once positions and
     protective stops of the instant are settled, and think (`THOUGHT`) once all their percepts of
-    the instant are there, so that one thought sees them all. `INSISTENCE` comes last: a mind has
-    had its turn to obey a rule before the rule is enforced. Within a turn, the order in which
-    events were put on the clock decides, so that a run can be repeated exactly.
+    the instant are there, so that one thought sees them all. `INSISTENCE` comes after that: a mind
+    has had its turn to obey a rule before the rule is enforced. Within a turn, the order in which
+    events were put on the clock decides, so that a run can be repeated exactly. `COMMAND` comes
+    last, so that it makes no difference when somebody outside thought of a command.
     """
 
     VIOLATION = 0
@@ -27,6 +28,7 @@ class Turn(IntEnum):
     NOTICE = 2
     THOUGHT = 3
     INSISTENCE = 4
+    COMMAND = 5
 
 
 MOMENT = 1e-3

@@ -332,6 +332,20 @@ class ObstacleWent(EventKind):
     obstacle: _Obstacle
 
 
+class Commanded(EventKind):
+    """Somebody outside has something [done](trials.md#commands): a person sent, a place blocked."""
+
+    send: _Person | None = None
+    to: Point | None = None
+    block: _Obstacle | None = None
+    footprint: list[Any] | None = None
+    bottom: float | None = None
+    top: float | None = None
+    clear: _Obstacle | None = None
+    hold: _Machine | None = None
+    release: _Machine | None = None
+
+
 class JobStarted(EventKind):
     """The gantry begins a job: that of a trial file, or one [of an order](ariac.md#scores)."""
 

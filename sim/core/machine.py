@@ -61,6 +61,7 @@ class Machine(ABC):
 
     shape: MachineShape
     body: Body
+    _stands_for: frozenset[str] = frozenset()
 
     @property
     def name(self) -> str:
@@ -73,6 +74,13 @@ class Machine(ABC):
     @abstractmethod
     def hold(self, stands: bool) -> None:
         """Brake and stand until `hold(False)`, then go on: a protective stop."""
+
+    def stand_for(self, reason: str, stands: bool) -> None:
+        """Hold the machine for a `reason`, or no longer; it goes on once there is none left."""
+        before = self._stands_for
+        self._stands_for = before | {reason} if stands else before - {reason}
+        if bool(before) != bool(self._stands_for):
+            self.hold(stands)
 
     def disable(self, seconds: float) -> None:  # noqa: B027
         """Brake and stand for so long: a penalty, which only robots get."""

@@ -14,6 +14,7 @@ from floorplan import Floorplan, InputError, Point, Problem, SafeZone, starting_
 from navigation import Motion, PlannerChoice
 
 from .closures import DoorTimes, TimedObstacle
+from .commands import Command
 from .machine_model import MachineEntry
 from .manners import AS_USUAL, MannersEntry
 from .noticing import ALL_ROUND, Drawn, NoticingEntry
@@ -218,9 +219,9 @@ class Scenario:
     run as soon as they are all submitted, or without a workload those of the gantry's jobs.
     `notices` are what the file says that makes no difference, or may mean something else than its
     author thought. `work` are the lists of tasks that people share, by name. `doors` says when
-    doors of the floor are open or closed, `obstacles` which come and go. Without `own_code` a
-    controller, a law or a planner of the user's own is refused that it, or whatever changes it,
-    names.
+    doors of the floor are open or closed, `obstacles` which come and go, `commands` what somebody
+    outside has done in it. Without `own_code` a controller, a law or a planner of the user's own is
+    refused that it, or whatever changes it, names.
     """
 
     floorplan: Floorplan
@@ -247,6 +248,7 @@ class Scenario:
     doors: dict[str, DoorTimes] = field(default_factory=dict)
     obstacles: tuple[TimedObstacle, ...] = ()
     blackouts: tuple[Blackout, ...] = ()
+    commands: tuple[Command, ...] = ()
 
     def leader(self, person: PersonEntry) -> PersonEntry | None:
         """Return whom somebody walks with: the first of their group, None for that one."""

@@ -32,7 +32,8 @@ class Scene:
     """All that stays the same during a run, but is needed to draw or to judge it.
 
     `starts` has the pose of every body at the beginning, people first, then `machines`. Obstacles
-    in `passing` come and go: events say when.
+    in `passing` come and go: events say when. `controller` is the name of the gantry's, empty where
+    there is no gantry or it is not known.
     """
 
     trial: str
@@ -43,6 +44,7 @@ class Scene:
     starts: dict[str, Pose]
     machines: tuple[MachineShape, ...] = ()
     passing: tuple[Obstacle, ...] = ()
+    controller: str = ""
 
     def kind(self, body: str) -> str:
         """Return the kind of the body named `body`; `KeyError` if there is none."""

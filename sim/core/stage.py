@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
-from functools import partial
 from pathlib import Path
 from typing import Protocol
 
-from floorplan import Floorplan, Obstacle
+from floorplan import Floorplan, Obstacle, Point
 from navigation import CollisionWorld
 
 from .body import Body
@@ -62,6 +61,10 @@ class Bystander(Protocol):
         """Take note that something has come to be, or is no longer, in people's way."""
         ...
 
+    def send(self, to: Point) -> bool:
+        """Walk to a place, or near it; return whether they set out."""
+        ...
+
 
 @dataclass(eq=False, kw_only=True)
 class Stage:
@@ -88,6 +91,8 @@ class Stage:
     """Called whenever a machine has come to rest, after people and before machines take note."""
     closures: Closures | None = None
     there: dict[str, Obstacle] = field(default_factory=dict)
+    placed: dict[str, Obstacle] = field(default_factory=dict)
+    """What was put down by command, by name; it is `there` as well."""
     blind: Counter[str] = field(default_factory=Counter)
     """Number of blackouts in which a machine is now, by its name."""
 
@@ -102,7 +107,7 @@ class Stage:
         self._report(self.there, is_there=True)
         if self.closures is not None:
             for t in self.closures.changes(self.end):
-                self.clock.call_at(t, partial(self._change, self.closures))
+                self.clock.call_at(t, self._change)
 
     def world_of(self, person: str) -> CollisionWorld:
         """Return the world of a person, in which zones that are forbidden to them are closed."""
@@ -142,6 +147,16 @@ class Stage:
             for machine in self.vehicles:
                 machine.stand_in(world)
 
+    def put_down(self, obstacle: Obstacle) -> None:
+        """Let an obstacle be there from now on, until it is taken up."""
+        self.placed[obstacle.name] = obstacle
+        self._change()
+
+    def take_up(self, name: str) -> None:
+        """Take away an obstacle that was put down."""
+        self.placed.pop(name, None)
+        self._change()
+
     def _forbidden(self, person: str) -> frozenset[str]:
         """Return the zones in which a person may not be; nobody in particular is called ""."""
         return frozenset(
@@ -177,9 +192,10 @@ class Stage:
                 event = ObstacleCame(obstacle=name) if is_there else ObstacleWent(obstacle=name)
             self.record(event)
 
-    def _change(self, closures: Closures) -> None:
+    def _change(self) -> None:
         """Let everything be as it is from now on, and everybody see that."""
-        before, there = self.there, closures.at(self.clock.now)
+        timed = {} if self.closures is None else self.closures.at(self.clock.now)
+        before, there = self.there, timed | self.placed
         if before.keys() == there.keys():
             return
         self._set(there)

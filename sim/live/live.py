@@ -1,25 +1,34 @@
 """A run in the browser while it goes on.
 
 The page gets the plans of the moment, in closed form: it draws them as smoothly as a recording,
-and the simulation has nothing to do until a plan changes.
+and the simulation has nothing to do until a plan changes. It can pause the run, change its speed,
+and have something done in it.
 """
 
 from __future__ import annotations
 
 import json
+import math
 import time
+from collections.abc import Mapping
 from functools import partial
 from typing import Any
+
+from pydantic import ValidationError
 
 from navigation import Motion, standing
 
 from ..core.body import Body
+from ..core.commands import COMMANDS
 from ..core.recorder import Event, Listener, Thought, rounded
+from ..core.scenario import TrialError
 from ..core.scene import Scene
 from ..runs.run import Recorded, Run
 from ..simulation import Simulation
+from ..trials.command_keys import read_command
 from ..views.replay import render
 from ..views.replay_data import piece_data, replay_data
+from .control import Answer, Pace, Requests
 from .page_server import PageServer, Stream
 
 PERIOD = 0.1
@@ -28,25 +37,35 @@ PERIOD = 0.1
 PATIENCE = 10.0
 """Seconds to wait for a browser that was opened, and for the last message to get there."""
 
+MILLISECONDS = 1000.0
+"""Commands take effect at a whole millisecond, the next one, so that files have short numbers."""
+
 
 class LiveRun(Listener):
     """Serves a page that shows a run of `duration` (seconds) while it is advanced.
 
     It is a listener of the `Simulation`; there is a page once that has started. Browsers may come
-    and go.
+    and go. From the page the run can be paused, or go on at another speed than the `speed` (times
+    real time) that it begins with, and be given commands (`Simulation.command`).
     """
 
     wants_thoughts = True
 
     def __init__(self, duration: float, *, speed: float = 1.0) -> None:
-        if not 0 < speed < float("inf"):
-            raise ValueError(f"speed must be more than 0, not {speed:g}")
-        self.speed = speed
+        self._pace = Pace(speed, time.monotonic)
         self._duration = duration
         self._stream = Stream()
         self._page = ""
         self._violations: list[list[tuple[float, float]]] = []
-        self.server = PageServer(lambda: self._page, stream=self._stream)
+        self._requests = Requests()
+        self.server = PageServer(
+            lambda: self._page, stream=self._stream, control=self._requests.ask
+        )
+
+    @property
+    def speed(self) -> float:
+        """Seconds of the run in a second of real time, unless it is paused."""
+        return self._pace.speed
 
     def begin(self, scene: Scene) -> None:
         """Make the page, in which nothing has happened yet."""
@@ -74,16 +93,20 @@ class LiveRun(Listener):
         self._send(thought=thought)
 
     def advance(self, simulation: Simulation) -> None:
-        """Run to the end at `speed`, or until it is stopped."""
+        """Run to the end at the speed that the page wants, or until it is stopped."""
         simulation.start()
         for body in simulation.bodies:
             self._plan(body, simulation)
             body.on_change.append(partial(self._plan, body, simulation))
-        begun = time.monotonic()
-        while not (simulation.over or simulation.stopped):
-            time.sleep(PERIOD)
-            simulation.advance((time.monotonic() - begun) * self.speed)
-            self._send_changes(simulation)
+        self._pace.target()
+        try:
+            while not (simulation.over or simulation.stopped):
+                time.sleep(PERIOD)
+                self._requests.answer(partial(self._carry_out, simulation))
+                simulation.advance(self._pace.target())
+                self._send_changes(simulation)
+        finally:
+            self._requests.close()
 
     def wait_for_viewer(self) -> None:
         """Wait until a browser that was just opened reads the stream."""
@@ -94,6 +117,27 @@ class LiveRun(Listener):
         self._stream.send(json.dumps(replay_data(run)), event="finished")
         self._stream.close()
         self._stream.wait_until_read(PATIENCE)
+
+    def _carry_out(self, simulation: Simulation, wish: Any) -> Answer:
+        """Do what the page wants: {"pace": {…}} or {"command": {…}}, a command without its time."""
+        try:
+            match wish:
+                case {"pace": {**changes}} if changes.keys() <= {"speed", "paused"}:
+                    self._pace.change(**_checked(changes))
+                    self._send(pace={"speed": self.speed, "paused": self._pace.paused})
+                    return {}
+                case {"command": {**keys}}:
+                    now = simulation.clock.now
+                    at = (math.floor(now * MILLISECONDS) + 1) / MILLISECONDS
+                    simulation.command(read_command({**keys, "time": at}))
+                    return {"t": at}
+        except TrialError as why:
+            return {"problem": "; ".join(problem.message for problem in why.problems)}
+        except ValidationError as why:
+            return {"problem": why.errors()[0]["msg"].removeprefix("Value error, ")}
+        except ValueError as why:
+            return {"problem": str(why)}
+        return {"problem": f"expected a pace or a command: {', '.join(COMMANDS)}"}
 
     def _plan(self, body: Body, simulation: Simulation) -> None:
         now = simulation.clock.now
@@ -111,3 +155,13 @@ class LiveRun(Listener):
 
     def _send(self, **message: Any) -> None:
         self._stream.send(json.dumps(rounded(message)))
+
+
+def _checked(changes: Mapping[Any, Any]) -> dict[str, Any]:
+    """Return changes of the pace; `ValueError` for values of other types."""
+    speed, paused = changes.get("speed"), changes.get("paused")
+    if not (speed is None or (isinstance(speed, int | float) and not isinstance(speed, bool))):
+        raise ValueError(f"speed must be a number, not {speed!r}")
+    if not (paused is None or isinstance(paused, bool)):
+        raise ValueError(f"paused must be true or false, not {paused!r}")
+    return {"speed": speed, "paused": paused}

@@ -1,18 +1,27 @@
-"""A page for a browser on this machine, and a stream of messages that the page can follow.
+"""A page for a browser on this machine, a stream that it can follow, and its requests.
 
-The messages are server-sent events, as HTML defines them: plain HTTP, which a browser resumes
-from the last message that it has seen.
+The messages of the stream are server-sent events, as HTML defines them: plain HTTP, which a browser
+resumes from the last message that it has seen. Requests are posts of JSON.
 """
 
 from __future__ import annotations
 
+import json
+import secrets
 import threading
 from collections.abc import Callable, Iterator
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from types import TracebackType
+from typing import Any
 
 HOST = "127.0.0.1"
+LONGEST_REQUEST = 65_536
+"""Bytes of a request."""
+
+Control = Callable[[Any], dict[str, Any]]
+"""Returns the answer to a request, both as JSON; one with a `problem` was not done."""
+
 SIGN_OF_LIFE = 5.0
 """Seconds between two signs of life on a quiet stream, which show that a reader is gone."""
 
@@ -80,15 +89,26 @@ class PageServer:
     """Serves a page at `url` from a thread of its own, and a stream beside it, at `url`stream.
 
     Only this machine can reach it, and no page from elsewhere in a browser on this machine,
-    whatever name it calls this machine by. `port` 0 takes any that is free.
+    whatever name it calls this machine by. `port` 0 takes any that is free. Where the page has
+    `control`, by posts to `url`control, the address has a secret in it, so that only those take
+    part who were given it: not everybody who has an account on this machine.
     """
 
     def __init__(
-        self, page: Callable[[], str], *, stream: Stream | None = None, port: int = 0
+        self,
+        page: Callable[[], str],
+        *,
+        stream: Stream | None = None,
+        control: Control | None = None,
+        port: int = 0,
     ) -> None:
+        self._root = "/" if control is None else f"/{secrets.token_urlsafe(9)}/"
+
         class Handler(_Handler):
+            root = self._root
             make_page = staticmethod(page)
             messages = stream
+            answer = None if control is None else staticmethod(control)
 
         try:
             self._server = _Server((HOST, port), Handler)
@@ -99,7 +119,7 @@ class PageServer:
     @property
     def url(self) -> str:
         """The address of the page."""
-        return f"http://{HOST}:{self._server.server_port}/"
+        return f"http://{HOST}:{self._server.server_port}{self._root}"
 
     def __enter__(self) -> PageServer:
         self._thread.start()
@@ -124,31 +144,61 @@ class _Server(ThreadingHTTPServer):
 
 
 class _Handler(BaseHTTPRequestHandler):
+    root: str
     make_page: Callable[[], str]
     messages: Stream | None
+    answer: Control | None
 
     def do_HEAD(self) -> None:
         """Answer as a GET, with the headers alone."""
         self.do_GET()
 
     def do_GET(self) -> None:
-        host = self.headers.get("Host", "").rpartition(":")[0]
-        if host not in (HOST, "localhost"):
+        if not self._is_meant():
             self.send_error(HTTPStatus.FORBIDDEN)
-        elif self.path == "/":
-            self._send_page()
-        elif self.path == "/stream" and self.messages is not None:
+        elif self.path == self.root:
+            self._send("text/html; charset=utf-8", self.make_page())
+        elif self.path == f"{self.root}stream" and self.messages is not None:
             self._send_stream(self.messages)
         else:
             self.send_error(HTTPStatus.NOT_FOUND)
 
+    def do_POST(self) -> None:
+        """Answer a request of the page itself: a browser names the origin of whoever posts."""
+        origin = self.headers.get("Origin", "")
+        if not self._is_meant() or origin not in ("", f"http://{self.headers['Host']}"):
+            self.send_error(HTTPStatus.FORBIDDEN)
+        elif self.path != f"{self.root}control" or self.answer is None:
+            self.send_error(HTTPStatus.NOT_FOUND)
+        elif (wish := self._posted()) is None:
+            self.send_error(HTTPStatus.BAD_REQUEST, "expected JSON")
+        else:
+            answer = self.answer(wish)
+            status = HTTPStatus.CONFLICT if "problem" in answer else HTTPStatus.OK
+            self._send("application/json", json.dumps(answer), status)
+
+    def _is_meant(self) -> bool:
+        """Whether a request was sent to this machine, and not to a name that leads to it."""
+        return self.headers.get("Host", "").rpartition(":")[0] in (HOST, "localhost")
+
+    def _posted(self) -> Any:
+        """Return the JSON that was posted, None where it is none."""
+        length = self.headers.get("Content-Length", "")
+        kind = self.headers.get_content_type()
+        if kind != "application/json" or not length.isdecimal() or int(length) > LONGEST_REQUEST:
+            return None
+        try:
+            return json.loads(self.rfile.read(int(length)))
+        except ValueError:
+            return None
+
     def log_message(self, format: str, *values: object) -> None:
         """Write no log of requests."""
 
-    def _send_page(self) -> None:
-        content = self.make_page().encode()
-        self.send_response(HTTPStatus.OK)
-        self.send_header("Content-Type", "text/html; charset=utf-8")
+    def _send(self, kind: str, text: str, status: HTTPStatus = HTTPStatus.OK) -> None:
+        content = text.encode()
+        self.send_response(status)
+        self.send_header("Content-Type", kind)
         self.send_header("Content-Length", str(len(content)))
         self.send_header("Cache-Control", "no-store")
         self.end_headers()

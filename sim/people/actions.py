@@ -128,6 +128,11 @@ class Actions:
         self._walker.put(at, self._home.heading)
         return True
 
+    def go_near(self, point: Point) -> bool:
+        """Walk to the nearest free place to `point`; return True if there is a path."""
+        self._leave()
+        return self._go_near(point)
+
     def _leave(self) -> None:
         """Give up waiting for anything, and leave the task that is under way."""
         self._errand.give_up()

@@ -311,6 +311,14 @@ class Person:
         self._count_at_once()
         return not self.away and self._actions.perform(action)
 
+    def send(self, to: Point) -> bool:
+        """Walk to a place, or near it, as if they had decided to; return whether they set out.
+
+        Who is not on the floor, has not begun or walks as they were measured doesn't.
+        """
+        here = self.started_at is not None and not (self.away or self.is_recorded)
+        return here and self._actions.go_near(to)
+
     @property
     def put_home_at(self) -> float | None:
         """Instant at which they were last put home (seconds)."""

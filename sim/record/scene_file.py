@@ -30,7 +30,7 @@ from .strict_json import parse_json
 FORMAT = "floorwalker-scene/1"
 """Value of `format`, by which a reader knows the file."""
 
-OPTIONAL = (*LEFT_OUT_IF_EMPTY, "passing", "between_people")
+OPTIONAL = (*LEFT_OUT_IF_EMPTY, "passing", "controller", "between_people")
 """Fields of floors, scenes and rule sets that are left out where they are empty."""
 
 _LAWS = {
@@ -67,6 +67,7 @@ class _SceneFile(BaseModel):
     starts: dict[str, Pose]
     machines: tuple[MachineShape, ...] | None = None
     passing: tuple[Obstacle, ...] = ()
+    controller: str = ""
 
 
 def write_scene(scene: Scene) -> str:
@@ -103,6 +104,7 @@ def read_scene(text: str) -> Scene:
         starts=scene.starts,
         machines=machines_on(scene.floorplan) if scene.machines is None else scene.machines,
         passing=scene.passing,
+        controller=scene.controller,
     )
 
 

@@ -1,8 +1,9 @@
 """A run on disk: what happened as it happens, and at the end everything else.
 
 `scene.json` comes first. `events.jsonl`, `motions.jsonl` and `thoughts.jsonl` are written line by
-line, so that a run that is broken off leaves whole and readable files; `violations.jsonl`,
-`summary.json`, `trajectory.csv` and `replay.html` follow. `load_run` reads them back.
+line, so that a run that is broken off leaves whole and readable files; so is `commands.yaml`, where
+there are commands. `violations.jsonl`, `summary.json`, `trajectory.csv` and `replay.html` follow.
+`load_run` reads them back.
 """
 
 from __future__ import annotations
@@ -16,6 +17,8 @@ from typing import Any, TextIO
 from navigation import Motion, Piece
 
 from ..core.body import Body
+from ..core.commands import written_command
+from ..core.events import Commanded
 from ..core.output import OutputError, replacing
 from ..core.recorder import Event, Listener, Thought, rounded
 from ..core.scene import Scene
@@ -29,18 +32,17 @@ from .run import Run
 LINES = ("events.jsonl", "motions.jsonl", "thoughts.jsonl")
 """Files that are written line by line."""
 
+COMMANDS = "commands.yaml"
+"""The commands of a run, as a trial file names them."""
+
 FILES = (
     *("summary.json", "scene.json", *LINES, "violations.jsonl"),
     *("trajectory.csv", "replay.html"),
 )
-"""All files of a recording."""
+"""All files of a recording, but for its commands."""
 
 TRAJECTORY_RATE = 10.0
 """Hz. Rate of trajectory.csv."""
-
-
-def _controller(run: Run) -> str:
-    return run.trial.gantry.controller_name if run.floorplan.gantry is not None else ""
 
 
 class Recording(Listener):
@@ -61,7 +63,7 @@ class Recording(Listener):
         self._trajectory = trajectory
         self._numbered = numbered
         self._lines: dict[str, WholeLines] = {}
-        for name in () if numbered else FILES:
+        for name in () if numbered else (*FILES, COMMANDS):
             if (self.folder / name).exists():
                 raise self._taken(name)
 
@@ -83,6 +85,15 @@ class Recording(Listener):
     def event(self, event: Event) -> None:
         """Write an event as one line."""
         self._add("events.jsonl", json.dumps(event, ensure_ascii=False))
+        if event["kind"] == Commanded.kind:
+            self._command(event)
+
+    def _command(self, event: Event) -> None:
+        if COMMANDS not in self._lines:
+            self._lines[COMMANDS] = WholeLines(self.folder / COMMANDS)
+            self._add(COMMANDS, "commands:")
+        command = json.dumps(written_command(event), ensure_ascii=False)
+        self._add(COMMANDS, f"  - {command}")
 
     def motion(self, body: Body, motion: Motion) -> None:
         """Write what a body has done as one line: its pieces as coefficients of cubics."""
@@ -120,7 +131,7 @@ class Recording(Listener):
             with self._whole("trajectory.csv") as file:
                 write_trajectory(run, file, TRAJECTORY_RATE)
         with self._whole("replay.html") as file:
-            file.write(render(replay_data(run, _controller(run))))
+            file.write(render(replay_data(run)))
 
     def _taken(self, name: str) -> OutputError:
         return OutputError(

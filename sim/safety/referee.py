@@ -14,6 +14,9 @@ from ..core.machine import Machine
 from ..core.stage import Bystander, Stage
 from .watches import Cause, Hold, NoticeWatch, Pair, SeparationWatch
 
+PEOPLE = "people"
+"""The reason for which a machine is held in a protective stop."""
+
 
 class Referee:
     """Applies the rule set of a stage: counts penalties, disables and stops machines, warns people.
@@ -152,7 +155,7 @@ class Referee:
             self._stopped[machine] = (now, {pair.person})
             self.protective_stops += 1
             self._record(ProtectiveStop(machine=machine.name, person=pair.person.name))
-            machine.hold(True)
+            machine.stand_for(PEOPLE, True)
         elif stands:
             self._stopped[machine][1].add(pair.person)
         else:
@@ -166,7 +169,7 @@ class Referee:
                 del self._stopped[machine]
                 self.protective_stop_time += now - since
                 self._record(ProtectiveStopEnded(machine=machine.name))
-                machine.hold(False)
+                machine.stand_for(PEOPLE, False)
 
     # How often a person hears of violations.
 

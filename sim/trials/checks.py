@@ -37,6 +37,7 @@ from ..people.planners import planner_source
 from ..people.programs import EXTERNAL, find_program
 from ..people.steering.own_steering import steering_source
 from ..people.tracks.walks import track_faults
+from .command_checks import command_faults
 from .expectations import expectation_problems
 from .names import agvs, checked_name, machines, orders, parts, people, stations
 from .place_checks import closed_place_faults, door_faults, obstacle_faults
@@ -104,6 +105,7 @@ def faults(trial: Scenario) -> Iterator[Fault]:
         yield from _size(blackout.seconds, "blackouts", k, "seconds")
     yield from _below(door_faults(trial), "doors")
     yield from _below(obstacle_faults(trial), "obstacles")
+    yield from _below(command_faults(trial), "commands")
     if trial.floorplan.zones or trial.floorplan.doors or trial.obstacles:
         yield from closed_place_faults(trial)
     yield from _floor_faults(trial)

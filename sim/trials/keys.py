@@ -29,6 +29,7 @@ from ..core.start import Start
 from ..machines.agv.keys import AgvKeys
 from ..machines.gantry.keys import GantryKeys
 from .checks import CONDITIONS, LARGEST_SEED, NAME
+from .command_keys import CommandEntries
 from .place_keys import DoorKeys, TimedKeys
 from .rules_file import RuleKeys
 from .work_keys import DrawnKeys, TimeOfDay, WorkerKeys, WorkListEntry, time_of_day
@@ -268,4 +269,5 @@ class TrialKeys(Strictly):
     doors: dict[str, DoorKeys] = {}
     obstacles: dict[str, TimedKeys] = {}
     blackouts: list[_BlackoutKeys] = []
+    commands: CommandEntries = []
     expect: dict[str, Any] = {}

@@ -73,7 +73,10 @@ _NAMES: dict[Form, Callable[[Scenario], list[str]]] = {
     "agv": agvs,
     "station": stations,
     "door": lambda trial: [door.name for door in trial.floorplan.doors],
-    "obstacle": lambda trial: [timed.obstacle.name for timed in trial.obstacles],
+    "obstacle": lambda trial: [
+        *(timed.obstacle.name for timed in trial.obstacles),
+        *(command.block.name for command in trial.commands if command.block is not None),
+    ],
     "location": _locations,
     "place": lambda trial: [*places(trial), *_locations(trial)],
     "part": parts,

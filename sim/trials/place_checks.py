@@ -30,10 +30,7 @@ def door_faults(trial: Scenario) -> Iterator[Fault]:
 
 def obstacle_faults(trial: Scenario) -> Iterator[Fault]:
     """Yield what can't be about obstacles that come and go."""
-    plan = trial.floorplan
-    fixed = (plan.obstacles, plan.lanes, plan.doors, plan.zones)
-    taken = {"boundary", *trial.machines, *(one.name for kind in fixed for one in kind)}
-    taken |= {person.name for person in trial.people}
+    taken = names_taken(trial)
     for timed in trial.obstacles:
         one = timed.obstacle
         if one.name in taken:
@@ -46,6 +43,14 @@ def obstacle_faults(trial: Scenario) -> Iterator[Fault]:
             yield message, (one.name, "z")
         for message, k in _interval_faults(timed.there, trial):
             yield message, (one.name, "there", k)
+
+
+def names_taken(trial: Scenario) -> set[str]:
+    """Return the names that no obstacle which comes and goes can have."""
+    plan = trial.floorplan
+    fixed = (plan.obstacles, plan.lanes, plan.doors, plan.zones)
+    taken = {"boundary", *trial.machines, *(one.name for kind in fixed for one in kind)}
+    return taken | {person.name for person in trial.people}
 
 
 def _interval_faults(spans: Sequence[Interval], trial: Scenario) -> Iterator[tuple[str, int]]:

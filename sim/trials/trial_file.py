@@ -12,6 +12,7 @@ from typing import Any, TypeVar
 import floorplan
 from floorplan import Document, Floorplan, Place, Problem, suggestion
 
+from ..core.commands import Command
 from ..core.machine_model import MachineEntry
 from ..core.own_source import OwnCodeError
 from ..core.scenario import PersonEntry, Scenario, TrialError
@@ -21,6 +22,7 @@ from ..orders import reading
 from ..people.own_actions import modules_of
 from ..people.programs import load_program
 from .checks import faults
+from .command_keys import commands_of, load_commands
 from .keys import TrialKeys
 from .own_names import out_of_reach
 from .rules_file import build_rules
@@ -91,6 +93,7 @@ def build(form: type[_Made], document: Document, folder: Path, own_code: bool) -
             keys.value_at(name, schema.begins) for name, keys in schema.obstacles.items()
         ),
         blackouts=tuple(keys.value() for keys in schema.blackouts),
+        commands=_commands(schema.commands, folder, document),
     )
     if schema.ariac is not None:
         trial = _with_orders(trial, schema, schema.ariac, document)
@@ -153,6 +156,15 @@ def _timed(person: PersonEntry, begins: float) -> PersonEntry:
 
 def _machine(keys: dict[str, Any]) -> MachineEntry:
     return MachineEntry(str(keys.get("kind", "")), {k: v for k, v in keys.items() if k != "kind"})
+
+
+def _commands(given: str | list[Any], folder: Path, document: Document) -> tuple[Command, ...]:
+    if not isinstance(given, str):
+        return commands_of(given)
+    if not floorplan.is_there(folder / given):
+        message = f"no such file: {given!r}"
+        raise TrialError(document.file, [document.problem(message, "commands")])
+    return load_commands(folder / given)
 
 
 def _floorplan(name: str | dict[str, Any], folder: Path, document: Document) -> Floorplan:

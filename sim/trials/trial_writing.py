@@ -16,6 +16,7 @@ import floorplan
 from navigation import Motion, PlannerChoice
 
 from ..core.closures import DoorTimes, Interval, TimedObstacle
+from ..core.commands import Command
 from ..core.machine_model import MachineEntry
 from ..core.recorded_track import RecordedTrack
 from ..core.scenario import USUAL_PLANNER, AgvMove, Job, PersonalityChange, PersonEntry, Scenario
@@ -64,6 +65,7 @@ def _trial(trial: Scenario) -> Data:
         "doors": {name: _door(times) for name, times in trial.doors.items()},
         "obstacles": {one.obstacle.name: _timed(one) for one in trial.obstacles},
         "blackouts": _value(trial.blackouts, trial),
+        "commands": [_command(one, trial) for one in trial.commands],
         "expect": trial.expect,
     }
     data = _without(data, None, [], {})
@@ -156,6 +158,12 @@ def _door(times: DoorTimes) -> Data:
 
 def _timed(one: TimedObstacle) -> Data:
     return {**floorplan.obstacle_keys(one.obstacle), "there": [*map(_span, one.there)]}
+
+
+def _command(one: Command, trial: Scenario) -> Data:
+    if one.block is None:
+        return _fields(one, trial)
+    return {"time": one.time, "block": one.block.name, **floorplan.obstacle_keys(one.block)}
 
 
 def _span(span: Interval) -> list[float]:

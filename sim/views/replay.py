@@ -38,6 +38,7 @@ SCRIPTS = (
     "floor",
     "bodies",
     "passing",
+    "field",
     "scene",
     "frames",
     "sight",
@@ -61,10 +62,12 @@ SCRIPTS = (
     "panels",
     "clock",
     "replay",
-    "live",
     "start",
 )
 """The page's scripts in reading order."""
+
+LIVE_SCRIPTS = ("control", "live")
+"""Those that only the page of a run under way has: they ask for more than the page holds."""
 
 
 def render(
@@ -82,10 +85,11 @@ def render(
     as it happens. `ValueError` for a recording of another `format`, or one that isn't JSON.
     """
     live = {"data-stream": stream, "data-speed": f"{speed:g}"} if stream else {}
+    scripts = (*SCRIPTS, *LIVE_SCRIPTS) if stream else SCRIPTS
     contents = {
         "title": html.escape(str(recording.get("title", "replay"))),
         "style": _part("page.css"),
-        "script": "\n".join(_part(f"{name}.js") for name in SCRIPTS),
+        "script": "\n".join(_part(f"{name}.js") for name in scripts),
         "recording": _element("recording", recording),
         "other": "" if other is None else _element("other", other),
         "attributes": "".join(f' {name}="{html.escape(live[name])}"' for name in live),

@@ -18,12 +18,9 @@ from ..safety.requirement_curve import is_plain
 from .replay import FORMAT
 
 
-def replay_data(run: Outcome, controller: str = "") -> dict[str, Any]:
-    """Return the run in the format of the replay page: metres, seconds, radians.
-
-    `controller` is the name of the gantry's, which what a recording holds does not say.
-    """
-    plan, trial = run.floorplan, run.scene.trial
+def replay_data(run: Outcome) -> dict[str, Any]:
+    """Return the run in the format of the replay page: metres, seconds, radians."""
+    plan, trial, controller = run.floorplan, run.scene.trial, run.scene.controller
     timing = ("cpu_seconds", "realtime_factor")
     data: dict[str, Any] = rounded(
         {

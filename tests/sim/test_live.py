@@ -2,25 +2,38 @@
 
 import http.client
 import json
+import math
 import signal
 import socket
 import subprocess
 import sys
 import threading
+import time
 import urllib.parse
+from dataclasses import replace
 
 import pytest
 from test_command import environment
 
 import sim
 from sim.live.page_server import PageServer, Stream
+from sim.trials.command_keys import load_commands
 
 
-def get(server, path="/", method="GET", **headers):
+def get(server, path="/", method="GET", body=None, **headers):
+    """The response to a request for what is at that path below the server's address."""
     place = urllib.parse.urlsplit(server.url)
     connection = http.client.HTTPConnection(place.hostname, place.port, timeout=30)
-    connection.request(method, path, headers=headers)
+    connection.request(method, place.path + path[1:], body, headers)
     return connection.getresponse()
+
+
+def post(server, wish, **headers):
+    """The status and the answer to a wish of the page."""
+    headers = {"Content-Type": "application/json", **headers}
+    response = get(server, "/control", "POST", json.dumps(wish).encode(), **headers)
+    text = response.read()
+    return response.status, json.loads(text) if response.status in (200, 409) else None
 
 
 def messages(response):
@@ -97,6 +110,30 @@ def test_messages_come_as_they_are_sent():
     assert stream.wait_until_read(0)
 
 
+def test_only_the_page_itself_has_control():
+    wishes = []
+    with PageServer(lambda: "", control=lambda wish: wishes.append(wish) or {}) as server:
+        port = urllib.parse.urlsplit(server.url).port
+        root = f"http://127.0.0.1:{port}"
+        assert post(server, {"a": 1}, Origin=root) == (200, {})
+        assert post(server, {"a": 2}) == (200, {})  # no browser
+        for origin in ("http://evil.example", "null", f"http://127.0.0.1:{port + 1}"):
+            assert post(server, 3, Origin=origin)[0] == 403, origin
+        assert post(server, 3, Host="evil.example")[0] == 403
+        assert post(server, 3, **{"Content-Type": "text/plain"})[0] == 400
+        assert (
+            get(server, "/control", "POST", b"{", **{"Content-Type": "application/json"}).status
+            == 400
+        )
+        connection = http.client.HTTPConnection("127.0.0.1", port, timeout=30)
+        for method, path in (("GET", "/"), ("GET", "/stream"), ("POST", "/control")):
+            connection.request(method, path)  # without the secret
+            response = connection.getresponse()
+            response.read()
+            assert response.status == 404
+    assert wishes == [{"a": 1}, {"a": 2}]
+
+
 # ── the run ──
 
 
@@ -161,6 +198,90 @@ def test_a_speed_that_makes_no_sense_is_refused(speed):
         sim.LiveRun(10.0, speed=speed)
 
 
+# ── control ──
+
+
+def everything(folder):
+    """The files of a recording, without what differs from run to run."""
+    files = {path.name: path.read_bytes() for path in folder.iterdir()}
+    summary = json.loads(files.pop("summary.json"))
+    return files | {"summary": {k: v for k, v in summary.items() if k not in TIMING}}
+
+
+TIMING = ("cpu_seconds", "realtime_factor")
+
+
+def controlled(trial, recording, live, script):
+    """The run of a trial in which a `script` has control of the page's server meanwhile."""
+    with live.server as server:
+        simulation = sim.Simulation(trial, recording, live)
+        hands = threading.Thread(target=script, args=(server, simulation))
+        hands.start()
+        live.advance(simulation)
+        run = simulation.finish()
+        recording.finish(run)
+        live.finish(run)
+        hands.join()
+        return run
+
+
+def test_what_is_done_from_the_page_repeats_from_a_file(tmp_path):
+    trial = sim.Trial.parse(TRIAL)
+    box = {"x": [-12.0, -11.0], "y": [1.0, 3.0]}
+    answers = []
+
+    def script(server, simulation):
+        def ask(wish):
+            answers.append(post(server, wish))
+
+        def wait_for(t):
+            while simulation.clock.now < t:
+                time.sleep(0.02)
+
+        wait_for(4.0)
+        ask({"pace": {"paused": True}})
+        paused = simulation.clock.now
+        for command in (
+            {"send": "operator", "to": [-6.5, 5.123456789123]},
+            {"block": "pallet", **box},
+            {"hold": "agv2"},
+        ):
+            ask({"command": command})
+        ask({"command": {"send": "nobody", "to": "station1"}})
+        ask({"command": {"block": "bin2", **box}})
+        ask({"command": {"hold": "gantry", "release": "gantry"}})
+        ask({"pace": {"speed": 0}})
+        ask({"pace": {"speed": "fast"}})
+        ask({"leave": True})
+        assert simulation.clock.now == paused
+        ask({"pace": {"paused": False, "speed": 40.0}})
+        wait_for(12.0)
+        ask({"command": {"release": "agv2"}})
+        ask({"command": {"clear": "pallet"}})
+        ask({"command": {"send": "operator", "to": "station2"}})
+
+    recording = sim.Recording(tmp_path / "watched")
+    run = controlled(trial, recording, sim.LiveRun(trial.duration, speed=20.0), script)
+    problems = [answer["problem"] for status, answer in answers if status == 409]
+    assert [problem.split("; ")[0] for problem in problems] == [
+        "no person is called 'nobody'",
+        "something else is called 'bin2' already",
+        "give a time and one of send, block, clear, hold, release",
+        "speed must be more than 0, not 0",
+        "speed must be a number, not 'fast'",
+        "expected a pace or a command: send, block, clear, hold, release",
+    ]
+    assert sum(status == 200 for status, _ in answers) == 8
+    done = [event for event in run.events if event["kind"] == "commanded"]
+    assert len(done) == 6
+    went = [e for e in run.events if e["kind"] == "goal" and e["t"] == done[-1]["t"]]
+    assert [e["station"] for e in went] == ["station2"]
+    again = replace(trial, commands=load_commands(tmp_path / "watched" / "commands.yaml"))
+    recording = sim.Recording(tmp_path / "repeated")
+    recording.finish(sim.run(again, recording))
+    assert everything(tmp_path / "repeated") == everything(tmp_path / "watched")
+
+
 def test_the_browser_follows_the_run_and_gets_all_of_it(open_address):
     trial = sim.Trial.parse(TRIAL)
     live = sim.LiveRun(trial.duration, speed=20.0)
@@ -216,6 +337,76 @@ def test_looking_back_while_it_goes_on(open_address):
         running.join()
         assert simulation.clock.now == trial.duration
         live.finish(simulation.finish())
+
+
+def test_the_page_interferes_with_the_run(open_address):
+    trial = sim.Trial.parse(TRIAL.replace("duration: 40", "duration: 400"))
+    live = sim.LiveRun(trial.duration, speed=2.0)
+    with live.server as server:
+        simulation = sim.Simulation(trial, live)
+        simulation.start()
+        viewer = open_address(server.url, viewport={"width": 1200, "height": 800})
+        page = viewer.page
+        running = threading.Thread(target=live.advance, args=(simulation,))
+        running.start()
+
+        def press(name):
+            page.locator(f"#{name}").click()
+
+        def commanded():
+            return [e for e in simulation.events if e["kind"] == "commanded"]
+
+        def wait_for(name, words):
+            viewer.wait_until(lambda: viewer.text(f"#{name}") == words)
+
+        viewer.wait_until(lambda: viewer.time > 0.5)
+        press("pause-run")
+        wait_for("pause-run", "Resume run")
+        press("hold")
+        page.locator("#speed").select_option("64")
+        viewer.wait_until(lambda: live.speed == 64.0)
+        press("pause-run")
+        wait_for("hold", "Release gantry")
+        assert [e["hold"] for e in commanded()] == ["gantry"]
+        press("hold")
+        wait_for("hold", "Hold gantry")
+
+        box = page.locator(".view canvas.flat").bounding_box()
+
+        def on_floor(x, y):
+            px, py = page.evaluate("p => floorwalker.place(...p)", [x, y])
+            return box["x"] + px, box["y"] + py
+
+        press("block")
+        page.mouse.move(*on_floor(-13.0, 0.0))
+        page.mouse.down()
+        page.mouse.move(*on_floor(-12.0, 2.0), steps=3)
+        page.mouse.up()
+        viewer.wait_until(lambda: page.locator("#clear option").count() == 2)
+        page.mouse.click(*on_floor(-12.5, 1.0))
+        viewer.wait_until(lambda: page.locator("#clear").is_hidden())
+        page.keyboard.press("Escape")
+        press("send")
+        page.mouse.click(*on_floor(-9.0, 0.5))
+        viewer.wait_until(lambda: len(commanded()) == 5)
+        press("send")
+        page.locator("#destination").select_option("station2")
+        viewer.wait_until(lambda: len(commanded()) == 6)
+        simulation.stop()
+        running.join()
+        live.finish(simulation.finish())
+        viewer.wait_until(lambda: viewer.text("#subtitle") == "the run is over")
+    _, _, block, clear, send, again = commanded()
+    corners = [(-13.0, 0.0), (-12.0, 0.0), (-12.0, 2.0), (-13.0, 2.0)]
+    for corner in corners:
+        assert min(math.dist(corner, other) for other in block["footprint"]) < 0.1
+    assert clear["clear"] == block["block"] == "box1"
+    assert (send["send"], again["send"]) == ("operator", "operator")
+    assert send["to"] == pytest.approx([-9.0, 0.5], abs=0.1)
+    station = next(s for s in trial.floorplan.stations if s.name == "station2")
+    assert again["to"] == [*station.position]
+    assert page.locator("#control").is_hidden()
+    assert viewer.complaints == []
 
 
 def start(arguments, folder):

@@ -222,6 +222,48 @@ def test_two_people_have_a_gap_and_no_required_distance(viewer, recording):
     assert "required" not in viewer.text("#legend")
 
 
+def spread(distance):
+    """The density (1/m²) of a person so far (m) off: a Gaussian, 1 m wide at half its height."""
+    sigma = 1.0 / (2.0 * math.sqrt(2.0 * math.log(2.0)))
+    return math.exp(-(distance**2) / (2.0 * sigma**2)) / (2.0 * math.pi * sigma**2)
+
+
+def test_density_and_speed_are_gaussian_profiles_of_people(viewer, recording):
+    tracks = [recording["motions"][name] for name in ("operator", "visitor")]
+
+    def expected(times, x, y):
+        density = flow = 0.0
+        for pieces, t in itertools.product(tracks, times):
+            px, py, _, vx, vy = replay_sample.pose(pieces, t)
+            share = spread(math.hypot(x - px, y - py)) / len(times)
+            density, flow = density + share, flow + share * math.hypot(vx, vy)
+        return density, flow / density
+
+    def found(kind, t, x, y):
+        return viewer.page.evaluate("a => floorwalker.field(...a)", [kind, t, x, y])
+
+    def agree(prefix, times, t, x, y):
+        cells = [found(prefix + kind, t, x, y) for kind in ("density", "speed")]
+        want = expected(times, cells[0]["x"], cells[0]["y"])
+        assert math.dist((x, y), (cells[0]["x"], cells[0]["y"])) < 0.15
+        assert [cell["value"] for cell in cells] == pytest.approx(want, rel=1e-3, abs=1e-4)
+
+    for t in (9.93, 61.7, 140.25):
+        x, y, *_ = replay_sample.pose(tracks[0], t)
+        for dx, dy in ((0.0, 0.0), (0.4, -0.3), (-0.8, 0.1)):
+            agree("", [t], t, x + dx, y + dy)
+    whole = [(k + 0.5) / 2750 * 275.0 for k in range(2750)]
+    agree("run-", whole, 0.0, -10.8, -3.0)
+    viewer.page.locator("#field").select_option("density")
+    viewer.settle()
+    words = viewer.text("#field-scale").split()
+    assert words[:3] == ["density,", "1/m²", "0"]
+    assert float(words[-1]) >= spread(0.0)
+    viewer.page.locator("#field").select_option("")
+    viewer.settle()
+    assert viewer.page.locator("#field-scale").is_hidden()
+
+
 def test_without_machines_the_plot_shows_speeds(open_page, recording):
     alone = copy.deepcopy(recording)
     alone["bodies"] = [body for body in alone["bodies"] if body["name"] == "operator"]

@@ -182,6 +182,12 @@ blackouts:
 - {machine: agv1, start: {event: arrived}, seconds: 4.0}
 obstacles:
   pallet: {x: [-15.0, -14.0], y: [2.0, 3.0], z: [0.0, 1.0], there: [[5.0, 9.0], [20.0]]}
+commands:
+- {time: 3.0, send: ada, to: [-13.0, 1.0]}
+- {time: 3.0, block: crate, x: [-14.0, -13.0], y: [4.0, 5.0], z: [0.0, 1.5]}
+- {time: 4.0, hold: gantry}
+- {time: 5.0, release: gantry}
+- {time: 6.0, clear: crate}
 work:
   rounds: {tasks: [{at: station1, duration: {uniform: [1.0, 2.0]}}], repeat: true}
   picks:

@@ -39,6 +39,9 @@ class Camera {
     return [this.x + (px - this.width / 2) / this.scale, this.y - (py - this.height / 2) / this.scale];
   }
 
+  /** The place of the floor under a pixel, [x, y]. */
+  onFloor(px, py) { return this.toFloor(px, py); }
+
   pan(dx, dy) {
     this.lookAt(this.x - dx / this.scale, this.y + dy / this.scale);
   }

@@ -13,6 +13,8 @@ class Clock {
   constructor(duration, onChange) {
     Object.assign(this, { duration, frontier: duration, onChange, time: 0, speed: 1 });
     this.isPlaying = this.isLive = false;
+    this.runSpeed = null;      // at which a run under way advances
+    this.steer = null;         // lets it advance at another one
   }
 
   play() {
@@ -33,9 +35,9 @@ class Clock {
   }
 
   /** Follow the run under way, which advances at `speed`. */
-  goLive(speed = this.speed) {
+  goLive(speed = this.runSpeed) {
     this.isLive = this.isPlaying = true;
-    this.speed = speed;
+    this.speed = this.runSpeed = speed;
     this.onChange();
   }
 
@@ -55,12 +57,14 @@ class Clock {
     return 1 + Math.min(Math.max(lag - LIVE_LAG, -0.3), 0.5);
   }
 
-  faster() { this.#goAt(SPEEDS.find(speed => speed > this.speed)); }
+  faster() { this.goAt(SPEEDS.find(speed => speed > this.speed)); }
 
-  slower() { this.#goAt(SPEEDS.findLast(speed => speed < this.speed)); }
+  slower() { this.goAt(SPEEDS.findLast(speed => speed < this.speed)); }
 
-  #goAt(speed = this.speed) {
-    this.speed = speed;
+  /** Goes on at another speed; while it is live, so does the run. */
+  goAt(speed = this.speed) {
+    if (this.isLive && this.steer) this.steer(speed);
+    else this.speed = speed;
     this.onChange();
   }
 }

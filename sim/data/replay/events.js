@@ -66,6 +66,7 @@ const LOOKS = {
   gantry_disabled: { row: "safety", shape: "bar", color: "robot-ink" },
   gantry_enabled: { row: "safety", shape: "bar", hollow: true, color: "robot-ink" },
   robot_malfunction: { row: "safety", shape: "cross", hollow: true, color: "robot-ink" },
+  commanded: { row: "robots", shape: "diamond", color: "text" },
   notice: { shape: "bar", hollow: true, color: "muted" },
   trial_ended: { shape: "bar", color: "muted" },
 };
@@ -114,6 +115,7 @@ const WORDS = {
   order_announced: e => `${e.type ?? ""} order ${e.order} announced`.trim(),
   order_submitted: e => ["order submitted", e.order].filter(Boolean).join(": "),
   robot_malfunction: e => `${spoken(machineOf(e))} breaks down`,
+  commanded: e => `from outside: ${commandWords(e)}`,
   notice: e => `notice: ${e.text}`,
   violation: e => `${who(e)} too close to ${spoken(e.with ?? "a robot")}`,
   penalty: e => `penalty: ${[e.person && who(e), e.cause].filter(Boolean).join(", ")}`,
@@ -154,6 +156,12 @@ const taskWords = event => `${spoken(event.task ?? "a task")}${event.station ? `
 const jobWords = event => [spoken(event.job ?? "a job"), event.name, partWords(event.part),
   event.from && `from ${spoken(event.from)}`, event.to && `to ${spoken(event.to)}`,
   event.order].filter(Boolean).join(" ");
+const commandWords = event => {
+  if (event.send) return `${spoken(event.send)} is sent to ${where(event)}`;
+  if (event.block) return `${spoken(event.block)} is put down`;
+  if (event.clear) return `${spoken(event.clear)} is taken up`;
+  return event.hold ? `${spoken(event.hold)} is put on hold` : `${spoken(event.release ?? "a machine")} may go on`;
+};
 const partWords = part => (isObject(part) ? Object.values(part).join(" ") : part);
 
 function where(event) {

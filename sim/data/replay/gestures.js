@@ -4,7 +4,8 @@ const CLICK_TREMOR = 3;        // pixels that a pointer may move while it clicks
 
 /**
  * Wires a canvas. `on` has: `drag(dx, dy, event)` by pixels, `slide(dx, dy)` with two fingers, `zoom(factor, px, py)`,
- * `point(event)` without a button, and `click(px, py)`.
+ * `point(event)` without a button, and `click(px, py)`. Where `grab(px, py)` returns {move, end, cancel} for a
+ * press, that is all that comes of it.
  */
 function wireGestures(canvas, on) {
   const pointers = new Map();
@@ -12,11 +13,15 @@ function wireGestures(canvas, on) {
   const spread = ([[ax, ay], [bx, by]]) => ({
     x: (ax + bx) / 2, y: (ay + by) / 2, width: Math.hypot(ax - bx, ay - by),
   });
+  let grabbed = null;        // what the press under way is grabbed by
   let way = 0;               // pixels that the pointers have moved since the first one came down
 
   canvas.addEventListener("pointerdown", event => {
     canvas.setPointerCapture(event.pointerId);
-    if (pointers.size === 0) way = 0;
+    if (pointers.size === 0) {
+      way = 0;
+      grabbed = on.grab(...place(event));
+    }
     pointers.set(event.pointerId, place(event));
   });
   canvas.addEventListener("pointermove", event => {
@@ -25,6 +30,10 @@ function wireGestures(canvas, on) {
       return;
     }
     hideHint();
+    if (grabbed) {
+      grabbed.move(...place(event));
+      return;
+    }
     const before = [...pointers.values()];
     pointers.set(event.pointerId, place(event));
     const after = [...pointers.values()];
@@ -40,10 +49,20 @@ function wireGestures(canvas, on) {
     }
   });
   canvas.addEventListener("pointerup", event => {
-    if (!pointers.delete(event.pointerId) || way > CLICK_TREMOR) return;
+    const isEnd = pointers.delete(event.pointerId) && pointers.size === 0;
+    if (grabbed && isEnd) {
+      grabbed.end();
+      grabbed = null;
+      return;
+    }
+    if (grabbed || way > CLICK_TREMOR) return;
     on.click(...place(event));
   });
-  canvas.addEventListener("pointercancel", event => pointers.delete(event.pointerId));
+  canvas.addEventListener("pointercancel", event => {
+    pointers.delete(event.pointerId);
+    grabbed?.cancel();
+    grabbed = null;
+  });
   canvas.addEventListener("pointerleave", hideHint);
   canvas.addEventListener("contextmenu", event => {
     if (way > CLICK_TREMOR) event.preventDefault();

@@ -2,10 +2,13 @@
 
 const REDRAW = 250;            // milliseconds between two updates, at least
 
-/** Follows the stream at `address`: `onGrow(recording, now)` from time to time, `onEnd(recording)`. */
+/**
+ * Follows the stream at `address`: `onGrow(recording, now)` from time to time, `onPace({speed, paused})` where that
+ * changes, `onEnd(recording)`.
+ */
 class Live {
-  constructor(address, recording, onGrow, onEnd, onLost) {
-    Object.assign(this, { recording, onGrow, now: 0, timer: null });
+  constructor(address, recording, onGrow, onPace, onEnd, onLost) {
+    Object.assign(this, { recording, onGrow, onPace, now: 0, timer: null });
     this.source = new EventSource(address);
     this.source.onmessage = message => this.#take(JSON.parse(message.data));
     this.source.addEventListener("finished", message => {
@@ -23,8 +26,9 @@ class Live {
     clearTimeout(this.timer);
   }
 
-  #take({ now, event, motion, thought, violations }) {
+  #take({ now, event, motion, thought, violations, pace }) {
     const { recording } = this;
+    if (pace) this.onPace(pace);
     if (now !== undefined) this.now = now;
     if (event) recording.events.push(event);
     if (motion) replaceFrom(recording.motions[motion.body], motion.pieces);
@@ -43,4 +47,27 @@ function replaceFrom(pieces, more) {
   while (pieces.length && pieces.at(-1)[0] >= begin) pieces.pop();
   if (pieces.length) pieces.at(-1)[1] = Math.min(pieces.at(-1)[1], begin);
   pieces.push(...more);
+}
+
+/** A page that was made for a run under way follows it until it is over. */
+function followStream(replay, recording) {
+  const { stream, speed } = document.documentElement.dataset;
+  $("live").hidden = false;
+  replay.grow(new Run(recording, 0));
+  replay.clock.goLive(Number(speed));
+  const control = new Control(replay);
+  const end = words => {
+    control.end();
+    $("live").hidden = true;
+    replay.clock.isLive = false;
+    write($("subtitle"), words);
+  };
+  new Live(stream, recording,
+    (grown, now) => replay.grow(new Run(grown, now)),
+    pace => control.keepPace(pace),
+    whole => {
+      replay.grow(new Run(whole));
+      end("the run is over");
+    },
+    () => end("the run is gone: the connection was lost"));
 }

@@ -42,7 +42,7 @@ function drawBodyName(pen, run, body, t, isWatched) {
   const isPerson = body.category === "person";
   const top = heightOf(body) + (isPerson ? 0.1 : 0);
   const place = eye.toScreen(x, y, top);
-  const name = run.isDisabled(body, t) ? `${spoken(body.name)}, disabled` : spoken(body.name);
+  const name = nameNow(run, body, t);
   const color = palette[body.category === "robot" ? "robot-ink" : isPerson ? body.color : "muted"];
   const look = { size: isPerson || body.category === "robot" ? 13 : 11, weight: 600, color, halo: palette.halo };
   const wide = textWidth(context, name, look);

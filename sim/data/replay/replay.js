@@ -1,7 +1,7 @@
 /* The page: one run or two beside each other, one clock, one chosen pair. */
 
 const CONTROL_KEYS = [" ", "ArrowLeft", "ArrowRight", "Home", "End"];    // keys with a meaning in controls
-const NARROWEST_FLOOR = 440;       // CSS pixels of the floor's panel
+const NARROWEST_FLOOR = 500;       // CSS pixels of the floor's panel
 const BROAD_SIDE = 740;            // CSS pixels beside the floor, from which two columns stand there
 const TURN_OF_KEY = 20;            // pixels of a drag that a key stands for
 const PLAY = "M4 2.5v11L13.5 8z";
@@ -17,6 +17,8 @@ class Replay {
     this.choice = 0;           // the watch of the first run that is in focus
     this.followed = "";
     this.isInSpace = this.isInEyes = false;
+    this.control = null;       // of a run under way
+    this.field = "";           // the kind of field that is shown
     this.clock = new Clock(run.duration, () => this.refresh());
     this.chart = new Chart($("chart"), () => this.#resize());
     for (const speed of SPEEDS) this.#offerSpeed(speed);
@@ -55,6 +57,7 @@ class Replay {
     this.runs[0] = run;
     this.views[0].show(run);
     this.#showRuns();
+    this.control?.show();
   }
 
   #add(run) {
@@ -66,8 +69,12 @@ class Replay {
       pan: (dx, dy) => this.#pan(dx, dy),
       zoom: (factor, px, py) => this.zoom(factor, px, py),
       orbit: (dx, dy) => this.orbit(dx, dy),
-      point: (view, event) => showHint(event, ...view.describe(event.offsetX, event.offsetY, this.clock.time)),
+      point: (view, event) => {
+        const at = [event.offsetX, event.offsetY];
+        showHint(event, ...view.describe(...at, this.clock.time), ...this.#fieldAt(view, ...at));
+      },
       pick: (view, bodyAt) => this.#pick(view, bodyAt(this.clock.time)),
+      grab: (view, px, py) => this.control?.grab(view, px, py),
     };
     const view = new Views(run, frame, on, () => this.#resize());
     const readout = new Readout(letter);
@@ -154,6 +161,17 @@ class Replay {
     return this.runs.map((run, i) => (i === 0 ? chosen : run.watchLike(chosen)));
   }
 
+  /** The person in focus, and the machine: that of the pair, or the first one. */
+  get chosenPerson() {
+    return this.#person(this.runs[0], this.watches[0]);
+  }
+
+  get chosenMachine() {
+    const other = this.watches[0]?.other;
+    const machines = [...this.runs[0].bodies.values()].filter(body => body.category !== "person");
+    return machines.includes(other) ? other : machines[0];
+  }
+
   /** The person whose mind is shown. */
   #person(run, watch) {
     return watch?.person ?? run.people[0];
@@ -166,6 +184,7 @@ class Replay {
     if (watch) document.documentElement.style.setProperty("--shown", `var(--${watch.person.color})`);
     document.body.classList.toggle("of-people", watch?.isOfPeople ?? false);
     if (this.isInEyes) this.lookThrough(true);
+    this.control?.show();
     this.redraw();
   }
 
@@ -261,6 +280,18 @@ class Replay {
     this.refresh();
   }
 
+  /** Shows the floor alone, with the time, for a film that goes `speed` times as fast as in reality. */
+  film({ view, speed, follow = "" }) {
+    this.filmSpeed = speed;
+    document.body.classList.add("filming");
+    $("instant").hidden = false;
+    this.showSpace(view !== "2d");
+    if (view !== "2d" && !this.isInSpace) throw new Error(WITHOUT_WEBGL);
+    this.follow(follow);
+    if (view === "eyes") this.lookThrough(true);
+    this.redraw();
+  }
+
   orbit(dx, dy) {
     if (!this.isInSpace) return;
     for (const view of this.views) view.camera.orbit(dx, dy);
@@ -327,12 +358,14 @@ class Replay {
     if (hasMoved && this.chart.keepInView(clock.time)) this.isStale = true;
     if (this.isStale) {
       this.isStale = false;
+      this.#scaleField();
       for (const view of this.views) view.restyle(this.palette);
       this.chart.draw(watches, this.palette);
     }
     const t = clock.time;
     this.runs.forEach((run, i) => {
       this.views[i].draw(t, watches[i], this.#afterglow);
+      this.control?.draw(this.views[i]);
       this.readouts[i].show(run, watches[i], watches[0], t, this.#afterglow);
     });
     const shown = this.runs[this.focus];
@@ -342,14 +375,31 @@ class Replay {
     this.#showClock(t);
   }
 
+  /** Gives the field that is shown one scale in all views. */
+  #scaleField() {
+    const isDark = document.documentElement.dataset.theme === "dark";
+    this.fieldScale = this.field ? new FieldScale(this.field, this.runs, isDark) : null;
+    for (const view of this.views) view.showField(this.fieldScale);
+    showFieldScale($("field-scale"), this.fieldScale);
+  }
+
+  /** The field at a place of the floor that is pointed at, in words; [] where none is shown. */
+  #fieldAt(view, px, py) {
+    const place = this.fieldScale && view.camera.onFloor(px, py);
+    const found = place && view.run.fields.valueAt(this.field, this.clock.time, ...place);
+    return found?.density > FAINT ? [`${fixed(found.value, 2)} ${FIELDS[this.field].unit}`] : [];
+  }
+
   /** Seconds of the recording for which what was over at once is still shown. */
   get #afterglow() {
+    if (this.filmSpeed) return Math.max(AFTERGLOW, FILMED * this.filmSpeed);
     return Math.max(AFTERGLOW, this.clock.isPlaying ? GLIMPSE * this.clock.speed : 0);
   }
 
   #showClock(t) {
     const { clock } = this;
     write($("clock-time"), seconds(t));
+    if (this.filmSpeed) write($("instant"), seconds(t));
     const chart = $("chart");
     chart.setAttribute("aria-valuenow", t.toFixed(2));
     if ($("play").dataset.playing !== String(clock.isPlaying)) {
@@ -396,10 +446,13 @@ class Replay {
     on("help-button", () => $("help").showModal());
     on("stop-comparing", () => this.stopComparing());
     $("speed").addEventListener("change", event => {
-      clock.speed = Number(event.target.value);
-      clock.onChange();
+      clock.goAt(Number(event.target.value));
     });
     $("follow").addEventListener("change", event => this.follow(event.target.value));
+    $("field").addEventListener("change", event => {
+      this.field = event.target.value;
+      this.redraw();
+    });
     $("watch").addEventListener("change", event => this.choose(Number(event.target.value)));
     // A button pressed with the mouse gives the keys back to the page, so that space plays.
     document.addEventListener("click", event => {

@@ -38,9 +38,16 @@ class Run {
     this.changes = events.filter(event => event.kind === "personality_changed");
     this.goals = new Map();
     this.jobs = new Jobs(events);
-    this.disabled = disabledIntervals(events, known);
+    this.disabled = intervalsOf(events, known, DISABLES, ENABLES);
+    this.held = intervalsOf(events, Infinity, commanded("hold"), commanded("release"));
+    this.comings = comings(events, recording.passing);
     this.violations = this.#violations();
     this.violationTimes = this.violations.map(violation => violation.t);
+  }
+
+  /** The fields of density and speed of its people. */
+  get fields() {
+    return this.cachedFields ??= new Fields(this);
   }
 
   get title() {
@@ -106,9 +113,28 @@ class Run {
     return undefined;
   }
 
-  isDisabled({ name }, t) {
-    const { begins, ends } = this.disabled.get(name) ?? { begins: [], ends: [] };
-    return t < ends[lastUpTo(begins, t)];
+  /** True while a machine is disabled, or on hold. */
+  isDisabled(body, t) {
+    return isWithin(this.disabled.get(body.name), t) || this.isHeld(body, t);
+  }
+
+  /** True while somebody outside has a machine on hold. */
+  isHeld({ name }, t) {
+    return isWithin(this.held.get(name), t);
+  }
+
+  /** What somebody outside has put down, and is there at t. */
+  placedAt(t) {
+    return thereAt(this, t).filter(thing => thing.isPlaced);
+  }
+
+  /** A name of that stem with a number that nothing here has yet. */
+  freeName(stem) {
+    const taken = [...this.plan.obstacles, ...this.plan.zones ?? [], ...this.comings.things, ...this.bodies.values()]
+      .map(({ name }) => name);
+    let number = 1;
+    while (taken.includes(`${stem}${number}`)) number++;
+    return `${stem}${number}`;
   }
 
   /** The body whose centre is nearest to a place of the floor, within `reach` metres. */
@@ -153,19 +179,26 @@ function pairsOfPeople(people, events) {
     })));
 }
 
-/** The times in which machines were disabled, by name: {begins, ends}. */
-function disabledIntervals(events, known) {
+const DISABLES = event => (
+  event.kind === "gantry_disabled" || event.kind === "robot_malfunction" ? machineOf(event) : null);
+const commanded = field => event => (event.kind === "commanded" ? event[field] : null);
+const ENABLES = event => (event.kind === "gantry_enabled" ? machineOf(event) : null);
+
+/** The times from an event with which one of a machine's begins to that with which it ends, by its name: {begins, ends}. */
+function intervalsOf(events, end, beginsWith, endsWith) {
   const intervals = new Map();
   for (const event of events) {
-    const isBegin = event.kind === "gantry_disabled" || event.kind === "robot_malfunction";
-    if (!isBegin && event.kind !== "gantry_enabled") continue;
-    const name = machineOf(event);
+    const isBegin = Boolean(beginsWith(event));
+    const name = beginsWith(event) || endsWith(event);
+    if (!name) continue;
     if (!intervals.has(name)) intervals.set(name, { begins: [], ends: [] });
     const { begins, ends } = intervals.get(name);
     const isOpen = begins.length > ends.length;
     if (isBegin && !isOpen) begins.push(event.t);
     if (!isBegin && isOpen) ends.push(event.t);
   }
-  for (const { begins, ends } of intervals.values()) if (begins.length > ends.length) ends.push(known);
+  for (const { begins, ends } of intervals.values()) if (begins.length > ends.length) ends.push(end);
   return intervals;
 }
+
+const isWithin = (intervals, t) => intervals !== undefined && t < intervals.ends[lastUpTo(intervals.begins, t)];

@@ -4,6 +4,7 @@ const TRAIL = 12;            // seconds of the path behind that are shown
 const TRAIL_GRAIN = 1;       // seconds of it that fade together
 const AFTERGLOW = 2.5;       // seconds for which a violation and a teleport stay on the floor in full,
 const GLIMPSE = 0.5;         // or, if that is longer, so many of the viewer's time
+const FILMED = 1.5;          // the same of a film's time
 const BODY_SIZE = 18;        // pixels round a body that no figure should cover
 const AWAY = 900;            // metres: so far only those jump who come in or leave
 const MOST_MARKS = 200;      // of the violations so far, the latest are marked on the floor
@@ -171,6 +172,12 @@ function drawViolations(pen, run, t, afterglow) {
   }
 }
 
+/** A body's name, and why it stands if it is made to. */
+function nameNow(run, body, t) {
+  if (run.isHeld(body, t)) return `${spoken(body.name)}, on hold`;
+  return run.isDisabled(body, t) ? `${spoken(body.name)}, disabled` : spoken(body.name);
+}
+
 function drawName(pen, run, body, t) {
   const { context, camera, palette } = pen;
   const { x, y, rotation } = body.motion.at(t);
@@ -178,7 +185,7 @@ function drawName(pen, run, body, t) {
   if (body.category === "vehicle") {
     const inside = { size: Math.min(12, 0.45 * body.width * camera.scale), weight: 600, color: palette.halo };
     const back = 0.06 * body.length * camera.scale * Math.cos(rotation);
-    const words = spoken(body.name);
+    const words = nameNow(run, body, t);
     if (inside.size >= 8 && textWidth(context, words, inside) <= 0.75 * body.length * camera.scale) {
       drawText(context, words, px - back, py + 0.5, inside);
       return;
@@ -188,7 +195,7 @@ function drawName(pen, run, body, t) {
     return;
   }
   const isRobot = body.category === "robot";
-  const name = run.isDisabled(body, t) ? `${spoken(body.name)}, disabled` : spoken(body.name);
+  const name = nameNow(run, body, t);
   const look = { halo: palette.halo, size: 12, weight: 600, color: palette[isRobot ? "robot-ink" : body.color] };
   const round = body.reach ?? Math.hypot(body.length, body.width) / 2;
   const away = isRobot ? round * camera.scale + 10 : Math.max(6, body.radius * camera.scale) + 11;

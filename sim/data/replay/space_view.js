@@ -22,9 +22,20 @@ class SpaceView {
   show(run) {
     this.run = run;
     this.world = new World(run, this.renderer);
+    this.world.fieldScale = this.fieldScale ?? null;
     this.world.groups = groupsOf(this.world.lasting.map(obstacle => ({ ...obstacle, box: obstacle.solid.box })));
     if (this.palette) this.world.build(this.palette, this.isDark);
   }
+
+  /** Shows a field over the floor (null: none). */
+  showField(scale) {
+    const isSame = scale?.isLike(this.fieldScale) ?? !this.fieldScale;
+    this.fieldScale = this.world.fieldScale = scale;
+    if (!isSame && this.palette) this.world.build(this.palette, this.isDark);
+  }
+
+  /** What is drawn with over the picture. */
+  get pen() { return { context: this.surface.context, palette: this.palette }; }
 
   /** Keeps the body of that name in the middle; "" for none. */
   follow(name) {

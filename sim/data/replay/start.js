@@ -54,27 +54,6 @@ function takeFiles(replay) {
   $("compare").addEventListener("click", () => $("other-file").click());
 }
 
-/** A page that was made for a run under way follows it until it is over. */
-function followStream(replay, recording) {
-  const { stream, speed } = document.documentElement.dataset;
-  if (!stream) return;
-  $("live").hidden = false;
-  replay.grow(new Run(recording, 0));
-  replay.clock.goLive(Number(speed));
-  const end = words => {
-    $("live").hidden = true;
-    replay.clock.isLive = false;
-    write($("subtitle"), words);
-  };
-  new Live(stream, recording,
-    (grown, now) => replay.grow(new Run(grown, now)),
-    whole => {
-      replay.grow(new Run(whole));
-      end("the run is over");
-    },
-    () => end("the run is gone: the connection was lost"));
-}
-
 document.addEventListener("DOMContentLoaded", async () => {
   document.body.ariaBusy = "true"; // a packed recording takes a while
   try {
@@ -85,7 +64,7 @@ document.addEventListener("DOMContentLoaded", async () => {
     takeFiles(replay);
     const other = $("other");
     if (other) replay.compare(new Run(parseRecording(await textIn(other))));
-    followStream(replay, recording);
+    if (document.documentElement.dataset.stream) followStream(replay, recording);
     const linked = Number.parseFloat(new URLSearchParams(location.hash.slice(1)).get("t"));
     if (Number.isFinite(linked)) replay.clock.seek(linked);
     const wanted = new URLSearchParams(location.hash.slice(1)).get("view");
@@ -95,6 +74,8 @@ document.addEventListener("DOMContentLoaded", async () => {
      * For scripts and tests. `watch` is a place in recording.watches; times are seconds.
      *   pose(body, t)        -> {x, y, rotation, vx, vy, speed}
      *   separation(watch, t) -> {distance, required, margin, notice, personSpeed, otherSpeed, violated}
+     *   field(kind, t, x, y) -> {value, density, x, y} of the cell there; kind: density, speed, run-density, run-speed
+     *   film({view, speed, follow})   shows the floor alone, for a film that goes `speed` times as fast as in reality
      *   compare(recording)   shows another one beside this one
      *   show(view)           "2d", "3d", or "eyes": through the eyes of the person in focus
      *   place(x, y, z)       -> [px, py] on the floor's canvas, or null if it is behind the viewer
@@ -108,6 +89,8 @@ document.addEventListener("DOMContentLoaded", async () => {
       pose: (body, t) => replay.runs[0].bodies.get(body).motion.at(t),
       separation: (watch, t) => replay.runs[0].watches[watch].at(t),
       show: view => (view === "eyes" ? replay.lookThrough(true) : replay.showSpace(view === "3d")),
+      field: (kind, t, x, y) => replay.runs[0].fields.valueAt(kind, t, x, y),
+      film: look => replay.film(look),
       place: (x, y, z = 0) => replay.views[0].camera.toScreen(x, y, z)?.slice(0, 2) ?? null,
       compare: other => replay.compare(new Run(parseRecording(JSON.stringify(other)))),
     };

@@ -17,6 +17,12 @@ class View {
     this.layer = new FloorLayer(run.plan);
   }
 
+  /** Shows a field over the floor (null: none). */
+  showField(scale) { this.fieldScale = scale; }
+
+  /** What its canvas is drawn with. */
+  get pen() { return { context: this.surface.context, palette: this.palette }; }
+
   /** Keeps the body of that name in the middle; "" for none. */
   follow(name) {
     this.followed = this.run.bodies.get(name) ?? null;
@@ -40,6 +46,7 @@ class View {
     }
     const context = this.surface.clear();
     const names = this.layer.draw(context, camera, palette);
+    if (this.fieldScale) drawField({ context, camera }, this.run, this.fieldScale, t);
     drawScene({ context, camera, palette, hatch, names }, this.run, t, chosen, afterglow);
   }
 

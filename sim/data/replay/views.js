@@ -3,6 +3,7 @@
 /**
  * `on` has the actions when the user moves what is seen by (dx, dy) pixels (`pan`), goes round it (`orbit`),
  * zooms by a factor at a pixel (`zoom`), points somewhere (`point`) or clicks (`pick`).
+ * `grab` takes a press away from all of these, if it returns {move, end, cancel}.
  */
 class Views {
   constructor(run, frame, on, onResize) {
@@ -52,6 +53,8 @@ class Views {
 
   restyle(palette) { this.shown.restyle(palette); }
 
+  showField(scale) { this.shown.showField(scale); }
+
   draw(t, chosen, afterglow) { this.shown.draw(t, chosen, afterglow); }
 
   describe(px, py, t) { return this.shown.describe(px, py, t); }
@@ -73,6 +76,7 @@ class Views {
       slide: on.pan,
       zoom: on.zoom,
       point: event => on.point(this, event),
+      grab: (px, py) => on.grab(this, px, py),
       click: (px, py) => on.pick(this, t => this.shown.bodyAt(px, py, t)),
     });
   }

@@ -23,10 +23,11 @@ class World {
     this.run = run;
     this.renderer = renderer;
     this.moving = new Pile();
+    this.fieldScale = null;    // of the field that is shown
     const solid = obstacle => (
       { ...obstacle, solid: uprightSolid(obstacle.footprint, obstacle.bottom, obstacle.top) });
     this.lasting = run.plan.obstacles.map(solid);
-    this.passing = new Map((run.recording.passing ?? []).map(thing => [thing, solid(thing)]));
+    this.passing = new Map(run.comings.things.map(thing => [thing, solid(thing)]));
     this.obstacles = this.lasting;         // those that are there at the instant shown
   }
 
@@ -49,7 +50,7 @@ class World {
     for (const ring of [plan.boundary, ...plan.holes ?? []]) this.#addKerb(ring);
     if (plan.gantry) addRails(this.fixed, plan.gantry, colors);
     const bounds = boxOf(plan.boundary);
-    renderer.paint(floorPicture(plan, bounds, palette), bounds);
+    renderer.paint(floorPicture(this.run, bounds, palette, this.#isFieldOfRun ? this.fieldScale : null), bounds);
   }
 
   #addKerb(ring) {
@@ -83,6 +84,7 @@ class World {
     }
     const shown = run.shown(chosen).filter(watch => bodies.includes(watch.person) && bodies.includes(watch.other));
     for (const watch of shown) if (watch.person !== hidden) this.#addDistances(watch, t);
+    if (this.fieldScale && !this.#isFieldOfRun) addField(moving, run, this.fieldScale, t, MARKED / 2);
     for (const body of bodies) this.#addTrail(body, t);
     for (const body of bodies) if (body.category === "person") this.#addPathAhead(body, t, afterglow);
     for (const watch of run.watches) {
@@ -90,6 +92,8 @@ class World {
     }
     return [this.fixed, moving];
   }
+
+  get #isFieldOfRun() { return Boolean(this.fieldScale && FIELDS[this.fieldScale.kind].isOfRun); }
 
   /** The bodies that walls must not hide. */
   #sought(chosen) {
@@ -171,8 +175,9 @@ function dashesOf(points) {
   return dashes;
 }
 
-/** What is painted on the floor: ground, lanes, stations, safe zone. */
-function floorPicture(plan, bounds, palette) {
+/** What is painted on the floor: ground, lanes, stations, safe zone, and a field that lasts. */
+function floorPicture(run, bounds, palette, fieldScale) {
+  const { plan } = run;
   const [wide, high] = [bounds.right - bounds.left, bounds.top - bounds.bottom];
   const scale = PAINTED / 2 / Math.max(wide, high);
   const canvas = document.createElement("canvas");
@@ -184,5 +189,6 @@ function floorPicture(plan, bounds, palette) {
   const pen = { context, camera: { scale, toScreen }, palette };
   new FloorLayer(plan).paintGround(pen);
   drawZones(pen, plan);
+  if (fieldScale) drawField(pen, run, fieldScale, 0);
   return canvas;
 }

@@ -1,0 +1,175 @@
+/* Control of a run under way: pause, speed, and what is done in it from the page. */
+
+const BOX = 1;                 // metres of a box that a click puts down
+const SMALLEST_BOX = 0.1;      // metres that have to be drawn for another one
+const GRAIN = 100;             // places are given to a hundredth of a metre
+const HINTS = {
+  send: "Click where to, or choose a place. Esc ends it.",
+  block: "Draw a box on the floor, or click; click one that you put down to take it up. Esc ends it.",
+};
+
+class Control {
+  constructor(replay) {
+    Object.assign(this, { replay, tool: null, drawn: null, isPaused: false });
+    $("control").hidden = false;
+    document.body.classList.add("controlled");
+    replay.control = this;
+    replay.clock.steer = speed => this.#ask({ pace: { speed } });
+    const on = (id, action) => $(id).addEventListener("click", action);
+    on("pause-run", () => this.#ask({ pace: { paused: !this.isPaused } }));
+    on("send", () => this.take("send"));
+    on("block", () => this.take("block"));
+    on("hold", () => this.#command({ [this.#isHeld ? "release" : "hold"]: replay.chosenMachine.name }));
+    $("destination").addEventListener("change", event => this.#send(event.target.value));
+    $("clear").addEventListener("change", event => this.#command({ clear: event.target.value }));
+    document.addEventListener("keydown", event => {
+      if (event.key === "Escape" && this.tool) this.take(null);
+    });
+    this.show();
+  }
+
+  /** Takes a tool for the floor into the hand, or (null, or the one that is there) none. */
+  take(tool) {
+    this.tool = tool === this.tool ? null : tool;
+    document.body.classList.toggle("armed", this.tool !== null);
+    this.#say(HINTS[this.tool] ?? "");
+    this.show();
+  }
+
+  /** The run goes on like that: {speed, paused}. */
+  keepPace({ speed, paused }) {
+    const { clock } = this.replay;
+    this.isPaused = paused;
+    clock.runSpeed = speed;
+    if (clock.isLive) clock.speed = speed;
+    clock.onChange();
+    this.show();
+  }
+
+  /** Shows what can be done to whom now. */
+  show() {
+    const { chosenPerson, chosenMachine, runs: [run] } = this.replay;
+    const press = (id, isPressed, words) => {
+      $(id).ariaPressed = String(isPressed);
+      write($(id), words);
+    };
+    press("pause-run", this.isPaused, this.isPaused ? "Resume run" : "Pause run");
+    $("send").hidden = !chosenPerson;
+    $("hold").hidden = !chosenMachine;
+    if (chosenPerson) press("send", this.tool === "send", `Send ${spoken(chosenPerson.name)}`);
+    press("block", this.tool === "block", "Block");
+    if (chosenMachine) press("hold", this.#isHeld, `${this.#isHeld ? "Release" : "Hold"} ${spoken(chosenMachine.name)}`);
+    this.#offer("destination", "to …", run.plan.stations.map(({ name }) => name), this.tool === "send");
+    const placed = run.placedAt(run.known).map(({ name }) => name);
+    this.#offer("clear", "Take up …", placed, placed.length > 0);
+  }
+
+  end() {
+    this.take(null);
+    $("control").hidden = true;
+    document.body.classList.remove("controlled");
+    this.replay.clock.steer = this.replay.control = null;
+  }
+
+  /** What a press at a pixel begins, if a tool is in the hand: {move, end, cancel}. */
+  grab(view, px, py) {
+    const from = this.tool && view.camera.onFloor(px, py);
+    if (!from) return null;
+    const reach = (x, y) => {
+      const to = view.camera.onFloor(x, y);
+      if (to) this.drawn = [from, to];
+      this.replay.refresh();
+    };
+    reach(px, py);
+    return {
+      move: reach,
+      end: () => {
+        const [, to] = this.drawn;
+        this.drawn = null;
+        if (this.tool === "send") this.#send(to.map(toGrain));
+        else this.#block(from, to);
+      },
+      cancel: () => {
+        this.drawn = null;
+        this.replay.refresh();
+      },
+    };
+  }
+
+  /** Draws what is about to be put down. */
+  draw(view) {
+    if (!this.drawn || this.tool !== "block") return;
+    const { context, palette } = view.shown.pen;
+    const { x: [left, right], y: [bottom, top] } = boxBetween(...this.drawn);
+    const corners = [[left, bottom], [right, bottom], [right, top], [left, top]].map(([x, y]) => view.camera.toScreen(x, y, 0));
+    if (corners.some(corner => !corner)) return;
+    context.beginPath();
+    for (const [px, py] of corners) context.lineTo(px, py);
+    context.closePath();
+    context.fillStyle = context.strokeStyle = palette.text;
+    alpha(context, 0.25, () => context.fill());
+    context.setLineDash([4, 3]);
+    context.lineWidth = 1.5;
+    context.stroke();
+    context.setLineDash([]);
+  }
+
+  get #isHeld() {
+    const { chosenMachine, runs: [run] } = this.replay;
+    return chosenMachine && run.isHeld(chosenMachine, run.known);
+  }
+
+  #offer(id, title, names, isShown) {
+    const select = $(id);
+    select.hidden = !isShown;
+    const wanted = [title, ...names.map(spoken)];
+    if ([...select.options].map(option => option.text).join() !== wanted.join()) {
+      select.replaceChildren(...wanted.map((text, i) => element("option", { text, value: names[i - 1] ?? "" })));
+    }
+    select.value = "";
+  }
+
+  #send(to) {
+    this.#command({ send: this.replay.chosenPerson.name, to });
+    if (this.tool) this.take(null);
+  }
+
+  /** Puts a box down, or takes up the one that was clicked. */
+  #block(from, to) {
+    const [run] = this.replay.runs;
+    const box = boxBetween(from, to);
+    const isClick = Math.hypot(to[0] - from[0], to[1] - from[1]) < SMALLEST_BOX;
+    const there = isClick && run.placedAt(run.known).find(({ footprint }) => isInside(footprint, ...from));
+    this.#command(there ? { clear: there.name } : { block: run.freeName("box"), ...box });
+  }
+
+  #command(command) {
+    return this.#ask({ command });
+  }
+
+  /** Asks the run for something, and says why where it can't be done. */
+  async #ask(wish) {
+    try {
+      const reply = await fetch("control", {
+        method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(wish),
+      });
+      this.#say((await reply.json()).problem ?? HINTS[this.tool] ?? "");
+    } catch {
+      this.#say("The run does not answer.");
+    }
+    this.replay.clock.onChange();
+  }
+
+  #say(words) {
+    write($("control-status"), words);
+  }
+}
+
+const toGrain = metres => Math.round(metres * GRAIN) / GRAIN;
+
+/** The box between two points of the floor, as ranges; a small one round the first where they are one. */
+function boxBetween([ax, ay], [bx, by]) {
+  const range = (a, b) => (Math.hypot(ax - bx, ay - by) < SMALLEST_BOX
+    ? [a - BOX / 2, a + BOX / 2] : [Math.min(a, b), Math.max(a, b)]).map(toGrain);
+  return { x: range(ax, bx), y: range(ay, by) };
+}
