@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
@@ -21,6 +21,15 @@ def render(
     end: Annotated[
         float | None, typer.Option("--to", help="Film up to this time, seconds.")
     ] = None,
+    view: Annotated[
+        Literal["plot", "2d", "3d", "eyes"],
+        typer.Option(help="As it is plotted, or as its page shows it, which takes Chromium."),
+    ] = "plot",
+    follow: Annotated[
+        str,
+        typer.Option(metavar="NAME", help="Keep this body in the middle of the page's view."),
+    ] = "",
+    dark: Annotated[bool, typer.Option("--dark", help="Film the page in dark colours.")] = False,
     no_own_code: NoOwnCode = False,
 ) -> None:
     """Film a run: a GIF, or an MP4."""
@@ -28,7 +37,7 @@ def render(
     from sim.commands.sources import run_from
     from sim.views import plots
 
-    plots.require_renderable(out)
+    plots.require_renderable(out, view)
     run = run_from(source, own_code=not no_own_code)
     within = (begin, float("inf") if end is None else end)
     with progress_bars() as progress:
@@ -40,6 +49,9 @@ def render(
             fps=fps,
             width=width,
             within=within,
+            view=view,
+            follow=follow,
+            dark=dark,
             progress=lambda share: progress.update(bar, completed=share),
         )
     say(str(out))

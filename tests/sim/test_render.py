@@ -1,16 +1,18 @@
 """Films show everybody where they are at every instant; they play as long as they should."""
 
+import shutil
 import subprocess
 import sys
 
 import numpy as np
 import pytest
+from conftest import CHROMIUM
 
 import sim
 from sim.cli import main
 
 pytest.importorskip("matplotlib")
-from sim.views import plots
+from sim.views import chromium, plots
 from sim.views.plots.film import Film
 from sim.views.plots.style import person_colour
 
@@ -158,3 +160,41 @@ def test_the_command_films_a_recording(tmp_path, monkeypatch, capsys):
         main()
     assert capsys.readouterr() == (f"{out}\n", "")
     assert out.read_bytes().startswith(b"GIF89a")
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not any(map(shutil.which, CHROMIUM)), reason="no Chromium on this machine")
+def test_the_page_is_filmed(run, tmp_path):
+    from PIL import Image
+
+    def pictures(view, **options):
+        out = tmp_path / f"{view}.gif"
+        options = {"speed": 8.0, "fps": 1, "width": 320, "within": (12.0, 28.0), **options}
+        plots.render(run, out, view=view, **options)
+        with Image.open(out) as film:
+            found = []
+            for k in range(film.n_frames):
+                film.seek(k)
+                found.append(np.asarray(film.convert("RGB"), dtype=int))
+        return found
+
+    above = pictures("2d")
+    assert {picture.shape[1] for picture in above} == {320}
+    assert len(above) == 3
+    again = pictures("2d")
+    assert all((one == other).all() for one, other in zip(above, again, strict=True))
+    assert len({picture.tobytes() for picture in above}) == 3
+    space = pictures("3d", follow="ada", dark=True)
+    assert [picture.shape for picture in space] == [(180, 320, 3)] * 3
+    assert space[0].mean() < 80 < above[0].mean()
+    with pytest.raises(ValueError, match="nobody is called 'bob'"):
+        pictures("eyes", follow="bob")
+
+
+def test_a_film_of_the_page_without_a_browser_is_refused(run, tmp_path, monkeypatch):
+    monkeypatch.setenv("PATH", "")
+    monkeypatch.setattr(chromium, "PLACES", ())
+    with pytest.raises(plots.MissingExtraError, match="need Chromium or Chrome"):
+        plots.render(run, tmp_path / "run.gif", view="3d")
+    with pytest.raises(ValueError, match="give its view"):
+        plots.render(run, tmp_path / "run.gif", follow="ada")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -23,7 +23,9 @@ from ...core.machine import MachineShape
 from ...core.output import replacing, writing
 from ...machines.kinds import rails_under
 from ...record.outcome import Outcome
+from ..chromium import find_chromium
 from ..extras import MissingExtraError
+from ..page_film import PageFilm, View
 from .curves import Span, instants, span_of
 from .floor import draw_floor, floor_axes
 from .incidents import breaches, disabled_spans
@@ -31,6 +33,9 @@ from .names import draw_names
 from .style import BLACK, GREY, MACHINES, PALE, VERMILION, person_colour, require_place, styled
 
 ENDINGS = (".gif", ".mp4")
+
+FilmView = Literal["plot"] | View
+"""The run as it is plotted, or as the replay page shows it."""
 
 MOST_PICTURES = 20_000
 """A film of more pictures than this is refused: its speed is a mistake."""
@@ -76,31 +81,47 @@ def render(
     fps: int = 20,
     width: int = 720,
     within: Span | None = None,
+    view: FilmView = "plot",
+    follow: str = "",
+    dark: bool = False,
     progress: Progress = lambda _: None,
 ) -> None:
     """Film a run into the GIF or MP4 that the end of `path` names.
 
     `speed` is how much faster than in reality it goes, `fps` how many pictures a second it has,
     `width` how wide it is in pixels; `within` (from, to in seconds) is the part that is filmed.
-    Errors as for `require_renderable`; `ValueError` for figures that make no film.
+    Other than the "plot", a `view` is that of the replay page: from above ("2d"), in three
+    dimensions ("3d"), or through somebody's "eyes"; `follow` is the body that is kept in the
+    middle, or whose eyes these are, and the page may be `dark`. Errors as for
+    `require_renderable`; `ValueError` for figures that make no film.
     """
     path = Path(path)
-    require_renderable(path)
+    require_renderable(path, view)
+    if view == "plot" and (follow or dark):
+        raise ValueError("only a film of the page can follow somebody, or be dark: give its view")
     if not 200 <= width <= 4000:
         raise ValueError(f"a film is 200 to 4000 pixels wide, not {width}")
     times = _times(run, speed, fps, within)
     write = _write_gif if path.suffix.lower() == ".gif" else _write_mp4
     with styled(), writing(path), replacing(path) as unfinished:
-        write(Film(run, width=width, mark=MARKED * speed), times, unfinished, fps, progress)
+        if view == "plot":
+            film = Film(run, width=width, mark=MARKED * speed)
+            write(film, times, unfinished, fps, progress)
+            return
+        page = PageFilm(run, width=width, view=view, speed=speed, follow=follow, dark=dark)
+        with page:
+            write(page, times, unfinished, fps, progress)
 
 
-def require_renderable(path: str | Path) -> None:
+def require_renderable(path: str | Path, view: FilmView = "plot") -> None:
     """Raise, before any work is done for it, if a run can't be filmed into `path`.
 
     `ValueError` if it ends in neither .gif nor .mp4, `MissingExtraError` if the encoder for it is
-    not installed, `OutputError` if there is no such folder.
+    not installed, or no browser for a `view` of the page, `OutputError` if there is no such folder.
     """
     require_place(path, "film", ENDINGS)
+    if view != "plot":
+        find_chromium()
     if Path(path).suffix.lower() == ".mp4":
         try:
             import av as av
@@ -319,6 +340,9 @@ def _name(axes: Axes, text: str, colour: str, *, above: bool = False) -> Any:
     )
 
 
+AnyFilm = Film | PageFilm
+
+
 def _times(run: Outcome, speed: float, fps: int, within: Span | None) -> list[float]:
     if not (math.isfinite(speed) and speed > 0):
         raise ValueError(f"a film's speed is more than 0, not {speed:g}")
@@ -335,13 +359,13 @@ def _times(run: Outcome, speed: float, fps: int, within: Span | None) -> list[fl
     return times
 
 
-def _pictures(film: Film, times: list[float], progress: Progress) -> Iterator[Picture]:
+def _pictures(film: AnyFilm, times: list[float], progress: Progress) -> Iterator[Picture]:
     for k, t in enumerate(times, 1):
         yield film.at(t)
         progress(k / len(times))
 
 
-def _write_gif(film: Film, times: list[float], path: Path, fps: int, progress: Progress) -> None:
+def _write_gif(film: AnyFilm, times: list[float], path: Path, fps: int, progress: Progress) -> None:
     # One palette for the whole film, so that no colour flickers.
     chosen = np.vstack([film.at(t) for t in times[:: max(1, len(times) // _SAMPLES)]])
     palette = Image.fromarray(chosen).quantize(method=Image.Quantize.FASTOCTREE)
@@ -353,7 +377,7 @@ def _write_gif(film: Film, times: list[float], path: Path, fps: int, progress: P
     first.save(path, save_all=True, append_images=images, duration=1000 / fps, loop=0)
 
 
-def _write_mp4(film: Film, times: list[float], path: Path, fps: int, progress: Progress) -> None:
+def _write_mp4(film: AnyFilm, times: list[float], path: Path, fps: int, progress: Progress) -> None:
     import av
 
     with av.open(path, "w") as file:

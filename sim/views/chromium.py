@@ -1,0 +1,179 @@
+"""A page in a Chromium without a window, driven over its own protocol (Chrome DevTools)."""
+
+from __future__ import annotations
+
+import base64
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from contextlib import ExitStack
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+from urllib.request import urlopen
+
+from .extras import MissingExtraError
+
+NAMES = (
+    *("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome"),
+    *("microsoft-edge", "msedge"),
+)
+"""Commands that are looked for."""
+
+PLACES = (
+    "/Applications/Google Chrome.app/Contents/MacOS/Google Chrome",
+    "/Applications/Chromium.app/Contents/MacOS/Chromium",
+    r"C:\Program Files\Google\Chrome\Application\chrome.exe",
+    r"C:\Program Files (x86)\Microsoft\Edge\Application\msedge.exe",
+)
+"""Files that are looked for where there is no such command."""
+
+ARGUMENTS = (
+    *("--headless=new", "--remote-debugging-port=0", "--no-first-run", "--hide-scrollbars"),
+    *("--disable-background-networking", "--disable-component-update", "--disable-sync"),
+    *("--disable-extensions", "--disable-quic", "--mute-audio"),
+    # WebGL in software looks the same on every machine.
+    *("--disable-gpu", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"),
+)
+
+PATIENCE = 30.0
+"""Seconds that the browser may take for one thing."""
+
+
+class BrowserError(ValueError):
+    """The browser does not do what it should."""
+
+
+def find_chromium() -> str:
+    """Return the command of a browser of Chromium's kind; `MissingExtraError` if there is none.
+
+    The environment variable CHROMIUM goes before all others.
+    """
+    named = [os.environ.get("CHROMIUM", ""), *NAMES]
+    found = next(filter(None, map(shutil.which, filter(None, named))), None)
+    found = found or next((place for place in PLACES if Path(place).is_file()), None)
+    if found is None:
+        raise MissingExtraError(
+            "pictures of the replay page need Chromium or Chrome, and none is found: install one,"
+            " or name it in the environment variable CHROMIUM"
+        )
+    return found
+
+
+class Browser:
+    """Shows one page, `size` pixels (width, height) large, while it is entered."""
+
+    def __init__(self, size: tuple[int, int]) -> None:
+        self.size = size
+        self._command = find_chromium()
+        self._number = 0
+
+    def __enter__(self) -> Browser:
+        from websockets.sync.client import connect
+
+        with ExitStack() as stack:
+            folder = stack.enter_context(
+                tempfile.TemporaryDirectory(prefix="floorwalker", ignore_cleanup_errors=True)
+            )
+            process = self._start(folder)
+            stack.callback(_end, process)
+            address = self._page_address(Path(folder), process)
+            self._socket = stack.enter_context(
+                connect(address, max_size=None, open_timeout=PATIENCE)
+            )
+            width, height = self.size
+            screen = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False}
+            self._call("Emulation.setDeviceMetricsOverride", **screen)
+            self._opened = stack.pop_all()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self._opened.close()
+
+    def open(self, page: Path, *, dark: bool = False) -> None:
+        """Show the page in a file, and wait until it is ready."""
+        scheme = {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}
+        self._call("Emulation.setEmulatedMedia", features=[scheme])
+        self._call("Page.navigate", url=page.resolve().as_uri())
+        until = time.monotonic() + PATIENCE
+        while not self.evaluate("document.body?.ariaBusy === 'false'"):
+            if time.monotonic() > until:
+                raise BrowserError("the page is not ready in time")
+            time.sleep(0.05)
+
+    def evaluate(self, script: str) -> Any:
+        """Return what a script of the page comes to, or what it promises."""
+        answer = self._call(
+            "Runtime.evaluate", expression=script, awaitPromise=True, returnByValue=True
+        )
+        if "exceptionDetails" in answer:
+            why = answer["exceptionDetails"].get("exception", {}).get("description", "")
+            raise BrowserError(f"the page fails: {why.splitlines()[0] if why else script}")
+        return answer["result"].get("value")
+
+    def picture(self) -> bytes:
+        """Return what is shown, as PNG."""
+        answer = self._call("Page.captureScreenshot", format="png", optimizeForSpeed=True)
+        return base64.b64decode(answer["data"])
+
+    def _start(self, folder: str) -> subprocess.Popen[bytes]:
+        # A sandbox of its own is refused to the administrator, as whom containers run.
+        root = sys.platform != "win32" and os.geteuid() == 0
+        return subprocess.Popen(
+            [
+                self._command,
+                *ARGUMENTS,
+                *(["--no-sandbox"] if root else []),
+                f"--user-data-dir={folder}",
+                "about:blank",
+            ],
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
+
+    def _page_address(self, folder: Path, process: subprocess.Popen[bytes]) -> str:
+        """Return the address at which the browser lets the page be driven."""
+        port = folder / "DevToolsActivePort"
+        until = time.monotonic() + PATIENCE
+        while time.monotonic() < until and process.poll() is None:
+            lines = port.read_text().splitlines() if port.exists() else []
+            if len(lines) > 1:
+                with urlopen(f"http://127.0.0.1:{lines[0]}/json/list", timeout=PATIENCE) as answer:
+                    pages = [one for one in json.load(answer) if one["type"] == "page"]
+                if pages:
+                    return str(pages[0]["webSocketDebuggerUrl"])
+            time.sleep(0.05)
+        raise BrowserError(f"{self._command} does not start")
+
+    def _call(self, method: str, **params: Any) -> dict[str, Any]:
+        self._number += 1
+        self._socket.send(json.dumps({"id": self._number, "method": method, "params": params}))
+        while True:
+            try:
+                answer = json.loads(self._socket.recv(PATIENCE))
+            except (TimeoutError, OSError, EOFError) as why:
+                raise BrowserError(f"{self._command} does not answer: {why}") from None
+            if answer.get("id") != self._number:
+                continue
+            if "error" in answer:
+                raise BrowserError(f"{self._command}: {answer['error'].get('message')}")
+            result: dict[str, Any] = answer["result"]
+            return result
+
+
+def _end(process: subprocess.Popen[bytes]) -> None:
+    process.terminate()
+    try:
+        process.wait(PATIENCE)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
