@@ -23,6 +23,7 @@ from .commands.plan import plan
 from .commands.plot import app as plot
 from .commands.render import render
 from .commands.replay import replay
+from .commands.report import report
 from .commands.run import run
 from .commands.study import study
 
@@ -66,6 +67,7 @@ app.command()(convert)
 app.command()(agent)
 app.command()(benchmark)
 app.command()(study)
+app.command()(report)
 app.command()(bridge)
 app.command()(metrics)
 app.command()(export)

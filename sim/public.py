@@ -48,7 +48,7 @@ from .runs.run import Recorded, Run
 from .runs.run_folder import RecordingError, load_run
 from .safety.own_law import LawError, OwnLaw
 from .simulation import Simulation, run
-from .studies import Row, Study, StudyError, StudyResults, run_study
+from .studies import Row, Study, StudyError, StudyResults, run_study, safety_report
 from .trials.comparison import Verdict
 from .trials.rules_file import RulesError, find_rules, load_rules
 from .trials.trial import Trial
@@ -132,4 +132,5 @@ __all__ = [
     "rule_set",
     "run",
     "run_study",
+    "safety_report",
 ]

@@ -18,7 +18,9 @@ PACKAGES = {
     "sim": {"floorplan", "navigation", "bdi"},
 }
 HEAVY = {"matplotlib", "pandas", "pyarrow", "ezdxf", "PIL", "av", "foxglove", "rosbags"}
-LOADED_WHEN_USED = re.compile(r"sim/(exports/(\w+_file|ros_\w+)|views/plots/\w+)\.py$")
+LOADED_WHEN_USED = re.compile(
+    r"sim/(exports/(\w+_file|ros_\w+)|people/tracks/bag_file|views/plots/\w+)\.py$"
+)
 
 
 ROOMS = (

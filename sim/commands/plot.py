@@ -147,8 +147,11 @@ def riskmap(
     sources: Sources,
     out: Out,
     of: Annotated[
-        Literal["margin", "time"],
-        typer.Option(help="The least margin to the required distance, or the time without it."),
+        Literal["margin", "time", "severity"],
+        typer.Option(
+            help="The least margin to the required distance, the time without it, or the highest"
+            " relative speed then."
+        ),
     ] = "margin",
     width: Columns = "double",
     no_own_code: NoOwnCode = False,

@@ -38,9 +38,19 @@ def floorplan_from(source: str | Path, *, own_code: bool = True) -> Floorplan:
     return floorplan.load(source)
 
 
+def is_study(source: str | Path) -> bool:
+    """Return True if `source` is a YAML file of a study."""
+    return "trials" in _keys(Path(source))
+
+
 def _is_trial(path: Path) -> bool:
     """Return True if a YAML file names a floorplan instead of being one."""
+    return "floorplan" in _keys(path)
+
+
+def _keys(path: Path) -> set[str]:
+    """Return the outermost keys of a YAML file, none of what is no such file."""
     if path.suffix.lower() not in (".yaml", ".yml") or not path.is_file():
-        return False
+        return set()
     data = floorplan.read_yaml(path, floorplan.FloorplanError).data
-    return isinstance(data, dict) and "floorplan" in data
+    return set(data) if isinstance(data, dict) else set()

@@ -53,7 +53,7 @@ def study(
         say(str(save_trial(chosen, row, folder)))
         return
     try:
-        results = _run(chosen, folder, jobs, backend)
+        results = carried_out(chosen, folder, jobs, backend)
     except KeyboardInterrupt:
         say(f"Stopped; what is done is kept in {folder}: run the same command to go on.", err=True)
         raise typer.Exit(INTERRUPTED) from None
@@ -67,8 +67,8 @@ def study(
         raise typer.Exit(1)
 
 
-def _run(chosen: Study, folder: Path, jobs: int | None, backend: str) -> StudyResults:
-    """Run the study, with a progress bar and an estimate on a terminal."""
+def carried_out(chosen: Study, folder: Path, jobs: int | None, backend: str) -> StudyResults:
+    """Run what is left of a study, with a progress bar and an estimate on a terminal."""
     from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
 
     from sim.commands.bars import progress_bars

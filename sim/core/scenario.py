@@ -32,6 +32,20 @@ USUAL_PLANNER = PlannerChoice()
 """The planner of people's paths where a trial names none."""
 
 
+ASSUMED = (
+    "floorplan",
+    "rules",
+    "machines",
+    "radius",
+    "max_speed",
+    "field_of_view",
+    "reaction_time",
+    "personality",
+    "work",
+    "recorded",
+)
+"""What a trial assumes, and whose source a report names."""
+
 IN_FRONT = 0.05
 """Metres between a door and somebody who comes in by it."""
 
@@ -221,7 +235,8 @@ class Scenario:
     author thought. `work` are the lists of tasks that people share, by name. `doors` says when
     doors of the floor are open or closed, `obstacles` which come and go, `commands` what somebody
     outside has done in it. Without `own_code` a controller, a law or a planner of the user's own is
-    refused that it, or whatever changes it, names.
+    refused that it, or whatever changes it, names. `sources` says where the figures of what is
+    `ASSUMED` come from, for reports.
     """
 
     floorplan: Floorplan
@@ -249,6 +264,7 @@ class Scenario:
     obstacles: tuple[TimedObstacle, ...] = ()
     blackouts: tuple[Blackout, ...] = ()
     commands: tuple[Command, ...] = ()
+    sources: dict[str, str] = field(default_factory=dict)
 
     def leader(self, person: PersonEntry) -> PersonEntry | None:
         """Return whom somebody walks with: the first of their group, None for that one."""

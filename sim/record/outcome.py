@@ -14,7 +14,7 @@ from navigation import Motion, is_of_speeds
 
 from ..core.recorder import Event, Thought
 from ..core.scene import Scene
-from ..safety.requirement_curve import Curve
+from ..safety.requirement_curve import Curve, is_plain
 from .presence import presence
 from .sampling import instants, sample_all
 from .social_metrics import metrics
@@ -69,7 +69,10 @@ class Outcome:
         if not is_of_speeds(law):
             raise KeyError((person, machine))
         speeds = [np.hypot(*self.motions[name].velocity(times).T) for name in (person, machine)]
-        return np.asarray(np.vectorize(law.distance, otypes=[np.float64])(*speeds))
+        distance: Any = law.distance
+        if is_plain(law):  # its formula takes arrays as well
+            return np.array(np.broadcast_to(distance(*speeds), times.shape), dtype=np.float64)
+        return np.asarray(np.vectorize(distance, otypes=[np.float64])(*speeds))
 
     @cached_property
     def presence(self) -> dict[str, tuple[float, float]]:

@@ -8,6 +8,7 @@ from .folder import save_trial
 from .report import figure
 from .results import StudyResults
 from .running import WorkerError, run_study
+from .safety_report import safety_report
 from .study import Study
 from .variables import KINDS, Variable, variable
 
@@ -32,6 +33,7 @@ __all__ = [
     "WorkerError",
     "figure",
     "run_study",
+    "safety_report",
     "save_trial",
     "variable",
 ]

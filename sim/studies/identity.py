@@ -22,6 +22,7 @@ from ..people.own_actions import modules_of, sources_of
 from ..people.planners import planner_of, planner_source
 from ..people.programs import load_program
 from ..people.steering.own_steering import steering_source
+from ..people.tracks.bags import files_of
 from ..trials.trial import Trial
 from .study import Study
 
@@ -65,8 +66,10 @@ def _parts(trial: Trial) -> Iterator[tuple[str, str]]:
                     text = module.file.read_text(encoding="utf-8")
                     yield f"the actions {module.module}", _digest(text)
         if isinstance(person.recorded, RecordedTrack):
-            track = (trial.folder / person.recorded.file).read_bytes()
-            yield f"the track {person.recorded.file}", hashlib.sha256(track).hexdigest()[:16]
+            track = hashlib.sha256()
+            for part in files_of(trial.folder / person.recorded.file):
+                track.update(part.read_bytes())
+            yield f"the track {person.recorded.file}", track.hexdigest()[:16]
         choice = planner_of(person, trial)
         source = planner_source(choice, trial.folder)
         if source is not None:

@@ -52,7 +52,7 @@ def write_report(results: StudyResults, path: Path) -> None:
         hours=sum(float(t) for t in columns.get("duration", ()) if t is not None) / 3600,
         compared=compared,
         charts=charts,
-        varying={measure: _digits(compared.spreads[measure]) for measure in charts},
+        varying={measure: digits_of(compared.spreads[measure]) for measure in charts},
         constant={
             measure: value
             for measure in compared.spreads
@@ -81,8 +81,8 @@ def _after_the_point(size: float) -> int:
     return 0 if size >= 1000 else 1 if size >= 100 else 2 if size >= 1 else 3
 
 
-def _digits(spreads: Sequence[Spread | None]) -> int:
-    """Digits after the point of a column: what its largest figure needs, none of whole numbers."""
+def digits_of(spreads: Sequence[Spread | None]) -> int:
+    """Return how many digits after the point the largest figure needs; none for whole numbers."""
     shown = [end for s in spreads if s is not None for end in (s.mean, s.low, s.high)]
     if all(value == round(value) for value in shown):
         return 0

@@ -5,16 +5,19 @@ from __future__ import annotations
 import os
 import threading
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
+from typing import TypeVar
 
 from floorplan import require
 
 from ..core.folder_names import folder_for
 from .backends import backend as on_backend
+from .definition import Row
 from .folder import RESULTS, StudyFolder, writing_to
-from .measuring import Record, measure
+from .measuring import measure
 from .parquet import write_parquet
 from .report import write_report
 from .results import StudyResults
@@ -23,6 +26,8 @@ from .table import read_table
 
 AHEAD = "4 * n_jobs"
 """Number of rows handed out before their results are asked for, as joblib reads it."""
+
+Found = TypeVar("Found")
 
 Progress = Callable[[int], None]
 """Is called with the number of rows that are done."""
@@ -57,7 +62,8 @@ def run_study(
         done = folder.table.rows
         begin(done)
         if done < len(study):
-            for record in _measured(study, done, jobs or os.cpu_count() or 1, backend):
+            one = partial(measure, with_metrics=study.metrics)
+            for record in of_rows(one, study.rows(done), jobs, backend):
                 with writing_to(path):
                     folder.table.add(record)
                 progress(folder.table.rows)
@@ -69,24 +75,29 @@ def run_study(
     return results
 
 
-def _measured(study: Study, first: int, jobs: int, backend: str) -> Iterator[Record]:
-    """The results of the rows from `first` on, in their order."""
+def of_rows(
+    work: Callable[[Row], Found], rows: Iterable[Row], jobs: int | None, backend: str = "loky"
+) -> Iterator[Found]:
+    """Yield what `work` finds of each of some rows, in their order, on `jobs` processes.
+
+    `WorkerError` if a process dies.
+    """
     import joblib
     from joblib.externals.loky.process_executor import TerminatedWorkerError
 
-    with on_backend(backend, jobs), _without_noise():
+    with on_backend(backend, jobs or os.cpu_count() or 1), _without_noise():
         parallel = joblib.Parallel(return_as="generator", pre_dispatch=AHEAD)
-        one = joblib.delayed(measure)
-        records = parallel(one(row, with_metrics=study.metrics) for row in study.rows(first))
+        one = joblib.delayed(work)
+        found = parallel(one(row) for row in rows)
         try:
-            yield from records
+            yield from found
         except TerminatedWorkerError:
             raise WorkerError(
                 "a worker process was killed or ran out of memory; what is done is kept:"
                 " run the same command to go on, with fewer --jobs if memory is short"
             ) from None
         finally:
-            records.close()
+            found.close()
 
 
 @contextmanager

@@ -16,7 +16,7 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
-from floorplan import NotNegative, Number, Pair, Positive, Range, Strictly
+from floorplan import NotNegative, Number, Pair, Positive, Range, Strictly, suggestion
 from navigation import PlannerChoice
 
 from ..core.keys import Flag, Keys
@@ -24,7 +24,14 @@ from ..core.manners import MannersEntry, Side
 from ..core.noticing import NoticingEntry
 from ..core.recorded_track import RecordedTrack
 from ..core.rules import PAPER
-from ..core.scenario import USUAL_PLANNER, Blackout, PersonalityChange, PersonEntry, Source
+from ..core.scenario import (
+    ASSUMED,
+    USUAL_PLANNER,
+    Blackout,
+    PersonalityChange,
+    PersonEntry,
+    Source,
+)
 from ..core.start import Start
 from ..machines.agv.keys import AgvKeys
 from ..machines.gantry.keys import GantryKeys
@@ -246,6 +253,12 @@ class _BlackoutKeys(Keys):
         return Blackout(**self.fields())
 
 
+def _as_assumed(name: str) -> str:
+    if name not in ASSUMED:
+        raise ValueError(f"{name!r} is nothing that has a source; {suggestion(name, ASSUMED)}")
+    return name
+
+
 class TrialKeys(Strictly):
     """A whole trial."""
 
@@ -270,4 +283,5 @@ class TrialKeys(Strictly):
     obstacles: dict[str, TimedKeys] = {}
     blackouts: list[_BlackoutKeys] = []
     commands: CommandEntries = []
+    sources: dict[Annotated[str, AfterValidator(_as_assumed)], str] = {}
     expect: dict[str, Any] = {}

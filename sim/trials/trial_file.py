@@ -94,6 +94,7 @@ def build(form: type[_Made], document: Document, folder: Path, own_code: bool) -
         ),
         blackouts=tuple(keys.value() for keys in schema.blackouts),
         commands=_commands(schema.commands, folder, document),
+        sources=schema.sources,
     )
     if schema.ariac is not None:
         trial = _with_orders(trial, schema, schema.ariac, document)

@@ -66,6 +66,7 @@ def _trial(trial: Scenario) -> Data:
         "obstacles": {one.obstacle.name: _timed(one) for one in trial.obstacles},
         "blackouts": _value(trial.blackouts, trial),
         "commands": [_command(one, trial) for one in trial.commands],
+        "sources": trial.sources,
         "expect": trial.expect,
     }
     data = _without(data, None, [], {})

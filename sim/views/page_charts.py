@@ -39,6 +39,10 @@ def page_chart(name: str, size: tuple[float, float], draw: Callable[[Figure], No
 
 
 def _for_a_page(drawn: str) -> str:
-    """The SVG element alone, without what is said about it, in the page's colour of text."""
-    element = re.sub(r"(?s)^.*?(?=<svg)|<metadata>.*?</metadata>", "", drawn)
-    return element.replace(INK, "currentColor")
+    """The SVG element alone, in the page's colour of text."""
+    return as_element(drawn).replace(INK, "currentColor")
+
+
+def as_element(drawn: str) -> str:
+    """Return the SVG element of a drawn file alone, without what is said about it."""
+    return re.sub(r"(?s)^.*?(?=<svg)|<metadata>.*?</metadata>", "", drawn)

@@ -5,6 +5,7 @@ import subprocess
 import sys
 import threading
 from contextlib import contextmanager
+from pathlib import Path
 
 import pytest
 from replay_viewer import Viewer
@@ -81,6 +82,14 @@ def browser():
         browser = driver.chromium.launch(executable_path=path, args=ARGUMENTS)
         yield browser
         browser.close()
+
+
+@pytest.fixture(scope="module")
+def axe():
+    """The script of axe-core, which finds what keeps people out of a page."""
+    package = pytest.importorskip("axe_playwright_python", reason="axe-core is not installed")
+    [script] = Path(package.__file__).parent.rglob("axe.min.js")
+    return script.read_text(encoding="utf-8")
 
 
 @pytest.fixture

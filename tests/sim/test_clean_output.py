@@ -36,6 +36,7 @@ CALLS = {
     "plot trails": "plot trails run --out trails.png",
     "render": "render run --out film.gif --to 2 --fps 4 --width 200",
     "replay": "replay run --out page.html --no-open",
+    "report": "report run --out report.html",
     "run": "run short.trial.yaml --out another",
     "study": "study short.study.yaml --jobs 2 --out studied",
 }

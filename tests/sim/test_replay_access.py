@@ -1,18 +1,9 @@
 """The replay page by keyboard and for screen readers: by the rules of axe-core, if it is there."""
 
-from pathlib import Path
-
 import pytest
 import replay_sample
 
 from sim.views import replay
-
-
-@pytest.fixture(scope="module")
-def axe():
-    package = pytest.importorskip("axe_playwright_python", reason="axe-core is not installed")
-    [script] = Path(package.__file__).parent.rglob("axe.min.js")
-    return script.read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])

@@ -74,7 +74,7 @@ def test_risk_maps_show_the_least_margin_and_the_time_without_it(run):
     total = sum(end - begin for spans in run.violations.values() for begin, end in spans)
     cells = sum(np.hypot(i, j) * 0.1 < 0.3 + 1e-9 for i in range(-3, 4) for j in range(-3, 4))
     assert seconds.sum() == pytest.approx(2 * total * cells, rel=0.02)
-    with pytest.raises(ValueError, match="margin or time"):
+    with pytest.raises(ValueError, match="margin, time or severity"):
         plots.risk_map(run, of="both")
 
 

@@ -22,7 +22,7 @@ class Samples:
     """One body at N instants: `t` in seconds or frames, `x` and `y` in metres, each (N,).
 
     `rotation` is in radians, None where the file has none; `rows` says where in the file each
-    sample stands: its line, or its frame.
+    sample stands: its line, its frame, or its message of what is called `place`.
     """
 
     rows: NDArray[np.int64]
@@ -30,6 +30,7 @@ class Samples:
     x: Array
     y: Array
     rotation: Array | None = None
+    place: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,4 +43,4 @@ class Tracks:
     bodies: dict[str, Samples]
     counts_frames: bool = False
     frame_rate: float | None = None
-    row: Literal["line", "frame"] = "line"
+    row: Literal["line", "frame", "message"] = "line"

@@ -15,6 +15,7 @@ from navigation import Motion
 
 from ...core.recorded_track import RecordedTrack
 from ...core.scenario import PersonEntry, Scenario
+from .bags import files_of, read_bag_tracks
 from .jupedsim_tracks import read_jupedsim_tracks
 from .samples import Array, Samples, TrackError, Tracks
 from .text_tracks import read_text_tracks
@@ -23,8 +24,10 @@ READERS = {
     ".csv": read_text_tracks,
     ".txt": read_text_tracks,
     ".sqlite": read_jupedsim_tracks,
+    ".mcap": read_bag_tracks,
+    ".db3": read_bag_tracks,
 }
-"""Readers of files with tracks, by suffix."""
+"""Readers of files with tracks, by suffix. A folder is a bag of ROS 2."""
 
 STROLL = 0.1
 """m/s. Who is slower than this looks where they looked before."""
@@ -99,12 +102,15 @@ def with_places(scenario: Scenario, walks: Mapping[str, RecordedWalk]) -> tuple[
 def _samples(recorded: RecordedTrack, name: str, folder: Path) -> tuple[Tracks, Samples]:
     """Return the tracks of a file, and the samples of the body that is meant there."""
     path = folder / recorded.file
-    if path.suffix.lower() not in READERS:
-        known = ", ".join(READERS)
-        raise TrackError.of(recorded.file, f"the name of a file of tracks ends in one of {known}")
     try:
-        stamp = path.stat()
-        tracks = _read(path, stamp.st_mtime_ns, stamp.st_size)
+        if path.suffix.lower() not in READERS and not path.is_dir():
+            known = ", ".join(READERS)
+            message = (
+                f"the name of a file of tracks ends in one of {known}, or it is a bag's folder"
+            )
+            raise TrackError.of(recorded.file, message)
+        stamps = [(file.stat().st_mtime_ns, file.stat().st_size) for file in files_of(path)]
+        tracks = _read(path, tuple(stamps))
     except TrackError as why:
         raise TrackError(recorded.file, why.problems) from None
     except (OSError, ValueError):  # a name that no file can have
@@ -120,9 +126,10 @@ def _samples(recorded: RecordedTrack, name: str, folder: Path) -> tuple[Tracks, 
 
 
 @lru_cache(maxsize=8)
-def _read(path: Path, changed: int, size: int) -> Tracks:
-    """Return the tracks at `path`, read anew when the file has `changed` or has another `size`."""
-    return READERS[path.suffix.lower()](path)
+def _read(path: Path, stamps: tuple[tuple[int, int], ...]) -> Tracks:
+    """Return the tracks at `path`, read anew when the times or sizes of its files have changed."""
+    read = read_bag_tracks if path.is_dir() else READERS[path.suffix.lower()]
+    return read(path)
 
 
 def _frame_rate(recorded: RecordedTrack, tracks: Tracks) -> float | None:
@@ -142,7 +149,8 @@ def _problems(
         row = int(samples.rows[k])
         if tracks.row == "line":
             return Problem(message, line=row)
-        return Problem(f"{tracks.row} {row}: {message}")
+        place = f"{samples.place}, " if samples.place else ""
+        return Problem(f"{place}{tracks.row} {row}: {message}")
 
     t = samples.t / (rate or 1.0)
     steps = np.diff(t)

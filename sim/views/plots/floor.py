@@ -65,6 +65,18 @@ def floor_figure(plan: Floorplan, width: Width, *, beside: float = 0.0) -> tuple
     return figure, floor_axes(figure.add_subplot(), plan)
 
 
+def settle(figure: Figure) -> Figure:
+    """Lay a figure out once before it is drawn, and return it.
+
+    Beside a bar of colours axes that must not be distorted end up narrower than the layout takes
+    them for; the next time it knows.
+    """
+    engine = figure.get_layout_engine()
+    assert engine is not None  # as of `new_figure`
+    engine.execute(figure)
+    return figure
+
+
 def floor_height(plan: Floorplan, width: Width, *, beside: float = 0.0) -> float:
     """Return the height of a picture of the whole floor, `beside` inches of it free; inches."""
     west, south, east, north = plan.boundary.bounds

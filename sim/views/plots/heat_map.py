@@ -16,7 +16,7 @@ from navigation import Motion
 
 from ...record.outcome import Outcome
 from .curves import Array
-from .floor import draw_floor, floor_figure
+from .floor import draw_floor, floor_figure, settle
 from .style import Width, styled
 
 CELL = 0.05
@@ -62,7 +62,7 @@ def heat_map(runs: Outcome | Sequence[Outcome], *, width: Width = "double") -> F
     )
     bar = figure.colorbar(image, ax=axes, label="time occupied (s)", fraction=0.04, pad=0.02)
     bar.ax.yaxis.set_major_formatter("{x:g}")
-    return figure
+    return settle(figure)
 
 
 def time_covered(run: Outcome) -> Array:

@@ -5,9 +5,10 @@ from __future__ import annotations
 from matplotlib.figure import Figure
 
 from ...record.outcome import Outcome
+from ...record.risk import Risk
 from .curves import Span
 from .heat_map import heat_map
-from .risk_map import Risk, risk_map
+from .risk_map import risk_map
 from .separation import separation
 from .space_time import space_time
 from .style import Width
@@ -48,5 +49,5 @@ class RunPlots:
         return heat_map(self._run, width=width)
 
     def risk_map(self, *, of: Risk = "margin", width: Width = "double") -> Figure:
-        """The least margin to the required distance at each spot, or the time without it."""
+        """The least margin at each spot, the time nearer than required, or the speed meanwhile."""
         return risk_map(self._run, of=of, width=width)

@@ -109,6 +109,14 @@ def _as_png(figure: Figure) -> bytes:
     return picture.getvalue()
 
 
+def as_svg(figure: Figure, name: str) -> str:
+    """Return a figure as the text of an SVG file; its `name` is that of no other on its page."""
+    text = io.StringIO()
+    with matplotlib.style.context({**_SETTINGS, "svg.hashsalt": name}, after_reset=True):
+        figure.savefig(text, format="svg", metadata=_METADATA[".svg"])
+    return text.getvalue()
+
+
 @styled()
 def save(figure: Figure, path: str | Path) -> None:
     """Write a figure as the PNG, SVG or PDF that the end of `path` names.

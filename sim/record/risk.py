@@ -1,0 +1,156 @@
+"""Risk at each spot of a floor: how near people came to what the rules require, and how long."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floorplan import Floorplan
+
+from .outcome import Outcome
+from .zone_exposure import moments, within
+
+CELL = 0.1
+"""Metres. The side of a cell."""
+
+Array = NDArray[np.float64]
+
+Risk = Literal["margin", "time", "severity"]
+"""The least margin to the required distance (m); the time without it (s); the speed then (m/s)."""
+
+_HAIR = 1e-9
+"""Metres. Cells that are beyond a radius by no more than this still count."""
+
+
+def risk(run: Outcome, of: Risk) -> Array:
+    """Return the risk in each cell that was under a person's body: (rows, columns).
+
+    The first cell is in the south-west corner of the floor's bounds. `ValueError` if `of` is none.
+    """
+    if of not in _RISKS:
+        *first, last = _RISKS
+        raise ValueError(f"a risk map is of {', '.join(first)} or {last}, not {of!r}")
+    return _RISKS[of][0](run)
+
+
+def risk_of_all(maps: Iterable[Array], of: Risk) -> Array:
+    """Return the risk of several runs together: the worst of any, or the time in all."""
+    return np.asarray(_RISKS[of][1].reduce([*maps]))
+
+
+def least_margins(run: Outcome) -> Array:
+    """Return the least margin (metres) to any machine in each cell, (rows, columns).
+
+    Infinite where nobody was, or nothing was required; nothing is required of a vehicle that
+    stands.
+    """
+    least = np.full(_shape(run.floorplan), math.inf)
+    for person in run.scene.people:
+        times, _ = _moments(run, person.name)
+        margin = np.full(len(times), math.inf)
+        for other, machine in run.violations:
+            if other == person.name:
+                margin = np.minimum(margin, _margins(run, person.name, machine, times))
+        cells = np.full(least.shape, math.inf)
+        np.minimum.at(cells, _cells(run, person.name, times), margin)
+        least = np.minimum(least, _spread(cells, person.radius, np.minimum, math.inf))
+    return least
+
+
+def time_too_close(run: Outcome) -> Array:
+    """Return the time (seconds) for which people in each cell were nearer than required."""
+    total = np.zeros(_shape(run.floorplan))
+    for person in run.scene.people:
+        mine = [some for (who, _), some in run.violations.items() if who == person.name]
+        if not any(mine):
+            continue
+        times, lengths = _moments(run, person.name)
+        near = within(times, [interval for some in mine for interval in some])
+        cells = np.zeros(total.shape)
+        np.add.at(cells, _cells(run, person.name, times[near]), lengths[near])
+        total += _spread(cells, person.radius, np.add, 0.0)
+    return total
+
+
+def severities(run: Outcome) -> Array:
+    """Return the highest speed (m/s) of person and machine relative to each other in each cell.
+
+    While the two were nearer than required; 0 where nobody ever was. The energy of a contact
+    grows with its square (ISO/TS 15066:2016, annex A.3.4).
+    """
+    worst = np.zeros(_shape(run.floorplan))
+    for person in run.scene.people:
+        mine = {pair: some for pair, some in run.violations.items() if pair[0] == person.name}
+        if not any(mine.values()):
+            continue
+        all_times, _ = _moments(run, person.name)
+        cells = np.zeros(worst.shape)
+        for (_, machine), intervals in mine.items():
+            times = all_times[within(all_times, intervals)]
+            speed = relative_speeds(run, person.name, machine, times)
+            np.maximum.at(cells, _cells(run, person.name, times), speed)
+        worst = np.maximum(worst, _spread(cells, person.radius, np.maximum, 0.0))
+    return worst
+
+
+def relative_speeds(run: Outcome, person: str, machine: str, times: Array) -> Array:
+    """Return how fast (m/s) a person and a machine move relative to each other, at each instant."""
+    between = run.motions[machine].velocity(times) - run.motions[person].velocity(times)
+    return np.asarray(np.hypot(*between.reshape(-1, 2).T))
+
+
+RISKS: tuple[Risk, ...] = ("margin", "time", "severity")
+"""All of them."""
+
+_RISKS: dict[Risk, tuple[Callable[[Outcome], Array], np.ufunc]] = {
+    "margin": (least_margins, np.minimum),
+    "time": (time_too_close, np.add),
+    "severity": (severities, np.maximum),
+}
+
+
+def _moments(run: Outcome, person: str) -> tuple[Array, Array]:
+    """Return the moments in which a person is on the floor, from their start on."""
+    started = [e["t"] for e in run.events if e["kind"] == "human_started" and e["person"] == person]
+    begin, end = run.presence[person]
+    return moments(run.motions[person], max([begin, *started[:1]]), end if started else begin)
+
+
+def _margins(run: Outcome, person: str, machine: str, times: Array) -> Array:
+    """Return the margin (metres) to one machine at each instant; infinite if none is required."""
+    margins = run.distance(person, machine, times) - run.required(person, machine, times)
+    if run.scene.machine(machine).category == "vehicle":
+        moves = np.hypot(*run.motions[machine].velocity(times).T) > 0.0
+        margins = np.where(moves, margins, math.inf)
+    return margins
+
+
+def _shape(plan: Floorplan) -> tuple[int, int]:
+    west, south, east, north = plan.boundary.bounds
+    return (math.ceil((north - south) / CELL), math.ceil((east - west) / CELL))
+
+
+def _cells(run: Outcome, person: str, times: Array) -> tuple[Any, Any]:
+    """Return the row and column of the cell in which a person's centre is at each instant."""
+    west, south, *_ = run.floorplan.boundary.bounds
+    rows, columns = _shape(run.floorplan)
+    x, y = run.motions[person].position(times).reshape(-1, 2).T
+    row = np.clip(((y - south) / CELL).astype(int), 0, rows - 1)
+    return row, np.clip(((x - west) / CELL).astype(int), 0, columns - 1)
+
+
+def _spread(cells: Array, radius: float, join: Callable[..., Array], nothing: float) -> Array:
+    """Join each cell with all cells within `radius` metres of it."""
+    reach = math.ceil(radius / CELL)
+    rows, columns = cells.shape
+    padded = np.pad(cells, reach, constant_values=nothing)
+    joined = np.full_like(cells, nothing)
+    for i in range(-reach, reach + 1):
+        for j in range(-reach, reach + 1):
+            if math.hypot(i, j) * CELL < radius + _HAIR:
+                joined = join(joined, padded[reach + i :, reach + j :][:rows, :columns])
+    return joined

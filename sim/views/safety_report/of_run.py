@@ -1,0 +1,124 @@
+"""The safety report of a single run."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from ...core.scenario import Scenario
+from ...record.incidents import (
+    Incident,
+    incidents,
+    time_on_floor,
+    time_too_close,
+    worst_first,
+)
+from ...record.outcome import Outcome
+from ...record.risk import RISKS, risk
+from ...record.summary import figures_in_words
+from .assumptions import counted, law_table, laws_of, resolution, rules_facts
+from .findings import MOST_INCIDENTS, exposure_table, incidents_table, together
+from .limits import limits
+from .parts import Facts, Part, Points, Section, Table, clock, metres
+from .pictures import risk_pictures, run_pictures
+from .provenance import inputs, software
+from .setting import assumptions
+
+ONE_RUN = (
+    "This is a single run: one draw of what may happen. It has no intervals of confidence; a study"
+    " of many runs has."
+)
+
+
+def run_sections(
+    run: Outcome,
+    scenario: Scenario | None,
+    *,
+    digests: Mapping[str, str],
+    verdicts: Sequence[tuple[str, bool]] = (),
+) -> list[Section]:
+    """Return the report of a run; `scenario` is its trial, None where only a recording is left.
+
+    `digests` are those of what was read, `verdicts` the expectations and whether they were met.
+    """
+    found = incidents(run)
+    worst = worst_first(found)
+    rules = run.scene.rules
+    return [
+        Section("In short", [_in_short(run, found, verdicts)]),
+        Section("Assumptions", assumptions(run.scene, scenario)),
+        Section("Rules", [rules_facts(rules), law_table(laws_of(rules, run.scene.machines))]),
+        Section("Figures", _figures(run, verdicts)),
+        Section("Risk over the floor", _maps(run, len(found))),
+        Section("Exposure", [_exposure(run)]),
+        Section("Violations", _violations(worst)),
+        Section("Pictures of the run", run_pictures(run, worst)),
+        Section("How it was computed", [resolution(), _seed(run), software(), inputs(digests)]),
+        Section(
+            "What this report does not say",
+            [limits([rules], [scenario] if scenario else [], [ONE_RUN])],
+        ),
+    ]
+
+
+def _in_short(
+    run: Outcome, found: Sequence[Incident], verdicts: Sequence[tuple[str, bool]]
+) -> Facts:
+    scene = run.scene
+    near, there = time_too_close(run), time_on_floor(run)
+    rows = [
+        ("trial", f"{scene.trial} on {scene.floorplan.title or scene.floorplan.name}"),
+        ("simulated", f"{clock(run.duration)} (h:mm:ss), seed {scene.seed}"),
+        (
+            "on the floor",
+            f"{counted(len(scene.people), 'person')}, {counted(len(scene.machines), 'machine')};"
+            f" {there / 3600:.2f} hours of people's time",
+        ),
+        ("rules", scene.rules.name),
+        ("violations", f"{len(found):,}" if found else "none"),
+    ]
+    if found:
+        least = min(one.margin for one in found)
+        rows += [
+            ("nearer than required", f"{near:.2f} s in all"),
+            ("least margin", f"{metres(least)} m"),
+            ("highest relative speed", f"{max(one.severity for one in found):.2f} m/s"),
+        ]
+    if verdicts:
+        met = sum(one for _, one in verdicts)
+        rows.append(("expectations", f"{met} of {len(verdicts)} met"))
+    if not run.summary:
+        rows.append(("interrupted", "the run was broken off; all is as far as it was recorded"))
+    return Facts(rows)
+
+
+def _figures(run: Outcome, verdicts: Sequence[tuple[str, bool]]) -> list[Part]:
+    parts: list[Part] = [
+        Table(("figure", "value"), figures_in_words(run.summary), words=ONE_RUN)
+        if run.summary
+        else Points(("The run was broken off: it has no summary.",))
+    ]
+    if verdicts:
+        rows = [("met" if met else "not met", words) for words, met in verdicts]
+        parts.append(Table(("", "expectation"), rows, "Expectations"))
+    return parts
+
+
+def _maps(run: Outcome, count: int) -> list[Part]:
+    if not (run.scene.people and run.scene.machines):
+        return [Points(("There is no risk without both people and machines.",))]
+    maps = {of: risk(run, of) for of in RISKS}
+    return risk_pictures(run.floorplan, run.scene.machines, maps, count)
+
+
+def _exposure(run: Outcome) -> Table:
+    zones = run.summary.get("zones", {})
+    return exposure_table(run.floorplan, zones, time_on_floor(run), time_too_close(run))
+
+
+def _violations(worst: Sequence[Incident]) -> list[Part]:
+    listed = incidents_table(worst[:MOST_INCIDENTS], len(worst))
+    return [listed, together(worst)] if worst else [listed]
+
+
+def _seed(run: Outcome) -> Facts:
+    return Facts([("seed", str(run.scene.seed)), ("trial", run.scene.trial)], "The run")

@@ -1,0 +1,211 @@
+"""Safety reports: what they say is what happened, and the page can be read by everybody."""
+
+import re
+import shutil
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import navigation
+import sim
+from sim.record.incidents import incidents, time_on_floor, time_too_close
+from sim.record.risk import risk
+from sim.studies.findings import MARGIN, TOO_NEAR, VIOLATIONS, findings, with_findings
+from sim.studies.sensitivity import sensitivities
+from sim.views.safety_report import printing
+
+TRIAL = """\
+name: cell
+floorplan:
+  boundary: [[0, 0], [20, 0], [20, 12], [0, 12]]
+  stations: {west: [2, 5], east: [18, 6]}
+  safe_zone: {at: [2, 5]}
+  zones: {middle: {x: [8, 12], y: [2, 9], max_speed: 0.8}}
+  gantry:
+    x: {range: [1, 19], max_speed: 1.0, max_acceleration: 0.5}
+    y: {range: [1, 11], max_speed: 1.0, max_acceleration: 0.5}
+    start: [10, 8, 0]
+    torso: {size: [1.0, 1.0], z: [1.2, 1.6]}
+    arm: {mount: [0.5, 0.0], reach: 0.9, bottom: 1.0}
+    rail_height: 2.9
+    tray_height: 1.3
+rules: {based_on: RULES, gantry_law: {fixed: 3.0}}
+duration: 30
+people: [{name: eve, max_speed: {normal: [1.34, 0.26]}}]
+gantry: {controller: oblivious, jobs: [{wait: 8}, {move: [10, 5, 0]}]}
+sources: {max_speed: "U. Weidmann, <Transporttechnik>, 1993"}
+expect: {penalties: 0, violations: {gantry: 0}}
+"""
+
+
+def trial(rules="observe"):
+    return sim.Trial.parse(TRIAL.replace("RULES", rules).replace(", violations: {gantry: 0}", ""))
+
+
+@pytest.fixture(scope="module")
+def run():
+    return sim.run(trial())
+
+
+@pytest.fixture(scope="module")
+def page(run, tmp_path_factory):
+    file = tmp_path_factory.mktemp("report") / "report.html"
+    sim.safety_report(run, file)
+    return file.read_text(encoding="utf-8")
+
+
+def test_incidents_have_the_least_margin_and_the_highest_speed(run):
+    found = incidents(run)
+    assert found and [one.begin for one in found] == sorted(
+        begin for some in run.violations.values() for begin, _ in some
+    )
+    for one in found:
+        t = np.linspace(one.begin, one.end, 4001)[:-1]
+        apart = run.distance(one.person, one.machine, t)
+        assert one.margin == pytest.approx((apart - 3.0).min(), abs=1e-5) and one.margin < 0
+        v = run.motions["gantry"].velocity(t) - run.motions["eve"].velocity(t)
+        assert one.severity == pytest.approx(np.hypot(*v.T).max(), abs=0.03)
+        assert one.at == pytest.approx(run.motions["eve"].position(one.begin))
+        assert ("middle" in one.zones) == (8 <= one.at[0] <= 12)
+        assert one.distance == pytest.approx(3.0, abs=1e-5) and one.led_to == ()
+    assert time_too_close(run) == pytest.approx(sum(one.seconds for one in found))
+    assert time_on_floor(run) == 30.0
+    worst = max(one.severity for one in found)
+    assert risk(run, "severity").max() == pytest.approx(worst, abs=0.03)
+
+
+@pytest.mark.parametrize(
+    ("rules", "led_to"),
+    [
+        ("paper", ("penalty", "gantry disabled for 8 s", "person taken to the safe zone")),
+        ("protective_stop", (r"protective stop (of \d+\.\d s|until the end)",)),
+    ],
+)
+def test_incidents_say_what_they_led_to(rules, led_to):
+    first = incidents(sim.run(trial(rules)))[0]
+    assert len(first.led_to) == len(led_to)
+    assert all(re.fullmatch(*pair) for pair in zip(led_to, first.led_to, strict=True))
+
+
+def test_a_report_has_every_violation_and_what_was_assumed(run, page):
+    for one in incidents(run):
+        assert f"{one.begin:.3f}</td>" in page and f"{one.margin:.3f}</td>" in page
+    assert "normal, mean 1.34, standard deviation 0.26" in page
+    assert "U. Weidmann, &lt;Transporttechnik&gt;, 1993" in page
+    assert "There is no source given for floorplan, rules" in page
+    assert "S = 3 m" in page and "middle" in page and 'class="met">met' in page
+    assert "http" not in re.sub(r'xmlns(:\w+)?="[^"]*"|<!--.*?-->', "", page)
+
+
+@pytest.mark.slow
+def test_the_same_run_gives_the_same_report(run, page, tmp_path):
+    sim.safety_report(sim.run(trial()), tmp_path / "again.html")
+    assert (tmp_path / "again.html").read_text(encoding="utf-8") == page
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_the_page_can_be_read_by_everybody(page, open_page, axe, scheme):
+    viewer = open_page(page, color_scheme=scheme, viewport={"width": 390, "height": 800})
+    assert viewer.page.evaluate("document.documentElement.scrollWidth") <= 390
+    viewer.page.add_script_tag(content=axe)
+    found = viewer.page.evaluate("axe.run(document, { resultTypes: ['violations'] })")
+    assert [(v["id"], [n["html"] for n in v["nodes"]]) for v in found["violations"]] == []
+
+
+def a_study(tmp_path):
+    text = TRIAL.replace("RULES", "observe").replace(", violations: {gantry: 0}", "")
+    (tmp_path / "cell.trial.yaml").write_text(text)
+    study = sim.Study.parse(
+        "{trials: [cell.trial.yaml], grid: {rules.gantry_law.metres: [2.0, 3.0],"
+        " gantry.max_speed: [0.5, 1.0]}, repeat: 2}",
+        file="cell.study.yaml",
+        folder=tmp_path,
+    )
+    return sim.run_study(study, tmp_path / "results", jobs=1)
+
+
+def test_findings_of_a_study_are_those_of_all_its_runs(tmp_path):
+    results = a_study(tmp_path)
+    study = results.study
+    runs = [sim.run(row.trial) for row in study.rows()]
+    counts = [len(incidents(run)) for run in runs]
+    found = findings(study, set(), jobs=1)
+    assert [found.rows[k].count for k in range(8)] == counts
+    seconds = np.add.reduce([risk(run, "time") for run in runs])
+    assert np.allclose(found.maps[0]["time"], seconds)
+    least = min((one.margin, k) for k, run in enumerate(runs) for one in incidents(run))
+    assert (found.worst[0][1].margin, found.worst[0][0]) == least
+    trends = dict(sensitivities(with_findings(results.comparison, found)))
+    laws, _ = trends[VIOLATIONS]
+    is_three = np.array([row.trial.rules.gantry_law.metres == 3.0 for row in study.rows()])
+    means = [np.mean(np.array(counts)[is_three == chosen]) for chosen in (False, True)]
+    assert [one.mean for one in laws.spreads] == pytest.approx(means)
+    assert laws.swing == pytest.approx(abs(means[1] - means[0]))
+    assert {TOO_NEAR, MARGIN} < {*trends}
+
+
+@pytest.mark.slow
+def test_a_study_is_reported(tmp_path):
+    results = a_study(tmp_path)
+    sim.safety_report(results, tmp_path / "report.html", jobs=1)
+    count = sum(one.count for one in findings(results.study, set(), jobs=1).rows.values())
+    text = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert f"{count:,}</td>" in text and "S = 2 m" in text and "S = 3 m" in text
+    assert "in 2 of 4 combinations" in text and text.count("<svg") > 8
+
+
+@pytest.mark.slow
+def test_the_command_reports_recordings(floorwalker, tmp_path):
+    (tmp_path / "cell.trial.yaml").write_text("{floorplan: ariac2023, duration: 2}")
+    floorwalker("run", "cell.trial.yaml", "--out", "run", "--no-open", cwd=tmp_path)
+    done = floorwalker("report", "run", "--out", "report.html", cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (0, "report.html\n")
+    assert "A recording holds neither speeds" in (tmp_path / "report.html").read_text()
+
+
+def test_the_command_says_at_once_what_it_can_not(floorwalker, tmp_path):
+    for words, said in {
+        "report run --out report.txt": "ends in .html or .pdf",
+        "report run --out nowhere/report.html": "there is no folder nowhere",
+        "report gone.yaml --out report.html": "gone.yaml",
+        "report run --jobs 2 --out report.html": "is for studies only",
+    }.items():
+        done = floorwalker(*words.split(), cwd=tmp_path)
+        assert done.returncode in (1, 2) and said in done.stderr
+
+
+def test_a_pdf_needs_a_browser(run, tmp_path, monkeypatch):
+    monkeypatch.setattr(printing, "BROWSERS", ("no_such_browser",))
+    with pytest.raises(sim.OutputError, match="there is none here"):
+        sim.safety_report(run, tmp_path / "report.pdf")
+
+
+@pytest.mark.slow
+def test_a_pdf_is_printed_where_there_is_a_browser(run, tmp_path):
+    if not any(map(shutil.which, printing.BROWSERS)):
+        pytest.skip("no Chromium on this machine")
+    sim.safety_report(run, tmp_path / "report.pdf")
+    printed = (tmp_path / "report.pdf").read_bytes()
+    assert printed.startswith(b"%PDF") and printed.count(b"/Type /Page\n") > 3
+
+
+def test_sources_are_written_and_refused_for_what_has_none():
+    before = replace(trial(), rules=sim.PAPER)
+    assert sim.Trial.parse(before.to_yaml()).sources == before.sources != {}
+    with pytest.raises(sim.TrialError, match="'speed' is nothing that has a source"):
+        sim.Trial.parse("{floorplan: ariac2023, sources: {speed: me}}")
+
+
+def test_laws_of_all_kinds_have_a_sheet():
+    from sim.views.safety_report.laws import law_sheet
+
+    laws = (
+        navigation.SeparationLaw(t1=0.25, t2=1.5),
+        navigation.IntegralLaw(t1=0.25, t2=1.5),
+        navigation.ApproachLaw(time=0.25),
+        navigation.Scaled(navigation.FixedDistance(0.25), 2.0, 5.0),
+    )
+    for law in laws:
+        sheet = law_sheet(law)
+        assert "0.25" in sheet.formula + "".join(value for _, value, _ in sheet.terms)
