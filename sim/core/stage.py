@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Protocol
@@ -57,8 +57,11 @@ class Bystander(Protocol):
         """Perceive `percept` about a machine, and go home for a violation."""
         ...
 
-    def floor_changed(self) -> None:
-        """Take note that something has come to be, or is no longer, in people's way."""
+    def floor_changed(self, came: Collection[str]) -> None:
+        """Take note that something has come to be, or is no longer, in people's way.
+
+        `came` are the names of what stands since now where it did not before.
+        """
         ...
 
     def send(self, to: Point) -> bool:
@@ -135,7 +138,7 @@ class Stage:
         """Let everybody see that a machine has come to rest on the floor."""
         self.place_machines()
         for person in self.people:
-            person.floor_changed()
+            person.floor_changed((machine.name,))
         for notified in self.on_rest:
             notified(machine)
         for other in self.machines.values():
@@ -199,10 +202,11 @@ class Stage:
         if before.keys() == there.keys():
             return
         self._set(there)
+        came = there.keys() - before.keys()
         self._report(before.keys() - there.keys(), is_there=False)
-        self._report(there.keys() - before.keys(), is_there=True)
+        self._report(came, is_there=True)
         self.place_machines()
         for person in self.people:
-            person.floor_changed()
+            person.floor_changed(came)
         for machine in self.machines.values():
             machine.floor_changed()

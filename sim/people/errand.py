@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 
 from floorplan import Point
 from navigation import PlanningError
@@ -87,17 +87,20 @@ class Errand:
         self._senses.count("goal_blocked" if at_the_goal else "path_blocked")
         return False
 
-    def floor_changed(self) -> None:
-        """See whether the path is still free: the floor is not as it was."""
+    def floor_changed(self, came: Collection[str]) -> None:
+        """See whether the path is still free: the floor is not as it was.
+
+        `came` are the names of what stands since now where it did not before.
+        """
         if self._waits_for is not None:
-            self._check_wait(self._waits_for)
+            self._check_wait(self._waits_for, came)
             return
         if self._lets_pass_on_way_to is not None:
             onwards, self._lets_pass_on_way_to = self._lets_pass_on_way_to, None
             self.resume(onwards)
             return
         goal = self._walker.goal
-        trouble = self._walker.check_path()
+        trouble = self._walker.check_path(came)
         if trouble is None or goal is None:
             return
         at_the_goal = trouble.reason == "goal_blocked"
@@ -134,13 +137,13 @@ class Errand:
         self._senses.see("at", *self._walker.body.at)
         self._senses.count("work_completed")
 
-    def _check_wait(self, goal: Point) -> None:
+    def _check_wait(self, goal: Point, came: Collection[str]) -> None:
         """Go on to `goal` if it is free now; else go on waiting."""
         if self._waiting_places.occupant(goal) is None:
             self._waits_for = None
             self._record(GoalFree(person=self._name, goal=goal))
             self._set_out(goal)
-        elif self._walker.check_path() is not None and not self._wait_beside(goal):
+        elif self._walker.check_path(came) is not None and not self._wait_beside(goal):
             self.fail(goal, "there is no way to a place to wait", at_the_goal=True)
 
     def _wait_beside(self, goal: Point) -> bool:

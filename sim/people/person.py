@@ -7,7 +7,7 @@ the actions that their mind decides on (`Actions`) become errands and motions (`
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -302,9 +302,9 @@ class Person:
         """Perceive something about another person, if the mind heeds it."""
         self._regard.perceive(percept, who)
 
-    def floor_changed(self) -> None:
+    def floor_changed(self, came: Collection[str]) -> None:
         """See whether the path is still free: a machine has come to rest on the floor."""
-        self._errand.floor_changed()
+        self._errand.floor_changed(came)
 
     def act(self, action: bdi.Literal) -> bool:
         """Carry out an external action of the agent; return True if it could be."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from contextlib import suppress
 
 from floorplan import Human, Point
@@ -200,13 +200,16 @@ class Walker:
         self._forget_goal()
         self.body.follow(standing(at, heading=heading, start=self._clock.now))
 
-    def check_path(self) -> PlanningError | None:
-        """Replan if the path is no longer free; where there is none, stop and return the reason."""
+    def check_path(self, came: Collection[str]) -> PlanningError | None:
+        """Replan if the path is no longer free; where there is none, stop and return the reason.
+
+        `came` are the names of what stands since now where it did not before.
+        """
         if self.goal is None:
             return None
         path = remaining_path(self.body.motion, self._clock.now)
         if self._is_free(path):
-            if self._is_free(self.traveller.route) and not self._is_cut_off(path[-1]):
+            if self._is_free(self.traveller.route) and not self._is_cut_off(path[-1], came):
                 return None
         elif self._crowd is not None:
             self.body.follow(self.braking())
@@ -224,18 +227,14 @@ class Walker:
         world, radius = self.world, self.human.radius
         return all(world.segment_free(a, b, radius) for a, b in itertools.pairwise(path))
 
-    def _is_cut_off(self, end: Point) -> bool:
-        """Return whether something has closed the leg from the `end` of the motion to the route.
+    def _is_cut_off(self, end: Point, came: Collection[str]) -> bool:
+        """Return whether what `came` closes the leg from the `end` of the motion to the route.
 
-        Among others people stop beside their route: what is fixed there is no news. AGVs that
-        come to rest there are found when the next part of the path is decided on.
+        Among others people stop beside their route: what stood there before is no news.
         """
-        there, route = self._stage.there, self.traveller.route[:1]
-        if not there:
-            return False
         return any(
-            body.name in there
-            for onwards in route
+            body.name in came
+            for onwards in self.traveller.route[:1]
             for body in self.world.hits(end, onwards, self.human.radius)
         )
 

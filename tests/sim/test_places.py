@@ -98,6 +98,22 @@ def test_who_is_far_off_learns_at_once_that_there_is_no_way_any_more(run, people
     assert shut.motions["eve"].position(8.0)[0] < 4.0
 
 
+def test_who_is_far_off_learns_at_once_that_an_agv_has_come_to_rest_on_the_route(run):
+    """It rests where they have not yet committed themselves to go."""
+    lane = (
+        LANE.replace("max_speed: 1.0", "max_speed: 2.0")
+        .replace("max_acceleration: 0.5", "max_acceleration: 2.0")
+        .replace("east: 16", "east: 2.25")
+        .replace("origin: [2, 2.75]", "origin: [11, 5], heading: -1.5707963267948966")
+        .replace("limits: [0, 16]", "limits: [0, 3]")
+    )
+    cart = "agvs: {cart: {moves: [{time: 0.5, to: east}], yield: true}}\n"
+    found = run(f"duration: 6\n{cart}{PAIR}", TWO_ROOMS + lane)
+    (drove,) = events(found, "agv_moved")
+    assert drove["arrives"] < 3.0
+    assert events(found, "path_blocked")[0]["t"] == pytest.approx(drove["arrives"], abs=1e-5)
+
+
 @pytest.mark.parametrize("people", [ALONE, PAIR])
 def test_people_mind_obstacles_while_they_are_there(run, people, tmp_path):
     pallet = "obstacles: {pallet: {x: [5, 6], y: [1, 4], z: [0, 1], there: [[2.0, 30.0]]}}\n"
