@@ -6,7 +6,7 @@ import math
 
 from shapely.geometry import Polygon, box
 
-from .model import Axis, Door, Gantry, Human, Lane, Obstacle, SafeZone, Station, Zone
+from .model import Axis, Door, Gantry, Gate, Human, Lane, Obstacle, SafeZone, Station, Zone
 from .schema import (
     AgvsSchema,
     AxisSchema,
@@ -42,6 +42,14 @@ def zones(schema: FloorplanSchema) -> tuple[Zone, ...]:
     return tuple(
         Zone(name, footprint(zone), zone.max_speed, zone.forbidden, tuple(zone.concerns))
         for name, zone in schema.zones.items()
+    )
+
+
+def gates(schema: FloorplanSchema) -> tuple[Gate, ...]:
+    """Return the gates of a file."""
+    return tuple(
+        Gate(name, gate.between, gate.towards, tuple(gate.concerns))
+        for name, gate in schema.gates.items()
     )
 
 

@@ -9,7 +9,7 @@ from itertools import combinations
 
 import numpy as np
 import shapely
-from shapely.geometry import Point, Polygon
+from shapely.geometry import LineString, Point, Polygon
 from shapely.validation import explain_validity
 
 from .document import Fault, Place, refuse
@@ -34,6 +34,9 @@ _GANTRY_SIZES = ("arm_reach", "arm_bottom", "rail_height", "tray_height")
 
 _TOUCHES = 1e-6
 """m². An AGV and an obstacle that share no more than this only touch."""
+
+ENDS = 0.05
+"""Metres. A gate may end so far from a wall: nobody gets through there."""
 
 _SOUND = "_sound"
 """Mark of a plan that was checked: it never changes, so once is enough."""
@@ -71,6 +74,7 @@ def faults(plan: Floor) -> Iterator[Fault]:
             yield message, ("obstacles", obstacle.name, "z")
     yield from _door_faults(plan)
     yield from _zone_faults(plan)
+    yield from _gate_faults(plan)
     yield from _name_faults(plan)
     yield from _figure_faults(plan)
     for name in plan.patrol or ():
@@ -88,6 +92,7 @@ def faults(plan: Floor) -> Iterator[Fault]:
             yield fault, ("safe_zone", "at")
         for lane in plan.lanes:
             yield from _sweep_faults(lane, plan)
+        yield from _loose_gate_faults(plan)
 
 
 def polygon_fault(polygon: Polygon) -> str:
@@ -151,6 +156,7 @@ def _name_faults(plan: Floor) -> Iterator[Fault]:
         ("agvs", "lanes"): [lane.name for lane in plan.lanes],
         ("doors",): [door.name for door in plan.doors],
         ("zones",): [zone.name for zone in plan.zones],
+        ("gates",): [gate.name for gate in plan.gates],
     }
     for place, all_names in names.items():
         for name, count in Counter(all_names).items():
@@ -158,7 +164,7 @@ def _name_faults(plan: Floor) -> Iterator[Fault]:
                 yield f"{count} of them have this name", (*place, name)
     # These are told apart by name where paths are planned.
     taken = {*names["obstacles",], *names["agvs", "lanes"]}
-    for place in (("doors",), ("zones",)):
+    for place in (("doors",), ("zones",), ("gates",)):
         for name in taken.intersection(names[place]):
             yield f"something else is called {name!r} already", (*place, name)
         taken.update(names[place])
@@ -210,6 +216,42 @@ def _zone_faults(plan: Floor) -> Iterator[Fault]:
         for station in plan.stations:
             if zone.area.covers(Point(station.position)):
                 yield f"the station {station.name!r} is in it, and nobody may go there", place
+
+
+def _gate_faults(plan: Floor) -> Iterator[Fault]:
+    whole = []
+    for gate in plan.gates:
+        place = ("gates", gate.name)
+        if not SMALLEST <= math.dist(*gate.ends) <= WIDEST:
+            yield "its two ends are one place", (*place, "between")
+            continue
+        whole.append(gate)
+        beside = LineString(gate.ends).distance(Point(gate.towards))
+        (x, y), (ax, ay), (tx, ty) = gate.normal, gate.ends[0], gate.towards
+        if not beside <= WIDEST or (tx - ax) * x + (ty - ay) * y < SMALLEST:
+            message = f"({tx:g}, {ty:g}) is on its line; give a place on the side to cross to"
+            yield message, (*place, "towards")
+    for one, other in combinations(whole, 2):
+        if LineString(one.ends).intersects(LineString(other.ends)):
+            yield f"meets the gate {one.name!r}", ("gates", other.name, "between")
+
+
+def _loose_gate_faults(plan: Floor) -> Iterator[Fault]:
+    """Yield the ends of gates that people would walk round."""
+    if not plan.gates:
+        return
+    walls = plan.free(0.0, plan.human.height).boundary
+    for gate in plan.gates:
+        for k, end in enumerate(gate.ends):
+            at = Point(end)
+            gap = walls.distance(at)
+            inside = not plan.boundary.covers(at) or any(
+                o.footprint.covers(at) for o in plan.obstacles if o.overlaps(0.0, plan.human.height)
+            )
+            if gap > ENDS and not inside:
+                message = f"({end[0]:g}, {end[1]:g}) is {gap:.3f} m from the nearest wall;"
+                message += " a gate goes from wall to wall, else people walk round its end"
+                yield message, ("gates", gate.name, "between", k)
 
 
 def _sweep_faults(lane: Lane, plan: Floor) -> Iterator[Fault]:

@@ -100,6 +100,7 @@ def _build(document: Document, folder: Path, above: tuple[Path, ...]) -> Floorpl
         gantry=building.gantry(schema.gantry) if schema.gantry else None,
         doors=building.doors(schema),
         zones=building.zones(schema),
+        gates=building.gates(schema),
     )
     plan = scaled(plan, schema.metre)
     problems: list[Problem] = []

@@ -110,7 +110,38 @@ class Zone:
 
     def is_about(self, name: str) -> bool:
         """Return whether its rule is for the person or AGV of that name."""
-        return any(fnmatchcase(name, pattern) for pattern in self.concerns)
+        return _is_one_of(name, self.concerns)
+
+
+@dataclass(frozen=True)
+class Gate:
+    """A line between two `ends`, from wall to wall, that is crossed in one direction only.
+
+    That is to the side on which the place `towards` is. It binds the people and AGVs whose names
+    match one of `concerns`; a pattern may have * and ?. Lengths in metres.
+    """
+
+    name: str
+    ends: tuple[Point, Point]
+    towards: Point
+    concerns: tuple[str, ...] = EVERYBODY
+
+    def is_about(self, name: str) -> bool:
+        """Return whether it binds the person or AGV of that name."""
+        return _is_one_of(name, self.concerns)
+
+    @property
+    def normal(self) -> Point:
+        """The unit vector at right angles to it that points to the side of `towards`."""
+        (ax, ay), (bx, by) = self.ends
+        width = math.dist(*self.ends)
+        x, y = (ay - by) / width, (bx - ax) / width
+        ahead = (self.towards[0] - ax) * x + (self.towards[1] - ay) * y
+        return (x, y) if ahead > 0 else (-x, -y)
+
+
+def _is_one_of(name: str, patterns: tuple[str, ...]) -> bool:
+    return any(fnmatchcase(name, pattern) for pattern in patterns)
 
 
 @dataclass(frozen=True)
@@ -234,7 +265,7 @@ class Gantry:
         return (self.x, self.y, self.rotation)
 
 
-LEFT_OUT_IF_EMPTY = ("doors", "zones")
+LEFT_OUT_IF_EMPTY = ("doors", "zones", "gates")
 """Fields of a floor that recordings have only where there is something."""
 
 
@@ -242,7 +273,7 @@ LEFT_OUT_IF_EMPTY = ("doors", "zones")
 class Floor:
     """A floor as data: its boundary and what stands on it. Compare with `==`, share freely.
 
-    Obstacles, stations, lanes, doors and zones are tuples that also answer to names:
+    Obstacles, stations, lanes, doors, zones and gates are tuples that also answer to names:
     `stations["dock"]`. `patrol` names the stations that people go to, in their order; None stands
     for all of them.
     `notices` are what was left out of the drawing it was read from, or taken for granted there.
@@ -259,6 +290,7 @@ class Floor:
     gantry: Gantry | None = None
     doors: NamedField[Door] = NamedField()
     zones: NamedField[Zone] = NamedField()
+    gates: NamedField[Gate] = NamedField()
     title: str = ""
     source: str = ""
     notices: tuple[Problem, ...] = field(default=(), compare=False)

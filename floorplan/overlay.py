@@ -10,12 +10,12 @@ from typing import TypeVar
 import shapely
 
 from .document import Fault
-from .model import Door, Obstacle, Station, Zone
+from .model import Door, Gate, Obstacle, Station, Zone
 from .plan import Floorplan
 from .problems import suggestion
 from .schema import FloorplanSchema
 
-_Thing = TypeVar("_Thing", Obstacle, Station, Door, Zone)
+_Thing = TypeVar("_Thing", Obstacle, Station, Door, Zone, Gate)
 
 
 _FIELDS = {
@@ -79,6 +79,7 @@ def laid_over(base: Floorplan, top: Floorplan, given: Iterable[str]) -> Floorpla
         stations=_replaced(base.stations, top.stations),
         doors=_replaced(base.doors, top.doors),
         zones=_replaced(base.zones, top.zones),
+        gates=_replaced(base.gates, top.gates),
         **laid,
     )
 

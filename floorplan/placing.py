@@ -88,6 +88,12 @@ def _mapped(plan: Floorplan, move: Callable[[_Floats], _Floats]) -> Floorplan:
             replace(door, ends=(place(door.ends[0]), place(door.ends[1]))) for door in plan.doors
         ],
         zones=[replace(zone, area=shapely.transform(zone.area, move)) for zone in plan.zones],
+        gates=[
+            replace(
+                gate, ends=(place(gate.ends[0]), place(gate.ends[1])), towards=place(gate.towards)
+            )
+            for gate in plan.gates
+        ],
     )
 
 

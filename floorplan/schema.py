@@ -120,6 +120,14 @@ class ZoneSchema(FootprintSchema):
         return self
 
 
+class GateSchema(Strictly):
+    """A line between two points, and a place on the side that some may cross to."""
+
+    between: tuple[Pair, Pair]
+    towards: Pair
+    concerns: Annotated[list[Name], Field(min_length=1)] = [*EVERYBODY]
+
+
 class HumanSchema(Strictly):
     """The measures of people."""
 
@@ -260,6 +268,7 @@ class FloorplanSchema(Strictly):
     gantry: GantrySchema | None = None
     doors: dict[str, DoorSchema] = {}
     zones: dict[str, ZoneSchema] = {}
+    gates: dict[str, GateSchema] = {}
 
     @field_validator("boundary")
     @classmethod

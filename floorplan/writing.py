@@ -9,7 +9,7 @@ from typing import Any
 import shapely
 from shapely.geometry import Point, Polygon, box, mapping
 
-from .model import EVERYBODY, Axis, Door, Floor, Gantry, Human, Lane, Obstacle, Zone
+from .model import EVERYBODY, Axis, Door, Floor, Gantry, Gate, Human, Lane, Obstacle, Zone
 from .yaml_writing import yaml_text
 
 Data = dict[str, Any]
@@ -34,6 +34,7 @@ def floor_keys(plan: Floor) -> Data:
         "gantry": None if plan.gantry is None else _gantry(plan.gantry),
         "doors": {door.name: _door(door) for door in plan.doors},
         "zones": {zone.name: _zone(zone) for zone in plan.zones},
+        "gates": {gate.name: _gate(gate) for gate in plan.gates},
     }
     if zone is not None and zone.heading:
         data["safe_zone"]["heading"] = float(zone.heading)
@@ -111,6 +112,7 @@ def lost(plan: Floor, suffix: str) -> list[str]:
         "measures of people": plan.human != Human(),
         "doors": len(plan.doors),
         "zones": len(plan.zones),
+        "one-way gates": len(plan.gates),
     }
     if suffix not in (".geojson", ".json"):
         parts |= {
@@ -154,8 +156,16 @@ def _zone(zone: Zone) -> Data:
     rule: Data = {"forbidden": True}
     if zone.max_speed is not None:
         rule = {"max_speed": float(zone.max_speed)}
-    concerns = {} if zone.concerns == EVERYBODY else {"concerns": [*zone.concerns]}
-    return {**_footprint(zone.area), **rule, **concerns}
+    return {**_footprint(zone.area), **rule, **_concerns(zone)}
+
+
+def _gate(gate: Gate) -> Data:
+    ends = [_pair(end) for end in gate.ends]
+    return {"between": ends, "towards": _pair(gate.towards), **_concerns(gate)}
+
+
+def _concerns(rule: Zone | Gate) -> Data:
+    return {} if rule.concerns == EVERYBODY else {"concerns": [*rule.concerns]}
 
 
 def _ring(ring: Any) -> list[list[float]]:

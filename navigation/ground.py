@@ -14,8 +14,11 @@ from typing import Any, ParamSpec, TypeVar
 
 import shapely
 
+from floorplan import Gate
+
 from .bodies import Body, region
 from .freespace import FreeSpace, shrunk, without
+from .gates import Gates
 from .narrows import narrows
 from .roadmap import Roadmap
 from .walls import Walls
@@ -80,9 +83,14 @@ def body(name: str, shape: shapely.Polygon) -> Body:
 
 
 @_kept(MOST_KEPT)
-def roadmap(floor: shapely.Geometry, radius: float, step: float) -> Roadmap:
-    """Return the network of `floor` for discs of `radius` metres, bends at most `step` radians."""
-    return Roadmap(floor, radius, step)
+def roadmap(
+    floor: shapely.Geometry, radius: float, step: float, gates: tuple[Gate, ...]
+) -> Roadmap:
+    """Return the network of `floor` for discs of `radius` metres, bends at most `step` radians.
+
+    Its links cross none of the `gates` against its direction.
+    """
+    return Roadmap(floor, radius, step, Gates(gates))
 
 
 @_kept(MOST_KEPT)

@@ -9,6 +9,7 @@ import shapely
 from floorplan import Point
 
 from .freespace import FreeSpace
+from .roadmap import HAIR
 from .world import CollisionWorld
 
 _HALVINGS = 8
@@ -48,6 +49,10 @@ def _cut_off(world: CollisionWorld, start: Point, goal: Point, radius: float) ->
     """Find the radius at which `start` and `goal` are just connected, by bisection."""
     between = f"from ({start[0]:g}, {start[1]:g}) to ({goal[0]:g}, {goal[1]:g})"
     walkable = world.walkable
+    space = world.free_space(radius + HAIR)
+    if space.together(start, goal):
+        gates = " or ".join(world.gates.closing(space, start))
+        return f"no way leads {between} but through {gates}, against the direction"
     fits, apart = 0.0, FreeSpace(walkable)
     if not apart.together(start, goal):
         link = _link(apart, start, goal)

@@ -15,6 +15,7 @@ from floorplan import Point, require
 from .catalog import ROADMAP, Setting
 from .choice import PlannerChoice
 from .freespace import STEP
+from .gates import Gates
 from .obstruction import blocked_place, explain_cut_off
 from .ompl_setup import Question
 from .path import Path, PlanningError, Reason, Watch
@@ -162,13 +163,19 @@ class PathPlanner:
         keep = self.radius + SLACK
         low_x, low_y, high_x, high_y = self.world.plan.boundary.bounds
 
+        closed = Gates()
+
         def free(a: Point, b: Point) -> bool:
-            return self.world.segment_free(a, b, keep)
+            return self.world.segment_free(a, b, keep) and not (closed and closed.apart(a, b))
 
         question = Question(start, goal, (low_x, low_y), (high_x, high_y), free)
-        points = sample_path(question, choice, seed, watch)
-        if points is not None:
-            return points
+        while (points := sample_path(question, choice, seed, watch)) is not None:
+            # Most of OMPL's planners take a motion that is free to be free in both directions.
+            # They are asked again with a wall for each gate that they went through backwards.
+            broken = self.world.gates.broken(points)
+            if not broken:
+                return points
+            closed = Gates((*closed.all, *broken))
         if not self._connected(start, goal):
             raise self._unreachable(start, goal)
         message = f"{choice.name} found no path within its budget; give it more iterations"
@@ -185,7 +192,7 @@ class PathPlanner:
         raise PlanningError("not_found", "no path was found, though there should be one")
 
     def _connected(self, start: Point, goal: Point) -> bool:
-        return self.world.free_space(self.radius + HAIR).together(start, goal)
+        return self.world.reaches(start, goal, self.radius + HAIR)
 
     def _unreachable(self, start: Point, goal: Point) -> PlanningError:
         explain = explain_cut_off(self.world, start, goal, self.radius)

@@ -25,6 +25,7 @@ from floorplan import Point
 from .bodies import Body
 from .corners import Bends, Corners, Floats, bends, corners, edges_of_room
 from .freespace import STEP
+from .gates import Gates
 from .sight import Ints, Sight
 
 HAIR = 1e-4
@@ -73,10 +74,15 @@ class Roadmap:
     """The network of a floor for discs of one radius (metres), bends at most `step` radians.
 
     The floor alone makes the network. Bodies are given with each question, and cost only where
-    a path meets them.
+    a path meets them. Where there are one-way `gates`, a link against the direction of one is not
+    there: links and distances between bends then depend on the direction. No other places to bend
+    at are needed: gates go from wall to wall, so that a taut path never goes round their ends.
     """
 
-    def __init__(self, floor: shapely.Geometry, radius: float, step: float) -> None:
+    def __init__(
+        self, floor: shapely.Geometry, radius: float, step: float, gates: Gates | None = None
+    ) -> None:
+        self._gates = Gates() if gates is None else gates
         self.radius = radius
         self.step = step
         self._floor = floor
@@ -109,6 +115,11 @@ class Roadmap:
         places = np.array([start, goal], dtype=float)
         from_start, to_goal = self._links_from(places)
         straight = bool(self.visible(places[:1], places[1:])[0])
+        if self._gates:
+            allow = self._gates.allow
+            from_start = [link for link in from_start if allow(start, self.point(link[0]))]
+            to_goal = [link for link in to_goal if allow(self.point(link[0]), goal)]
+            straight = straight and allow(start, goal)
         return Ends(start, goal, from_start, dict(to_goal), straight)
 
     def visible(self, a: Floats, b: Floats) -> NDArray[np.bool_]:
@@ -241,8 +252,9 @@ class Roadmap:
         links: list[list[Link]] = [[] for _ in place]
         for i, j in zip(one[seen].tolist(), other[seen].tolist(), strict=True):
             length = math.dist(place[i], place[j])
-            links[i].append((j, length))
-            links[j].append((i, length))
+            for a, b in ((i, j), (j, i)):
+                if not self._gates or self._gates.allow(self._points[a], self._points[b]):
+                    links[a].append((b, length))
         return links
 
     def _links_of_some(self, bends: Ints) -> list[list[Link]]:
@@ -258,7 +270,8 @@ class Roadmap:
         for k, i, j in zip(
             of[seen].tolist(), one[seen].tolist(), other[seen].tolist(), strict=True
         ):
-            links[k].append((j, math.dist(place[i], place[j])))
+            if not self._gates or self._gates.allow(self._points[i], self._points[j]):
+                links[k].append((j, math.dist(place[i], place[j])))
         return links
 
     def _graze_both(self, bends: Bends, of: Ints, to: Ints) -> NDArray[np.bool_]:

@@ -92,7 +92,7 @@ class RoadmapSearch:
         if self._ask(start, goal):
             return [start, goal]
         world, room = links.world, links.radius + HAIR
-        if not world.fixed_space(room).together(start, goal):
+        if not world.gates.reach(world.fixed_space(room), start, goal):
             return None
         for step in (self._step, STEP):
             points = self._around_bodies(world.roadmap(links.radius, step))
@@ -141,8 +141,8 @@ class RoadmapSearch:
 
     def _hopeless(self) -> bool:
         """Return True if it is proved that there is no path."""
-        space = self._links.world.free_space(self._links.radius + HAIR)
-        return not space.together(self._start, self._goal)
+        room = self._links.radius + HAIR
+        return not self._links.world.reaches(self._start, self._goal, room)
 
 
 class RoadmapPlanner(ob.Planner):  # type: ignore[misc]

@@ -11,11 +11,12 @@ import shapely
 from numpy.typing import ArrayLike
 from shapely.geometry import Polygon
 
-from floorplan import Floorplan, Named, Point, check, suggestion
+from floorplan import Floorplan, Gate, Named, Point, check, suggestion
 
 from . import ground
 from .bodies import TOLERANCE, Body, Disc, Sweep, touch
 from .freespace import FreeSpace
+from .gates import Gates
 from .kernels.discs import within_bounds
 from .roadmap import HAIR, Roadmap
 from .walls import Walls
@@ -30,12 +31,24 @@ class CollisionWorld:
     `bottom` and `top` (metres) are the heights of interest, a person's by default: what stands
     lower or hangs higher is no obstacle. AGVs stand at the start of their lanes until they are
     moved. All queries are about discs on the floor, in metres, and are answered by FCL; a disc is
-    swept as one shape. `FloorplanError` for a floorplan that is not sound (see `floorplan.check`).
+    swept as one shape. Its centre crosses none of the one-way `gates` against its direction, by
+    default those of the floor that bind everybody. `FloorplanError` for a floorplan that is not
+    sound (see `floorplan.check`).
     """
 
-    def __init__(self, plan: Floorplan, *, bottom: float = 0.0, top: float | None = None) -> None:
+    def __init__(
+        self,
+        plan: Floorplan,
+        *,
+        bottom: float = 0.0,
+        top: float | None = None,
+        gates: Iterable[Gate] | None = None,
+    ) -> None:
         check(plan)
         self.plan = plan
+        minded = [gate for gate in plan.gates if gate.is_about("")] if gates is None else gates
+        self.gates = Gates(minded)
+        """The one-way gates that are minded."""
         self.bottom = bottom
         self.top = plan.human.height if top is None else top
         if not self.bottom < self.top:
@@ -205,7 +218,8 @@ class CollisionWorld:
         """
         known = self._roadmaps.get((radius, step))
         if known is None:
-            known = self._roadmaps[radius, step] = ground.roadmap(self.floor, radius, step)
+            known = ground.roadmap(self.floor, radius, step, self.gates.all)
+            self._roadmaps[radius, step] = known
         return known
 
     # Queries
@@ -219,9 +233,12 @@ class CollisionWorld:
     ) -> bool:
         """Return whether a disc of `radius` metres touches nothing on the segment from a to b.
 
-        Of the bodies only those `among` the given ones count, by default all.
+        Nor goes through a gate against its direction. Of the bodies only those `among` the given
+        ones count, by default all.
         """
         self.checks += 1
+        if self.gates and not self.gates.allow(a, b):
+            return False
         bodies = self._bodies.values() if among is None else among
         if not (self._within(a, radius) and self._within(b, radius)):
             return False
@@ -288,6 +305,10 @@ class CollisionWorld:
             (o.name, o.footprint) for o in self.plan.obstacles if o.overlaps(self.bottom, self.top)
         ]
         return fixed + [(body.name, body.footprint) for body in self._bodies.values()]
+
+    def reaches(self, start: Point, goal: Point, radius: float) -> bool:
+        """Return whether a disc of `radius` metres can get from `start` to `goal` as things are."""
+        return self.gates.reach(self.free_space(radius), start, goal)
 
     def nearest_free(self, point: Point, radius: float) -> Point | None:
         """Return the place nearest to `point` where a disc of `radius` metres stands free.

@@ -101,7 +101,7 @@ class Stage:
 
     def __post_init__(self) -> None:
         """Put what is there at the start into the world of those who may go everywhere."""
-        self._worlds = {self._forbidden(""): self._furnish(self.world, "")}
+        self._worlds = {self._rules_for(""): self._furnish(self.world, "")}
         if self.closures is not None:
             self._set(self.closures.at(self.clock.now))
 
@@ -113,16 +113,20 @@ class Stage:
                 self.clock.call_at(t, self._change)
 
     def world_of(self, person: str) -> CollisionWorld:
-        """Return the world of a person, in which zones that are forbidden to them are closed."""
-        zones = self._forbidden(person)
-        if zones not in self._worlds:
-            world = self._furnish(CollisionWorld(self.floorplan), person)
+        """Return the world of a person, in which zones that are forbidden to them are closed.
+
+        One-way gates hold that bind them.
+        """
+        rules = self._rules_for(person)
+        if rules not in self._worlds:
+            gates = [gate for gate in self.floorplan.gates if gate.is_about(person)]
+            world = self._furnish(CollisionWorld(self.floorplan, gates=gates), person)
             for one in self.there.values():
                 world.place(one.name, one.footprint, one.bottom, one.top)
             for machine in self.vehicles:
                 machine.stand_in(world)
-            self._worlds[zones] = world
-        return self._worlds[zones]
+            self._worlds[rules] = world
+        return self._worlds[rules]
 
     @property
     def vehicles(self) -> Iterable[Machine]:
@@ -160,16 +164,18 @@ class Stage:
         self.placed.pop(name, None)
         self._change()
 
-    def _forbidden(self, person: str) -> frozenset[str]:
-        """Return the zones in which a person may not be; nobody in particular is called ""."""
-        return frozenset(
-            zone.name for zone in self.floorplan.zones if zone.forbidden and zone.is_about(person)
-        )
+    def _rules_for(self, person: str) -> frozenset[str]:
+        """Return the zones in which a person may not be, and the one-way gates that bind them.
+
+        Nobody in particular is called "".
+        """
+        plan = self.floorplan
+        zones = {zone.name for zone in plan.zones if zone.forbidden and zone.is_about(person)}
+        return frozenset(zones | {gate.name for gate in plan.gates if gate.is_about(person)})
 
     def _furnish(self, world: CollisionWorld, person: str) -> CollisionWorld:
-        forbidden = self._forbidden(person)
         for zone in self.floorplan.zones:
-            if zone.name in forbidden:
+            if zone.forbidden and zone.is_about(person):
                 world.place(zone.name, zone.area)
         return world
 

@@ -106,7 +106,8 @@ def faults(trial: Scenario) -> Iterator[Fault]:
     yield from _below(door_faults(trial), "doors")
     yield from _below(obstacle_faults(trial), "obstacles")
     yield from _below(command_faults(trial), "commands")
-    if trial.floorplan.zones or trial.floorplan.doors or trial.obstacles:
+    plan = trial.floorplan
+    if plan.zones or plan.doors or plan.gates or trial.obstacles:
         yield from closed_place_faults(trial)
     yield from _floor_faults(trial)
     yield from _below(machine_faults(trial), "machines")

@@ -11,7 +11,7 @@ from floorplan import LARGEST, Fault, polygon_fault, suggestion
 
 from ..core.closures import Closures, Interval
 from ..core.scenario import Scenario
-from ..machines.agv.lane_parts import last_before, part_within
+from ..machines.agv.lane_parts import last_before, part_behind, part_within
 
 
 def door_faults(trial: Scenario) -> Iterator[Fault]:
@@ -48,7 +48,7 @@ def obstacle_faults(trial: Scenario) -> Iterator[Fault]:
 def names_taken(trial: Scenario) -> set[str]:
     """Return the names that no obstacle which comes and goes can have."""
     plan = trial.floorplan
-    fixed = (plan.obstacles, plan.lanes, plan.doors, plan.zones)
+    fixed = (plan.obstacles, plan.lanes, plan.doors, plan.zones, plan.gates)
     taken = {"boundary", *trial.machines, *(one.name for kind in fixed for one in kind)}
     return taken | {person.name for person in trial.people}
 
@@ -95,5 +95,10 @@ def closed_place_faults(trial: Scenario) -> Iterator[Fault]:
                 part = part_within(lane, zone.area)
                 if part is not None and last_before(part, at_q, to) is not None:
                     message = f"leads into the zone {zone.name!r}, forbidden to {lane.name}"
+                    yield message, ("agvs", lane.name, k, "to")
+            for gate in plan.gates:
+                part = part_behind(lane, gate, at_q, to) if gate.is_about(lane.name) else None
+                if part is not None and last_before(part, at_q, to) is not None:
+                    message = f"leads through the gate {gate.name!r} against its direction"
                     yield message, ("agvs", lane.name, k, "to")
             at_q = to

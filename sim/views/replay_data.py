@@ -6,7 +6,7 @@ import math
 from pathlib import Path
 from typing import Any
 
-from floorplan import Floorplan, Gantry, Lane, Obstacle, Zone
+from floorplan import Floorplan, Gantry, Gate, Lane, Obstacle, Zone
 from navigation import AnyLaw, Piece, SeparationLaw, required_at_speeds
 
 from ..core.machine import MachineShape
@@ -63,6 +63,7 @@ def _floorplan(plan: Floorplan) -> dict[str, Any]:
         if gantry
         else None,
         **({"zones": [_zone(zone) for zone in plan.zones]} if plan.zones else {}),
+        **({"gates": [_gate(gate) for gate in plan.gates]} if plan.gates else {}),
     }
 
 
@@ -82,6 +83,10 @@ def _zone(zone: Zone) -> dict[str, Any]:
         "max_speed": zone.max_speed,
         "forbidden": zone.forbidden,
     }
+
+
+def _gate(gate: Gate) -> dict[str, Any]:
+    return {"name": gate.name, "ends": gate.ends, "direction": gate.normal}
 
 
 def _passing(run: Outcome) -> dict[str, Any]:

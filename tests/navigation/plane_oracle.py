@@ -83,10 +83,21 @@ def room(world, radius, sides=32):
     return world.plan.boundary.difference(shapely.union_all(parts))
 
 
-def shortest(free, places):
+def goes_back(gate, a, b):
+    """Whether segments from a to b (N, 2) go through a gate against its direction."""
+    (x, y), towards = gate.ends[0], np.subtract(gate.towards, gate.ends[0])
+    dx, dy = np.subtract(gate.ends[1], gate.ends[0])
+    way = math.copysign(1.0, dx * towards[1] - dy * towards[0])
+    here, there = (way * (dx * (at[:, 1] - y) - dy * (at[:, 0] - x)) for at in (a, b))
+    back = (here >= 0) & (there < 0)
+    lines = shapely.linestrings(np.stack([a, b], axis=1))
+    return back & shapely.intersects(lines, shapely.linestrings(gate.ends))
+
+
+def shortest(free, places, gates=()):
     """The shortest ways in polygon(s) `free` between `places`: a matrix of lengths.
 
-    Every corner is linked with every other that it sees.
+    Every corner is linked with every other that it sees, but not back through one of the `gates`.
     """
     corners = []
     for polygon in shapely.get_parts(shapely.orient_polygons(free)):
@@ -103,6 +114,9 @@ def shortest(free, places):
     far = np.full((len(nodes), len(nodes)), math.inf)
     apart = np.hypot(*(nodes[one] - nodes[other]).T)
     far[one[seen], other[seen]] = far[other[seen], one[seen]] = apart[seen]
+    for gate, (a, b) in itertools.product(gates, ((one, other), (other, one))):
+        back = goes_back(gate, nodes[a], nodes[b])
+        far[a[back], b[back]] = math.inf
     np.fill_diagonal(far, 0.0)
     for k in range(len(nodes)):
         np.minimum(far, far[:, k, None] + far[k], out=far)

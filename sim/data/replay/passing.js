@@ -1,4 +1,4 @@
-/* Zones of the floor, and what is not always there: closed doors, and obstacles that come and go. */
+/* Zones and one-way gates of the floor, and what is not always there: closed doors, and obstacles that come and go. */
 
 const COMES = ["door_closed", "obstacle_came"];
 const GOES = ["door_opened", "obstacle_went"];
@@ -34,8 +34,29 @@ function thereAt({ comings: { turns } }, t) {
   return [...there.values()].filter(Boolean);
 }
 
-/** Zones as dashed outlines, forbidden ones in the colour of danger. */
-function drawZones({ context, camera, palette }, { zones = [] }) {
+/** Metres. The arrow through a one-way gate, and its head. */
+const ARROW = 1.2, HEAD = 0.35;
+
+/** Zones as dashed outlines, forbidden ones in the colour of danger; gates as dotted lines with arrows. */
+function drawRules(pen, { zones = [], gates = [] }) {
+  drawZones(pen, zones);
+  for (const gate of gates) drawGate(pen, gate);
+}
+
+function drawGate({ context, camera, palette }, { ends: [[ax, ay], [bx, by]], direction: [dx, dy] }) {
+  const [x, y] = [(ax + bx) / 2, (ay + by) / 2];
+  const at = (along, beside) => [x + along * dx - beside * dy, y + along * dy + beside * dx];
+  context.strokeStyle = palette["person-2"];
+  context.lineWidth = 1.5;
+  context.setLineDash([2, 3]);
+  strokePath(context, camera, [[ax, ay], [bx, by]]);
+  context.setLineDash([]);
+  const tip = ARROW / 2, neck = tip - HEAD;
+  strokePath(context, camera, [at(-tip, 0), at(tip, 0)]);
+  strokePath(context, camera, [at(neck, HEAD / 2), at(tip, 0), at(neck, -HEAD / 2)]);
+}
+
+function drawZones({ context, camera, palette }, zones) {
   context.lineWidth = 1.25;
   for (const { footprint, forbidden } of zones) {
     context.strokeStyle = context.fillStyle = palette[forbidden ? "danger" : "muted"];
@@ -47,9 +68,9 @@ function drawZones({ context, camera, palette }, { zones = [] }) {
   }
 }
 
-/** Zones, and what is there at t. */
+/** Zones and gates, and what is there at t. */
 function drawPassing({ context, camera, palette }, run, t) {
-  drawZones({ context, camera, palette }, run.plan);
+  drawRules({ context, camera, palette }, run.plan);
   for (const { footprint } of thereAt(run, t)) {
     context.fillStyle = palette.high;
     context.strokeStyle = palette.text;

@@ -114,6 +114,10 @@ function problemsOf(recording) {
     if (plan.zones) {
       each(plan.zones, "floorplan.zones", "a footprint of points [x, y] is missing", zone => isRing(zone?.footprint));
     }
+    if (plan.gates) {
+      each(plan.gates, "floorplan.gates", "needs two ends [x, y] and a direction",
+        gate => isLine(gate?.ends) && isPoint(gate.direction));
+    }
     each(plan.stations, "floorplan.stations", "a point [x, y] is missing: at", station => isPoint(station?.at));
     each(plan.lanes, "floorplan.lanes", "needs points from and to, and locations",
       lane => isPoint(lane?.from) && isPoint(lane.to) && isObject(lane.locations)

@@ -188,7 +188,7 @@ function floorPicture(run, bounds, palette, fieldScale) {
   const toScreen = (x, y) => [(x - bounds.left) * scale, (bounds.top - y) * scale];
   const pen = { context, camera: { scale, toScreen }, palette };
   new FloorLayer(plan).paintGround(pen);
-  drawZones(pen, plan);
+  drawRules(pen, plan);
   if (fieldScale) drawField(pen, run, fieldScale, 0);
   return canvas;
 }

@@ -24,7 +24,7 @@ from ...core.machine import Machine, MachineShape
 from ...core.scenario import AgvMove
 from ...core.stage import Stage
 from ...safety.foresight import Foresight, Pedestrian, Stoppable
-from .lane_parts import SLIGHT, last_before, part_within, run_slowly, slow_parts
+from .lane_parts import SLIGHT, last_before, part_behind, part_within, run_slowly, slow_parts
 
 LOOK = 0.1
 """Seconds. An AGV that yields looks where people are no sooner than that after the last time."""
@@ -80,6 +80,7 @@ class Agv(Machine):
             for part in [part_within(lane, zone.area)]
             if part is not None
         ]
+        self._gates = [gate for gate in stage.floorplan.gates if gate.is_about(lane.name)]
         self._blocked: tuple[str, float] | None = None
 
     def begin(self) -> None:
@@ -180,10 +181,12 @@ class Agv(Machine):
     def _hindrance(self) -> tuple[str, float] | None:
         """Return what is first in the way to the target, and the last lane position before it."""
         target, there = self._target, self._stage.there
-        if target is None or not (there or self._forbidden):
+        if target is None or not (there or self._forbidden or self._gates):
             return None
         at, to = self.lane_position, self.lane.lane_position(target)
         closed = [*self._forbidden]
+        behind = ((gate.name, part_behind(self.lane, gate, at, to)) for gate in self._gates)
+        closed += [(name, part) for name, part in behind if part is not None]
         for one in there.values():
             part = part_within(self.lane, one.footprint)
             if part is not None and one.overlaps(0.0, self.lane.height):

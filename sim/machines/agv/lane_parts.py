@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 import shapely
 
-from floorplan import Lane, Zone, rectangle
+from floorplan import Gate, Lane, Zone, rectangle
 from navigation import AxisState, Motion, agv_run, agv_stop, lane_state, paced
 
 MARGIN = 0.1
@@ -33,6 +33,26 @@ def part_within(lane: Lane, area: shapely.Geometry) -> Part | None:
     corners = shapely.get_coordinates(shared) - (x, y)
     along = corners @ np.array([c, s])
     return float(along.min()) - lane.length / 2, float(along.max()) + lane.length / 2
+
+
+def part_behind(lane: Lane, gate: Gate, at: float, to: float) -> Part | None:
+    """Return the lane positions that `gate` closes to a run from `at` to `to`, if there are any.
+
+    Those with the centre on its far side at which the AGV stands on its line: none to a run in its
+    direction.
+    """
+    (nx, ny), (c, s) = gate.normal, lane.direction
+    ahead = nx * c + ny * s
+    if ahead * (to - at) >= 0:
+        return None
+    course = shapely.linestrings([lane.position(q) for q in lane.limits])
+    crossing = shapely.intersection(course, shapely.linestrings(gate.ends))
+    if crossing.is_empty:
+        return None
+    (x, y), (ox, oy) = shapely.get_coordinates(crossing)[0], lane.origin
+    q = float((x - ox) * c + (y - oy) * s)
+    reach = (lane.length + abs(ny * c - nx * s) / abs(ahead) * lane.width) / 2
+    return (q, q + reach) if ahead > 0 else (q - reach, q)
 
 
 def last_before(part: Part, at: float, to: float) -> float | None:

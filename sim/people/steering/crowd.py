@@ -149,7 +149,7 @@ class Crowd:
                 near = [people[k] for k in self._whereabouts.near(stand.box, radius)]
                 # The place itself was found fit by whoever chose it, however close to a wall.
                 if (
-                    (ring == 0 or ground.free(place, at))
+                    (ring == 0 or ground.free_and_back(place, at))
                     and all(math.dist(at, other) >= radius + r + GAP for other, r in taken)
                     and not any(
                         first_conflict(stand, other.swath, radius + other.radius + GAP, now)

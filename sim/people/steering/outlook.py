@@ -46,6 +46,7 @@ class Ground:
         self.world = world
         self.radius = radius
         self._walls = world.walls(radius)
+        self._gates = world.gates
         self._narrow_cells: dict[tuple[int, int], bool | None] = {}
 
     @cached_property
@@ -53,11 +54,25 @@ class Ground:
         return self.world.narrows(self.radius)
 
     def free(self, a: Point, b: Point) -> bool:
-        """Return whether the segment from a, a free place, to b touches nothing."""
-        if not self._walls.clear(a, b):
+        """Return whether the segment from a, a free place, to b touches nothing.
+
+        Nor goes through a gate against its direction.
+        """
+        if not self._walls.clear(a, b) or (self._gates and not self._gates.allow(a, b)):
             return False
         near = self.world.near(a, b, self.radius)
         return not near or self.world.segment_free(a, b, self.radius, near)
+
+    def free_and_back(self, a: Point, b: Point) -> bool:
+        """Return whether the segment from a to b is free, and a way leads back.
+
+        It may be another, where the segment goes through a gate.
+        """
+        return self.free(a, b) and (
+            not self._gates
+            or self._gates.allow(b, a)
+            or self._gates.reach(self.world.fixed_space(self.radius), b, a)
+        )
 
     def narrow(self, place: Point) -> bool:
         """Return whether a place is in a narrow one, or just before it."""

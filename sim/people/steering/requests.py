@@ -173,7 +173,7 @@ class Request:
             if s <= gone + STEP:
                 continue
             path = [at, *first(rest(course, gone + STEP), s - gone - STEP)]
-            if not all(ground.free(a, b) for a, b in pairwise(path)):
+            if not all(ground.free_and_back(a, b) for a, b in pairwise(path)):
                 return
             yield from moving.steps(who, path, beside, legs, needed, ground)
 
@@ -244,7 +244,7 @@ class Moving:
             if k < 0:
                 return
             place = (x + places[2 * k], y + places[2 * k + 1])
-            if not ground.free((x, y), place):
+            if not ground.free_and_back((x, y), place):
                 continue
             retreat, draft = [*path, place], Swath.of(table, box)
             if who.zones:

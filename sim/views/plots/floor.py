@@ -12,7 +12,7 @@ from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 from shapely.geometry import Polygon
 
-from floorplan import Floorplan, Lane, Obstacle
+from floorplan import Floorplan, Gate, Lane, Obstacle
 
 from ...core.machine import MachineShape
 from .names import draw_names
@@ -32,6 +32,9 @@ from .style import (
 )
 
 _DASHES = (0, (3, 2))
+
+ARROW = 1.0
+"""Metres. The length of the arrow through a one-way gate."""
 
 _HIGHEST = 9.0
 """Inches. The most that fits on a page."""
@@ -100,6 +103,7 @@ def draw_floor(axes: Axes, plan: Floorplan, machines: Iterable[MachineShape] = (
     """Draw walls, obstacles (the higher the darker; overhead ones dashed), lanes and stations.
 
     Zones are dashed outlines, doors lines: green where they are open unless a trial says otherwise.
+    Arrows point through one-way gates, which are dotted.
 
     The courses of `machines` are drawn as the lanes.
     """
@@ -117,6 +121,8 @@ def draw_floor(axes: Axes, plan: Floorplan, machines: Iterable[MachineShape] = (
     for door in plan.doors:
         x, y = np.array(door.ends).T
         axes.plot(x, y, color=GREEN if door.is_open else BLACK, linewidth=1.5, zorder=2.2)
+    for gate in plan.gates:
+        _draw_gate(axes, gate)
     for station in plan.stations:
         axes.plot(
             *station.position, "+", color=BLACK, markersize=5, markeredgewidth=0.8, zorder=3.4
@@ -147,6 +153,25 @@ def _draw_obstacle(axes: Axes, obstacle: Obstacle, person: float) -> None:
         shade = obstacle_shade(obstacle)
         look = {"facecolor": str(round(shade, 3)), "edgecolor": str(round(shade - 0.2, 3))}
     fill_area(axes, obstacle.footprint, linewidth=0.4, zorder=1.5, **look)
+
+
+def _draw_gate(axes: Axes, gate: Gate) -> None:
+    (ends_x, ends_y), (nx, ny) = np.array(gate.ends).T, gate.normal
+    axes.plot(ends_x, ends_y, color=GREEN, linewidth=1.2, linestyle=":", zorder=2.2)
+    x, y, half = ends_x.mean(), ends_y.mean(), ARROW / 2
+    axes.annotate(
+        "",
+        (x + half * nx, y + half * ny),
+        (x - half * nx, y - half * ny),
+        arrowprops={
+            "arrowstyle": "-|>",
+            "color": GREEN,
+            "linewidth": 1.2,
+            "shrinkA": 0,
+            "shrinkB": 0,
+        },
+        zorder=2.3,
+    )
 
 
 def _draw_agv(axes: Axes, lane: Lane) -> None:
