@@ -19,6 +19,7 @@ from sim.bridge.client import Client
 from sim.bridge.ledger import Account, Ledger
 from sim.bridge.remote_person import RemotePerson
 from sim.commands.percept_script import read_percepts
+from sim.people.tracks.bags import read_bag_tracks
 from sim.studies.folder import StudyFolder
 from sim.studies.report import write_report
 from sim.studies.results import StudyResults
@@ -51,6 +52,7 @@ def prepare(folder):
     begin = page.index('<script type="application/json" id="recording">')
     (folder / "page.html").write_text(page[begin : page.index("</script>", begin) + 9])
     sim.run_study(sim.Study.load(folder / "one.study.yaml"), folder / "results", jobs=1)
+    sim.export(sim.load_run(folder / "run"), folder / "bag", rate=2.0)
 
 
 def trial(path):
@@ -67,6 +69,10 @@ def run(path):
     except Exception as why:
         raise AssertionError(f"what was checked is refused as it begins: {why}") from why
     use(simulation.finish())
+
+
+def track(path):
+    read_bag_tracks(path.parent)
 
 
 def recording(path):
@@ -206,6 +212,8 @@ READERS = {
     "percepts.jsonl": read_percepts,
     "to_server.jsonl": to_server,
     "to_agent.jsonl": to_agent,
+    "bag/bag.db3": track,
+    "bag/metadata.yaml": track,
     "run/scene.json": recording,
     "run/summary.json": recording,
     "run/events.jsonl": recording,
