@@ -7,8 +7,10 @@ distances are those of the flat shapes, to about 1e-6 m.
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import fcl
@@ -18,7 +20,7 @@ from shapely.geometry import Polygon
 
 from floorplan import Point
 
-from .corners import Corners, around_disc, corners, edges_of_solid, round_corner
+from .corners import Corners, Floats, around_disc, corners, edges_of_solid, round_corner
 
 TOLERANCE = 1e-6
 """Metres. How far FCL's answers about flat shapes may be off."""
@@ -80,7 +82,7 @@ class Body:
         """The corners that a path bends around to pass it."""
         if isinstance(self.shape, Disc):
             return round_corner(self.shape.centre, self.shape.radius)
-        return corners(edges_of_solid(self.shape))
+        return corners(self.edges)
 
     def clear_of(self, line: shapely.Geometry) -> float:
         """Return the metres between it and a line (shapely)."""
@@ -88,6 +90,23 @@ class Body:
             centre = shapely.Point(self.shape.centre)
             return max(float(shapely.distance(line, centre)) - self.shape.radius, 0.0)
         return float(shapely.distance(line, self.shape))
+
+    @cached_property
+    def outline(self) -> tuple[list[float], float]:
+        """Its edges: x and y of both ends of each in turn; and how much larger it is all round.
+
+        Metres. A disc is its centre, and larger by its radius.
+        """
+        if isinstance(self.shape, Disc):
+            return [*self.shape.centre, *self.shape.centre], self.shape.radius
+        rings = (self.shape.exterior, *self.shape.interiors)
+        sides = (side for ring in rings for side in itertools.pairwise(ring.coords))
+        return [float(c) for a, b in sides for c in (*a[:2], *b[:2])], 0.0
+
+    @cached_property
+    def edges(self) -> list[Floats]:
+        """The rings around the polygon that it is."""
+        return edges_of_solid(self.shape)
 
     def near(self, a: Point, b: Point, radius: float) -> bool:
         """Return whether its bounds overlap those of a disc that moves from a to b."""

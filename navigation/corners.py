@@ -66,6 +66,10 @@ class Bends:
         """Those of the bends that are marked in `keep` (N,), or that it has the numbers of."""
         return Bends(*(column[keep] for column in vars(self).values()))
 
+    def columns(self) -> Floats:
+        """Return x and y of point, before and after, and reach, in rows: (7, N)."""
+        return np.vstack([self.point.T, self.before.T, self.after.T, self.reach])
+
     def beyond(self, places: Floats) -> tuple[Floats, Floats]:
         """Return the ways along x and y from each of `places` (K, 2) to every bend: (K, N)."""
         here, there = places.T[:, :, None], np.ascontiguousarray(self.point.T)
@@ -97,6 +101,12 @@ def edges_of_room(room: shapely.Geometry) -> list[Floats]:
 def edges_of_solid(solid: shapely.Geometry) -> list[Floats]:
     """The closed rings ((n + 1, 2), metres) around a `solid` thing: the room is on their left."""
     return _rings(shapely.orient_polygons(solid, exterior_cw=True))
+
+
+def flat_sides(edges: list[Floats]) -> list[float]:
+    """Return x and y of both ends of all sides of the rings, one side after another (metres)."""
+    sides: list[float] = np.hstack(_sides(edges)).ravel().tolist()
+    return sides
 
 
 def corners(edges: list[Floats]) -> Corners:
@@ -153,10 +163,11 @@ def around_disc(centre: tuple[float, float], radius: float, step: float) -> Poly
 def _rings(polygons: shapely.Geometry) -> list[Floats]:
     rings = []
     for polygon in shapely.get_parts(polygons):
-        for ring in (polygon.exterior, *polygon.interiors):
+        holes = shapely.get_interior_ring(polygon, range(shapely.get_num_interior_rings(polygon)))
+        for ring in (shapely.get_exterior_ring(polygon), *holes):
             points = shapely.get_coordinates(ring)
-            fresh = np.append(True, (np.diff(points, axis=0) != 0).any(axis=1))
-            rings.append(points[fresh])
+            fresh = (points[1:] != points[:-1]).any(axis=1)
+            rings.append(points if fresh.all() else points[np.append(True, fresh)])
     return rings
 
 

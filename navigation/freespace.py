@@ -13,7 +13,7 @@ from shapely.geometry import Polygon
 from floorplan import Point
 
 from .bodies import Body, Disc
-from .corners import around_disc, bends, corners, edges_of_room, edges_of_solid, grown
+from .corners import around_disc, bends, corners, edges_of_room, grown
 
 STEP = math.radians(3.0)
 """Radians. How finely arcs are drawn here: at most 0.04 % of the radius is lost."""
@@ -104,7 +104,7 @@ def _grown_body(body: Body, radius: float) -> shapely.Geometry:
     """Return the area that `body` takes from the centre of a disc of `radius` metres."""
     if isinstance(body.shape, Disc):
         return around_disc(body.shape.centre, body.shape.radius + radius, STEP)
-    edges = edges_of_solid(body.shape)
+    edges = body.edges
     around = corners(edges)
     if len(edges) == 1 and len(around.turn) == len(edges[0]) - 1:
         # Convex: the bends around its corners are all there is to the outline.

@@ -15,6 +15,7 @@ import shapely
 from floorplan import Gate, Point
 
 from .freespace import FreeSpace
+from .kernels.edges import back_through
 
 _THIN = 1e-7
 """Metres. Half of the width of what a gate takes from the room on either side of it."""
@@ -25,7 +26,8 @@ class Gates:
 
     def __init__(self, gates: Iterable[Gate] = ()) -> None:
         self.all = tuple(gates)
-        self._lines = [(*gate.ends[0], *gate.ends[1], *gate.normal) for gate in self.all]
+        self.lines = [[*gate.ends[0], *gate.ends[1], *gate.normal] for gate in self.all]
+        """x and y of the ends of each in turn, and of its direction."""
         self._parted: WeakKeyDictionary[FreeSpace, _Parted] = WeakKeyDictionary()
 
     def __repr__(self) -> str:
@@ -36,7 +38,7 @@ class Gates:
 
     def allow(self, a: Point, b: Point) -> bool:
         """Return whether the segment from a to b goes through none against its direction."""
-        return not any(_back_through(line, *a, *b) for line in self._lines)
+        return not any(back_through(line, *a, *b) for line in self.lines)
 
     def apart(self, a: Point, b: Point) -> bool:
         """Return whether the segment between a and b goes through any, whichever way."""
@@ -46,8 +48,8 @@ class Gates:
         """Return those that the polyline `points` goes through against their direction."""
         return tuple(
             gate
-            for gate, line in zip(self.all, self._lines, strict=True)
-            if any(_back_through(line, *a, *b) for a, b in pairwise(points))
+            for gate, line in zip(self.all, self.lines, strict=True)
+            if any(back_through(line, *a, *b) for a, b in pairwise(points))
         )
 
     def reach(self, space: FreeSpace, start: Point, goal: Point) -> bool:
@@ -119,17 +121,3 @@ class _Parted:
             if not fresh:
                 return found
             found |= fresh
-
-
-def _back_through(line: tuple[float, ...], ax: float, ay: float, bx: float, by: float) -> bool:
-    """Return whether the segment from a to b crosses a line from its far side back."""
-    px, py, qx, qy, nx, ny = line
-    here = (ax - px) * nx + (ay - py) * ny
-    there = (bx - px) * nx + (by - py) * ny
-    if here < 0 or there >= 0:
-        return False
-    share = here / (here - there)
-    x, y = ax + share * (bx - ax), ay + share * (by - ay)
-    dx, dy = qx - px, qy - py
-    along = (x - px) * dx + (y - py) * dy
-    return 0 <= along <= dx * dx + dy * dy

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import itertools
 import weakref
-from collections.abc import Callable
-from functools import partial
+from collections.abc import Callable, Collection
 from typing import Any
 
 import ompl.base as ob
@@ -15,44 +14,66 @@ from floorplan import Point
 from .bodies import Body
 from .catalog import ROADMAP
 from .freespace import STEP
-from .lookup import LookUp
+from .kernels.edges import Room, touches
 from .ompl_setup import OmplFloor, path_along, points_of, state_at
-from .roadmap import HAIR, Ends, Roadmap
+from .roadmap import HAIR, Roadmap
 from .search import shortest_path
 from .world import CollisionWorld
 
 SLACK = HAIR / 2
 """Metres. Clearance asked of a path beyond the radius, so that rounding can't take it away."""
 
-_MANY = 3
-"""Once a path meets this many bodies, it pays to find out first whether there is one at all."""
-
 
 class Links:
-    """FCL's answers about links, for discs of `radius` metres.
+    """What is in the way of links, for discs of `radius` metres.
 
-    Of the bodies only those in `met` count, or all while that is None.
+    A search asks what the floor and the bodies leave `clear`, worked out in the plane; OMPL asks
+    whether links are `free`, which FCL decides.
     """
 
     def __init__(self, world: CollisionWorld, radius: float) -> None:
         self.world = world
         self.radius = radius
-        self.met: list[Body] | None = None
+        self.among: list[Body] | None = None
+        """The bodies that count for OMPL; None for all."""
+        self._keep = radius + SLACK
+        self._walls = world.walls(self._keep)
+        self._floor = self.room([])
+
+    def clear(self, a: Point, b: Point) -> bool:
+        """Return whether the floor leaves room on the link from a, where there is room, to b."""
+        self.world.checks += 1
+        return self._floor.clear(*a, *b, True)
+
+    def bodies(self, a: Point, b: Point) -> list[Body]:
+        """Return the bodies in the way on the link from a, where none is, to b."""
+        near = self.world.near(a, b, self._keep)
+        self.world.checks += len(near)
+        return [body for body in near if self._blocks(body, a, b)]
+
+    def _blocks(self, body: Body, a: Point, b: Point) -> bool:
+        edges, rounding = body.outline
+        return touches(edges, *a, *b, self._keep + rounding)
+
+    def room(self, bodies: Collection[Body]) -> Room:
+        """Return the room that the floor and `bodies` leave."""
+        outlines = [body.outline for body in bodies]
+        return Room(self._walls.grid, self._keep, outlines, self.world.gates.lines)
 
     def free(self, a: Point, b: Point) -> bool:
         """Return whether the link from a to b is free."""
-        return self.world.segment_free(a, b, self.radius + SLACK, self.met)
+        return self.world.segment_free(a, b, self._keep, self.among)
 
-    def bodies(self, a: Point, b: Point) -> list[Body]:
-        """Return the bodies in the way on the link from a to b."""
-        return self.world.hits(a, b, self.radius + SLACK)
+    def hit(self, a: Point, b: Point) -> bool:
+        """Return whether a body is touched on the link from a to b, by FCL."""
+        return bool(self.world.hits(a, b, self._keep))
 
 
 class RoadmapSearch:
     """One search of the roadmap from `start` to `goal`, in bends of `step` radians at most.
 
-    shapely proposes links; `ask` decides about each that the search takes. `links` are told which
-    bodies count for it.
+    It goes by what is clear in the plane; of the path that it finds, `ask` decides about each link.
+    Where one is refused, it searches on without that.
     """
 
     def __init__(
@@ -67,77 +88,71 @@ class RoadmapSearch:
         self._start, self._goal = start, goal
         self._step = step
         self._ask = ask
-
-    def _free_on(self, roadmap: Roadmap, here: int, there: int, a: Point, b: Point) -> bool:
-        """Return whether the link from place `here` at a to place `there` at b is free.
-
-        Links between the floor's own bends are asked once: they change no more than the floor.
-        """
-        if min(here, there) < 0 or max(here, there) >= len(roadmap.bends):
-            return self._ask(a, b)
-        link = roadmap.number(here, there)
-        met, self._links.met = self._links.met, []
-        free = roadmap.asked.get(link)
-        if free is None:
-            free = roadmap.asked[link] = self._ask(a, b)
-        else:
-            self._links.world.checks += 1  # as if asked: figures don't depend on earlier questions
-        self._links.met = met
-        return free and not (met and any(body in met for body in self._links.bodies(a, b)))
+        self._refused: set[tuple[Point, Point]] = set()
 
     def path(self) -> list[Point] | None:
         """Return the points of the shortest path, or None if there is none."""
         links, start, goal = self._links, self._start, self._goal
-        links.met = None
-        if self._ask(start, goal):
+        straight = links.clear(start, goal)
+        if straight and not links.bodies(start, goal) and self._granted(start, goal):
             return [start, goal]
         world, room = links.world, links.radius + HAIR
         if not world.gates.reach(world.fixed_space(room), start, goal):
             return None
         for step in (self._step, STEP):
-            points = self._around_bodies(world.roadmap(links.radius, step))
+            points = self._around_bodies(world.roadmap(links.radius, step), straight)
             if points is not None or self._hopeless():
                 return points
         return None
 
-    def _around_bodies(self, roadmap: Roadmap) -> list[Point] | None:
+    def _around_bodies(self, roadmap: Roadmap, straight: bool) -> list[Point] | None:
         """Return the shortest path on `roadmap` round the bodies that it meets.
 
         Bodies are taken in only when a path runs into them. That is enough: a shortest path round
-        some of the bodies that is clear of all others is the shortest path round all.
+        some of the bodies that is clear of all others is the shortest path round all. `straight` is
+        true where nothing but bodies is in the way to the goal.
         """
+        links, start, goal = self._links, self._start, self._goal
         met: list[Body] = []
-        self._links.met = met
-        free = partial(self._free_on, roadmap)
-        points = None
-        known: LookUp | None = None
-        if roadmap.between is not None:
-            known = LookUp(roadmap, self._start, self._goal, free)
-        if self._links.bodies(self._start, self._goal) and self._ask(self._start, self._goal):
-            points = [self._start, self._goal]  # but for bodies
-        elif known is not None:
-            points = known.path()
-        ends: Ends | None = None
+        points: list[Point] | None = [start, goal] if straight else None
         while True:
-            if points is None:
-                if ends is None:
-                    ends = known.ends() if known else roadmap.ends(self._start, self._goal)
-                points, known_links = shortest_path(roadmap, ends, met, free, self._hopeless)
-                self._links.world.checks += known_links  # as above
+            if points is None or not self._refused.isdisjoint(itertools.pairwise(points)):
+                room, refused = links.room(met), self._refused
+                points = shortest_path(
+                    roadmap, start, goal, straight, met, room, refused, self._hopeless
+                )
+                links.world.checks += room.asked
             if points is None:
                 return None
-            fresh = [
-                body
-                for a, b in itertools.pairwise(points)
-                for body in self._links.bodies(a, b)
-                if body not in met
-            ]
-            if not fresh:
+            pairs = [*itertools.pairwise(points)]
+            touched = dict.fromkeys(body for pair in pairs for body in links.bodies(*pair))
+            fresh = [body for body in touched if body not in met]
+            if not fresh and all(self._granted(*pair, roadmap) for pair in pairs):
                 return points
             points = None
-            met += dict.fromkeys(fresh)
-            if len(met) >= _MANY and self._hopeless():
-                return None
+            met += fresh
+
+    def _granted(self, a: Point, b: Point, roadmap: Roadmap | None = None) -> bool:
+        """Return whether the link from a to b is free, and keep in mind that it is not.
+
+        Links between bends of `roadmap` are asked once: they change no more than the floor. Bodies
+        on them are asked about each time.
+        """
+        links = self._links
+        if roadmap is None or not (a in roadmap.places and b in roadmap.places):
+            free = self._ask(a, b)
+        else:
+            known = roadmap.asked.get((a, b))
+            if known is None:
+                links.among = []
+                known = roadmap.asked[a, b] = self._ask(a, b)
+                links.among = None
+            else:
+                links.world.checks += 1  # as if asked: figures don't depend on earlier questions
+            free = known and not links.hit(a, b)
+        if not free:
+            self._refused.add((a, b))
+        return free
 
     def _hopeless(self) -> bool:
         """Return True if it is proved that there is no path."""
@@ -148,9 +163,9 @@ class RoadmapSearch:
 class RoadmapPlanner(ob.Planner):  # type: ignore[misc]
     """Planner of OMPL's that answers one question with the shortest path on the roadmap.
 
-    Each link that the search takes is asked of OMPL's motion validator, which asks FCL. The
-    question is handed over here: OMPL 2.0.1 frees start states that Python has read from a problem
-    definition twice.
+    Each link of the path is asked of OMPL's motion validator, which asks FCL. The question is
+    handed over here: OMPL 2.0.1 frees start states that Python has read from a problem definition
+    twice.
     """
 
     def __init__(

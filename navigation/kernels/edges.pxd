@@ -1,6 +1,47 @@
+cdef double _WIDER
+cdef double _LEVEL
+cdef Py_ssize_t _LATELY
+
+cdef class Grid:
+    cdef double width
+    cdef double low_x
+    cdef double low_y
+    cdef Py_ssize_t columns
+    cdef Py_ssize_t rows
+    cdef Py_ssize_t first
+    cdef Py_ssize_t last
+    cdef list cells
+    cdef list[double] lately
+    cpdef bint touched(self, double ax, double ay, double bx, double by, double radius)
+    cdef Py_ssize_t _row(self, double y) noexcept
+    cdef int _span(
+        self, Py_ssize_t row, double ax, double ay, double bx, double by, double margin
+    ) noexcept
+
+cdef class Room:
+    cdef Grid floor
+    cdef double radius
+    cdef public Py_ssize_t asked
+    cdef list bodies
+    cdef list gates
+    cdef list[double] bounds
+    cpdef bint clear(self, double ax, double ay, double bx, double by, bint floor)
+
 cpdef bint touches(
     list[double] edges, double ax, double ay, double bx, double by, double radius
 ) except -1
+cpdef bint back_through(
+    list[double] line, double ax, double ay, double bx, double by
+) except -1
+cdef Py_ssize_t _first_near(
+    list[double] edges,
+    double ax,
+    double ay,
+    double dx,
+    double dy,
+    double length,
+    double radius,
+) noexcept
 cdef double _square(double px, double py, double dx, double dy, double length) noexcept
 cdef double _square_to(
     double px, double py, double qx, double qy, double x, double y

@@ -1,4 +1,7 @@
-"""Edges of a floor: whether a disc that is swept along a segment touches one."""
+"""Edges of a floor: whether a disc that is swept along a segment touches one.
+
+Edges are lists of numbers: x and y of both ends of each in turn (metres).
+"""
 
 from __future__ import annotations
 
@@ -10,64 +13,185 @@ else:
     from . import uncompiled as cython
 
 if not cython.compiled:
-    from math import ceil, floor, sqrt
+    from math import sqrt
 else:
-    from cython.cimports.libc.math import ceil, floor, sqrt
+    from cython.cimports.libc.math import sqrt
 
-ROWS = 1 << 20
-"""Keys of cells from one column to the next: column · ROWS + row, as seen from the origin."""
+_WIDER: float = 1.001  # of a radius: rounding hides no cell beside a sweep
+_LATELY: cython.Py_ssize_t = 12  # numbers of the edges that are remembered beside the last
+_LEVEL: float = 1e-3  # of a cell's width; segments that rise less are taken as level
 
-_ROWS: float = 1048576.0
+
+class Grid:
+    """Edges by the square cells of `width` metres that they come into."""
+
+    def __init__(self, edges: list[float], width: float) -> None:
+        self.width = width
+        self.low_x = min(edges[0::2])
+        self.low_y = min(edges[1::2])
+        self.columns = 1 + int((max(edges[0::2]) - self.low_x) / width)
+        self.rows = 1 + int((max(edges[1::2]) - self.low_y) / width)
+        self.first = self.last = 0
+        self.cells: list[list[float]] = [[] for _ in range(self.columns * self.rows)]
+        self.lately: list[float] = []
+        margin: float = 1e-6 * width
+        k: cython.Py_ssize_t
+        row: cython.Py_ssize_t
+        column: cython.Py_ssize_t
+        for k in range(0, len(edges), 4):
+            ax: float = edges[k]
+            ay: float = edges[k + 1]
+            bx: float = edges[k + 2]
+            by: float = edges[k + 3]
+            for row in range(self._row(min(ay, by) - margin), self._row(max(ay, by) + margin) + 1):
+                self._span(row, ax, ay, bx, by, margin)
+                for column in range(self.first, self.last + 1):
+                    self.cells[row * self.columns + column].extend((ax, ay, bx, by))
+
+    def touched(self, ax: float, ay: float, bx: float, by: float, radius: float) -> bool:
+        """Return whether an edge is nearer than `radius` (metres) to the segment from a to b."""
+        dx: float = bx - ax
+        dy: float = by - ay
+        length: float = sqrt(dx * dx + dy * dy)
+        # What was in the way of the last segments is often in the way of the next, too.
+        if _first_near(self.lately, ax, ay, dx, dy, length, radius) >= 0:
+            return True
+        margin: float = radius * _WIDER
+        edges: list[float]
+        row: cython.Py_ssize_t
+        column: cython.Py_ssize_t
+        k: cython.Py_ssize_t
+        for row in range(self._row(min(ay, by) - margin), self._row(max(ay, by) + margin) + 1):
+            self._span(row, ax, ay, bx, by, margin)
+            for column in range(self.first, self.last + 1):
+                edges = self.cells[row * self.columns + column]
+                if len(edges) > 0:
+                    k = _first_near(edges, ax, ay, dx, dy, length, radius)
+                    if k >= 0:
+                        self.lately = edges[k : k + 4] + self.lately[:_LATELY]
+                        return True
+        return False
+
+    def _row(self, y: float) -> int:
+        """Return the row of cells that `y` is in, or the one nearest to it."""
+        return int(min(max((y - self.low_y) / self.width, 0.0), self.rows - 1.0))
+
+    def _span(
+        self, row: cython.Py_ssize_t, ax: float, ay: float, bx: float, by: float, margin: float
+    ) -> None:
+        """Find the `first` and the `last` column of a row that a sweep may come into.
+
+        An edge in the row that is near the segment is near a point of it whose y is no farther
+        than `margin` from the row, and in the columns within `margin` of that point.
+        """
+        low: float = ax
+        high: float = bx
+        if abs(by - ay) > _LEVEL * self.width:
+            bottom: float = self.low_y + row * self.width - margin
+            slope: float = (bx - ax) / (by - ay)
+            low = ax + slope * (min(max(bottom, min(ay, by)), max(ay, by)) - ay)
+            top: float = bottom + self.width + 2.0 * margin
+            high = ax + slope * (min(max(top, min(ay, by)), max(ay, by)) - ay)
+        if low > high:
+            low, high = high, low
+        most: float = self.columns - 1.0
+        self.first = int(min(max((low - margin - self.low_x) / self.width, 0.0), most))
+        self.last = int(min(max((high + margin - self.low_x) / self.width, 0.0), most))
 
 
-def clear(
-    cells: dict[int, list[float]],
-    width: float,
-    ax: float,
-    ay: float,
-    bx: float,
-    by: float,
-    radius: float,
-    missing: list[int],
-) -> bool:
-    """Return whether a disc of `radius` metres touches no edge from (ax, ay) to (bx, by).
+class Room:
+    """The room that a floor and bodies leave for a disc of `radius` metres.
 
-    `cells` holds by their keys the edges that count in cells of `width` metres, for places that are
-    as far apart at most; a single number where it is off the floor. The key of one that is
-    not there goes to `missing`, and the answer has to wait for it.
+    Each of `bodies` are the edges of one, and its rounding: metres by which it is larger all round.
+    `gates` are lines as for `back_through`, which a segment must not go back through.
     """
-    dx: float = bx - ax
-    dy: float = by - ay
-    steps: float = ceil(sqrt(dx * dx + dy * dy) / width)
-    if steps < 1.0:
-        steps = 1.0
-    last: float = 0.5
-    step: float = 0.0
-    while step <= steps:
-        share: float = step / steps
-        column: float = floor((ax + share * dx) / width)
-        key: float = column * _ROWS + floor((ay + share * dy) / width)
-        step += 1.0
-        if key == last:
-            continue
-        last = key
-        edges: list[float] | None = cells.get(int(key))
-        if edges is None:
-            missing.append(int(key))
-            return False
-        if len(edges) == 1 or (len(edges) > 0 and touches(edges, ax, ay, bx, by, radius)):
-            return False
-    return True
+
+    def __init__(
+        self,
+        floor: Grid,
+        radius: float,
+        bodies: list[tuple[list[float], float]],
+        gates: list[list[float]],
+    ) -> None:
+        self.floor = floor
+        self.radius = radius
+        self.asked = 0
+        self.bodies = [edges for edges, _ in bodies]
+        self.gates = gates
+        self.bounds: list[float] = []
+        edges: list[float]
+        rounding: float
+        for edges, rounding in bodies:
+            radius = self.radius + rounding
+            self.bounds.append(min(edges[0::2]) - radius)
+            self.bounds.append(min(edges[1::2]) - radius)
+            self.bounds.append(max(edges[0::2]) + radius)
+            self.bounds.append(max(edges[1::2]) + radius)
+            self.bounds.append(radius)
+
+    def clear(self, ax: float, ay: float, bx: float, by: float, floor: bool) -> bool:
+        """Return whether there is room on the segment from a, where there is, to b.
+
+        The floor and its gates count if `floor` is true. How often this was asked is in `asked`.
+        """
+        self.asked += 1
+        gate: list[float]
+        if floor:
+            for gate in self.gates:
+                if back_through(gate, ax, ay, bx, by):
+                    return False
+            if self.floor.touched(ax, ay, bx, by, self.radius):
+                return False
+        k: cython.Py_ssize_t
+        o: cython.Py_ssize_t = 0
+        for k in range(len(self.bodies)):
+            if (
+                (ax > self.bounds[o] or bx > self.bounds[o])
+                and (ay > self.bounds[o + 1] or by > self.bounds[o + 1])
+                and (ax < self.bounds[o + 2] or bx < self.bounds[o + 2])
+                and (ay < self.bounds[o + 3] or by < self.bounds[o + 3])
+                and touches(self.bodies[k], ax, ay, bx, by, self.bounds[o + 4])
+            ):
+                return False
+            o += 5
+        return True
+
+
+def back_through(line: list[float], ax: float, ay: float, bx: float, by: float) -> bool:
+    """Return whether the segment from a to b crosses a line from its far side back.
+
+    `line` has x and y of both ends, and of the direction in which it may be crossed.
+    """
+    nx: float = line[4]
+    ny: float = line[5]
+    here: float = (ax - line[0]) * nx + (ay - line[1]) * ny
+    there: float = (bx - line[0]) * nx + (by - line[1]) * ny
+    if here < 0.0 or there >= 0.0:
+        return False
+    share: float = here / (here - there)
+    x: float = ax + share * (bx - ax) - line[0]
+    y: float = ay + share * (by - ay) - line[1]
+    dx: float = line[2] - line[0]
+    dy: float = line[3] - line[1]
+    along: float = x * dx + y * dy
+    return 0.0 <= along <= dx * dx + dy * dy
 
 
 def touches(edges: list[float], ax: float, ay: float, bx: float, by: float, radius: float) -> bool:
-    """Return whether an edge is nearer than `radius` (metres) to a segment.
-
-    It goes from (`ax`, `ay`) to (`bx`, `by`); `edges` holds x and y of both ends of each in turn.
-    """
+    """Return whether one of `edges` is nearer than `radius` (metres) to the segment from a to b."""
     dx: float = bx - ax
     dy: float = by - ay
-    length: float = sqrt(dx * dx + dy * dy)
+    near: bool = _first_near(edges, ax, ay, dx, dy, sqrt(dx * dx + dy * dy), radius) >= 0
+    return near
+
+
+def _first_near(
+    edges: list[float], ax: float, ay: float, dx: float, dy: float, length: float, radius: float
+) -> cython.Py_ssize_t:
+    """Return where the first edge is that is nearer than `radius` to the segment from a along d.
+
+    -1 if there is none.
+    """
     c: float = 0.0
     s: float = 0.0
     if length > 0.0:
@@ -94,15 +218,15 @@ def touches(edges: list[float], ax: float, ay: float, bx: float, by: float, radi
         if h * i < 0.0:
             crossing: float = p + (q - p) * h / (h - i)
             if 0.0 <= crossing <= length:
-                return True
+                return k
         if (
             _square(px, py, dx, dy, length) < least
             or _square(qx, qy, dx, dy, length) < least
             or _square_to(px, py, qx, qy, 0.0, 0.0) < least
             or _square_to(px, py, qx, qy, dx, dy) < least
         ):
-            return True
-    return False
+            return k
+    return -1
 
 
 def _square(px: float, py: float, dx: float, dy: float, length: float) -> float:

@@ -22,7 +22,7 @@ sys.meta_path.insert(0, Sources())
 
 RUN = """
 import hashlib, pathlib, random, sys, tempfile
-import navigation, sim
+import floorplan, navigation, sim
 from navigation.kernels import COMPILED
 
 print(COMPILED, file=sys.stderr)
@@ -56,6 +56,16 @@ for name in ("ariac2023", "people_aisle"):
         recording.finish(sim.run(sim.Trial.load(name), recording))
         for file in ("events.jsonl", "motions.jsonl", "trajectory.csv"):
             digest.update(pathlib.Path(folder, file).read_bytes())
+world = navigation.CollisionWorld(floorplan.load("ariac2023"))
+planner = navigation.PathPlanner(world, 0.3)
+for _ in range(30):
+    for lane in world.plan.lanes:
+        world.move_agv(lane.name, rng.uniform(*lane.limits))
+    ends = [(rng.uniform(-22, 2), rng.uniform(-12, 12)) for _ in range(2)]
+    try:
+        digest.update(planner.plan(*ends).points.tobytes())
+    except navigation.PlanningError as why:
+        digest.update(why.reason.encode())
 print(digest.hexdigest())
 """
 

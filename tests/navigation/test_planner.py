@@ -14,6 +14,8 @@ from shapely.geometry import Polygon, box
 
 import floorplan
 from navigation import CollisionWorld, Disc, PathPlanner, PlanningError, planners
+from navigation.planner import COARSE
+from navigation.roadmap_planner import Links, RoadmapSearch
 
 SAMPLING = [info for info in planners() if info.name != "Roadmap"]
 
@@ -303,6 +305,38 @@ def test_links_are_what_fcl_says_is_free(world, monkeypatch):
     points = [*map(tuple, path.points.tolist())]
     assert len(points) > 2
     assert all({a, b} in asked for a, b in itertools.pairwise(points))
+
+
+def test_a_link_that_is_refused_is_gone_round(world):
+    start, goal = (-15.0, -10.0), (-19.0, 0.0)
+    # A radius of its own: what was asked for others is remembered with the floor.
+    links, refused = Links(world, 0.3 + 2e-9), []
+
+    def path():
+        world.roadmap(links.radius, COARSE).asked.clear()
+        ask = lambda a, b: {a, b} not in refused  # noqa: E731
+        return RoadmapSearch(links, start, goal, COARSE, ask).path()
+
+    shortest = path()
+    for k in range(3):
+        points = path()
+        assert length(points) >= length(shortest)
+        assert gap(world, points) >= 0.3
+        assert not any({a, b} in refused for a, b in itertools.pairwise(points))
+        refused.append({points[k], points[k + 1]})
+
+
+@settings(max_examples=settings.default.max_examples // 5)
+@given(st.integers(0, 2**32), st.floats(0.05, 1.0))
+def test_the_room_along_a_segment(seed, radius):
+    world = CollisionWorld(random_floor(seed))
+    walls, rng = world.walls(radius), np.random.default_rng(seed)
+    for a, b in rng.uniform(0, 10, (40, 2, 2)):
+        if rng.random() < 0.3:
+            b = np.where(rng.random(2) < 0.5, a, b)
+        apart = gap(world, [a, b])
+        if abs(apart - radius) > 1e-9 and gap(world, [a]) > radius:
+            assert walls.clear(a.tolist(), b.tolist()) == (apart > radius)
 
 
 def test_kept_paths_are_those_of_the_floor_as_it_is(world):
