@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from functools import partial
+from functools import lru_cache, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,6 +21,8 @@ SAGITTA = 1e-3
 
 DEEPEST = 32
 """Most blocks inside each other: deeper ones contain themselves."""
+
+_NOWHERE = shapely.Polygon()
 
 SILENT = frozenset(
     (
@@ -77,6 +79,8 @@ class Reader:
         self._drawing = drawing
         self._metre = metre
         self._drawn = drawn
+        self.group_of = lru_cache(None)(drawn.group_of)
+        """The name of the group of a layer, None if it is in none."""
         self._hidden = {
             layer.dxf.name.casefold(): (layer.is_off() or layer.is_frozen(), layer.is_frozen())
             for layer in drawing.layers
@@ -105,7 +109,7 @@ class Reader:
                 continue
             self.layers.add(layer)
             place = partial(_named, kind, entity, within)
-            if self._drawn.group_of(layer) is None:
+            if self.group_of(layer) is None:
                 yield Unread(layer, place(), "is on a layer that no group has", False)
             elif kind in PARTED:
                 for part in entity.virtual_entities():
@@ -124,7 +128,7 @@ class Reader:
             return
         if block.block is not None and block.block.is_xref:
             why = f"refers to another drawing ({name!r}); bind it into this one"
-            yield Unread(layer, place, why, self._drawn.group_of(layer) is not None)
+            yield Unread(layer, place, why, self.group_of(layer) is not None)
             return
         if depth >= DEEPEST:
             yield Unread(layer, place, f"the block {name!r} contains itself", True)
@@ -139,7 +143,7 @@ class Reader:
             if entity.dxftype() not in SILENT:
                 own = _layer(entity)
                 own = layer if own == "0" else own
-                wanted = self._drawn.group_of(own) is not None
+                wanted = self.group_of(own) is not None
                 at = _named(entity.dxftype(), entity, f"{place} ({name})")
                 yield Unread(own, at, f"can't be put where its block is: {why}", wanted)
 
@@ -189,7 +193,7 @@ class Reader:
             return
         from ezdxf import path
 
-        area: Any = shapely.Polygon()
+        area: Any = _NOWHERE
         bottom = 0.0
         for outline in path.from_hatch(hatch):
             corners = [(v.x, v.y, v.z) for v in outline.flattening(SAGITTA / self._metre)]

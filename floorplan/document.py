@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import gc
 import re
 from collections.abc import Hashable, Iterable, Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeAlias, TypeVar
@@ -14,7 +12,7 @@ import yaml
 from pydantic import BaseModel, ValidationError
 
 from .problems import InputError, Problem, shown
-from .reading import read_text
+from .reading import no_garbage, read_text
 from .yaml_loader import MOST_VALUES, safe_loader, too_many
 
 Place = tuple[str | int, ...]
@@ -174,7 +172,7 @@ def parse_yaml(text: str, file: str, error: type[InputError]) -> Document:
     loader = None
     try:
         loader = safe_loader(text)
-        with _no_garbage():
+        with no_garbage():
             node = loader.get_single_node()
             if node is None:
                 return Document(file, None, {(): 1})
@@ -198,19 +196,6 @@ def parse_yaml(text: str, file: str, error: type[InputError]) -> Document:
     finally:
         if loader is not None:
             loader.dispose()
-
-
-@contextmanager
-def _no_garbage() -> Iterator[None]:
-    """Pause the garbage collector: a long document's many nodes are all alive, and looking them
-    over again and again takes as long as all the rest."""
-    looking = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if looking:
-            gc.enable()
 
 
 def _survey(

@@ -27,7 +27,7 @@ from .model import DEFAULT_HEIGHT, Obstacle
 from .outlines import Loose, enclosed, opened, pieces_of
 from .plan import Floorplan
 from .problems import FloorplanError, Problem
-from .reading import require_readable
+from .reading import no_garbage, require_readable
 
 if TYPE_CHECKING:
     from ezdxf.document import Drawing
@@ -50,6 +50,7 @@ class _Area:
     top: float
 
 
+@no_garbage()
 def load_dxf(path: Path, drawn: Drawn = AS_IT_IS) -> Floorplan:
     """The floorplan in the DXF file at `path`; `FloorplanError` with all that is wrong with it."""
     file = str(path)
@@ -62,7 +63,7 @@ def load_dxf(path: Path, drawn: Drawn = AS_IT_IS) -> Floorplan:
     try:
         for found in reader.shapes():
             if isinstance(found, Shape):
-                shapes.setdefault(str(drawn.group_of(found.layer)), []).append(found)
+                shapes.setdefault(str(reader.group_of(found.layer)), []).append(found)
             else:
                 to = problems if found.wanted else notices
                 to.append(Problem(found.why, _place(found)))

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from .checks import check
+from .document import MOST_TEXT
 from .map_writing import FINEST, USUAL, write_map
 from .model import Floor
 from .writing import TEXTS
@@ -29,8 +30,9 @@ class Floorplan(Floor):
         walk on. A ROS map (.pgm, with its .yaml beside it; or .yaml with a `resolution`) is this
         area in cells of `resolution` metres, 0.05 by default: a cell is free if all of it is.
 
-        `FloorplanError` if the floor is not sound, `ValueError` for another suffix, or where
-        people could walk nowhere, or in too many cells; `OSError` says why it can't be written.
+        `FloorplanError` if the floor is not sound, `ValueError` for another suffix, for a YAML
+        file too long to be read, or where people could walk nowhere, or in too many cells;
+        `OSError` says why it can't be written.
         """
         check(self)
         path = Path(path)
@@ -45,7 +47,11 @@ class Floorplan(Floor):
         if suffix not in TEXTS:
             known = ", ".join((*TEXTS, ".pgm"))
             raise ValueError(f"{path}: a floor can be written to files that end in one of {known}")
-        path.write_text(TEXTS[suffix](self), encoding="utf-8", newline="\n")
+        text = TEXTS[suffix](self)
+        if suffix in (".yaml", ".yml") and len(text) > MOST_TEXT:
+            reason = f"{len(text):,} characters, and one of more than {MOST_TEXT:,} can't be read"
+            raise ValueError(f"{path}: the floor would take {reason}; .geojson holds its shapes")
+        path.write_text(text, encoding="utf-8", newline="\n")
 
     def to_yaml(self) -> str:
         """Return the text of a file in Floorwalker's own format that holds this floor."""

@@ -6,6 +6,7 @@ or `/dev/fd/63` for `<(command)`) is read like a file.
 
 from __future__ import annotations
 
+import gc
 import os
 import re
 import stat
@@ -126,3 +127,16 @@ def _decoded(data: bytes, path: Path, error: type[InputError], line: int | None 
 
 def _megabytes(size: int) -> str:
     return f"{size / 1e6:,.0f} MB"
+
+
+@contextmanager
+def no_garbage() -> Iterator[None]:
+    """Pause the garbage collector: a long document's many parts are all alive, and looking them
+    over again and again takes as long as all the rest."""
+    looking = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if looking:
+            gc.enable()

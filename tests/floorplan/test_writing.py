@@ -107,3 +107,11 @@ def test_what_can_not_be_written(tmp_path):
     crossed = replace(hall, boundary=Polygon([(0, 0), (1, 1), (1, 0), (0, 1)]))
     says("boundary: is not a simple polygon", crossed, "floor.yaml", floorplan.FloorplanError)
     assert not [*tmp_path.iterdir()]
+
+
+def test_a_file_that_could_not_be_read_again_is_not_written(tmp_path, monkeypatch):
+    plan = floorplan.load("warehouse")
+    monkeypatch.setattr("floorplan.plan.MOST_TEXT", 1000)
+    with pytest.raises(ValueError, match="of more than 1,000 can't be read"):
+        plan.save(tmp_path / "floor.yaml")
+    assert not (tmp_path / "floor.yaml").exists()
