@@ -26,6 +26,7 @@ PACKED_FROM = 1_500_000
 """Characters of a recording from which it stands packed in its page."""
 
 SCRIPTS = (
+    "cut",
     "recording",
     "motion",
     "track",

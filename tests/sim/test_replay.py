@@ -83,13 +83,24 @@ def test_a_long_recording_is_packed(recording, open_page, monkeypatch):
     pair = [viewer.page.locator("[data-shows=distance]").nth(k).inner_text() for k in range(2)]
     assert pair[0] == pair[1] != ""
     assert viewer.page.evaluate("floorwalker.recording") == json.loads(json.dumps(recording))
-    found = html.rindex('data-packed="deflate">') + 3000
-    for damaged in (html[:found], html[:found] + "A" + html[found + 1 :]):
+    html = replay.render(recording)
+    monkeypatch.setattr(replay, "PACKED_FROM", 1000)
+    html = replay.render(recording)
+    found = html.rindex('data-packed="deflate">')
+    early, late = found + 1000, found + round(0.7 * (len(html) - found))
+    for damaged in (html[:early], html[:early] + "?" + html[early + 1 :]):
         trouble = open_page(damaged)
         trouble.wait_until(lambda page=trouble.page: page.locator("#trouble").is_visible())
         assert "cut off or damaged" in trouble.text("#trouble")
+    for damaged in (html[:late], html[:late] + "?" + html[late + 1 :]):
+        part = open_page(damaged)
+        assert "cut off or damaged; this is what there is" in part.text("#notice")
+        pose = part.page.evaluate("floorwalker.pose('operator', 61.7)")
+        x, y, *_ = replay_sample.pose(recording["motions"]["operator"], 61.7)
+        assert (pose["x"], pose["y"]) == pytest.approx((x, y), abs=1e-9)
+        assert part.complaints == []
     with pytest.raises(ValueError, match="damaged"):
-        replay.recordings_in(html[:found] + "A" + html[found + 1 :])
+        replay.recordings_in(html[:late] + "?" + html[late + 1 :])
 
 
 @pytest.mark.parametrize("form", [None, "floorwalker-replay/2"])
@@ -785,13 +796,35 @@ def test_what_is_there_is_shown_with_a_line(open_page, recording, change, messag
     assert viewer.complaints == []
 
 
-@pytest.mark.parametrize("share", [0.4, 0.999])
-def test_a_page_cut_off_on_its_way_says_so(open_page, recording, share):
+def test_a_page_cut_off_on_its_way_shows_what_there_is(open_page, recording):
+    """Cut anywhere: what is shown is a part of the recording, and all the more of it."""
     html = replay.render(recording)
     start = html.index('id="recording">')
-    viewer = open_page(html[: start + round(share * (len(html) - start - 40))])
+    viewer = open_page(html[: start + 200])
     assert "cut off" in viewer.text("#trouble")
     assert viewer.page.locator("#replay").is_hidden()
+    text = json.dumps(recording)
+    parsed = """text => {
+        const { notices, motions, events, watches } = parseRecording(text);
+        return [notices, motions, events, watches];
+    }"""
+    sizes = []
+    for share in (0.3, 0.5, 0.7, 0.8, 0.9, 0.95, 0.99, 0.99999):
+        notices, motions, *lists = viewer.page.evaluate(parsed, text[: round(share * len(text))])
+        assert "this is what there is of it" in notices[0]
+        whole = json.loads(text)
+        for name, pieces in motions.items():
+            assert pieces == whole["motions"][name][: len(pieces)]
+        for found, key in zip(lists, ("events", "watches"), strict=True):
+            assert found == whole[key][: len(found)]
+        sizes.append(sum(map(len, [*motions.values(), *lists])))
+    assert sizes == sorted(set(sizes))
+    viewer = open_page(html[: start + round(0.8 * (len(html) - start))])
+    assert "this is what there is of it" in viewer.text("#notice")
+    for view in ("3d", "2d"):
+        viewer.page.evaluate("view => window.floorwalker.show(view)", view)
+        viewer.seek(61.7)
+    assert viewer.complaints == []
 
 
 @pytest.mark.parametrize("share", [0.3, 0.9])

@@ -38,28 +38,32 @@ async function textIn(element) {
   if (!("DecompressionStream" in window)) {
     throw new RecordingError(["the recording is packed, which this browser can't undo: take a newer one"]);
   }
-  try {
-    const letters = atob(text);
-    const bytes = new Uint8Array(letters.length);
-    for (let i = 0; i < letters.length; i++) bytes[i] = letters.charCodeAt(i);
-    const unpacked = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
-    return await new Response(unpacked).text();
-  } catch (why) {
-    throw new RecordingError([`the recording is cut off or damaged (${why.message})`]);
-  }
+  return unpacked(bytesIn(text));
 }
 
+/** The recording in a text, or as much of it as is whole. */
 function parseRecording(text) {
-  let recording;
+  let [recording, notices] = [null, []];
   try {
     recording = JSON.parse(text);
   } catch (why) {
-    throw new RecordingError([`the recording is cut off or damaged (${why.message})`]);
+    notices = [`the recording is cut off or damaged; this is what there is of it (${why.message})`];
+    recording = parseWholePart(text);
+    if (!isObject(recording?.floorplan)) throw new RecordingError([`the recording is cut off or damaged (${why.message})`]);
+    recording = { motions: {}, events: [], watches: [], ...recording };
   }
-  const notices = isObject(recording) ? takeWhatThereIs(recording) : [];
+  if (isObject(recording)) notices.push(...takeWhatThereIs(recording));
   const problems = problemsOf(recording);
   if (problems.length) throw new RecordingError([...notices, ...problems]);
   return Object.defineProperty(recording, "notices", { value: notices });
+}
+
+function parseWholePart(text) {
+  try {
+    return JSON.parse(wholePart(text));
+  } catch {
+    return null;
+  }
 }
 
 /**
