@@ -40,7 +40,7 @@ ARGUMENTS = (
     *("--disable-gpu", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"),
 )
 
-PATIENCE = 30.0
+PATIENCE = 60.0
 """Seconds that the browser may take for one thing."""
 
 
@@ -124,6 +124,12 @@ class Browser:
         """Return what is shown, as PNG."""
         answer = self._call("Page.captureScreenshot", format="png", optimizeForSpeed=True)
         return base64.b64decode(answer["data"])
+
+    def cpu_times(self) -> tuple[float, float]:
+        """Return the CPU times (s) so far of the page's main thread, and of the scripts in it."""
+        self._call("Performance.enable", timeDomain="threadTicks")
+        found = {m["name"]: m["value"] for m in self._call("Performance.getMetrics")["metrics"]}
+        return float(found["ThreadTime"]), float(found["ScriptDuration"])
 
     def _start(self, folder: str) -> subprocess.Popen[bytes]:
         # A sandbox of its own is refused to the administrator, as whom containers run.

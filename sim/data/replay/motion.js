@@ -28,12 +28,19 @@ function firstWhere(times, isLate) {
 /** A function of time: cubic pieces, still between them, before the first and after the last. */
 class Motion {
   constructor(pieces) {
-    this.begins = Float64Array.from(pieces, piece => piece[0]);
-    this.ends = Float64Array.from(pieces, piece => piece[1]);
-    this.coefficients = new Float64Array(12 * pieces.length);   // x0…x3, y0…y3, r0…r3 of each
-    pieces.forEach((piece, i) => {
-      for (let axis = 0; axis < 3; axis++) this.coefficients.set(piece[2 + axis], 12 * i + 4 * axis);
-    });
+    const count = pieces.length;
+    this.begins = new Float64Array(count);
+    this.ends = new Float64Array(count);
+    this.coefficients = new Float64Array(12 * count);   // x0…x3, y0…y3, r0…r3 of each
+    for (let i = 0; i < count; i++) {
+      const piece = pieces[i];
+      this.begins[i] = piece[0];
+      this.ends[i] = piece[1];
+      for (let axis = 0; axis < 3; axis++) {
+        const cubic = piece[2 + axis];
+        for (let k = 0; k < cubic.length; k++) this.coefficients[12 * i + 4 * axis + k] = cubic[k];
+      }
+    }
     this.jumps = this.#findJumps();
     this.jumpTimes = this.jumps.map(jump => jump.t);
   }
@@ -84,10 +91,13 @@ class Motion {
 
   #findJumps() {
     const jumps = [];
-    for (let i = 1; i < this.begins.length; i++) {
-      const from = this.#state(i - 1, this.ends[i - 1], false);
-      const to = this.#state(i, this.begins[i], false);
-      if (Math.hypot(to.x - from.x, to.y - from.y) > JUMP) jumps.push({ t: this.begins[i], from, to });
+    const { begins, ends, coefficients: c } = this;
+    const atEnd = (k, u) => c[k] + u * (c[k + 1] + u * (c[k + 2] + u * c[k + 3]));
+    for (let i = 1; i < begins.length; i++) {
+      const [k, u] = [12 * i, ends[i - 1] - begins[i - 1]];
+      const [dx, dy] = [c[k] - atEnd(k - 12, u), c[k + 4] - atEnd(k - 8, u)];
+      if (dx * dx + dy * dy <= JUMP * JUMP) continue;
+      jumps.push({ t: begins[i], from: this.#state(i - 1, ends[i - 1], false), to: this.#state(i, begins[i], false) });
     }
     return jumps;
   }

@@ -1,0 +1,146 @@
+"""What the replay page of a long run costs: `python benchmarks/replay_page.py`.
+
+The run is of 30 people in a warehouse, ten minutes simulated and then repeated for 8 hours. Its
+page is opened in Chromium. Times are CPU times of the page's main thread, of its scripts or in all:
+what it has to do to draw too, but not what the graphics do (WebGL is done in software, by another
+process).
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import floorplan
+import sim
+from sim.views.chromium import Browser
+from sim.views.replay import render
+from sim.views.replay_data import replay_data
+
+TRIALS = {
+    "patrol": """
+floorplan: warehouse
+duration: {seconds}
+people: [{{name: p, personality: indifferent, count: {people}, at: anywhere}}]
+""",
+    "shift": """
+floorplan: warehouse
+duration: {seconds}
+people: [{{name: p, personality: worker, count: {people}, at: anywhere, work: [jobs]}}]
+work:
+  jobs:
+    repeat: true
+    tasks: {tasks}
+""",
+}
+"""Everybody walks all the time; or most are at work, for about three minutes at a station."""
+
+SIZE = (1000, 640)
+"""Pixels of the page."""
+
+FRAMES = """
+new Promise(done => {{
+  let [t, count] = [{t}, {count}];
+  const next = () => {{
+    if (count-- === 0) return done();
+    floorwalker.seek(t += 1 / 60);
+    requestAnimationFrame(() => setTimeout(next));
+  }};
+  next();
+}})
+"""
+"""Draws a number of frames."""
+
+PARTS = {
+    "unpacking": "textIn($('recording')).then(text => { window.text = text; })",
+    "parsing": "void (window.parsed = JSON.parse(text))",
+    "parsing and checking": "void (window.parsed = parseRecording(text))",
+    "preparing": "void (window.run = new Run(parsed))",
+}
+"""What opening consists of, done once more."""
+
+
+class Minds(sim.Listener):
+    """Asks for what goes on in people's minds, as a recording does."""
+
+    wants_thoughts = True
+
+
+def repeated(recording: dict[str, Any], times: int) -> dict[str, Any]:
+    """Return a recording in which the same happens `times` times, one after the other."""
+    span = recording["duration"]
+    shifts = [k * span for k in range(times)]
+
+    def later(things: list[dict[str, Any]]) -> list[dict[str, Any]]:
+        return [{**thing, "t": thing["t"] + shift} for shift in shifts for thing in things]
+
+    return {
+        **recording,
+        "duration": span * times,
+        "motions": {
+            name: [[b + s, e + s, *axes] for s in shifts for b, e, *axes in pieces]
+            for name, pieces in recording["motions"].items()
+        },
+        "events": later(recording["events"]),
+        "minds": {name: later(thoughts) for name, thoughts in recording["minds"].items()},
+        "watches": [
+            {**w, "violations": [[b + s, e + s] for s in shifts for b, e in w["violations"]]}
+            for w in recording["watches"]
+        ],
+    }
+
+
+def main() -> None:
+    """Measure, and print a table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--trial", choices=sorted(TRIALS), default="shift")
+    parser.add_argument("--people", type=int, default=30)
+    parser.add_argument("--hours", type=float, default=8.0)
+    parser.add_argument("--seconds", type=float, default=600.0, help="simulated, then repeated")
+    parser.add_argument("--keep", type=Path, help="write the page there")
+    given = parser.parse_args()
+    stations = [station.name for station in floorplan.load("warehouse").stations]
+    tasks = [{"at": name, "duration": {"lognormal": [180.0, 60.0]}} for name in stations]
+    text = TRIALS[given.trial].format(
+        seconds=given.seconds, people=given.people, tasks=json.dumps(tasks * given.people)
+    )
+    trial = sim.Trial.parse(text)
+    data = replay_data(sim.run(trial, Minds()))
+    data = repeated(data, round(given.hours * 3600 / given.seconds))
+    page = render(data)
+    pieces = sum(map(len, data["motions"].values()))
+    print(f"{given.people} people, {given.hours:g} h: {pieces:,} pieces of motions,", end=" ")
+    print(f"{len(data['events']):,} events")
+    print(f"page: {len(page.encode()) / 1e6:.1f} MB")
+    with tempfile.TemporaryDirectory() as folder, Browser(SIZE) as browser:
+        file = given.keep or Path(folder) / "replay.html"
+        file.write_text(page, encoding="utf-8")
+        print(f"opening: {took(browser, lambda: browser.open(file))[0]:.2f} s")
+        for name, script in PARTS.items():
+            spent, _ = took(browser, lambda script=script: browser.evaluate(script))
+            print(f"  {name}: {spent:.2f} s")
+        for view, count in (("2d", 60), ("3d", 12)):
+            browser.evaluate(f"floorwalker.show('{view}')")
+            for share in (0.1, 0.5, 0.9):
+                t = share * data["duration"]
+                browser.evaluate(FRAMES.format(t=t, count=3))
+                draw = FRAMES.format(t=t, count=count)
+                thread, scripts = took(browser, lambda draw=draw: browser.evaluate(draw))
+                each = f"{1000 * scripts / count:.2f} ms of scripts"
+                print(f"{view} at {t:.0f} s: {each}, {1000 * thread / count:.2f} ms in all a frame")
+
+
+def took(browser: Browser, work: Callable[[], object]) -> tuple[float, float]:
+    """Return the CPU times (s) of the page's main thread, and of its scripts, for some work."""
+    before = browser.cpu_times()
+    work()
+    thread, scripts = (b - a for a, b in zip(before, browser.cpu_times(), strict=True))
+    return thread, scripts
+
+
+if __name__ == "__main__":
+    main()
