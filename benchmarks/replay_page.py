@@ -37,7 +37,7 @@ work:
     tasks: {tasks}
 """,
 }
-"""Everybody walks all the time; or most are at work, for about three minutes at a station."""
+"""Everybody walks all the time; or works at a station, a minute at a time, or waits for one."""
 
 SIZE = (1000, 640)
 """Pixels of the page."""
@@ -104,7 +104,7 @@ def main() -> None:
     parser.add_argument("--keep", type=Path, help="write the page there")
     given = parser.parse_args()
     stations = [station.name for station in floorplan.load("warehouse").stations]
-    tasks = [{"at": name, "duration": {"lognormal": [180.0, 60.0]}} for name in stations]
+    tasks = [{"at": name, "duration": {"lognormal": [60.0, 20.0]}} for name in stations]
     text = TRIALS[given.trial].format(
         seconds=given.seconds, people=given.people, tasks=json.dumps(tasks * given.people)
     )

@@ -6,6 +6,7 @@ const AFTERGLOW = 2.5;       // seconds for which a violation and a teleport sta
 const GLIMPSE = 0.5;         // or, if that is longer, so many of the viewer's time
 const FILMED = 1.5;          // the same of a film's time
 const BODY_SIZE = 18;        // pixels round a body that no figure should cover
+const SLIGHT_COST = 1e-6;    // square pixels: rounding
 const AWAY = 900;            // metres: so far only those jump who come in or leave
 const MOST_MARKS = 200;      // of the violations so far, the latest are marked on the floor
 
@@ -142,13 +143,18 @@ function placeOfFigure(pen, [ax, ay], [bx, by], text) {
  * the least at the edge of the screen; takes it.
  */
 function takePlace({ taken, camera }, places, wide, high) {
-  const boxes = places.map(([x, y]) => (
-    { left: x - wide / 2, right: x + wide / 2, top: y - high / 2, bottom: y + high / 2 }));
-  const cut = box => wide * high - common(box, camera.screen);
-  const costs = boxes.map(box => taken.reduce((sum, other) => sum + common(box, other), cut(box)));
-  const best = costs.indexOf(Math.min(...costs));
-  taken.push(boxes[best]);
-  return places[best];
+  const { screen } = camera;
+  let [best, bestBox, least] = [null, null, Infinity];
+  for (const place of places) {
+    const [x, y] = place;
+    const box = { left: x - wide / 2, right: x + wide / 2, top: y - high / 2, bottom: y + high / 2 };
+    let cost = wide * high - common(box, screen);
+    for (const other of taken) cost += common(box, other);
+    if (cost < least) [best, bestBox, least] = [place, box, cost];
+    if (least < SLIGHT_COST) break;        // most are free at once
+  }
+  taken.push(bestBox);
+  return best;
 }
 
 /** A square of `size` pixels round a place of the floor. */
