@@ -16,6 +16,7 @@ MODULES = sorted(
     for module in (ROOT / package).glob("**/kernels/*.py")
     if module.name not in ("__init__.py", "uncompiled.py")
 )
+OPTIMISED = () if "-O" in os.environ.get("CFLAGS", "") else ("-O2",)
 
 extensions = cythonize(
     MODULES,
@@ -32,6 +33,6 @@ for extension in extensions:
     extension.optional = True  # cythonize leaves this out
     if os.name == "posix":
         # A multiplication and an addition in one instruction would have other last bits.
-        extension.extra_compile_args += ["-O2", "-g0", "-ffp-contract=off"]
+        extension.extra_compile_args += [*OPTIMISED, "-g0", "-ffp-contract=off"]
 
 setup(ext_modules=extensions, options={"build_ext": {"parallel": os.cpu_count() or 1}})
