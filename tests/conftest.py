@@ -1,5 +1,6 @@
 """Shared by all tests: the real data beside the repository, and how Hypothesis runs."""
 
+import gc
 import os
 import signal
 from contextlib import suppress
@@ -33,6 +34,13 @@ if "floorwalker" not in entry_points(group="pytest11").names:
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     # Shells start what runs in the background deaf to Ctrl-C, which commands would inherit.
     signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def pytest_collection_finish():
+    """Let the collector leave alone what stays to the end: thousands of tests, and libraries."""
+    gc.collect()
+    gc.freeze()
+
 
 SHARED = Path(__file__).resolve().parents[2] / "shared" / "data"
 
