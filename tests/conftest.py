@@ -42,6 +42,11 @@ def pytest_collection_finish():
     gc.freeze()
 
 
+def pytest_sessionfinish():
+    """Give it back to the collector: what is left at the end, nanobind calls a leak."""
+    gc.unfreeze()
+
+
 SHARED = Path(__file__).resolve().parents[2] / "shared" / "data"
 
 
