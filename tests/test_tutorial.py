@@ -39,7 +39,7 @@ def test_no_violation_and_six_jobs_with_the_courteous_controller(trial):
     assert (summary["penalties"], summary["jobs_done"]) == (0, 6)
 
 
-NOT_HERE = ("replay", "study")
+NOT_HERE = ("render", "replay", "study")
 """Commands that open a browser, or take long and have tests of their own."""
 
 

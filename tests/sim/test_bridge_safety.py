@@ -160,7 +160,7 @@ def fuzz(url, seed, deadline):
 
 
 @pytest.mark.slow
-def test_a_minute_of_nonsense_from_several_clients_disturbs_nobody(tmp_path):
+def test_nonsense_from_several_clients_disturbs_nobody(tmp_path):
     (tmp_path / "fuzzed.yaml").write_text(FUZZED)
     with Command(tmp_path, "fuzzed.yaml", "--speed", "5") as server, Client(server.url) as good:
         good.subscribe("/ariac/start_human", "/clock")
@@ -168,7 +168,7 @@ def test_a_minute_of_nonsense_from_several_clients_disturbs_nobody(tmp_path):
         good.send(op="advertise", topic="/gantry_controller/joint_trajectory", type=type_)
         good.message("/clock")
         before = resident(server.process.pid)
-        deadline = time.monotonic() + 65
+        deadline = time.monotonic() + 15
         fuzzers = [
             threading.Thread(target=fuzz, args=(server.url, seed, deadline)) for seed in range(3)
         ]
@@ -181,7 +181,7 @@ def test_a_minute_of_nonsense_from_several_clients_disturbs_nobody(tmp_path):
             if ticks % 50 == 0:
                 peak = max(peak, resident(server.process.pid))
         assert server.process.poll() is None, server.notices
-        assert ticks > 1000
+        assert ticks > 200
         assert peak - before < 200e6
         assert server.interrupt() == 130
     assert not [line for line in server.notices if "Traceback" in line or "Error" in line]
