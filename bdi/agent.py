@@ -168,7 +168,8 @@ class Agent:
         Raises:
             ProgramError: the text is not one literal.
         """
-        self._perceive(True, percept)
+        literal = percept if percept.__class__ is Literal else _as_literal(percept)
+        self._state.percepts.notice((True, literal))
 
     def remove_percept(self, percept: str | Literal) -> None:
         """Remove a percept from the time of the next `advance` on, or at once as `add_percept`.
@@ -179,14 +180,8 @@ class Agent:
         Raises:
             ProgramError: the text is not one literal.
         """
-        self._perceive(False, percept)
-
-    def _perceive(self, added: bool, percept: str | Literal) -> None:
-        change = (added, percept if isinstance(percept, Literal) else parse_literal(percept))
-        if self._cycle.runs:
-            self._state.percepts.change([change])
-        else:
-            self._state.percepts.coming.append(change)
+        literal = percept if percept.__class__ is Literal else _as_literal(percept)
+        self._state.percepts.notice((False, literal))
 
     @property
     def pending_actions(self) -> dict[int, Literal]:

@@ -15,7 +15,7 @@ import io
 import statistics
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 # This file has the other's name: what it imports is to be the other.
@@ -34,9 +34,43 @@ PATROL = """
     next(a, b). next(b, c). next(c, a).
     at(a, 1, 2). at(b, 3, 4). at(c, 5, 6).
     bound_for(a).
-    +arrived(_) : bound_for(S) & next(S, T) <- !walk_to(T).
+    +work_completed(_) : bound_for(S) & next(S, T) <- !walk_to(T).
     +!walk_to(S) : at(S, X, Y) <- -+bound_for(S); move(X, Y, 0).
 """
+RING = """
+    next(a, b). next(b, c). next(c, d). next(d, a).
+    at(a, 1, 2). at(b, 3, 4). at(c, 5, 6). at(d, 7, 8).
+    ahead(S, T) :- next(S, T) & not reversed.
+    ahead(S, T) :- next(T, S) & reversed.
+    behind(S, T) :- next(T, S) & not reversed.
+    behind(S, T) :- next(S, T) & reversed.
+    bound_for(a).
+    +work_completed(_) : bound_for(S) & ahead(S, T) <- !walk_to(T).
+    +!walk_to(S) : at(S, X, Y) <- -bound_for(_); +bound_for(S); move(X, Y, 0).
+"""
+PATROLS = {
+    "a leg of a patrol": PATROL,
+    "… indifferent": RING + "+gantry_detected(_).",
+    "… antagonistic": RING + "+gantry_detected(_) : bound_for(_) <- move_to_gantry.",
+    "… helpful": RING
+    + """
+    +gantry_detected(_) : bound_for(S) & behind(S, T) <- !turn_round; !!walk_to(T).
+    +!turn_round : reversed <- -reversed.
+    +!turn_round <- +reversed.
+""",
+}
+"""Patrols by facts alone, and by rules with what three kinds of people do about a gantry."""
+
+DETECTED_EACH = 5
+"""Number of legs to a percept of the gantry."""
+
+
+def percepts(legs: int) -> Iterator[tuple[str, float, float]]:
+    """Yield the percepts of a patrol: a name, the number of the one that goes, and its own."""
+    for leg in range(legs):
+        yield "work_completed", leg - 1.0, float(leg)
+        if leg % DETECTED_EACH == DETECTED_EACH - 1:
+            yield "gantry_detected", float(leg - DETECTED_EACH), float(leg)
 
 
 def programs(goals: int) -> dict[str, str]:
@@ -52,15 +86,15 @@ def ours(source: str) -> Callable[[], None]:
     return lambda: agent.advance(0.0)
 
 
-def our_patrol(legs: int) -> Callable[[], None]:
-    agent = bdi.Agent(bdi.parse(PATROL), act=lambda action: True)
+def our_patrol(source: str, legs: int) -> Callable[[], None]:
+    agent = bdi.Agent(bdi.parse(source), act=lambda action: True)
     agent.advance(0.0)
 
     def walk() -> None:
-        for leg in range(legs):
-            agent.remove_percept(bdi.Literal("arrived", (float(leg - 1),)))
-            agent.add_percept(bdi.Literal("arrived", (float(leg),)))
-            agent.advance(float(leg))
+        for name, before, now in percepts(legs):
+            agent.remove_percept(bdi.Literal(name, (before,)))
+            agent.add_percept(bdi.Literal(name, (now,)))
+            agent.advance(now)
 
     return walk
 
@@ -78,7 +112,7 @@ def theirs(source: str) -> Callable[[], None] | None:
     return lambda: environment.run()
 
 
-def their_patrol(legs: int) -> Callable[[], None] | None:
+def their_patrol(source: str, legs: int) -> Callable[[], None] | None:
     try:
         import agentspeak.runtime
         import agentspeak.stdlib
@@ -90,7 +124,11 @@ def their_patrol(legs: int) -> Callable[[], None] | None:
     def move(agent: object, term: object, intention: object) -> object:
         yield
 
-    text = io.StringIO(PATROL)
+    @actions.add("move_to_gantry", 0)
+    def move_to_gantry(agent: object, term: object, intention: object) -> object:
+        yield
+
+    text = io.StringIO(source)
     text.name = "benchmark.asl"
     environment = agentspeak.runtime.Environment()
     agent = environment.build_agent(text, actions)
@@ -98,9 +136,9 @@ def their_patrol(legs: int) -> Callable[[], None] | None:
     percept = frozenset({agentspeak.Literal("source", (agentspeak.Literal("percept"),))})
 
     def walk() -> None:
-        for leg in range(legs):
-            for when, trigger in ((leg - 1, removal), (leg, addition)):
-                belief = agentspeak.Literal("arrived", (when,), percept)
+        for name, before, now in percepts(legs):
+            for when, trigger in ((before, removal), (now, addition)):
+                belief = agentspeak.Literal(name, (when,), percept)
                 agent.call(
                     trigger,
                     agentspeak.GoalType.belief,
@@ -189,7 +227,14 @@ def main() -> None:
             lambda source=source: theirs(source),  # type: ignore[misc]
         )
     legs = goals // 5
-    compare("a leg of a patrol", legs, repeat, lambda: our_patrol(legs), lambda: their_patrol(legs))
+    for name, source in PATROLS.items():
+        compare(
+            name,
+            legs,
+            repeat,
+            lambda source=source: our_patrol(source, legs),  # type: ignore[misc]
+            lambda source=source: their_patrol(source, legs),  # type: ignore[misc]
+        )
     show_small_things(repeat)
 
 

@@ -84,6 +84,12 @@ class Rule(Clause):
     body: Term
     place: Place = field(default=NOWHERE, compare=False)
 
+    @cached_property
+    def parameters(self) -> tuple[str, ...] | None:
+        """The names of the head's arguments, if they are variables and no two are the same."""
+        names = tuple(arg.name for arg in self.head.args if arg.__class__ is Var)
+        return names if len(set(names)) == len(self.head.args) else None
+
     def __str__(self) -> str:
         return f"{self.head} :- {text(self.body)}"
 

@@ -184,7 +184,11 @@ class Literal:
             other.ground = self.ground
             other.size = self.size
             other.depth = self.depth
-        if annots:
+        if annots is ONLY_SELF or annots is ONLY_PERCEPT:
+            # What `_weigh` makes of `source(self)`, which most literals have.
+            other.size += 2
+            other.depth = max(other.depth, 2)
+        elif annots:
             other._weigh(annots)
         return other
 

@@ -92,7 +92,10 @@ def unify_literals(one: Literal, other: Literal, u: Unifier) -> bool:
     for mine, theirs in zip(one.args, other.args):  # noqa: B905 - equal lengths, and often
         if not unify(mine, theirs, u):
             return False
-    return not one.annots or unify_annots(one.annots, other.annots, u)
+    annots = one.annots
+    if not annots or (annots is other.annots and other.ground):
+        return True
+    return unify_annots(annots, other.annots, u)
 
 
 def unify_annots(mine: tuple[Term, ...], theirs: tuple[Term, ...], u: Unifier) -> bool:
@@ -307,6 +310,8 @@ def matched(pattern: Literal, belief: Literal, u: Unifier) -> Unifier | None:
     for mine, theirs in zip(pattern.args, belief.args):  # noqa: B905 - equal lengths, and often
         if mine.__class__ is Var:
             value = result.get(mine.name)
+            while value.__class__ is Var:
+                mine, value = value, result.get(value.name)
             if value is None:
                 if result is u:
                     result = u.copy()

@@ -21,7 +21,7 @@ from ..language.terms import (
     Term,
     Var,
 )
-from ..language.unification import try_unify, unify
+from ..language.unification import matched, unified, unify
 from .shelves import LiveShelf, Shelf
 
 Key: TypeAlias = tuple[str, int, bool]
@@ -156,7 +156,14 @@ class BeliefBase:
         if literal.ground:
             return None
         for belief in shelf.kept(literal, u):
-            if isinstance(belief, Literal) and try_unify(literal, belief, u):
+            if isinstance(belief, Rule):
+                continue
+            if literal.annots is belief.annots is ONLY_SELF:
+                solution = matched(literal, belief, u)
+            else:
+                solution = unified(literal, belief, u)
+            if solution is not None:
+                u.update(solution)
                 removed = substitute_literal(literal, u)
                 return removed if self._strip(shelf, belief, removed.annots) else None
         return None

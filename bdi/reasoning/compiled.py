@@ -68,10 +68,9 @@ def _build_variable(variable: Var) -> Build:
         value = u.get(name)
         if value is None:
             return variable
-        cls = value.__class__
-        if cls is float or cls is str or (cls is Literal and value.ground):  # type: ignore[union-attr]
-            return value
-        return substitute(value, u)
+        if value.__class__ is Literal:
+            return value if value.ground else substitute(value, u)
+        return value if value.__class__ is float else substitute(value, u)
 
     return build
 
@@ -186,7 +185,7 @@ def _query(query: Term, following: Term | None = None) -> Condition:
     key = query.key
     formula: Term = query if following is None else And(query, following)
     rest = None if following is None else condition(following)
-    name = query.args[0].name if len(query.args) > 1 and query.args[0].__class__ is Var else ""
+    match = _answer(query)
 
     def check(logic: Logic, u: Unifier) -> Unifier | None:
         shelf = logic.shelves.get(key)
@@ -194,13 +193,8 @@ def _query(query: Term, following: Term | None = None) -> Condition:
             return None
         if shelf.rules:
             return logic.first(formula, u)
-        wanted = u.get(name) if name else None
         for belief in shelf.candidates(query, u):
-            if wanted.__class__ is Literal:
-                first = belief.args[0]  # type: ignore[union-attr]
-                if first.__class__ is Literal and first.key != wanted.key:
-                    continue
-            solution = matched(query, belief, u)  # type: ignore[arg-type]
+            solution = match(belief, u)  # type: ignore[arg-type]
             if solution is None:
                 continue
             if rest is None:
@@ -214,6 +208,50 @@ def _query(query: Term, following: Term | None = None) -> Condition:
         return None
 
     return check
+
+
+def _answer(query: Literal) -> Callable[[Literal, Unifier], Unifier | None]:
+    """Return a function equal to `lambda belief, u: matched(query, belief, u)`, but faster.
+
+    Most queries have up to three arguments, variables of which the first may have a value.
+    """
+    names = [arg.name for arg in query.args if arg.__class__ is Var]
+    if len(set(names)) < len(query.args) or not 1 <= len(names) <= 3:
+        return lambda belief, u: matched(query, belief, u)
+    first, others = names[0], names[1:]
+    if not others:
+
+        def match_one(belief: Literal, u: Unifier) -> Unifier | None:
+            if belief.ground and first not in u:
+                return {**u, first: belief.args[0]}
+            return matched(query, belief, u)
+
+        return match_one
+    if len(others) == 1:
+        (second,) = others
+
+        def match_two(belief: Literal, u: Unifier) -> Unifier | None:
+            if belief.ground and second not in u:
+                value, (one, two) = u.get(first), belief.args
+                if value is one:
+                    return {**u, second: two}
+                if value is None:
+                    return {**u, first: one, second: two}
+            return matched(query, belief, u)
+
+        return match_two
+    second, third = others
+
+    def match_three(belief: Literal, u: Unifier) -> Unifier | None:
+        if belief.ground and second not in u and third not in u:
+            value, (one, two, three) = u.get(first), belief.args
+            if value is one:
+                return {**u, second: two, third: three}
+            if value is None:
+                return {**u, first: one, second: two, third: three}
+        return matched(query, belief, u)
+
+    return match_three
 
 
 # ---- triggers

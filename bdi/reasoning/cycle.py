@@ -20,14 +20,9 @@ from .state import SECOND, AgentState, nanoseconds
 
 
 class ReasoningCycle:
-    """Runs the cycles of one agent.
-
-    Attributes:
-        runs: True while it does.
-    """
+    """Runs the cycles of one agent."""
 
     def __init__(self, state: AgentState, max_cycles: int) -> None:
-        self.runs = False
         self._state = state
         self._max_cycles = max_cycles
         self._has_begun = False
@@ -54,23 +49,24 @@ class ReasoningCycle:
         ):
             state.clock, state.now = clock, time
             return
-        self.runs = True
+        percepts = state.percepts
+        percepts.at_once = True
         try:
             if not self._has_begun:
                 self._has_begun = True
                 self._run_instant()
-            self._run_until(clock)
+            if state.alarms.heap:
+                self._run_until(clock)
             state.clock, state.now = clock, time
-            percepts = state.percepts
-            coming, percepts.coming = percepts.coming, []
-            percepts.change(coming)
+            if percepts.coming:
+                percepts.take()
             self._run_instant()
         except RecursionError:
             raise EndlessProgramError([self._problem("a term is nested too deeply")]) from None
         except TooDeepError as error:
             raise EndlessProgramError([self._problem(str(error))]) from None
         finally:
-            self.runs = False
+            percepts.at_once = False
 
     def _run_until(self, clock: int) -> None:
         """Run all that is due before a time (ns), each at its own."""
@@ -87,7 +83,7 @@ class ReasoningCycle:
         Raises:
             EndlessProgramError: that takes more cycles than one instant may have.
         """
-        state, left = self._state, self._max_cycles
+        state = self._state
         circumstance, logic, percepts, plans = (
             state.circumstance,
             state.logic,
@@ -97,11 +93,10 @@ class ReasoningCycle:
         tasks, mailbox, alarms = state.tasks, state.mailbox, state.alarms.heap
         running, feedback = circumstance.running, circumstance.feedback
         logic.begin_instant()
-        while (circumstance.atomic is None and (running or circumstance.events)) or self._goes_on():
-            left -= 1
-            if left < 0:
-                limit = f"more than {self._max_cycles} cycles at {state.now:g} s"
-                raise EndlessProgramError([self._problem(f"{limit}: this plan does not end")])
+        for _ in range(self._max_cycles):
+            has_work = circumstance.atomic is None and (running or circumstance.events)
+            if not has_work and not self._goes_on():
+                return
             if logic.goals_left != logic.max_goals:
                 logic.begin_cycle()
             circumstance.selected_event = circumstance.selected = None
@@ -138,6 +133,9 @@ class ReasoningCycle:
             OPERATIONS[step.operation](state, intention, means, step)
             if means.step is None and intention.stack:
                 clear(state, intention)
+        if self._goes_on():
+            limit = f"more than {self._max_cycles} cycles at {state.now:g} s"
+            raise EndlessProgramError([self._problem(f"{limit}: this plan does not end")])
 
     def _goes_on(self) -> bool:
         """Return True if there is work, or a plan may be called because there is none."""

@@ -191,15 +191,16 @@ def _forget_tail_call(agent: AgentState, intention: Intention, means: Means) -> 
 
 def move_on(agent: AgentState, intention: Intention, means: Means) -> None:
     """Finish the current step: the intention goes to the end of the queue."""
-    if means.step is not None:
-        means.step = means.step.next
+    step = means.step
+    if step is not None:
+        means.step = step = step.next
     if intention.atomic:
         # Put back before `clear`: it has the next cycle to itself even if its atomic plan is done.
         agent.circumstance.add_running(intention)
-        if means.step is None:
+        if step is None:
             clear(agent, intention)
         return
-    if means.step is None and not clear(agent, intention):
+    if step is None and not clear(agent, intention):
         return
     if intention.stack:
         agent.circumstance.add_running(intention)
@@ -211,15 +212,20 @@ def clear(agent: AgentState, intention: Intention) -> bool:
     Return False if it waits until the condition of a finished plan holds.
     """
     stack = intention.stack
-    states = agent.circumstance.states
-    while stack and stack[-1].step is None:
-        if stack[-1].plan.until is not None:
-            agent.circumstance.remove_running(intention)
+    circumstance = agent.circumstance
+    states = circumstance.states
+    while stack:
+        top = stack[-1]
+        if top.step is not None:
+            return True
+        plan = top.plan
+        if plan.until is not None:
+            circumstance.remove_running(intention)
             reason = Literal("wait_goal_condition")
-            agent.circumstance.suspend("wait_goal_condition", intention, reason)
+            circumstance.suspend("wait_goal_condition", intention, reason)
             return False
-        top = stack.pop()
-        if top.plan.atomic:
+        stack.pop()
+        if plan.atomic:
             intention.atomic -= 1
         if states is not None and top.is_goal:
             states.note("achieved", top.sort, top.literal)
@@ -233,9 +239,8 @@ def clear(agent: AgentState, intention: Intention) -> bool:
             if means.awaited:
                 _hand_over(agent, means.awaited, top.u, means.u)
             means.step = means.step.next
-    if not stack:
-        agent.circumstance.remove_running(intention)
-        agent.circumstance.forget(intention)
+    circumstance.remove_running(intention)
+    circumstance.forget(intention)
     return True
 
 

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator
 from itertools import combinations
 from operator import ge, gt, le, lt
 from types import MappingProxyType
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 from ..errors import TooDeepError
 from ..language.body import Act, BodyTerm, Constraint
@@ -24,6 +24,7 @@ from ..language.substitution import (
     rename,
     substitute,
     substitute_literal,
+    value_of,
     variable_names,
 )
 from ..language.terms import (
@@ -51,7 +52,7 @@ from .beliefs import BeliefBase
 
 #: Answer of an internal action: whether it holds, a unifier, or one unifier after another.
 Answer: TypeAlias = "bool | Unifier | Iterator[Unifier] | None"
-Goals: TypeAlias = "tuple[object, Goals] | None"
+Goals: TypeAlias = "tuple[Any, Goals] | None"
 State: TypeAlias = "tuple[Unifier, Goals]"
 
 MAX_CHOICES = 250_000
@@ -70,19 +71,37 @@ class _Commit:
         self.height = height
 
 
-class _Return:
-    """End of a rule's body: the values of the query's variables return to the caller.
+class _Question:
+    """A query that rules may answer; as a goal, the end of a rule's body.
 
-    A rule is proved in a unifier of its own, which starts empty, so its cost does not grow with the
-    caller's. `asked` are the variables of the query, `renamed` the caller's names for them.
+    A rule is proved in a unifier of its own, so its cost does not grow with the caller's. At its
+    end the values of the query's variables return to the caller. `args` are the query's own
+    arguments, `asked` its variables, `renamed` the caller's names for them.
     """
 
-    __slots__ = ("asked", "caller", "renamed")
+    __slots__ = ("args", "asked", "caller", "query", "renamed")
 
-    def __init__(self, asked: tuple[str, ...], renamed: dict[str, Var], caller: Unifier) -> None:
+    def __init__(
+        self,
+        query: Literal,
+        args: tuple[Term, ...],
+        asked: tuple[str, ...],
+        renamed: dict[str, Var],
+        caller: Unifier,
+    ) -> None:
+        self.query = query
+        self.args = args
         self.asked = asked
         self.renamed = renamed
         self.caller = caller
+
+    def put_to(self, rule: Rule) -> Unifier | None:
+        """Return the bindings with which the rule's body is to be proved, None if it has none."""
+        if rule.parameters is not None and not self.query.annots:
+            return dict(zip(rule.parameters, self.args))  # noqa: B905 - equal lengths, and often
+        scope: Unifier = {}
+        query = self.query if self.query.args is self.args else self.query.with_args(self.args)
+        return scope if unify(query, rule.head, scope) else None
 
 
 class Logic:
@@ -135,6 +154,8 @@ class Logic:
         """Return the first solution, or None. `u` is not changed."""
         if formula is TRUE:
             return u
+        if formula.__class__ is Literal:
+            return next(self.solutions(formula, u), None)
         if isinstance(formula, Relation):
             return self._relate(formula, u)
         if isinstance(formula, Not):
@@ -183,29 +204,30 @@ class Logic:
         while goals is not None:
             goal, goals = goals
             self.goals_left -= 1
-            if isinstance(goal, Literal):
+            cls = goal.__class__
+            if cls is Literal:
                 solution = self._query(goal, u, goals, choices)
                 if solution is None:
                     return None
                 u = solution
-            elif isinstance(goal, Relation):
+            elif cls is And:
+                left, right = goal.operands
+                goals = (left, (right, goals))
+            elif cls is _Question:
+                u = self._return(goal, u)
+            elif cls is Relation:
                 solution = self._relate(goal, u)
                 if solution is None:
                     return None
                 u = solution
-            elif isinstance(goal, And):
-                left, right = goal.operands
-                goals = (left, (right, goals))
-            elif isinstance(goal, _Return):
-                u = self._return(goal, u)
-            elif isinstance(goal, Or):
+            elif cls is Or:
                 left, right = goal.operands
                 choices.append((u, (right, goals)))
                 goals = (left, goals)
-            elif isinstance(goal, Not):
+            elif cls is Not:
                 choices.append((u, goals))
                 goals = (goal.operands[0], (_Commit(len(choices) - 1), None))
-            elif isinstance(goal, _Commit):
+            elif cls is _Commit:
                 del choices[goal.height :]
                 return None
             elif isinstance(goal, Var | Qualified):
@@ -226,7 +248,7 @@ class Logic:
         choices: list[State | Iterator[State]],
     ) -> Unifier | None:
         """Return the one answer of a query; else None, with the answers as a choice point."""
-        if literal.is_internal_action:
+        if "." in literal.functor and literal.is_internal_action:
             answer = self._call(literal, u)
             if answer is True:
                 return u
@@ -238,9 +260,9 @@ class Logic:
             return None
         shelf = self.shelves.get(literal.key)
         if shelf is None:
-            return u if literal == TRUE else None
+            return u if literal.functor == "true" and literal == TRUE else None
         candidates = shelf.candidates(literal, u)
-        if len(candidates) == 1 and isinstance(candidates[0], Literal) and not literal.annots:
+        if len(candidates) == 1 and candidates[0].__class__ is Literal and not literal.annots:
             return matched(literal, candidates[0], u)
         if len(choices) > MAX_CHOICES:
             raise TooDeepError(f"rules call each other without end, at last {literal}")
@@ -255,16 +277,14 @@ class Logic:
         goals: Goals,
     ) -> Iterator[State]:
         """Yield a state for each belief and rule that may answer a query."""
-        renamed: dict[str, Var] = {}
-        asked: tuple[str, ...] = ()
-        query: Term | None = None
+        question: _Question | None = None
         for clause in candidates:
             if isinstance(clause, Rule):
-                if query is None:
-                    query, asked = self._asked(literal, u, renamed)
-                scope: Unifier = {}
-                if unify(query, clause.head, scope):
-                    yield scope, (clause.body, (_Return(asked, renamed, u), goals))
+                if question is None:
+                    question = self._question(literal, u)
+                scope = question.put_to(clause)
+                if scope is not None:
+                    yield scope, (clause.body, (question, goals))
             elif not literal.annots:
                 solution = matched(literal, clause, u)
                 if solution is not None:
@@ -273,16 +293,15 @@ class Logic:
                 for solution in self._with_annots(literal, clause, u):
                     yield solution, goals
 
-    def _asked(
-        self, literal: Literal, u: Unifier, renamed: dict[str, Var]
-    ) -> tuple[Term, tuple[str, ...]]:
-        """Return a query with its values and fresh variables, and the names of those."""
-        args = [substitute(arg, u) for arg in literal.args]
+    def _question(self, literal: Literal, u: Unifier) -> _Question:
+        """Return a query with its values and fresh variables in place of its variables."""
+        renamed: dict[str, Var] = {}
+        args = [value_of(arg, u) for arg in literal.args]
         asked: list[str] = []
         for place, arg in enumerate(args):
-            if is_ground(arg):
-                continue
             if arg.__class__ is not Var:
+                if is_ground(arg):
+                    continue
                 break
             if not arg.fresh:
                 new = renamed.get(arg.name) or self.names.fresh(arg.name)
@@ -290,9 +309,11 @@ class Logic:
             asked.append(arg.name)
         else:
             if not literal.annots:
-                return literal.with_args(tuple(args)), tuple(dict.fromkeys(reversed(asked)))
+                names = tuple(dict.fromkeys(reversed(asked))) if len(asked) > 1 else tuple(asked)
+                return _Question(literal, tuple(args), names, renamed, u)
         query = rename(substitute_literal(literal, u), self.names, renamed)
-        return query, variable_names(query)
+        assert isinstance(query, Literal)  # as what was renamed
+        return _Question(query, query.args, variable_names(query), renamed, u)
 
     def _with_annots(self, literal: Literal, belief: Literal, u: Unifier) -> Iterator[Unifier]:
         """Yield a solution for each choice of annotations that unifies with the query's."""
@@ -324,15 +345,16 @@ class Logic:
                 if solution is not None and placed(inner, space).key == clause.head.key:
                     yield solution, (placed(inner, space), goals)
 
-    def _return(self, end: _Return, scope: Unifier) -> Unifier:
-        if not end.asked:
-            return end.caller
-        result = {**end.caller, **end.renamed}
+    def _return(self, question: _Question, scope: Unifier) -> Unifier:
+        if not question.asked:
+            return question.caller
+        result = {**question.caller, **question.renamed}
         others: dict[str, Var] = {}
-        for name in end.asked:
+        for name in question.asked:
             value = scope.get(name)
             if value is not None:
-                result[name] = rename(substitute(value, scope), self.names, others)
+                value = value_of(value, scope)
+                result[name] = value if is_ground(value) else rename(value, self.names, others)
         return result
 
     def _relate(self, relation: Relation, u: Unifier) -> Unifier | None:

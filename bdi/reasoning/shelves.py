@@ -7,7 +7,7 @@ from operator import itemgetter
 
 from ..language.program import Rule
 from ..language.substitution import Unifier, substitute
-from ..language.terms import ONLY_PERCEPT, Literal, Term, is_ground
+from ..language.terms import ONLY_PERCEPT, Literal, Term, Var, is_ground
 
 #: A rank and a belief or rule: the lower the rank, the earlier it is tried.
 _Entry = tuple[int, "Literal | Rule"]
@@ -19,10 +19,11 @@ class Shelf:
     """The beliefs and rules of one functor and arity.
 
     Many are also indexed by their first argument, as clauses are in Prolog. Those whose first
-    argument is not ground, and the rules, are `loose`: they may answer any query.
+    argument is not ground, and the rules, are `loose`: they may answer any query. What answers
+    queries with one first argument is kept until something changes.
     """
 
-    _MANY = 8
+    _MANY = 2
 
     def __init__(self) -> None:
         self.rules = 0
@@ -32,6 +33,7 @@ class Shelf:
         self._front = 0
         self._back = 0
         self._ordered: tuple[Literal | Rule, ...] | None = None
+        self._known: dict[Term, tuple[Literal | Rule, ...]] = {}
 
     def __len__(self) -> int:
         return len(self._entries)
@@ -62,6 +64,7 @@ class Shelf:
         self._entries[key] = (rank, clause)
         self._ordered = None
         if self._by_first is not None:
+            self._known.clear()
             self._file(key, (rank, clause))
         elif len(self._entries) > self._MANY:
             self._by_first = {}
@@ -74,6 +77,7 @@ class Shelf:
         self._entries[belief.args] = (rank, belief)
         self._ordered = None
         if self._by_first is not None:
+            self._known.clear()
             self._file(belief.args, (rank, belief))
 
     def swap(self, belief: Literal) -> Literal | None:
@@ -89,7 +93,7 @@ class Shelf:
         self._entries = {belief.args: (rank, belief)}
         self._ordered = (belief,)
         if self._by_first is not None:
-            self._by_first, self._loose = None, {}
+            self._by_first, self._loose, self._known = None, {}, {}
         return known  # type: ignore[return-value]
 
     def remove(self, args: tuple[Term, ...]) -> None:
@@ -98,6 +102,7 @@ class Shelf:
         self._ordered = None
         if self._by_first is None:
             return
+        self._known.clear()
         if args and is_ground(args[0]):
             bucket = self._by_first[args[0]]
             del bucket[args]
@@ -117,11 +122,20 @@ class Shelf:
         """Return what is kept and may answer a query, in order."""
         if self._by_first is None or not query.args:
             return self._ordered or self.all()
-        first = substitute(query.args[0], u)
+        first = query.args[0]
+        if first.__class__ is Var:
+            first = u.get(first.name, first)
+        known = self._known.get(first)
+        if known is not None:
+            return known
+        first = substitute(first, u)
         if not is_ground(first):
             return self._ordered or self.all()
         bucket = self._by_first.get(first, {})
-        return _in_order({**bucket, **self._loose} if self._loose else bucket)
+        known = _in_order({**bucket, **self._loose} if self._loose else bucket)
+        if bucket:
+            self._known[first] = known
+        return known
 
     # What may answer a query, and all that can, in order. Aliases, not methods that call the
     # others: most shelves have nothing live, and every query comes here.

@@ -165,10 +165,10 @@ class AgentState:
         nobody waits for it, and nothing else is to be dealt with before. Leaving it out then saves
         a cycle and changes nothing else.
         """
-        if self.plans.candidates(sort, literal) or not self.is_quiet:
-            self.circumstance.post(Event(sort, literal, intention))
-            return True
-        return False
+        if not self.plans.candidates(sort, literal) and self.is_quiet:
+            return False
+        self.circumstance.post(Event(sort, literal, intention))
+        return True
 
     def swapped(self, removed: Literal, added: Literal, intention: Intention) -> bool:
         """Raise the events of a belief that has taken another's place; return as `changed`."""
