@@ -1,11 +1,12 @@
-"""How fast studies run: rows a minute, one process beside two, and memory over a thousand rows.
+"""How fast studies run: rows a minute, what a row costs beside its run alone, and memory.
 
     python benchmarks/study.py [--rows N] [--memory-rows N]
 
 The rows are of 275 s on the ARIAC floor: one person (indifferent, antagonistic, helpful), a gantry
 that fetches parts all the time (oblivious, pausing), AGVs that set out at other times. CPU seconds
 count the main process and its workers, their start included; wall seconds mean little on a machine
-that has other things to do.
+that has other things to do. What a row costs beside its run alone is the slope between a third of
+the rows and all of them, so that starting processes and writing the report are not in it.
 """
 
 from __future__ import annotations
@@ -13,12 +14,13 @@ from __future__ import annotations
 import argparse
 import os
 import resource
+import statistics
 import tempfile
 import time
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import sim
-from sim.studies.measuring import measure
 
 TRIAL = """\
 floorplan: ariac2023
@@ -65,31 +67,98 @@ def resident_megabytes() -> float:
     return pages * os.sysconf("SC_PAGE_SIZE") / 1e6
 
 
-def main() -> None:
+def end_workers() -> None:
     from joblib.externals.loky import get_reusable_executor
 
+    get_reusable_executor().shutdown(wait=True)
+
+
+def slope(work: Callable[[int], None], rows: int) -> float:
+    """CPU seconds of one row more."""
+    spent = []
+    for count in (rows // 3, rows):
+        begun = cpu_seconds()
+        work(count)
+        end_workers()
+        spent.append(cpu_seconds() - begun)
+    return (spent[1] - spent[0]) / (rows - rows // 3)
+
+
+def compare(folder: Path, rows: int, repeat: int) -> None:
+    """Print what a row costs bare, in `run_many`, and in studies."""
+    study = a_study(folder, rows)
+    trials = [row.trial for row in study.rows()]
+    numbers = iter(range(1_000_000))
+
+    def bare(count: int) -> None:
+        for trial in trials[:count]:
+            sim.run(trial)
+
+    def many(count: int) -> None:
+        for _ in sim.run_many(trials[:count], jobs=1):
+            pass
+
+    def in_study(jobs: int, backend: str) -> Callable[[int], None]:
+        def work(count: int) -> None:
+            out = folder / f"out-{next(numbers)}"
+            sim.run_study(a_study(folder, count), out, jobs=jobs, backend=backend)
+
+        return work
+
+    kinds = {
+        "sim.run alone": bare,
+        "run_many, one process": many,
+        "study, one process": in_study(1, "loky"),
+        "study, two processes": in_study(2, "loky"),
+        "study, two Dask workers": in_study(2, "dask"),
+    }
+    spent: dict[str, list[float]] = {kind: [] for kind in kinds}
+    bare(6)
+    for _ in range(repeat):
+        for kind, work in kinds.items():
+            spent[kind].append(slope(work, rows))
+    alone = statistics.median(spent["sim.run alone"])
+    for kind, each in spent.items():
+        row = statistics.median(each)
+        print(f"{kind:24} {row * 1e3:8.1f} ms of CPU time a row {row / alone - 1:+8.1%}")
+
+
+def speeds(folder: Path, rows: int) -> None:
+    """Print how long a study takes on one process and on two."""
+    study = a_study(folder, rows)
+    print(f"{len(study)} rows {'CPU s':>12} {'wall s':>8} {'1,000 rows, min':>16}")
+    for jobs in (1, 2):
+        cpu, wall = cpu_seconds(), time.perf_counter()
+        sim.run_study(study, folder / str(jobs), jobs=jobs)
+        end_workers()
+        cpu, wall = cpu_seconds() - cpu, time.perf_counter() - wall
+        print(f"{jobs} process{'es' if jobs > 1 else '':3} {cpu:8.1f}", end="")
+        print(f" {wall:8.1f} {wall / len(study) * 1000 / 60:16.1f}")
+
+
+def memory(folder: Path, rows: int) -> None:
+    """Print how much memory a process takes after more and more rows."""
+
+    def trials() -> Iterator[sim.Trial]:
+        return (row.trial for row in a_study(folder, rows).rows())
+
+    for count, _ in enumerate(sim.run_many(trials(), jobs=1)):
+        if count % 100 == 0:
+            print(f"{resident_megabytes():8.1f} MB after {count} rows in one process")
+    print(f"{resident_megabytes():8.1f} MB after {count + 1} rows in one process")
+
+
+def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--rows", type=int, default=300)
     parser.add_argument("--memory-rows", type=int, default=1000)
-    arguments = parser.parse_args()
+    parser.add_argument("--repeat", type=int, default=3)
+    chosen = parser.parse_args()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        study = a_study(folder, arguments.rows)
-        print(f"{len(study)} rows {'CPU s':>12} {'a row':>8} {'wall s':>8} {'1,000 rows, min':>16}")
-        for jobs in (1, 2):
-            cpu, wall = cpu_seconds(), time.perf_counter()
-            sim.run_study(study, folder / str(jobs), jobs=jobs)
-            get_reusable_executor().shutdown(wait=True)
-            cpu, wall = cpu_seconds() - cpu, time.perf_counter() - wall
-            each, minutes = cpu / len(study), wall / len(study) * 1000 / 60
-            print(f"{jobs} process{'es' if jobs > 1 else '':3} {cpu:8.1f}", end="")
-            print(f" {each:8.4f} {wall:8.1f} {minutes:16.1f}")
-        rows = a_study(folder, arguments.memory_rows).rows()
-        for count, row in enumerate(rows):
-            if count % 100 == 0:
-                print(f"{resident_megabytes():8.1f} MB after {count} rows in one process")
-            measure(row)
-        print(f"{resident_megabytes():8.1f} MB after {count + 1} rows in one process")
+        compare(folder, chosen.rows, chosen.repeat)
+        speeds(folder, chosen.rows)
+        memory(folder, chosen.memory_rows)
 
 
 if __name__ == "__main__":

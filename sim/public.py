@@ -48,7 +48,15 @@ from .runs.run import Recorded, Run
 from .runs.run_folder import RecordingError, load_run
 from .safety.own_law import LawError, OwnLaw
 from .simulation import Simulation, run
-from .studies import Row, Study, StudyError, StudyResults, run_study, safety_report
+from .studies import (
+    Row,
+    Study,
+    StudyError,
+    StudyResults,
+    run_many,
+    run_study,
+    safety_report,
+)
 from .trials.comparison import Verdict
 from .trials.rules_file import RulesError, find_rules, load_rules
 from .trials.trial import Trial
@@ -131,6 +139,7 @@ __all__ = [
     "metrics",
     "rule_set",
     "run",
+    "run_many",
     "run_study",
     "safety_report",
 ]

@@ -5,9 +5,10 @@ from .definition import Row, StudyError
 from .draws import Choice, Distribution, Normal, Shuffled, Uniform
 from .effects import Contrast, Effect
 from .folder import save_trial
+from .many import WorkerError, run_many
 from .report import figure
 from .results import StudyResults
-from .running import WorkerError, run_study
+from .running import run_study
 from .safety_report import safety_report
 from .study import Study
 from .variables import KINDS, Variable, variable
@@ -32,6 +33,7 @@ __all__ = [
     "Variable",
     "WorkerError",
     "figure",
+    "run_many",
     "run_study",
     "safety_report",
     "save_trial",

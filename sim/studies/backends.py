@@ -1,4 +1,4 @@
-"""Backends on which the rows of a study run: those of joblib, Dask's cluster among them."""
+"""Backends on which many trials run: those of joblib, Dask's cluster among them."""
 
 from __future__ import annotations
 
@@ -8,24 +8,33 @@ import signal
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from joblib import Parallel
+
+AHEAD = "4 * n_jobs"
+"""Number of trials handed out before their results are asked for, as joblib reads it."""
 
 QUIET = "ignore:resource_tracker:UserWarning"
 """The warnings of loky's resource tracker, as a filter of Python's."""
 
 
 @contextmanager
-def backend(name: str, jobs: int) -> Iterator[None]:
-    """joblib set to run on the backend called `name` in this context.
+def backend(name: str, jobs: int) -> Iterator[Parallel]:
+    """Yield what calls functions on the backend called `name`, and yields results in their order.
 
     "dask" runs on the cluster of the current client; where there is none, on the one that
     DASK_SCHEDULER_ADDRESS names, or on `jobs` local processes. `ValueError` if there is no such
-    backend or what it needs is not installed.
+    backend or what it needs is not installed. What else uses joblib meanwhile is not affected.
     """
     import joblib
 
     if name == "dask":
         with _without_logs("distributed", "tornado.application", "asyncio"), _dask_client(jobs):
-            yield
+            with joblib.parallel_config(backend="dask"):
+                parallel = joblib.Parallel(return_as="generator", pre_dispatch=AHEAD)
+            yield parallel
         return
     own = {}
     if name == "loky":
@@ -33,7 +42,8 @@ def backend(name: str, jobs: int) -> Iterator[None]:
         if jobs != 1:
             _start_quiet_tracker()
     with joblib.parallel_config(backend=name, n_jobs=jobs, **own):
-        yield
+        parallel = joblib.Parallel(return_as="generator", pre_dispatch=AHEAD)
+    yield parallel
 
 
 def _leave_interrupts_to_the_main_process() -> None:
@@ -76,8 +86,7 @@ def _without_logs(*names: str) -> Iterator[None]:
 
 @contextmanager
 def _dask_client(jobs: int) -> Iterator[None]:
-    import joblib
-
+    """See to it that there is a Dask client in this context: the current one, or one of its own."""
     try:
         import dask
         from distributed import Client, LocalCluster, get_client
@@ -88,11 +97,10 @@ def _dask_client(jobs: int) -> Iterator[None]:
     except ValueError:
         pass
     else:
-        with joblib.parallel_config(backend="dask"):
-            yield
+        yield
         return
     if dask.config.get("scheduler-address", None):
-        with Client(), joblib.parallel_config(backend="dask"):
+        with Client():
             yield
         return
     with _leaving_interrupts_to_this_process():
@@ -102,7 +110,7 @@ def _dask_client(jobs: int) -> Iterator[None]:
             dashboard_address=None,
             silence_logs=logging.CRITICAL,
         )
-    with cluster, Client(cluster), joblib.parallel_config(backend="dask"):
+    with cluster, Client(cluster):
         yield
 
 

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from ..record.incidents import Incident, incidents, time_on_floor, time_too_close, worst_first
 from ..record.risk import RISKS, Array, Risk, risk, risk_of_all
-from ..simulation import run
+from ..runs.run import Run
 from .comparison import Comparison, Measure, spread
-from .definition import Row
 from .running import of_rows
 from .study import Study
 
@@ -33,7 +32,6 @@ class RowFindings:
     `margin` is the least margin to a required distance (metres), NaN where nothing was required.
     """
 
-    number: int
     count: int
     worst: list[Incident]
     on_floor: float
@@ -54,16 +52,16 @@ class Findings:
     worst: list[tuple[int, Incident]] = field(default_factory=list)
     maps: dict[int, dict[Risk, Array]] = field(default_factory=dict)
 
-    def add(self, trial: int, found: RowFindings) -> None:
-        """Take in what was found in a row of the trial of that number."""
-        self.worst += [(found.number, one) for one in found.worst]
+    def add(self, row: int, trial: int, found: RowFindings) -> None:
+        """Take in what was found in the row and the trial of these numbers."""
+        self.worst += [(row, one) for one in found.worst]
         self.worst.sort(key=lambda one: (one[1].margin, one[0], one[1].begin))
         del self.worst[KEPT:]
         mine = self.maps.setdefault(trial, {})
         for of, cells in found.maps.items():
             mine[of] = risk_of_all([mine[of], cells], of) if of in mine else cells
         # The maps of single rows are not needed any more, and are large.
-        self.rows[found.number] = replace(found, worst=[], maps={})
+        self.rows[row] = replace(found, worst=[], maps={})
 
 
 def findings(
@@ -79,15 +77,15 @@ def findings(
     """
     together = Findings()
     each = len(study.combinations) // len(study.trials)
-    for done, found in enumerate(of_rows(row_findings, _rows(study, failed), jobs), 1):
-        together.add(found.number % len(study.combinations) // each, found)
+    rows = (row for row in study.rows() if row.number not in failed)
+    for done, (row, found) in enumerate(of_rows(rows, row_findings, jobs=jobs), 1):
+        together.add(row.number, row.number % len(study.combinations) // each, found)
         progress(done)
     return together
 
 
-def row_findings(row: Row) -> RowFindings:
-    """Run a row and look at it."""
-    finished = run(row.trial)
+def row_findings(finished: Run) -> RowFindings:
+    """Return what is found in the run of a row."""
     found = worst_first(incidents(finished))
     both = finished.scene.people and finished.scene.machines
     maps = {of: risk(finished, of) for of in RISKS} if both else {}
@@ -95,7 +93,6 @@ def row_findings(row: Row) -> RowFindings:
     if both:
         margins.append(float(maps["margin"].min()))
     return RowFindings(
-        number=row.number,
         count=len(found),
         worst=found[:KEPT],
         on_floor=time_on_floor(finished),
@@ -105,14 +102,10 @@ def row_findings(row: Row) -> RowFindings:
     )
 
 
-def _rows(study: Study, failed: set[int]) -> Iterator[Row]:
-    return (row for row in study.rows() if row.number not in failed)
-
-
 def with_findings(compared: Comparison, found: Findings) -> Comparison:
     """Return a comparison that has the findings of the rows among its measures, before others."""
     count = sum(len(group.rows) for group in compared.groups)
-    nothing = RowFindings(0, 0, [], math.nan, math.nan, math.nan, {})
+    nothing = RowFindings(0, [], math.nan, math.nan, math.nan, {})
     rows = [found.rows.get(k, nothing) for k in range(count)]
     known = np.array([float(k in found.rows) for k in range(count)])
     figures = {

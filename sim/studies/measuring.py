@@ -7,32 +7,36 @@ from typing import Any
 
 from ..record.figures import FIGURES
 from ..record.social_metrics import metrics
-from ..simulation import run
+from ..runs.run import Run
 from .definition import Row
 
 Record = dict[str, Any]
 """One line of a study's results: column by column, numbers, texts, or None."""
 
+_LEFT_OUT = frozenset(path for path, figure in FIGURES.items() if not figure.column)
 
-def measure(row: Row, *, with_metrics: bool = False) -> Record:
-    """Run `row`: its parameters, an error (or None), and the figures of its summary.
 
-    And its metrics of social navigation, if asked for.
+def figures_of(finished: Run, *, with_metrics: bool = False) -> Record:
+    """Return the figures of a run: those of its summary, and its metrics if asked for.
 
-    A trial that fails leaves what it raised under `error`, and no figures. Nothing here depends
-    on where or when it runs.
+    Nothing here depends on where or when it ran.
     """
-    record: Record = {"row": row.number}
-    record |= {name: _plain(value) for name, value in row.parameters.items()}
-    try:
-        finished = run(row.trial)
-    except Exception as why:  # the user's own controllers and laws may raise anything
-        return record | {"error": _in_words(why)}
-    left_out = {path for path, figure in FIGURES.items() if not figure.column}
-    summary = {key: value for key, value in finished.summary.items() if key not in left_out}
+    summary = {key: value for key, value in finished.summary.items() if key not in _LEFT_OUT}
     if with_metrics:
         summary["metrics"] = metrics(finished)
-    return record | {"error": None, "unmet": len(finished.unmet)} | dict(flat(summary))
+    return {"error": None, "unmet": len(finished.unmet)} | dict(flat(summary))
+
+
+def error_in(why: Exception) -> Record:
+    """Return what stands in place of figures where a trial failed: what it raised, on one line."""
+    return {"error": " ".join(f"{type(why).__name__}: {why}".split())}
+
+
+def record_of(row: Row, figures: Record) -> Record:
+    """Return the line of `row`: its number, its parameters, and its figures or error."""
+    record: Record = {"row": row.number}
+    record |= {name: _plain(value) for name, value in row.parameters.items()}
+    return record | figures
 
 
 def flat(figures: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
@@ -49,8 +53,3 @@ def flat(figures: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any
 
 def _plain(value: Any) -> Any:
     return " ".join(str(one) for one in value) if isinstance(value, tuple) else value
-
-
-def _in_words(why: Exception) -> str:
-    """An error on one line."""
-    return " ".join(f"{type(why).__name__}: {why}".split())

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import os
-import threading
-import warnings
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 from typing import TypeVar
@@ -14,27 +11,22 @@ from typing import TypeVar
 from floorplan import require
 
 from ..core.folder_names import folder_for
-from .backends import backend as on_backend
+from ..runs.run import Run
+from ..trials.trial import Trial
 from .definition import Row
 from .folder import RESULTS, StudyFolder, writing_to
-from .measuring import measure
+from .many import WorkerError, run_many
+from .measuring import error_in, figures_of, record_of
 from .parquet import write_parquet
 from .report import write_report
 from .results import StudyResults
 from .study import Study
 from .table import read_table
 
-AHEAD = "4 * n_jobs"
-"""Number of rows handed out before their results are asked for, as joblib reads it."""
-
 Found = TypeVar("Found")
 
 Progress = Callable[[int], None]
 """Is called with the number of rows that are done."""
-
-
-class WorkerError(RuntimeError):
-    """A process that ran rows of a study came to an end."""
 
 
 def run_study(
@@ -62,10 +54,11 @@ def run_study(
         done = folder.table.rows
         begin(done)
         if done < len(study):
-            one = partial(measure, with_metrics=study.metrics)
-            for record in of_rows(one, study.rows(done), jobs, backend):
+            keep = partial(figures_of, with_metrics=study.metrics)
+            rows = of_rows(study.rows(done), keep, error_in, jobs=jobs, backend=backend)
+            for row, figures in rows:
                 with writing_to(path):
-                    folder.table.add(record)
+                    folder.table.add(record_of(row, figures))
                 progress(folder.table.rows)
             folder.check_unchanged()
         results = StudyResults(study, path, read_table(path / RESULTS))
@@ -76,47 +69,28 @@ def run_study(
 
 
 def of_rows(
-    work: Callable[[Row], Found], rows: Iterable[Row], jobs: int | None, backend: str = "loky"
-) -> Iterator[Found]:
-    """Yield what `work` finds of each of some rows, in their order, on `jobs` processes.
+    rows: Iterable[Row],
+    keep: Callable[[Run], Found],
+    failed: Callable[[Exception], Found] | None = None,
+    *,
+    jobs: int | None,
+    backend: str = "loky",
+) -> Iterator[tuple[Row, Found]]:
+    """Yield each of some rows with what `run_many` keeps of it, in their order.
 
     `WorkerError` if a process dies.
     """
-    import joblib
-    from joblib.externals.loky.process_executor import TerminatedWorkerError
+    under_way: deque[Row] = deque()
 
-    with on_backend(backend, jobs or os.cpu_count() or 1), _without_noise():
-        parallel = joblib.Parallel(return_as="generator", pre_dispatch=AHEAD)
-        one = joblib.delayed(work)
-        found = parallel(one(row) for row in rows)
-        try:
-            yield from found
-        except TerminatedWorkerError:
-            raise WorkerError(
-                "a worker process was killed or ran out of memory; what is done is kept:"
-                " run the same command to go on, with fewer --jobs if memory is short"
-            ) from None
-        finally:
-            found.close()
+    def trials() -> Iterator[Trial]:
+        for row in rows:
+            under_way.append(row)
+            yield row.trial
 
-
-@contextmanager
-def _without_noise() -> Iterator[None]:
-    """Keep joblib's remarks on its workers, which are of no use, from the user.
-
-    That one was started anew; and, when rows are taken back, that loky's thread missed one.
-    """
-    usual = threading.excepthook
-
-    def hook(why: threading.ExceptHookArgs) -> None:
-        loky = why.thread is not None and why.thread.name == "ExecutorManagerThread"
-        if not (loky and why.exc_type is KeyError):
-            usual(why)
-
-    threading.excepthook = hook
+    many = run_many(trials(), keep=keep, failed=failed, jobs=jobs, backend=backend)
     try:
-        with warnings.catch_warnings():
-            warnings.filterwarnings("ignore", category=UserWarning, module="joblib")
-            yield
-    finally:
-        threading.excepthook = usual
+        for found in many:
+            yield under_way.popleft(), found
+    except WorkerError as why:
+        kept = "what is done is kept: run the same command to go on"
+        raise WorkerError(f"{why}; {kept}") from None

@@ -136,7 +136,7 @@ def test_rows_run_on_the_cluster_of_the_current_client(study, tmp_path):
         Client(cluster) as client,
     ):
         sim.run_study(study, tmp_path / "out", backend="dask")
-        worked = client.run(lambda: "sim.studies.measuring" in sys.modules)
+        worked = client.run(lambda: "sim.studies.many" in sys.modules)
     assert list(worked.values()) == [True, True]
     assert len(lines(tmp_path / "out" / "results.csv")) == 16
 
