@@ -7,10 +7,12 @@ path on every machine.
 from __future__ import annotations
 
 import heapq
+import inspect
 import itertools
 import math
 import traceback
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -66,7 +68,9 @@ def sample_path(
         except Exception as why:
             if choice.kind is None:
                 raise
-            raise PlannerError(f"the planner {choice.name} failed{_line_of(why)}") from why
+            raise PlannerError(
+                f"the planner {choice.name} failed {_how(choice.kind, why)}"
+            ) from why
         finally:
             search.release()
 
@@ -105,6 +109,8 @@ class _Search:
     def _require_answer(self, choice: PlannerChoice, path: Any) -> None:
         """Raise `PlannerError` unless the path of a planner of one's own answers the question."""
         question, points = self._question, [_place(state) for state in path.getStates()]
+        if not points:
+            raise PlannerError(f"the planner {choice.name} found a path without any place")
         for end, asked, found in (
             ("starts", question.start, points[0]),
             ("ends", question.goal, points[-1]),
@@ -151,11 +157,20 @@ class _Search:
         return self._setup.points(path)
 
 
-def _line_of(why: Exception) -> str:
-    """Return an error's words and the line that it arose in."""
+def _how(kind: type, why: Exception) -> str:
+    """Return the line in which planner `kind` of one's own failed, and an error's words.
+
+    Where OMPL could make nothing of it, that is the line that defines it.
+    """
+    words = f"{type(why).__name__}: {why}".partition("\n")[0].removesuffix(": ")
     last = traceback.extract_tb(why.__traceback__)[-1]
-    words = f"{type(why).__name__}: {why}".removesuffix(": ")
-    return f" ({Path(last.filename).name}, line {last.lineno}): {words}"
+    file, line = Path(last.filename), last.lineno
+    if file.parent == Path(__file__).parent:
+        with suppress(OSError, TypeError):  # typed in, or written in C++
+            file, line = Path(inspect.getfile(kind)), inspect.getsourcelines(kind)[1]
+        needs = "call OMPL's __init__, and return ob.PlannerStatus(…) from solve"
+        words = f"as OMPL asked it; it must {needs} ({words})"
+    return f"({file.name}, line {line}): {words}"
 
 
 def _shown(place: Point) -> str:
