@@ -22,6 +22,7 @@ cdef class Search:
     cdef bint straight
     cdef Room room
     cdef set refused
+    cdef bint alone
     cdef Py_ssize_t fixed
     cdef Py_ssize_t start
     cdef readonly Py_ssize_t goal

@@ -85,6 +85,7 @@ class Search:
         self.straight = straight
         self.room = room
         self.refused = refused
+        self.alone = False
         self.fixed = floor.count
         self.start = floor.count + sum([part.count for part in parts])
         self.goal = self.start + 1
@@ -109,6 +110,7 @@ class Search:
         so_far: float = 0.0
         taken: cython.Py_ssize_t = 0
         self.best[self.start] = 0.0
+        self.alone = len(self.parts) == 0 and len(self.refused) == 0
         while there != self.goal:
             self._leave(there, so_far)
             while True:
@@ -142,6 +144,12 @@ class Search:
     def _go(self, place: cython.Py_ssize_t) -> cython.int:
         """Find where a place is, and which of which `turns` unless it is the start or the goal."""
         part: Turns
+        if place < self.fixed:
+            self.turns = self.floor
+            self.at = place
+            self.x = self.floor.x[place]
+            self.y = self.floor.y[place]
+            return 0
         if place == self.start:
             self.x = self.start_x
             self.y = self.start_y
@@ -150,12 +158,12 @@ class Search:
             self.x = self.goal_x
             self.y = self.goal_y
             return 0
-        self.turns = self.floor
+        place -= self.fixed
         for part in self.parts:
-            if place < self.turns.count:
+            if place < part.count:
+                self.turns = part
                 break
-            place -= self.turns.count
-            self.turns = part
+            place -= part.count
         self.at = place
         self.x = self.turns.x[place]
         self.y = self.turns.y[place]
@@ -274,7 +282,9 @@ class Search:
     ) -> cython.int:
         """Queue a link of the floor, unless it is blocked or others are shorter."""
         then: float = so_far + length
-        if then < self.best[to] and then <= self.sure[to] and self._clear(here, to, False):
+        if then >= self.best[to] or then > self.sure[to]:
+            return 0
+        if self.alone or self._clear(here, to, False):
             self.sure[to] = then
             heappush(self.queue, (then + self._bound(to), then, here, to))
         return 0
