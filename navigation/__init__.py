@@ -22,6 +22,7 @@ from .gantry_planner import GantryPath, GantryPlanner
 from .kernels.candidates import Candidates, next_step
 from .kernels.discs import first_met, within_bounds
 from .kernels.edges import touches
+from .kernels.grid import block_discs, grid_path
 from .machines import (
     ARIAC_GANTRY,
     GantryLimits,
@@ -126,6 +127,7 @@ __all__ = [
     "agv_box",
     "agv_run",
     "agv_stop",
+    "block_discs",
     "can_go_on",
     "corner_speed",
     "first_conflict",
@@ -136,6 +138,7 @@ __all__ = [
     "gantry_limits",
     "gantry_move",
     "gantry_stop",
+    "grid_path",
     "is_of_motions",
     "is_of_speeds",
     "join",

@@ -16,6 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .kernels.odometer import row_at
 from .kernels.pieces import breaks, evaluate
 from .polynomials import monotone_cubics
 
@@ -23,6 +24,9 @@ Cubic = tuple[float, float, float, float]
 """Coefficients c of c[0] + c[1] u + c[2] u² + c[3] u³, with u the time since a piece began."""
 
 Array = NDArray[np.float64]
+
+WIDTH = 14
+"""Numbers of a piece in a motion's table: begin, end, and the coefficients."""
 
 JUMP_TOLERANCE = 1e-6
 """Metres. Pieces that meet no closer than this are a jump, not rounding."""
@@ -78,7 +82,9 @@ class Motion:
     def __post_init__(self) -> None:
         if not self.pieces:
             raise ValueError("a motion needs at least one piece")
-        for k in breaks(self.table, JUMP_TOLERANCE):
+        # Kept at once: a cached property takes a lock, and crowds make thousands of motions.
+        table = vars(self)["table"] = _table(self.pieces)
+        for k in breaks(table, JUMP_TOLERANCE):
             piece, before = self.pieces[k], self.pieces[max(k - 1, 0)]
             if piece.end < piece.begin:
                 raise ValueError(
@@ -151,8 +157,13 @@ class Motion:
 
     def state(self, t: float) -> State:
         """Return position, velocity and acceleration at the instant `t` (seconds)."""
-        row = max(0, bisect_right(self._begins, t) - 1)
-        return State(*evaluate(self.table, row, t, self.start <= t < self.end))
+        known: tuple[float, State] | None = vars(self).get("known")  # asked often of one instant
+        if known is not None and known[0] == t:
+            return known[1]
+        row = max(0, row_at(self.table, WIDTH, t))
+        found = State(*evaluate(self.table, row, t, self.start <= t < self.end))
+        vars(self)["known"] = (t, found)
+        return found
 
     def state_before(self, t: float) -> State:
         """Return the state just before `t`, before a change or a jump at that instant."""
@@ -198,10 +209,7 @@ class Motion:
     @cached_property
     def table(self) -> list[float]:
         """Begin, end and coefficients of x, y and rotation of each piece, one after another."""
-        flat: Callable[[], list[float]] | None = getattr(self.pieces, "flat", None)
-        if flat is not None:
-            return flat()
-        return [c for p in self.pieces for c in (p.begin, p.end, *p.x, *p.y, *p.rotation)]
+        return _table(self.pieces)
 
     @cached_property
     def _tables(self) -> tuple[Array, Array, Array]:
@@ -224,10 +232,18 @@ class Motion:
         return np.where(moving, c[..., 1] + u * (2 * c[..., 2] + u * 3 * c[..., 3]), 0.0)
 
 
+def _table(pieces: Sequence[Piece]) -> list[float]:
+    """Return the table of pieces."""
+    flat: Callable[[], list[float]] | None = getattr(pieces, "flat", None)
+    if flat is not None:
+        return flat()
+    return [c for p in pieces for c in (p.begin, p.end, *p.x, *p.y, *p.rotation)]
+
+
 def pieces_of(table: list[float]) -> Iterator[Piece]:
     """Yield the pieces of a motion's table."""
-    for k in range(0, len(table), 14):
-        begin, end, x0, x1, x2, x3, y0, y1, y2, y3, r0, r1, r2, r3 = table[k : k + 14]
+    for k in range(0, len(table), WIDTH):
+        begin, end, x0, x1, x2, x3, y0, y1, y2, y3, r0, r1, r2, r3 = table[k : k + WIDTH]
         yield Piece(begin, end, (x0, x1, x2, x3), (y0, y1, y2, y3), (r0, r1, r2, r3))
 
 

@@ -9,7 +9,7 @@ cdef class Candidates:
     cdef double acceleration
     cdef list[double] lead
     cdef list[double] lead_box
-    cdef double whole
+    cdef readonly double whole
     cdef list[double] rows
     cdef readonly Py_ssize_t row
     cdef double loss

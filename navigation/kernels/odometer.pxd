@@ -5,7 +5,7 @@ cdef class Figure:
     cdef double curve
     cdef int set(self, double value, double slope, double slack, double curve) except? -1
 
-cdef Py_ssize_t row_at(list[double] table, Py_ssize_t width, double t) noexcept
+cpdef Py_ssize_t row_at(list[double] table, Py_ssize_t width, double t) noexcept
 
 cdef int speed_along(list[double] table, Py_ssize_t row, double begin, double end, Figure figure) except? -1
 

@@ -47,6 +47,9 @@ class CrossingWatch:
         return first_time(close, person, agv, now, max(now, end), shapes=self._shapes)
 
     def _reconsider(self) -> None:
+        if self.pair.machine.body.motion.end <= self.pair.clock.now:
+            self._alarm.set(None)
+            return
         person = self.pair.person.body.motion
         walks = person.end > self.pair.clock.now
         touched = self.touches(person) if walks else None

@@ -142,6 +142,9 @@ class SeparationWatch:
         now, machine = self.pair.clock.now, self.pair.machine.body
         # A vehicle that stands never counts, and most stand most of the time.
         idle = self._needs_motion and machine.motion.end <= now
+        if idle and self._since is None:
+            self._alarm.set(None)
+            return
         coming = None if idle else self.pair.next_interval(self._condition)
         if self._since is None:
             self._alarm.set(coming[0] if coming else None)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import json
 import re
 
 import pytest
@@ -67,18 +66,6 @@ class Viewer:
 
     def number(self, selector):
         return float(self.text(selector).split()[0].replace("−", "-"))
-
-    def problems(self, recording):
-        """What this page would say is wrong with a recording, if it held that one."""
-        script = """text => {
-            try {
-                parseRecording(text);
-                return [];
-            } catch (why) {
-                return why.problems;
-            }
-        }"""
-        return self.page.evaluate(script, json.dumps(recording))
 
     def differ(self, one, other):
         """Whether two screenshots show different things, beyond the smoothing of edges."""

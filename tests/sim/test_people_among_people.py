@@ -15,6 +15,7 @@ from run_events import events
 import floorplan
 import navigation
 import sim
+from sim.core.manners import MannersEntry
 
 GO = """
 +human_start <- !next.
@@ -277,6 +278,15 @@ def test_people_who_can_go_nowhere_say_so_and_are_a_deadlock(walks):
     assert run.summary["deadlocks"] == 1
     assert run.summary["people"]["p0"]["time_lost_to_others"] > 20
     assert least(run) >= 0.6
+
+
+def test_who_finds_an_aisle_full_takes_another(walks):
+    # Two aisles lead on; in the nearer one somebody stands who lets nobody past.
+    floor = hall(16, 8, (5, 0, 11, 1.5), (5, 2.5, 11, 5.5), (5, 6.5, 11, 8))
+    ways = [((2, 2), [(14, 2)]), ((8, 2), [])]
+    run = walks(floor, ways, 60.0, manners=MannersEntry(steps_aside=False))
+    assert [event["person"] for event in events(run, "arrived") if event["t"] < 40] == ["p0"]
+    assert least(run) >= 0.6 and through_walls(run) == []
 
 
 def test_nearest_pair_sees_what_an_oracle_sees():

@@ -598,17 +598,11 @@ LISTEN_TO_WORDS = """
 """
 
 
-def test_words_on_the_floor_are_whole_and_cover_no_station(open_page, recording):
-    viewer = open_page(replay.render(recording))
+@pytest.mark.parametrize("width", [390, 500, 1400])
+def test_words_on_the_floor_are_whole_and_cover_no_station(open_page, recording, width):
+    viewer = open_page(replay.render(recording), viewport={"width": width, "height": 900})
+    viewer.settle()
     viewer.page.evaluate(LISTEN_TO_WORDS)
-    for width in (390, 500, 1400):
-        viewer.page.set_viewport_size({"width": width, "height": 900})
-        viewer.settle()
-        check_words(viewer, recording)
-
-
-def check_words(viewer, recording):
-    viewer.page.evaluate("window.words.length = 0")
     viewer.page.locator("#theme").click()  # the floor is painted anew
     viewer.settle()
     box = viewer.page.locator(".view canvas.flat").bounding_box()
@@ -775,22 +769,9 @@ def broken(recording, change):
         (lambda r: r["watches"][0].pop("violations"), "watches[0].violations"),
     ],
 )
-def test_what_is_wrong_with_a_recording_is_found(viewer, recording, change, message):
-    data = copy.deepcopy(recording)
-    change(data)
-    assert message in "; ".join(viewer.problems(data))
-
-
-def test_what_is_wrong_with_a_recording_is_said(open_page, recording):
-    def change(data):
-        data.pop("duration")
-        data["watches"][1].update(other="<b>nobody</b>")
-
+def test_what_is_wrong_with_a_recording_is_said(open_page, recording, change, message):
     viewer = open_page(broken(recording, change))
-    assert viewer.page.locator("#trouble li").all_inner_texts() == [
-        "duration: a number of seconds above 0 is missing",
-        'watches[1].other: there is no body called "<b>nobody</b>"',
-    ]
+    assert message in viewer.text("#trouble")
     assert viewer.page.locator("#replay").is_hidden()
     assert viewer.complaints == []
 
@@ -799,11 +780,8 @@ def test_what_is_wrong_with_a_recording_is_said(open_page, recording):
     ("change", "message", "bodies"),
     [
         (lambda r: r.update(format="floorwalker-replay/9"), "later format floorwalker-replay/9", 7),
-        (
-            lambda r: r["motions"].update(operator=[]) or r["motions"].pop("agv1"),
-            "without the motions of operator, agv1",
-            5,
-        ),
+        (lambda r: r["motions"].pop("agv1"), "without the motions of agv1", 6),
+        (lambda r: r["motions"].update(operator=[]), "without the motions of operator", 6),
         (lambda r: r["motions"].clear(), "without the motions of operator, visitor, gantry", 0),
     ],
 )

@@ -192,22 +192,25 @@ def test_a_recording_can_be_dropped_on_the_page(open_page, recording, other):
     assert viewer.text("#title") == f"A: {recording['title']}; B: {other['title']}"
 
 
-def test_what_cannot_be_shown_is_said_and_the_page_stays(open_page, recording):
-    viewer = open_page(replay.render(recording))
-    dialog = viewer.page.locator("#drop-trouble")
-    for text, message in (
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
         ("", "cut off or damaged"),
         ('{"format": "floorwalker-replay/1"}', "floorplan: missing"),
         ("<!DOCTYPE html><p>Hello", "this is no replay page"),
         ("\x00\x01", "cut off or damaged"),
-    ):
-        viewer.page.evaluate(DROP, text)
-        viewer.wait_until(dialog.is_visible)
-        assert "dropped.json can't be shown" in dialog.inner_text()
-        assert message in dialog.inner_text()
-        viewer.page.keyboard.press("Escape")
-        viewer.wait_until(dialog.is_hidden)  # until then keys are its own
-        assert viewer.page.locator(".view").count() == 1
+    ],
+)
+def test_what_cannot_be_shown_is_said_and_the_page_stays(open_page, recording, text, message):
+    viewer = open_page(replay.render(recording))
+    viewer.page.evaluate(DROP, text)
+    dialog = viewer.page.locator("#drop-trouble")
+    viewer.wait_until(dialog.is_visible)
+    assert "dropped.json can't be shown" in dialog.inner_text()
+    assert message in dialog.inner_text()
+    viewer.page.keyboard.press("Escape")
+    viewer.wait_until(dialog.is_hidden)  # until then keys are its own
+    assert viewer.page.locator(".view").count() == 1
 
     def at_the_end():
         viewer.page.keyboard.press("End")

@@ -159,10 +159,12 @@ def test_a_click_on_a_person_shows_their_mind(viewer, run):
         (lambda minds: minds["operator"][0].update(steps="?"), "minds.operator[0]"),
     ],
 )
-def test_what_is_wrong_with_a_mind_is_found(viewer, recording, change, message):
+def test_what_is_wrong_with_a_mind_is_said(open_page, recording, change, message):
     broken = copy.deepcopy(recording)
     change(broken["minds"])
-    assert message in "; ".join(viewer.problems(broken))
+    viewer = open_page(replay.render(broken))
+    assert message in viewer.text("#trouble")
+    assert viewer.complaints == []
 
 
 def test_four_agvs_for_275_seconds_make_a_small_page():

@@ -9,7 +9,7 @@ const MOST_CELLS = 300;        // along a side; of a large floor cells are large
 const LOOKS_AT_RUN = 4000;     // instants at which a whole run is looked at, at most
 const LOOKS_FOR_PEAK = 200;    // the same, for the highest density at an instant
 const LOOK_EVERY = 0.1;        // seconds between them, at least
-const OPAQUE = 0.6;            // of the floor under a field, so much is covered
+const OPAQUE = 0.7;            // of the floor under a field, so much is covered
 const FAINT = 0.005;           // people per m² below which nothing is said
 const DENSE_ENOUGH = 0.1;      // people per m² from which a speed is shown in full
 

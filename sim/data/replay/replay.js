@@ -1,7 +1,7 @@
 /* The page: one run or two beside each other, one clock, one chosen pair. */
 
 const CONTROL_KEYS = [" ", "ArrowLeft", "ArrowRight", "Home", "End"];    // keys with a meaning in controls
-const NARROWEST_FLOOR = 560;       // CSS pixels of the floor's panel
+const NARROWEST_FLOOR = 500;       // CSS pixels of the floor's panel
 const BROAD_SIDE = 740;            // CSS pixels beside the floor, from which two columns stand there
 const TURN_OF_KEY = 20;            // pixels of a drag that a key stands for
 const PLAY = "M4 2.5v11L13.5 8z";

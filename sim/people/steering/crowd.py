@@ -29,11 +29,12 @@ from navigation import (
 from ...core.clock import Alarm, Turn
 from ...core.events import Blocked, Deadlock, GaveWay, Met
 from ...core.stage import Stage
+from .course import length_of
 from .outlook import Ground, Outlook
 from .requests import Request
 from .steering import Foresighted, Steering, both_aside
 from .traveller import AT_THE_DOOR, Traveller
-from .whereabouts import GAP, Hit, Whereabouts
+from .whereabouts import GAP, Hit, Sight, Whereabouts
 
 EARLY = 0.25
 """Seconds before braking would begin at which people decide anew."""
@@ -47,6 +48,13 @@ ANEW = 1.5
 PAUSE, LONGEST = 1.0, 4.0
 """Seconds until somebody who waits looks again for a way round what has not changed: at first, and
 at most, as each pause is twice as long as the one before."""
+
+AFRESH = 8.0
+"""Seconds until somebody looks anew though everybody around stands where they stood: at first, as
+each time is twice as long as the one before."""
+
+ALL_AROUND = 4.0
+"""Metres. So far from the course ahead of somebody who waits, others matter."""
 
 WORTH = 0.6
 """Metres. Who would lose more than this on their own looks whether both could shift aside."""
@@ -79,12 +87,20 @@ class _Party:
     """Those who wait for them."""
     looked: float = -math.inf
     """When they last looked whether they can go on, seconds."""
+    rounded: float = -math.inf
+    """When they last looked for a path round those who stand, seconds."""
+    weighed: float = -math.inf
+    """When they last weighed other courses, seconds."""
     waits_on: Motion | None = None
     """The motion of whom they wait for, when they last looked for a way round it."""
     tries_again: float = 0.0
     """When they look again though it is still the same, seconds."""
     pause: float = 0.0
     """How long they have paused until then, seconds."""
+    sight: Sight | None = None
+    """All that they saw when they last looked for a way round, where all of it stood."""
+    afresh: float = AFRESH
+    """How long they go on waiting without a look while it is still the same, seconds."""
     said: bool = False
 
 
@@ -166,6 +182,7 @@ class Crowd:
         if me.goal != goal:
             me.since = self._clock.now
         me.goal, me.route, me.top_speed = goal, route, top_speed
+        me.goes_round = False
         self._decide(me)
 
     def make_way_for(self, me: Traveller) -> None:
@@ -225,7 +242,7 @@ class Crowd:
     def _decide(self, me: Traveller, asked: tuple[Traveller, ...] = ()) -> None:
         """Let somebody decide on a course, and set when they decide again."""
         party, now = self._parties[me], self._clock.now
-        if me.goal is None:
+        if me.goal is None or self._sees_the_same(party, now):
             return
         try:
             outlook = self._outlook(me)
@@ -246,8 +263,9 @@ class Crowd:
             outlook.look_again()
             hit = outlook.others.first_hit(wished)
         if hit is not None and self._waits_on(party, hit, now):
-            self._wait(party, outlook, hit, ask=False)
+            self._wait(party, outlook, hit, ask=now >= party.tries_again)
             return
+        party.weighed = now
         motion = self.steering.replan(me, outlook.near, outlook)
         loss = math.inf
         if motion is not None:
@@ -270,12 +288,28 @@ class Crowd:
         else:
             self._again(party, now + APART)
 
+    def _sees_the_same(self, party: _Party, now: float) -> bool:
+        """Let somebody wait on who stands among those who stand, as they did at the last look."""
+        me, sight = party.me, party.sight
+        if sight is None or me.stands_since is None or self._whereabouts.changed(me, sight):
+            party.sight = None
+            return False
+        due = party.looked + party.afresh
+        if not party.said:
+            due = min(due, me.stands_since + me.manners.patience)
+        if due <= now:
+            party.sight, party.afresh = None, 2 * party.afresh
+            return False
+        self._again(party, min(due, now + LONGEST))
+        return True
+
     def _waits_on(self, party: _Party, hit: Hit, now: float) -> bool:
         """Return whether nothing has changed for somebody who waits since they last looked."""
         return (
             hit.other is party.waits_for
             and hit.other.body.motion is party.waits_on
-            and party.me.body.motion.end <= now < party.tries_again
+            and party.me.body.motion.end <= now
+            and now < max(party.tries_again, party.weighed + APART)
         )
 
     def _may_go_on(self, hit: Hit, now: float, asked: tuple[Traveller, ...]) -> bool:
@@ -290,6 +324,7 @@ class Crowd:
             and now - other.decided >= APART
             and now - party.looked >= APART
             and party.arriving.time is None
+            and party.sight is None
             and not (
                 party.waits_for is not None
                 and party.waits_for.body.motion is party.waits_on
@@ -309,11 +344,7 @@ class Crowd:
             outlook = self._outlook(other)
         except PlanningError:
             return False
-        our_others = mine.others.without([other])
-        their_others = outlook.others.without([me])
         for one, two in both_aside(me, mine, hit, outlook):
-            if not (our_others.free(one) and their_others.free(two)):
-                continue
             if _conflict(me, one, other, two, now):
                 continue
             self._commit(self._parties[me], mine.made(one), one, mine)
@@ -344,6 +375,12 @@ class Crowd:
             party.tries_again = now + party.pause
             if me.rank < hit.other.rank and self._ask(me, outlook, hit):
                 return
+            if party.rounded < now and self._finds_way_round(me, outlook, stood):
+                party.rounded = now
+                self._decide(me, (me,))
+                return
+            sight = outlook.sight(ALL_AROUND)
+            party.sight = sight if sight.rests <= now else None
         if stood >= me.manners.patience and not party.said:
             party.said = True
             self._stage.record(Blocked(person=me.name, by=hit.other.name))
@@ -357,6 +394,19 @@ class Crowd:
         if not party.said:
             due = min(due, me.stands_since + me.manners.patience)
         self._again(party, due)
+
+    def _finds_way_round(self, me: Traveller, outlook: Outlook, stood: float) -> bool:
+        """Take a path round those who stand, if it is worth the wait; return whether it is."""
+        goal = me.goal
+        assert goal is not None
+        ground = outlook.ground
+        path = ground.detours.path(
+            outlook.at, goal, outlook.standing(outlook.at, goal), ground.free
+        )
+        if path is None or length_of(path) > outlook.whole + me.top_speed * (stood + LONGEST):
+            return False
+        me.route, me.goes_round = path[1:], True
+        return True
 
     def _is_beside_goal(self, me: Traveller, hit: Hit, now: float) -> bool:
         """Return whether who keeps somebody from their goal is one of those around it.
@@ -458,8 +508,8 @@ class Crowd:
         if me.stands_since is not None:
             me.lost += self._clock.now - me.stands_since
         self._wait_for(party, None)
-        me.stands_since, party.said = None, False
-        party.waits_on, party.tries_again, party.pause = None, 0.0, 0.0
+        me.stands_since, party.said, party.sight = None, False, None
+        party.waits_on, party.tries_again, party.pause, party.afresh = None, 0.0, 0.0, AFRESH
 
     def _wait_for(self, party: _Party, other: Traveller | None) -> None:
         """Take note of whom somebody waits for."""

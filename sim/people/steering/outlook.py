@@ -19,12 +19,15 @@ from navigation import (
     pace,
     stop_walking,
     swath,
+    touches,
     walked,
 )
 
-from .course import first, length_of
+from .course import first
+from .detour import AROUND as ALL_AROUND
+from .detour import Detours
 from .traveller import Traveller
-from .whereabouts import Hit, Others, Whereabouts
+from .whereabouts import GAP, Hit, Others, Sight, Whereabouts
 
 STEP = 0.25
 """Metres between the places along a course that are looked at for a stop."""
@@ -45,6 +48,7 @@ class Ground:
     def __init__(self, world: CollisionWorld, radius: float) -> None:
         self.world = world
         self.radius = radius
+        self.detours = Detours(world, radius)
         self._walls = world.walls(radius)
         self._gates = world.gates
         self._narrow_cells: dict[tuple[int, int], bool | None] = {}
@@ -97,7 +101,9 @@ class Outlook:
 
     `at`, `t` and `speed` are where, when and how fast a new course begins: now, or once they have
     come to rest, where they are too fast to turn (`lead` is the motion until then). `course` is
-    their path from there to the goal.
+    their path from there to the goal, `whole` its length and `reach` how far along it they look
+    ahead (metres); `wished` is where the `wish` goes. `walks` along the course and beside it are
+    to be weighed against each other.
     """
 
     def __init__(
@@ -130,26 +136,12 @@ class Outlook:
             end = self.lead.state(self.lead.end)
             self.at, self.t, self.speed = end.at, self.lead.end, 0.0
             self.course = [self.at, *self._taut(self.at, reroute)]
-
-    @cached_property
-    def wish(self) -> Motion | None:
-        """The motion along the course as far as they look ahead, as if nobody were there."""
-        return None if self.wished is None else self.made(self.wished)
-
-    @cached_property
-    def wished(self) -> Swath | None:
-        """Where the `wish` goes."""
-        return self.draft(self.course, self.stop_beyond(self.reach))
-
-    @cached_property
-    def walks(self) -> Candidates:
-        """Walks along the course and beside it, to be weighed against each other."""
-        human, state, lead = self.me.human, self._state, self._lead
-        vx, vy, _ = state.velocity
-        return Candidates(
+        human, lead = me.human, self._lead
+        vx, vy, _ = self._state.velocity
+        self.walks = Candidates(
             [number for corner in self.course for number in corner],
             self.t,
-            self.now,
+            now,
             self.speed,
             vx,
             vy,
@@ -158,16 +150,14 @@ class Outlook:
             [] if lead is None else lead.walk,
             [] if lead is None else lead.box,
         )
+        self.whole = self.walks.whole
+        self.reach = me.top_speed * me.manners.foresight
+        self.wished = self.draft(self.course, self.stop_beyond(self.reach))
 
     @cached_property
-    def whole(self) -> float:
-        """The length of the course, metres."""
-        return length_of(self.course)
-
-    @cached_property
-    def reach(self) -> float:
-        """How far along the course they look ahead, metres."""
-        return self.me.top_speed * self.me.manners.foresight
+    def wish(self) -> Motion | None:
+        """The motion along the course as far as they look ahead, as if nobody were there."""
+        return None if self.wished is None else self.made(self.wished)
 
     def can_turn(self, course: Sequence[Point]) -> bool:
         """Return whether they may set out on `course` from here without slowing down first."""
@@ -302,13 +292,22 @@ class Outlook:
     def others(self) -> Others:
         """Those who may come near the course, or beside it."""
         if self._others is None:
-            wished = self.wished
-            box = self.me.swath.box if wished is None else wished.box
-            low_x, low_y, high_x, high_y = box
+            low_x, low_y, high_x, high_y = self._box
             around = self._around
             self._seen = [low_x - around, low_y - around, high_x + around, high_y + around]
             self._others = self._whereabouts.others(self.me, self._seen, self.now)
         return self._others
+
+    def sight(self, metres: float) -> Sight:
+        """Return what they see so far around the course."""
+        low_x, low_y, high_x, high_y = self._box
+        box = [low_x - metres, low_y - metres, high_x + metres, high_y + metres]
+        return self._whereabouts.sight(self.me, box)
+
+    @property
+    def _box(self) -> list[float]:
+        """The bounds of the course ahead."""
+        return self.me.swath.box if self.wished is None else self.wished.box
 
     def _around_of(self, ahead: Swath) -> Others:
         """Return those who may come near a motion."""
@@ -344,11 +343,39 @@ class Outlook:
 
     def _taut(self, at: Point, reroute: Callable[[Point], list[Point]]) -> list[Point]:
         """Return the route from `at`: without the points that can be left out, or a new one."""
-        route = self.me.route
+        me = self.me
+        route = me.route
+        if me.goes_round and route:
+            discs = [c for place, _ in self.standing(at, *route) for c in (*place, *place)]
+            width = 2 * me.radius + GAP
+
+            def clear(a: Point, b: Point) -> bool:
+                return not touches(discs, *a, *b, width) and self.ground.free(a, b)
+
+            for k in range(min(len(route), 4) - 1, -1, -1):
+                if clear(at, route[k]):
+                    # Who has passed a bend must not go back to it because of somebody beyond it.
+                    if all(clear(a, b) for a, b in pairwise(route[k:])):
+                        return route[k:]
+                    break
+            me.goes_round = False
         for k in range(min(len(route), 4) - 1, -1, -1):
             if self.ground.free(at, route[k]):
                 return route[k:]
         return reroute(at)
+
+    def standing(self, *places: Point) -> list[tuple[Point, float]]:
+        """Return who stands around these places: where, and how far to stay from there (m)."""
+        me, floor = self.me, self._whereabouts
+        xs, ys = zip(*places, strict=True)
+        near = floor.near([min(xs), min(ys), max(xs), max(ys)], ALL_AROUND)
+        return [
+            (one.swath.place, me.radius + one.radius + GAP)
+            for k in near
+            if floor.rests[k] <= self.now
+            for one in [floor.people[k]]
+            if one is not me
+        ]
 
 
 def _drawn(walks: Candidates) -> Swath:

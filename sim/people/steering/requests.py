@@ -20,7 +20,7 @@ DEEPEST = 4
 MOST = 12
 """At most so many people move for one request."""
 
-TRIES = 200
+TRIES = 40
 """At most so many courses are tried for one request."""
 
 RINGS = (0.3, 0.5, 0.7, 1.0, 1.4, 2.0, 2.8)

@@ -199,9 +199,13 @@ def _relative(outlook: Outlook, hit: Hit) -> tuple[float, float, float]:
 def both_aside(
     me: Traveller, mine: Outlook, hit: Hit, theirs: Outlook
 ) -> Iterator[tuple[Swath, Swath]]:
-    """Yield drafts in which two who meet head-on both shift to their side, the usual one first."""
+    """Yield drafts in which two who meet head-on both shift to their side, the usual one first.
+
+    Neither meets anybody else.
+    """
     if mine.wished is None or theirs.wished is None:
         return
+    our_others, their_others = mine.others.without([hit.other]), theirs.others.without([me])
     gone, ahead, beside = _relative(mine, hit)
     x, y, _, _ = mine.walks.at(gone + max(ahead, 0.0) / 2)
     passed = _nearest_length(theirs.course, (x, y))
@@ -215,10 +219,10 @@ def both_aside(
                 continue
             for share in (0.5, 0.7, 0.3):
                 ours = mine.aside(max(gone + ahead / 2, 0.1), way * share * width)
-                if ours is None:
+                if ours is None or not our_others.free(ours):
                     continue
                 yours = theirs.aside(max(passed, 0.1), way * (1 - share) * width)
-                if yours is not None:
+                if yours is not None and their_others.free(yours):
                     yield ours, yours
 
 

@@ -36,10 +36,16 @@ class Traveller:
     recorded: bool = False
     goal: Point | None = None
     route: list[Point] = field(default_factory=list)
+    goes_round: bool = False
+    """Whether the route leads round those who stand."""
     leaves_at: Point | None = None
     """Where they leave the floor, if anywhere: there they queue."""
     since: float = 0.0
     top_speed: float = field(init=False)
+    name: str = field(init=False)
+    """Their name."""
+    radius: float = field(init=False)
+    """The radius of their body, metres."""
     decided: float = -math.inf
     """Instant of their last change of course, seconds."""
     stands_since: float | None = None
@@ -49,21 +55,12 @@ class Traveller:
 
     def __post_init__(self) -> None:
         self.top_speed = self.human.max_speed
+        self.name, self.radius = self.body.name, self.human.radius
         self._of: Motion | None = None
         self._swath: Swath | None = None
 
     def __repr__(self) -> str:
         return f"<Traveller {self.name} to {self.goal}>"
-
-    @property
-    def name(self) -> str:
-        """Their name."""
-        return self.body.name
-
-    @property
-    def radius(self) -> float:
-        """The radius of their body, metres."""
-        return self.human.radius
 
     @property
     def swath(self) -> Swath:

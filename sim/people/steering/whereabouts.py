@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Container, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from navigation import Candidates, Swath, first_met, within_bounds
 
@@ -23,6 +24,18 @@ class Hit:
     at_rest: bool
 
 
+class Sight(NamedTuple):
+    """Those who may come into bounds, as of a number of changes; all of them stand by `rests` (s).
+
+    `box` has least x and y, greatest x and y (metres), `near` indices.
+    """
+
+    box: Sequence[float]
+    near: list[int]
+    changes: int
+    rests: float
+
+
 class Whereabouts:
     """The people on a floor, in the order in which they came: where they go, and its bounds.
 
@@ -35,12 +48,17 @@ class Whereabouts:
         self.tables: list[list[float]] = []
         self.boxes: list[float] = []
         self.radii: list[float] = []
+        self.rests: list[float] = []
         self.indices: dict[Traveller, int] = {}
+        self.changes = 0
+        """Number of motions that anybody has committed themselves to."""
+        self._changed: list[int] = []
         self._widest = 0.0
 
     def put(self, who: Traveller) -> None:
         """Take note of what somebody has committed themselves to."""
-        table, _, box = who.swath
+        table, rests, box = who.swath
+        self.changes += 1
         k = self.indices.get(who)
         if k is None:
             self.indices[who] = len(self.people)
@@ -48,10 +66,14 @@ class Whereabouts:
             self.tables.append(table)
             self.boxes += box
             self.radii.append(who.radius)
+            self.rests.append(rests)
+            self._changed.append(self.changes)
             self._widest = max(self._widest, who.radius)
         else:
             self.tables[k] = table
             self.boxes[4 * k : 4 * k + 4] = box
+            self.rests[k] = rests
+            self._changed[k] = self.changes
 
     def near(self, box: Sequence[float], radius: float) -> list[int]:
         """Return who may come near the bounds of a disc of `radius` metres: their indices."""
@@ -60,6 +82,20 @@ class Whereabouts:
         return within_bounds(
             self.boxes, low_x - margin, low_y - margin, high_x + margin, high_y + margin
         )
+
+    def sight(self, me: Traveller, box: Sequence[float]) -> Sight:
+        """Return what somebody sees who looks at what comes into bounds."""
+        near = within_bounds(self.boxes, *box)
+        near.remove(self.indices[me])
+        return Sight(box, near, self.changes, max((self.rests[k] for k in near), default=0.0))
+
+    def changed(self, me: Traveller, sight: Sight) -> bool:
+        """Return whether anybody in sight of `me` has committed themselves to something else."""
+        if self.changes == sight.changes:
+            return False
+        near = within_bounds(self.boxes, *sight.box)
+        near.remove(self.indices[me])
+        return near != sight.near or any(self._changed[k] > sight.changes for k in near)
 
     def others(self, me: Traveller, box: Sequence[float], now: float) -> Others:
         """Return the others who may come near bounds that somebody moves in from now on."""

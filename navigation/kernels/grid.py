@@ -1,0 +1,127 @@
+"""Shortest paths over a grid of cells, round those that are blocked."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import cython
+else:
+    from . import uncompiled as cython
+
+_STRAIGHT: cython.Py_ssize_t = 5  # cost of a step to a neighbour, and of one across a corner
+_ACROSS: cython.Py_ssize_t = 7
+_BUCKETS: cython.Py_ssize_t = 15  # a step changes cost and estimate together by less than this
+
+
+def block_discs(
+    blocked: bytearray,
+    columns: cython.Py_ssize_t,
+    low_x: float,
+    low_y: float,
+    width: float,
+    discs: list[float],
+) -> None:
+    """Block the cells of a grid whose middle is in a disc.
+
+    `blocked` and `columns` are as for `grid_path`; the cells are `width` metres wide, and the
+    corner of the first is at `low_x`, `low_y`. `discs` holds x, y and radius of each (metres).
+    """
+    rows: cython.Py_ssize_t = len(blocked) // columns
+    k: cython.Py_ssize_t
+    i: cython.Py_ssize_t
+    j: cython.Py_ssize_t
+    for k in range(0, len(discs), 3):
+        radius: float = discs[k + 2]
+        x: float = (discs[k] - low_x) / width - 0.5
+        y: float = (discs[k + 1] - low_y) / width - 0.5
+        reach: float = radius / width
+        for j in range(rows):
+            dy: float = j - y
+            if dy * dy >= reach * reach:
+                continue
+            for i in range(columns):
+                dx: float = i - x
+                if dx * dx + dy * dy < reach * reach:
+                    blocked[j * columns + i] = 1
+
+
+def grid_path(
+    blocked: bytearray,
+    columns: cython.Py_ssize_t,
+    start: cython.Py_ssize_t,
+    goal: cython.Py_ssize_t,
+) -> list[int]:
+    """Return the cells of a shortest path from `start` to `goal`, both included; [] without one.
+
+    `blocked` has a byte for each cell, row by row, `columns` in each; those around the edge are all
+    blocked. A step across a corner needs both cells beside it. This is A* (P. Hart et al., 1968)
+    with buckets of whole costs (R. Dial, "Algorithm 360", 1969).
+    """
+    count: cython.Py_ssize_t = len(blocked)
+    far: cython.Py_ssize_t = 100 * count
+    costs: list[int] = [far] * count
+    came: list[int] = [-1] * count
+    buckets: list[list[int]] = [[] for _ in range(_BUCKETS)]
+    costs[start] = 0
+    level: cython.Py_ssize_t = _estimate(start, goal, columns)
+    buckets[level % _BUCKETS].append(start)
+    empty: cython.Py_ssize_t = 0
+    k: cython.Py_ssize_t
+    while empty < _BUCKETS:
+        bucket: list[int] = buckets[level % _BUCKETS]
+        if len(bucket) == 0:
+            level += 1
+            empty += 1
+            continue
+        empty = 0
+        cell: cython.Py_ssize_t = bucket.pop()
+        cost: cython.Py_ssize_t = costs[cell]
+        if cost + _estimate(cell, goal, columns) != level:
+            continue  # it has been reached at less
+        if cell == goal:
+            found: list[int] = []
+            while cell >= 0:
+                found.append(cell)
+                cell = came[cell]
+            found.reverse()
+            return found
+        for k in range(8):
+            across: cython.Py_ssize_t = 0
+            along: cython.Py_ssize_t = 0
+            if k == 0 or k == 4 or k == 5:
+                across = 1
+            elif k == 1 or k == 6 or k == 7:
+                across = -1
+            if k == 2 or k == 4 or k == 6:
+                along = columns
+            elif k == 3 or k == 5 or k == 7:
+                along = -columns
+            other: cython.Py_ssize_t = cell + across + along
+            if blocked[other]:
+                continue
+            dearer: cython.Py_ssize_t = cost + _STRAIGHT
+            if k > 3:
+                if blocked[cell + across] or blocked[cell + along]:
+                    continue
+                dearer = cost + _ACROSS
+            if dearer < costs[other]:
+                costs[other] = dearer
+                came[other] = cell
+                buckets[(dearer + _estimate(other, goal, columns)) % _BUCKETS].append(other)
+    return []
+
+
+def _estimate(
+    cell: cython.Py_ssize_t, goal: cython.Py_ssize_t, columns: cython.Py_ssize_t
+) -> cython.Py_ssize_t:
+    """Return the cost from a cell to the goal, were nothing blocked."""
+    dx: cython.Py_ssize_t = cell % columns - goal % columns
+    dy: cython.Py_ssize_t = cell // columns - goal // columns
+    if dx < 0:
+        dx = -dx
+    if dy < 0:
+        dy = -dy
+    if dx < dy:
+        return _STRAIGHT * dy + (_ACROSS - _STRAIGHT) * dx
+    return _STRAIGHT * dx + (_ACROSS - _STRAIGHT) * dy
