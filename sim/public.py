@@ -25,6 +25,7 @@ from .core.scene import Figure, Scene
 from .core.stage import Stage
 from .core.start import Start
 from .core.work import Duration, WorkList, WorkTask
+from .core.workload import Drop
 from .exports import export
 from .live.live import LiveRun
 from .machines.gantry.controllers import (
@@ -76,6 +77,7 @@ __all__ = [
     "Command",
     "Controller",
     "ControllerError",
+    "Drop",
     "Duration",
     "Event",
     "EventKind",

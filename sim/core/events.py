@@ -363,6 +363,24 @@ class JobDone(JobStarted):
     """The gantry has done a job; a `submit` is recorded as `order_submitted`."""
 
 
+class PartDropped(EventKind):
+    """The gantry's gripper has lost a part: its job begins again with another, if there is one."""
+
+    part: _Part | None = None
+    order: _Order | None = None
+    at: tuple[float, float]
+    machine: _Machine | None = None
+
+
+class PartFaulty(EventKind):
+    """The quality check finds a part of a kit faulty: the gantry throws it away for another."""
+
+    part: _Part
+    order: _Order
+    agv: _Agv
+    quadrant: int
+
+
 class OrderAnnounced(EventKind):
     """An order of an [ARIAC trial](ariac.md#scores) is to be worked on."""
 

@@ -23,7 +23,7 @@ from .rules import PAPER, RuleSet
 from .seeds import seed_of
 from .start import AT_ONCE, Start
 from .work import Shift, WorkList, WorkTask
-from .workload import Workload
+from .workload import Drop, Workload
 
 RECORDED = "recorded"
 """The personality, in reports, of those who walk as they were measured."""
@@ -196,13 +196,15 @@ class GantryEntry:
     """The gantry of a trial: its controller, where it starts, and its jobs.
 
     `controller` is a built-in name, `package.module:name`, or the controller itself: a function or
-    class of one argument, the gantry, that gives a generator.
+    class of one argument, the gantry, that gives a generator. `drops` are parts that its gripper
+    loses.
     """
 
     controller: str | Callable[[Any], Any] = "parked"
     at: tuple[float, float, float] | None = None
     jobs: tuple[Job, ...] = ()
     repeat: bool = False
+    drops: tuple[Drop, ...] = ()
 
     @property
     def controller_name(self) -> str:
@@ -283,6 +285,22 @@ class Scenario:
     def has_traffic(self) -> bool:
         """Whether people come in or leave."""
         return any(person.source or person.sink for person in self.people)
+
+    @property
+    def has_drops(self) -> bool:
+        """Whether a gripper loses parts in it."""
+        more = (entry.keys.get("drops") for entry in self.machines.values())
+        ordered = () if self.workload is None else self.workload.drops
+        return any((self.gantry.drops, ordered, *more))
+
+    @property
+    def has_faulty_parts(self) -> bool:
+        """Whether there are parts in it that the quality check may find faulty."""
+        work = self.workload
+        return work is not None and (
+            bool(work.faulty)
+            or any(item.faulty for slots in work.bins.values() for item in slots.values())
+        )
 
     @property
     def has_work(self) -> bool:

@@ -27,10 +27,11 @@ class Part:
 
 @dataclass(frozen=True)
 class Item:
-    """One part as it lies somewhere."""
+    """One part as it lies somewhere; one that is `faulty` looks like any other."""
 
     part: Part
     flipped: bool = False
+    faulty: bool = False
 
 
 @dataclass(frozen=True)
@@ -92,6 +93,18 @@ class Malfunction:
 
 
 @dataclass(frozen=True)
+class Drop:
+    """The gripper loses a `part` once, `delay` seconds after it was picked, if it still holds it.
+
+    That is the next one of its name once `after` of them were picked.
+    """
+
+    part: str
+    after: int = 0
+    delay: float = 0.0
+
+
+@dataclass(frozen=True)
 class Human:
     """A person of the human challenge, who begins at `start`."""
 
@@ -104,8 +117,10 @@ class Workload:
     """The work of an ARIAC trial.
 
     `bins` has the items in the slots (1 to 9) of each bin, `trays` the id of the tray in each
-    slot (1 to 6) of the tray tables, `loads` what is on the AGVs at the start. `time_limit` is in
-    seconds, None if there is none. `source` is the file it was read from, as the trial names it.
+    slot (1 to 6) of the tray tables, `loads` what is on the AGVs at the start. `faulty` has the
+    quadrants of kits in which the first part that is placed is faulty, by order; `drops` are the
+    parts that the gripper loses. `time_limit` is in seconds, None if there is none. `source` is the
+    file it was read from, as the trial names it.
     """
 
     orders: tuple[Order, ...]
@@ -114,6 +129,8 @@ class Workload:
     loads: Mapping[str, Load] = field(default_factory=dict)
     malfunctions: tuple[Malfunction, ...] = ()
     humans: tuple[Human, ...] = ()
+    faulty: Mapping[str, frozenset[int]] = field(default_factory=dict)
+    drops: tuple[Drop, ...] = ()
     time_limit: float | None = None
     source: str = field(default="", compare=False)
 

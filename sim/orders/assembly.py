@@ -6,6 +6,7 @@ from functools import partial
 
 from ..core.workload import AssemblyTask, CombinedTask, Item, Order
 from ..machines.gantry.tasks import Step, Task
+from .carried import Carried
 from .layout import QUADRANTS, assembly_table
 from .scoring import assembly_score
 from .work import Cell, Work, when_all_are_done
@@ -36,29 +37,46 @@ class _AtStation(Work):
     def _insert_from_agv(self, agv: str, quadrant: int, item: Item, *, stage: int) -> Task:
         """Take an item from an AGV that has come to the station, and insert it."""
         station, cell = self._assembly.station, self._cell
+        carried = self._inserted(item)
 
         def done() -> None:
-            cell.inventory.lift(agv, quadrant)
-            cell.inventory.insert(station, item.part)
+            if not task.given_up:
+                cell.inventory.lift(agv, quadrant)
+                carried.put_down()
 
-        return self._task(
+        def lost() -> tuple[Step, ...]:
+            cell.inventory.lift(agv, quadrant)
+            return carried.lost()
+
+        task = self._task(
             "assemble",
             (self._from_agv(agv, quadrant, item), self._inserting()),
             done,
             {"part": str(item.part), "from": agv, "to": station},
             stage=stage,
             ready=partial(cell.fleet.is_at, agv, station),
+            lost=lost,
         )
+        return task
 
     def _insert_from_bin(self, bin: str, slot: int, item: Item, *, stage: int) -> Task:
         """Carry an item from its bin to the station, and insert it."""
-        station = self._assembly.station
+        carried = self._inserted(item)
         return self._task(
             "assemble",
             (self._from_bin(bin, slot, item), self._inserting()),
-            partial(self._cell.inventory.insert, station, item.part),
-            {"part": str(item.part), "from": bin, "to": station},
+            carried.put_down,
+            {"part": str(item.part), "from": bin, "to": self._assembly.station},
             stage=stage,
+            lost=carried.lost,
+        )
+
+    def _inserted(self, item: Item) -> Carried:
+        """Return a part on its way to be inserted."""
+        station, cell = self._assembly.station, self._cell
+        near = cell.place(assembly_table(station))
+        return self._carried(
+            item, self._inserting(), lambda one: cell.inventory.insert(station, one.part), near
         )
 
     def _inserting(self) -> Step:
@@ -130,8 +148,9 @@ class CombinedWork(_AtStation):
                 self.missing.append(part)
             elif free:
                 quadrant = free.pop(0)
-                kit.append(self._kit(quadrant, *found))
-                assembly.append(self._insert_from_agv(agv, quadrant, Item(part), stage=2))
+                inserting = self._insert_from_agv(agv, quadrant, Item(part), stage=2)
+                kit.append(self._kit(quadrant, *found, inserting))
+                assembly.append(inserting)
             else:
                 assembly.append(self._insert_from_bin(*found, stage=2))
         if kit and load.tray is None:
@@ -145,12 +164,24 @@ class CombinedWork(_AtStation):
             when_all_are_done(kit, partial(cell.fleet.send, agv, task.station))
         return kit + assembly
 
-    def _kit(self, quadrant: int, bin: str, slot: int, item: Item) -> Task:
-        agv, part = self._agv, item.part
+    def _kit(self, quadrant: int, bin: str, slot: int, item: Item, inserting: Task) -> Task:
+        """Return the task of placing a part; without the part it is not `inserting` it either."""
+        agv, cell = self._agv, self._cell
+        place = self._onto_agv(agv, quadrant)
+        put = partial(cell.inventory.lay, agv, quadrant)
+        carried = self._carried(item, place, put, cell.home(agv))
+
+        def lost() -> tuple[Step, ...]:
+            steps = carried.lost()
+            if not steps:
+                inserting.give_up()
+            return steps
+
         return self._task(
             "pick_place",
-            (self._from_bin(bin, slot, item), self._onto_agv(agv, quadrant)),
-            partial(self._cell.inventory.lay, agv, quadrant, Item(part)),
-            {"part": str(part), "from": bin, "to": agv, "quadrant": quadrant},
+            (self._from_bin(bin, slot, item), place),
+            carried.put_down,
+            {"part": str(item.part), "from": bin, "to": agv, "quadrant": quadrant},
             stage=1,
+            lost=lost,
         )

@@ -70,7 +70,11 @@ class Dispatcher:
         self._gantry = gantry
         self._record = stage.record
         self._all_done = all_done
-        self._cell = Cell(plan, Inventory(workload, plan), self._fleet, gantry.handling)
+        inventory = Inventory(workload, plan)
+        self._cell = Cell(
+            plan, inventory, self._fleet, gantry.handling, stage.record, workload.faulty
+        )
+        gantry.gripper.will_lose(workload.drops)
         self._orders = {order.id: _Progress(order) for order in workload.orders}
         self._waiting: list[Order] = []
         self._begun: list[Work] = []
@@ -98,6 +102,7 @@ class Dispatcher:
             "orders": orders,
             "score": sum(figures["score"] for figures in orders.values()),
             "best_score": sum(figures["best"] for figures in orders.values()),
+            "parts_faulty": len(self._cell.found_faulty),
         }
 
     def _came_to_rest(self, machine: Machine) -> None:
@@ -166,6 +171,7 @@ class Dispatcher:
     def _submit(self, work: Work) -> None:
         order, progress = work.order, self._orders[work.order.id]
         progress.submitted = self._clock.now
+        progress.missing = [str(part) for part in work.missing]
         progress.score = work.score()
         self._record(
             OrderSubmitted(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 
+from ..core.events import PartFaulty
 from ..core.workload import Item, KittingTask, Load, Order, Part
 from ..machines.gantry.tasks import Step, Task
 from .layout import DISPOSAL_BINS
@@ -20,6 +21,7 @@ class KittingWork(Work):
     def __init__(self, order: Order, task: KittingTask, cell: Cell) -> None:
         super().__init__(order, cell, (task.agv,))
         self._kit = task
+        self._faulty = {*cell.faulty.get(order.id, ())}
 
     def begin(self) -> list[Task]:
         """See `Work.begin`."""
@@ -62,32 +64,68 @@ class KittingWork(Work):
         if there == Item(part):
             return []
         if there is not None and there.part == part:
-            steps = (self._from_agv(agv, quadrant, there), self._onto_agv(agv, quadrant))
-            return [self._placing(quadrant, part, agv, steps)]
+            return [self._placing(quadrant, there, agv, self._from_agv(agv, quadrant, there))]
         found = cell.inventory.take(part, cell.home(agv))
         if found is None:
             self.missing.append(part)
             return []
         bin, slot, item = found
-        steps = (self._from_bin(bin, slot, item), self._onto_agv(agv, quadrant))
         cleared = [self._clear(quadrant)] if there is not None else []
-        return [*cleared, self._placing(quadrant, part, bin, steps)]
+        return [*cleared, self._placing(quadrant, item, bin, self._from_bin(bin, slot, item))]
 
-    def _placing(self, quadrant: int, part: Part, origin: str, steps: tuple[Step, ...]) -> Task:
-        agv = self._kit.agv
-        done = partial(self._cell.inventory.lay, agv, quadrant, Item(part))
-        fields = {"part": str(part), "from": origin, "to": agv, "quadrant": quadrant}
-        return self._task("pick_place", steps, done, fields, stage=2)
+    def _placing(self, quadrant: int, item: Item, origin: str, pick: Step) -> Task:
+        agv, cell = self._kit.agv, self._cell
+        put = partial(cell.inventory.lay, agv, quadrant)
+        place = self._onto_agv(agv, quadrant)
+        carried = self._carried(item, place, put, cell.home(agv))
+
+        def lost() -> tuple[Step, ...]:
+            cell.inventory.lift(agv, quadrant)  # if it came from there
+            return carried.lost()
+
+        def check() -> tuple[Step, ...]:
+            if carried.item is None or not self._is_faulty(quadrant, carried.item):
+                return ()
+            # What is thrown away is nothing that the gripper was to lose.
+            away = self._throwing_away(quadrant, "take_away")
+            another = lost()
+            task.given_up = not another
+            return (*away, *another)
+
+        task = self._task(
+            "pick_place",
+            (pick, place),
+            carried.put_down,
+            {"part": str(item.part), "from": origin, "to": agv, "quadrant": quadrant},
+            stage=2,
+            check=check,
+            lost=lost,
+        )
+        return task
+
+    def _is_faulty(self, quadrant: int, item: Item) -> bool:
+        """Return the outcome of the quality check of what was placed, and record a fault."""
+        if not (item.faulty or quadrant in self._faulty):
+            return False
+        self._faulty.discard(quadrant)
+        self._cell.found_faulty.append(item.part)
+        fields = {"part": str(item.part), "order": self.order.id, "agv": self._kit.agv}
+        self._cell.record(PartFaulty(**fields, quadrant=quadrant))
+        return True
 
     def _clear(self, quadrant: int) -> Task:
         """Return the task of throwing away the part in a quadrant."""
         agv, cell = self._kit.agv, self._cell
         item = cell.inventory.load(agv).items[quadrant]
+        steps = self._throwing_away(quadrant, "pick")
+        done = partial(cell.inventory.lift, agv, quadrant)
+        fields = {"part": str(item.part), "from": agv, "to": steps[1].place}
+        return self._task("dispose", steps, done, fields, stage=1)
+
+    def _throwing_away(self, quadrant: int, action: str) -> tuple[Step, Step]:
+        agv, cell = self._kit.agv, self._cell
         bin = cell.nearest(DISPOSAL_BINS, cell.home(agv))
-        steps = (
-            Step("pick", cell.handling.pick, place=agv, offset=self._quadrant(agv, quadrant)),
+        return (
+            Step(action, cell.handling.pick, place=agv, offset=self._quadrant(agv, quadrant)),
             Step("place", cell.handling.place, place=bin),
         )
-        done = partial(cell.inventory.lift, agv, quadrant)
-        fields = {"part": str(item.part), "from": agv, "to": bin}
-        return self._task("dispose", steps, done, fields, stage=1)

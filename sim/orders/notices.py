@@ -12,8 +12,6 @@ from .schema import Challenge, TrialFile, angle
 
 _NOT_SIMULATED = {
     "sensor_blackout": "sensor blackouts are not simulated: the gantry sees people all the same",
-    "faulty_part": "faulty parts are not simulated: every part is good",
-    "dropped_part": "dropped parts are not simulated: the gripper holds",
 }
 
 
@@ -36,29 +34,24 @@ def _not_simulated(file: TrialFile, document: Document) -> Iterator[Problem]:
         at: list[Place] = [
             ("challenges", k, kind) for k, one in enumerate(challenges) if one.kind == kind
         ]
-        if kind == "faulty_part":
-            at += _faulty_slots(file)
         if at:
             places = f" ({len(at)} places)" if len(at) > 1 else ""
             yield document.problem(message + places, *at[0])
     floor = [k for k, challenge in enumerate(challenges) if _is_of_floor_robot(challenge)]
     if floor:
-        message = "the floor robot is not simulated, nor are its malfunctions"
-        yield document.problem(message, "challenges", floor[0], "robot_malfunction")
-
-
-def _faulty_slots(file: TrialFile) -> list[Place]:
-    return [
-        ("parts", "bins", name, k, "faulty")
-        for name, lots in ((file.parts and file.parts.bins) or {}).items()
-        for k, lot in enumerate(lots or [])
-        if lot.faulty
-    ]
+        message = "the floor robot is not simulated, nor are its malfunctions and its dropped parts"
+        yield document.problem(message, "challenges", floor[0], challenges[floor[0]].kind)
+    kits = {entry.id for entry in file.orders if entry.kitting_task is not None}
+    for k, challenge in enumerate(challenges):
+        if challenge.faulty_part is not None and challenge.faulty_part.order_id not in kits:
+            message = "faulty parts are found in kits alone: those of this order are good"
+            yield document.problem(message, "challenges", k, "faulty_part", "order_id")
 
 
 def _is_of_floor_robot(challenge: Challenge) -> bool:
-    malfunction = challenge.robot_malfunction
-    return malfunction is not None and "floor_robot" in malfunction.robots_to_disable
+    malfunction, dropped = challenge.robot_malfunction, challenge.dropped_part
+    robots = [] if malfunction is None else malfunction.robots_to_disable
+    return "floor_robot" in (*robots, None if dropped is None else dropped.robot)
 
 
 def _angles(data: object, place: Place, document: Document) -> Iterator[Problem]:

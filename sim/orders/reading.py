@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -17,6 +18,7 @@ from ..core.start import Start
 from ..core.workload import (
     AssemblyTask,
     CombinedTask,
+    Drop,
     Human,
     Item,
     KittingTask,
@@ -163,7 +165,11 @@ def _workload(file: TrialFile, source: str) -> Workload:
     return Workload(
         orders=tuple(_order(entry) for entry in file.orders),
         bins={
-            name: {slot: _item(lot) for lot in lots or [] for slot in lot.slots}
+            name: {
+                slot: replace(_item(lot), faulty=slot in lot.faulty)
+                for lot in lots or []
+                for slot in lot.slots
+            }
             for name, lots in (parts.bins or {}).items()
         },
         trays=dict(zip(trays.slots, trays.tray_ids, strict=True)),
@@ -173,6 +179,13 @@ def _workload(file: TrialFile, source: str) -> Workload:
             if load is not None
         },
         malfunctions=tuple(_malfunctions(challenges)),
+        faulty=_faulty(challenges),
+        drops=tuple(
+            Drop(str(_part(drop)), drop.drop_after, drop.delay)
+            for challenge in challenges
+            for drop in [challenge.dropped_part]
+            if drop is not None and drop.robot == "ceiling_robot"
+        ),
         humans=tuple(
             Human(human.behavior, _start(human))
             for challenge in challenges
@@ -189,6 +202,17 @@ def _malfunctions(challenges: list[Challenge]) -> Iterator[Malfunction]:
         malfunction = challenge.robot_malfunction
         if malfunction is not None and "ceiling_robot" in malfunction.robots_to_disable:
             yield Malfunction(_start(malfunction), malfunction.duration)
+
+
+def _faulty(challenges: list[Challenge]) -> dict[str, frozenset[int]]:
+    """Return the quadrants in which the first part is faulty, by order."""
+    found: dict[str, frozenset[int]] = {}
+    for faulty in (challenge.faulty_part for challenge in challenges):
+        if faulty is not None:
+            marked = (faulty.quadrant1, faulty.quadrant2, faulty.quadrant3, faulty.quadrant4)
+            quadrants = frozenset(k for k, is_faulty in enumerate(marked, start=1) if is_faulty)
+            found[faulty.order_id] = found.get(faulty.order_id, frozenset()) | quadrants
+    return found
 
 
 def _order(entry: OrderEntry) -> Order:

@@ -5,15 +5,17 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
 
 from floorplan import Floorplan, Point
 
+from ..core.recorder import Record
 from ..core.workload import Item, Order, Part
 from ..machines.gantry.tasks import Handling, Step, Task
 from . import layout
+from .carried import Carried, Found
 from .fleet import Fleet
 from .inventory import Inventory
 
@@ -22,12 +24,19 @@ Action = Callable[[], None]
 
 @dataclass(frozen=True)
 class Cell:
-    """Workcell as orders use it: the floor, its inventory, the AGVs, and times of handling."""
+    """Workcell as orders use it: the floor, its inventory, the AGVs, and times of handling.
+
+    `faulty` has the quadrants of kits in which the first part is faulty, by order; the parts that
+    were found so are in `found_faulty`.
+    """
 
     plan: Floorplan
     inventory: Inventory
     fleet: Fleet
     handling: Handling
+    record: Record
+    faulty: Mapping[str, frozenset[int]] = field(default_factory=dict)
+    found_faulty: list[Part] = field(default_factory=list)
 
     def place(self, obstacle: str) -> Point:
         """Return the middle of an obstacle: x, y in metres."""
@@ -82,9 +91,29 @@ class Work(ABC):
         *,
         stage: int = 0,
         ready: Callable[[], bool] = lambda: True,
+        check: Callable[[], tuple[Step, ...]] = lambda: (),
+        lost: Callable[[], tuple[Step, ...]] = lambda: (),
     ) -> Task:
         fields = {**fields, "order": self.order.id}
-        return Task(kind, steps, stage=stage, fields=fields, ready=ready, done=done)
+        return Task(
+            kind,
+            steps,
+            stage=stage,
+            fields=fields,
+            ready=ready,
+            done=done,
+            check=check,
+            lost=lost,
+        )
+
+    def _carried(self, item: Item, last: Step, put: Callable[[Item], None], near: Point) -> Carried:
+        """Return a part on its way; others of its kind are looked for in bins near `near`."""
+
+        def another() -> Found | None:
+            found = self._cell.inventory.take(item.part, near)
+            return None if found is None else (found[2], self._from_bin(*found))
+
+        return Carried(item, last, put, another=another, missing=self.missing)
 
     def _from_bin(self, bin: str, slot: int, item: Item) -> Step:
         """Taking an item from its bin, and turning it over if it is flipped."""

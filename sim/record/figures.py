@@ -29,9 +29,11 @@ class SummaryFigure:
     the name of the figure that it is a part of. `of_orders` is one of trials with orders only,
     `of_several` one of trials with more people than one, `of_work` one of trials with tasks for
     people, `of_traffic` one of trials in which people come in or leave, `of_distancing` one of
-    trials whose rules want a distance between people, `of_zones` one of floors with zones. `label`
-    is what people read; `words`, if given, how much it is on a terminal. A study has it as a column
-    unless not `column`; its report compares it as a `measure`, "rare" ones only where there is
+    trials whose rules want a distance between people, `of_zones` one of floors with zones,
+    `of_drops` one of trials in which a gripper loses parts, `of_faulty_parts` one of trials with
+    faulty parts. `label` is what people read; `words`, if given, how much it is on a terminal. A
+    study has it as a column unless not `column`; its report compares it as a `measure`, "rare" ones
+    only where there is
     something, and its first rows are worth a look if it is among the `worst`: the least
     (1), or the most (-1).
     """
@@ -50,6 +52,8 @@ class SummaryFigure:
     of_traffic: bool = False
     of_distancing: bool = False
     of_zones: bool = False
+    of_drops: bool = False
+    of_faulty_parts: bool = False
     label: str = ""
     words: words.Words | None = None
     column: bool = True
@@ -65,6 +69,8 @@ class SummaryFigure:
             and (trial.has_traffic or not self.of_traffic)
             and (trial.rules.between_people is not None or not self.of_distancing)
             and (bool(trial.floorplan.zones) or not self.of_zones)
+            and (trial.has_drops or not self.of_drops)
+            and (trial.has_faulty_parts or not self.of_faulty_parts)
         )
 
 
@@ -228,6 +234,26 @@ FIGURES: dict[str, SummaryFigure] = {
             events=(events.JobDone, {}),
             measure="chief",
             worst=1,
+        ),
+        SummaryFigure(
+            path="parts_dropped",
+            of=lambda run: run.of_robots("parts_dropped"),
+            label="parts dropped",
+            meaning="by the gantry's gripper",
+            words=words.plain,
+            events=(events.PartDropped, {}),
+            of_drops=True,
+            measure="rare",
+        ),
+        SummaryFigure(
+            path="parts_faulty",
+            of=lambda run: run.work["parts_faulty"],
+            label="parts found faulty",
+            meaning="by the quality check of kits",
+            words=words.plain,
+            events=(events.PartFaulty, {}),
+            of_faulty_parts=True,
+            measure="rare",
         ),
         SummaryFigure(
             path="orders",

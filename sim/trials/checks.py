@@ -371,6 +371,10 @@ def _floor_faults(trial: Scenario) -> Iterator[Fault]:
     for name in (*trial.agvs, *sorted(trial.yielding - {*trial.agvs})):
         if name not in lanes:
             yield f"no AGV is called {name!r}; {suggestion(name, lanes)}", ("agvs", name)
+    carried = any(job.kind == "pick_place" for job in trial.gantry.jobs)
+    for k, drop in enumerate(() if carried else trial.gantry.drops):
+        where = (GANTRY, "drops", k, "part")
+        yield from _name_faults(drop.part, "part", parts(trial), *where)
     models = on_floor(trial) | ({} if plan.gantry else {GANTRY: GantryModel(trial.gantry)})
     vehicles = {*lanes, *trial.machines}
     for name, model in models.items():

@@ -52,7 +52,7 @@ def gated_floor(rng):
     return replace(plan, gates=gates)
 
 
-@settings(max_examples=settings.default.max_examples // 10)
+@settings(max_examples=settings.default.max_examples // 20)
 @given(st.integers(0, 2**32))
 def test_paths_through_gates_are_the_shortest_or_proved_not_to_be_there(seed):
     rng = np.random.default_rng(seed)

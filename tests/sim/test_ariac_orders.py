@@ -87,8 +87,8 @@ def test_real_trial_files(shared_data):
         if path.name != "sample.yaml":
             assert run.summary["score"] == run.summary["best_score"], path.name
         else:
-            # Kits: a flipped pump is turned over; 3 for the tray and 2 × 3 without the conveyor.
-            assert [order["score"] for order in orders.values()] == [11, 9, 3, 0]
+            # Kits: the only green pump is faulty; 3 for the tray and 2 × 3 without the conveyor.
+            assert [order["score"] for order in orders.values()] == [6, 9, 3, 0]
         assert any(notice.line for notice in trial.notices) == (
             path.stem in ("assembly", "human_assembly", "sample")
         )

@@ -172,6 +172,7 @@ gantry:
   - {pick: bin2, place: agv1, part: pump}
   - {submit: first}
   repeat: true
+  drops: [{part: pump, after: 1, delay: 2.5}]
 agvs:
   agv1: [{time: 1.0, to: kitting}]
   agv2: {yield: true, moves: [{time: 3.0, to: 2.5}]}

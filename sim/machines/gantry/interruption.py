@@ -14,10 +14,10 @@ from simpy.exceptions import Interrupt
 from ...core.clock import Clock
 from .drive import Steps
 
-Interruption = Literal["person_close", "disabled", "enabled"]
+Interruption = Literal["person_close", "disabled", "enabled", "part_dropped"]
 """Reasons for which a controller can ask to be interrupted."""
 
-REASONS = ("person_close", "disabled", "enabled")
+REASONS = ("person_close", "disabled", "enabled", "part_dropped")
 
 
 class Interrupts:

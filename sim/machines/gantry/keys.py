@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from pydantic import model_validator
+from typing import Annotated
 
-from floorplan import Positive, Range
+from pydantic import Field, Strict, model_validator
+
+from floorplan import NotNegative, Positive, Range
 
 from ...core.keys import Flag, Keys, Pose
 from ...core.scenario import GantryEntry, Job
+from ...core.workload import Drop
 
 
 class _Job(Keys):
@@ -35,6 +38,15 @@ class _Job(Keys):
         return Job("pick_place", pick=self.pick or "", place=self.place or "", part=self.part)
 
 
+class _Drop(Keys):
+    part: str = "part"
+    after: Annotated[int, Strict(), Field(ge=0)] = 0
+    delay: NotNegative = 0.0
+
+    def value(self) -> Drop:
+        return Drop(self.part, self.after, self.delay)
+
+
 class GantryKeys(Keys):
     """The gantry of the floor."""
 
@@ -42,6 +54,7 @@ class GantryKeys(Keys):
     at: Pose | None = None
     jobs: list[_Job] = []
     repeat: Flag = False
+    drops: list[_Drop] = []
 
     def value(self) -> GantryEntry:
         """Return the gantry, but for ranges of its own."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
-from floorplan import Fault, Floorplan, Gantry, Point, size_fault
+from floorplan import LARGEST, Fault, Floorplan, Gantry, Point, size_fault, suggestion
 from navigation import Stop, longest_stop
 
 from ...core.machine import MachineShape
@@ -63,6 +63,16 @@ class GantryModel(MachineModel):
         for k, job in enumerate(entry.jobs):
             for fault, place in _job_faults(job, gantry, known, fixed):
                 yield fault, ("jobs", k, *place)
+        carried = [job.part for job in entry.jobs if job.kind == "pick_place"]
+        for k, drop in enumerate(entry.drops):
+            if carried and drop.part not in carried:
+                hint = suggestion(drop.part, carried)
+                yield f"no job carries a part called {drop.part!r}; {hint}", ("drops", k, "part")
+            if drop.after < 0:
+                yield f"must be 0 or more, not {drop.after}", ("drops", k, "after")
+            if not 0 <= drop.delay <= LARGEST:
+                message = f"must be a time from 0 to {LARGEST:g} s, not {drop.delay!r}"
+                yield message, ("drops", k, "delay")
 
     def longest_stop(self, plan: Floorplan) -> Stop | None:
         """Return the longest and farthest stop of its axes."""

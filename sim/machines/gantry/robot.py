@@ -13,12 +13,13 @@ from floorplan import Gantry, Point
 from navigation import Motion, State
 
 from ...core.clock import Turn
-from ...core.events import EventKind, JobDone, JobStarted, OrderSubmitted
+from ...core.events import EventKind, JobDone, JobStarted, OrderSubmitted, PartDropped
 from ...core.machine import Machine, MachineShape
 from ...core.scenario import GantryEntry
 from ...core.stage import Stage
 from ...safety.proximity import ProximityWatch
 from .drive import Drive, Steps
+from .gripper import Gripper
 from .interruption import Interruption, Interrupts
 from .tasks import Handling, Pose, Step, Task, Tasks, fixed_places, tasks_of
 
@@ -72,6 +73,9 @@ class GantryRobot(Machine):
         self.handling = Handling()
         self.tasks = Tasks(stage.clock)
         self.jobs_done = 0
+        self.parts_dropped = 0
+        self.gripper = Gripper(stage.clock, self._lose)
+        self.gripper.will_lose(entry.drops)
         self.shape = gantry_shape(gantry, name)
         self.law = stage.rules.law_of(self.shape)
         self.record = stage.record if name == GANTRY else self._record_by_name
@@ -139,7 +143,8 @@ class GantryRobot(Machine):
 
         It is interrupted in SimPy's manner: the `yield` raises `simpy.Interrupt` with `reason` as
         its cause. "person_close" happens when a person comes within `distance` metres of the
-        gantry's axis, "disabled" and "enabled" when the referee stops it and lets it go on.
+        gantry's axis, "disabled" and "enabled" when the referee stops it and lets it go on,
+        "part_dropped" when the part that it carries drops.
 
         After an interrupt there is no other until the controller gives a command outside the
         `except` that handles it; what happens meanwhile interrupts it then, each reason once. An
@@ -290,6 +295,7 @@ class GantryRobot(Machine):
             "disabled_time": drive.disabled_time,
             "idle_time": max(0.0, now - busy),
             "jobs_done": self.jobs_done,
+            **({"parts_dropped": self.parts_dropped} if self.gripper.drops else {}),
         }
 
     def sight_changed(self) -> None:
@@ -387,20 +393,29 @@ class GantryRobot(Machine):
 
     def _handle(self, task: Task, command: int) -> Steps:
         self._begin(task)
-        done: bool = yield from self.drive.work(_next_step(task).seconds, command)
-        if done:
-            task.advance()
-            if task.finished:
-                self._finish(task)
-        return done
+        step = _next_step(task)
+        done: bool = yield from self.drive.work(step.seconds, command)
+        if not done or task.next_step is not step:  # what it was about to put down has dropped
+            return False
+        if step.action == "pick":
+            self.gripper.close(task)
+        elif step.place is not None:
+            self.gripper.open()
+        task.advance()
+        if task.finished and (more := task.check()):
+            task.begin_again(more)
+        if task.finished:
+            self._finish(task)
+        return True
 
     def _do(self, task: Task, command: int) -> Steps:
         while self.drive.is_under_way(command) and task.next_step is not None:
             step = task.next_step
             self._begin(task)
             yield from self._go_to(step, command)
-            # An AGV may have left in the meantime.
-            if self.drive.is_under_way(command) and self._is_at(step):
+            # An AGV may have left in the meantime, or the part has dropped.
+            there = step is task.next_step and self._is_at(step)
+            if self.drive.is_under_way(command) and there:
                 yield from self._handle(task, command)
         return task.finished
 
@@ -409,13 +424,29 @@ class GantryRobot(Machine):
             task.announced = True
             self.record(JobStarted.of({"job": task.kind, **task.fields}))
 
+    def _lose(self, task: Task) -> None:
+        """Let the part drop that is carried for `task`, and begin again with another."""
+        self.parts_dropped += 1
+        part, order = (task.fields.get(name) for name in ("part", "order"))
+        self.record(PartDropped(part=part, order=order, at=self.body.at))
+        if steps := task.lost():
+            task.begin_again(steps)
+        else:
+            task.give_up()
+        self._go_on()
+        self.interrupt("part_dropped")
+
     def _finish(self, task: Task) -> None:
         if task.kind == "submit":
             self.record(OrderSubmitted.of(task.fields))
-        else:
+        elif not task.given_up:
             self.jobs_done += 1
             self.record(JobDone.of({"job": task.kind, **task.fields}))
         task.done()
+        self._go_on()
+
+    def _go_on(self) -> None:
+        """Begin the next round of jobs if this one is over, and let tasks be chosen anew."""
         round_over = all(task.finished for task in self._round)
         if self._entry.repeat and round_over and self.now > self._round_began:
             self._begin_round()

@@ -49,8 +49,10 @@ class Task:
     """Something to be done in `steps`, one after the other.
 
     `kind` and `fields` go into its events. A task of a later `stage` waits for
-    those before it in its `group`; `ready()` is True while it may be begun as things stand;
-    `done()` is called when its last step is done.
+    those before it in its `group`; `ready()` is True while it may be begun as things stand.
+    After its last step `check()` returns what more there is to be done for it, and if that is
+    nothing `done()` is called. Where the part that it carries is `lost()`, that returns the steps
+    with which it begins again: the same ones by default, or none if it has to be given up.
     """
 
     def __init__(
@@ -62,6 +64,8 @@ class Task:
         fields: Mapping[str, Any] | None = None,
         ready: Callable[[], bool] = lambda: True,
         done: Callable[[], None] = lambda: None,
+        check: Callable[[], tuple[Step, ...]] = lambda: (),
+        lost: Callable[[], tuple[Step, ...]] | None = None,
     ) -> None:
         self.kind = kind
         self.steps = tuple(steps)
@@ -69,6 +73,10 @@ class Task:
         self.fields = dict(fields or {})
         self.ready = ready
         self.done = done
+        self.given_up = False
+        """Whether there is nothing more to be done for it, though it is not done."""
+        self.check = check
+        self.lost: Callable[[], tuple[Step, ...]] = self._same_steps if lost is None else lost
         self.group = 0
         self.announced = False
         self._steps_done = 0
@@ -101,6 +109,23 @@ class Task:
     def advance(self) -> None:
         """Take note that the next step has been done."""
         self._steps_done += 1
+
+    def begin_again(self, steps: tuple[Step, ...]) -> None:
+        """Do these `steps` from now on, instead of those that are left."""
+        self.steps = steps
+        self._steps_done = 0
+        picked = [step.place for step in steps if step.action == "pick"]
+        if picked and "from" in self.fields:
+            self.fields["from"] = picked[0]
+
+    def _same_steps(self) -> tuple[Step, ...]:
+        return self.steps
+
+    def give_up(self) -> None:
+        """Let there be nothing more to be done for it."""
+        self.given_up = True
+        self.begin_again(())
+        self.done()
 
 
 class Tasks:
