@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Container, Sequence
-from dataclasses import dataclass
 from typing import NamedTuple
 
 from navigation import Candidates, Swath, first_met, within_bounds
@@ -15,8 +14,7 @@ GAP = 0.006
 """Metres. Kept between two bodies in any case, so that rounding can't let them touch."""
 
 
-@dataclass(frozen=True)
-class Hit:
+class Hit(NamedTuple):
     """The first conflict of a motion: when (seconds), with whom, and whether they stand by then."""
 
     t: float
