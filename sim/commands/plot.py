@@ -143,6 +143,25 @@ def heatmap(
 
 
 @app.command()
+def density(
+    sources: Sources,
+    out: Out,
+    of: Annotated[
+        Literal["density", "speed"], typer.Option(help="People per m², or how fast they are.")
+    ] = "density",
+    begin: Begin = None,
+    end: End = None,
+    width: Columns = "double",
+    no_own_code: NoOwnCode = False,
+) -> None:
+    """Mean density of people over the floor, or their mean speed."""
+    from sim.views import plots
+
+    runs = [_run(source, out, own_code=not no_own_code) for source in sources]
+    _save(plots.density_map(runs, of=of, within=_within(begin, end), width=width), out)
+
+
+@app.command()
 def riskmap(
     sources: Sources,
     out: Out,

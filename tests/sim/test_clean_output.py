@@ -30,6 +30,7 @@ CALLS = {
     "plot floorplan": "plot floorplan hall.yaml --out floor.png",
     "plot heatmap": "plot heatmap run --out heat.png",
     "plot path": "plot path hall.yaml 1 1 9 5 --out path.svg",
+    "plot density": "plot density run --of speed --out density.png",
     "plot riskmap": "plot riskmap run --of time --out risk.png",
     "plot separation": "plot separation run --out separation.png",
     "plot spacetime": "plot spacetime run --out spacetime.pdf",

@@ -22,6 +22,7 @@ from navigation import CollisionWorld, PathPlanner, join, standing, walk
 from sim.cli import main
 from sim.views import plots
 from sim.views.plots.curves import instants
+from sim.views.plots.density_map import profiles_of
 from sim.views.plots.heat_map import CELL, time_covered
 
 matplotlib = pytest.importorskip("matplotlib")
@@ -251,6 +252,31 @@ def test_a_heat_map_of_different_floors_is_refused(run):
         plots.heat_map([run, other])
 
 
+def test_density_and_speed_are_gaussian_profiles(run):
+    """Beside the sum of Gaussians itself, at the cells where people are, and at others."""
+    density, speed = profiles_of(run)
+    assert density.sum() * 0.1**2 == pytest.approx(len(run.scene.people), rel=0.02)
+    times = np.arange(0.005, run.duration, 0.01)
+    people = [run.motions[person.name] for person in run.scene.people]
+    west, south, *_ = run.floorplan.boundary.bounds
+    sigma = 1.0 / (2.0 * math.sqrt(2.0 * math.log(2.0)))
+    most = density.max()
+    for row, column in np.argwhere(density > 0.2 * most)[::17]:
+        at = np.array([west, south]) + 0.1 * (np.array([column, row]) + 0.5)
+        weights, flows = [], []
+        for motion in people:
+            apart = np.hypot(*(motion.position(times) - at).T)
+            weight = np.exp(-((apart / sigma) ** 2) / 2.0) / (2.0 * math.pi * sigma**2)
+            weights.append(weight.mean())
+            flows.append((weight * np.hypot(*motion.velocity(times).T)).mean())
+        assert density[row, column] == pytest.approx(sum(weights), rel=0.01)
+        assert speed[row, column] == pytest.approx(sum(flows) / sum(weights), rel=0.02)
+    drawn = plots.density_map([run, run], of="speed").axes[0].images[0].get_array()
+    np.testing.assert_allclose(drawn.compressed(), speed[~drawn.mask])
+    with pytest.raises(ValueError, match="density or speed"):
+        plots.density_map(run, of="people")
+
+
 def test_a_path_shows_the_clearance_along_it():
     world = CollisionWorld(floorplan.load("ariac2023"))
     way = PathPlanner(world, 0.3).plan((-15.0, -10.0), (-20.0, 1.2))
@@ -405,6 +431,7 @@ def folder(tmp_path_factory):
         ("separation", "FOLDER", "--person", "ben", "--machine", "agv1"),
         ("heatmap", "FOLDER", "FOLDER"),
         ("riskmap", "FOLDER", "FOLDER", "--of", "time"),
+        ("density", "FOLDER", "FOLDER", "--of", "speed"),
     ],
     ids=str,
 )

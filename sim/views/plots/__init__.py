@@ -13,6 +13,7 @@ except ImportError:
         "pictures need matplotlib, which is missing: pip install 'floorwalker[plot]'"
     ) from None
 
+from .density_map import density_map
 from .film import ENDINGS, render, require_renderable
 from .floor import floorplan
 from .heat_map import heat_map
@@ -30,6 +31,7 @@ __all__ = [
     "MissingExtraError",
     "RunPlots",
     "Width",
+    "density_map",
     "floorplan",
     "heat_map",
     "path",

@@ -7,6 +7,7 @@ from matplotlib.figure import Figure
 from ...record.outcome import Outcome
 from ...record.risk import Risk
 from .curves import Span
+from .density_map import Of, density_map
 from .heat_map import heat_map
 from .risk_map import risk_map
 from .separation import separation
@@ -47,6 +48,12 @@ class RunPlots:
     def heat_map(self, *, width: Width = "double") -> Figure:
         """The time for which each spot was occupied by people."""
         return heat_map(self._run, width=width)
+
+    def density_map(
+        self, *, of: Of = "density", within: Span | None = None, width: Width = "double"
+    ) -> Figure:
+        """The mean density of people over the floor, or their mean speed."""
+        return density_map(self._run, of=of, within=within, width=width)
 
     def risk_map(self, *, of: Risk = "margin", width: Width = "double") -> Figure:
         """The least margin at each spot, the time nearer than required, or the speed meanwhile."""
