@@ -1,0 +1,59 @@
+"""How long the default planner takes for a path: CPU milliseconds, median and 99 %.
+
+    python benchmarks/path_queries.py [FLOORPLAN] [--queries 200] [--radius 0.3] [--rounds 5]
+
+The questions are those of `floorwalker benchmark`, seed 0, after `prepare`. Where the floor has
+AGVs, they are asked with these standing still, and again with all of them moved before each. Every
+question is asked once a round; its time is the median over the rounds.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+
+import numpy as np
+
+import floorplan
+from navigation import CollisionWorld, PathPlanner, PlanningError
+from navigation.benchmark import Scene, scenes
+
+
+def milliseconds(planner: PathPlanner, asked: list[Scene], moved: bool) -> list[float]:
+    """Return CPU milliseconds for each question, in turn one of each scene."""
+    taken = []
+    most = max(len(scene.questions) for scene in asked)
+    turns = [(scene, k) for k in range(most) for scene in asked if k < len(scene.questions)]
+    for scene, k in turns:
+        for name, at in scene.agvs if moved else ():
+            planner.world.move_agv(name, at)
+        begin = time.process_time()
+        try:
+            planner.plan(*scene.questions[k])
+        except PlanningError:
+            if moved:
+                raise
+        taken.append(1000 * (time.process_time() - begin))
+    return taken
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("floorplan", nargs="?", default="ariac2023")
+    parser.add_argument("--queries", type=int, default=200)
+    parser.add_argument("--radius", type=float, default=0.3)
+    parser.add_argument("--rounds", type=int, default=5)
+    options = parser.parse_args()
+    plan = floorplan.load(options.floorplan)
+    asked = list(scenes(plan, queries=options.queries, seed=0, radius=options.radius))
+    for moved in (False, True) if plan.lanes else (False,):
+        planner = PathPlanner(CollisionWorld(plan), options.radius)
+        planner.prepare()
+        rounds = [milliseconds(planner, asked, moved) for _ in range(options.rounds)]
+        median, high = np.percentile(np.median(rounds, axis=0), [50, 99])
+        how = ", AGVs moved before each" if moved else ", AGVs where they start" * bool(plan.lanes)
+        print(f"{plan.name}{how}: median {median:.2f} ms, 99 % {high:.2f} ms")
+
+
+if __name__ == "__main__":
+    main()
