@@ -40,7 +40,7 @@ KINDS = ("boundary", "obstacle", "station", "safe_zone")
 class Properties(BaseModel):
     """The properties of a feature that are read; it may have others."""
 
-    model_config = ConfigDict(extra="ignore", frozen=True)
+    model_config = ConfigDict(extra="ignore", frozen=True, defer_build=True)
 
     kind: str | None = None
     layer: str | None = None

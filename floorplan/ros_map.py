@@ -37,7 +37,7 @@ Resolution = Annotated[float, Strict(), Field(ge=1e-4, le=1000, allow_inf_nan=Fa
 class RosMapSchema(BaseModel):
     """Keys of a map_server file; it may have others, which say nothing about the floor."""
 
-    model_config = ConfigDict(extra="ignore", frozen=True)
+    model_config = ConfigDict(extra="ignore", frozen=True, defer_build=True)
 
     image: Annotated[str, Field(min_length=1)]
     resolution: Resolution

@@ -58,7 +58,9 @@ Range = Annotated[Pair, AfterValidator(_rising)]
 class Strictly(BaseModel):
     """A part of a file in which unknown keys are refused."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, str_strip_whitespace=True)
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, str_strip_whitespace=True, defer_build=True
+    )
 
 
 Name = Annotated[str, Field(min_length=1)]

@@ -32,8 +32,10 @@ def own_docstring(of):
 
 def public_members(cls):
     for name, member in vars(cls).items():
+        if name.startswith("_"):
+            continue
         function = getattr(member, "__func__", getattr(member, "fget", member))
-        if not name.startswith("_") and inspect.isfunction(function):
+        if inspect.isfunction(function):
             yield f"{cls.__name__}.{name}", function
 
 

@@ -17,7 +17,10 @@ def list_all() -> None:
     import bdi
     import floorplan
     import navigation
-    from sim import CONTROLLERS, RULE_SETS, builtin_trials
+
+    from ..core.rules import RULE_SETS
+    from ..machines.gantry.controllers import CONTROLLERS
+    from ..trials.trial_file import builtin_trials
 
     sections = {
         "floorplans": {name: floorplan.load(name).title for name in floorplan.builtin()},

@@ -84,7 +84,7 @@ def run(
     no_own_code: NoOwnCode = False,
 ) -> None:
     """Simulate a trial and record it: summary, events, motions, trajectory, replay page."""
-    from sim import Trial
+    from ..trials.trial import Trial
 
     if speed is not None and not watch:
         raise typer.BadParameter("needs --watch", param_hint="--speed")
@@ -155,11 +155,12 @@ def changed(
 ) -> Trial:
     """Return the trial as the options change it; `TrialError` if it can't be run so."""
     from floorplan import is_there
-    from sim import find_rules
-    from sim.machines.gantry.controllers import controller_source
-    from sim.people.planners import with_planner
-    from sim.trials.checks import check
-    from sim.trials.command_keys import load_commands
+
+    from ..machines.gantry.controllers import controller_source
+    from ..people.planners import with_planner
+    from ..trials.checks import check
+    from ..trials.command_keys import load_commands
+    from ..trials.rules_file import find_rules
 
     if personality is not None:
         path = Path(personality)
@@ -184,7 +185,7 @@ def changed(
 
 def recording_of(name: str, out: Path | None, *, trajectory: bool = True) -> Recording:
     """Open the recording of the trial `name` in `out`, or else in a new folder in `runs`."""
-    from sim import Recording
+    from ..runs.recording import Recording
 
     folder = folder_for(name, "runs") if out is None else out
     return Recording(folder, numbered=out is None, trajectory=trajectory)
@@ -192,7 +193,7 @@ def recording_of(name: str, out: Path | None, *, trajectory: bool = True) -> Rec
 
 def _carried_out(trial: Trial, recording: Recording) -> Run:
     """Return the run, which went on until its end or Ctrl-C."""
-    from sim import Simulation
+    from ..simulation import Simulation
 
     simulation = Simulation(trial, recording)
     return _kept(simulation, _advance, recording)
@@ -200,7 +201,8 @@ def _carried_out(trial: Trial, recording: Recording) -> Run:
 
 def _watched(trial: Trial, recording: Recording, speed: float, *, opened: bool) -> Run:
     """Return the same, and show the run in the browser meanwhile."""
-    from sim import LiveRun, Simulation
+    from ..live.live import LiveRun
+    from ..simulation import Simulation
 
     live = LiveRun(trial.duration, speed=speed)
     simulation = Simulation(trial, recording, live)

@@ -57,7 +57,7 @@ class ForeignLaw:
 
 
 class _SceneFile(BaseModel):
-    model_config = ConfigDict(arbitrary_types_allowed=True, allow_inf_nan=False)
+    model_config = ConfigDict(arbitrary_types_allowed=True, allow_inf_nan=False, defer_build=True)
 
     trial: str
     seed: int

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import csv
+import io
 from typing import TextIO
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .outcome import Outcome
 from .sampling import blocks_of_instants, sample_all
@@ -20,14 +22,33 @@ DECIMALS = 6
 def write_trajectory(run: Outcome, file: TextIO, rate: float) -> None:
     """Every body on the floor, at `rate` instants a second (Hz), as CSV: metres, radians, m/s."""
     decimals = 3 if (1000 / rate).is_integer() else 9
-    writer = csv.writer(file, lineterminator="\n")
-    writer.writerow(COLUMNS)
+    file.write(_line(*COLUMNS))
+    names = {name: _line(name).rstrip("\n") for name in run.motions}
     for times in blocks_of_instants(run.duration, rate):
         stamps = [f"{t:.{decimals}f}" for t in times.tolist()]
         tables = []
         for name, samples in sample_all(run.motions, times).items():
-            figures = (np.round(samples, DECIMALS) + 0.0).tolist()
             there = run.is_present(name, times).tolist()
-            rows = zip(stamps, figures, there, strict=True)
-            tables.append([[stamp, name, *row] if seen else None for stamp, row, seen in rows])
-        writer.writerows(row for rows in zip(*tables, strict=True) for row in rows if row)
+            rows = zip(stamps, _texts(samples), there, strict=True)
+            cell = names[name]
+            tables.append([f"{t},{cell},{row}\n" if seen else "" for t, row, seen in rows])
+        file.writelines(line for rows in zip(*tables, strict=True) for line in rows)
+
+
+def _texts(samples: NDArray[np.float64]) -> list[str]:
+    """Return the figures of each of `samples` (N, 5) as they stand in a line.
+
+    A body that stands has the same ones again and again: they are written out once.
+    """
+    figures = np.round(samples, DECIMALS) + 0.0
+    fresh = np.ones(len(figures), dtype=bool)
+    fresh[1:] = (figures[1:] != figures[:-1]).any(axis=1)
+    texts = [",".join(map(repr, row)) for row in figures[fresh].tolist()]
+    return [texts[k] for k in (np.cumsum(fresh) - 1).tolist()]
+
+
+def _line(*cells: str) -> str:
+    """Return texts as a line of CSV, in quotes where they have to be."""
+    line = io.StringIO()
+    csv.writer(line, lineterminator="\n").writerow(cells)
+    return line.getvalue()

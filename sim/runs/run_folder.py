@@ -37,7 +37,7 @@ class RecordingError(InputError):
     """A folder that does not hold a run, or one that is damaged."""
 
 
-class _Event(BaseModel, extra="allow"):
+class _Event(BaseModel, extra="allow", defer_build=True):
     t: FiniteFloat
     kind: str
 
@@ -50,12 +50,12 @@ class _Event(BaseModel, extra="allow"):
         return self
 
 
-class _Intention(BaseModel):
+class _Intention(BaseModel, defer_build=True):
     stack: list[str]
     at: str
 
 
-class _Thought(BaseModel, extra="allow"):
+class _Thought(BaseModel, extra="allow", defer_build=True):
     t: FiniteFloat
     person: str
     steps: list[list[str]] = []
@@ -64,12 +64,12 @@ class _Thought(BaseModel, extra="allow"):
     intends: list[_Intention] = []
 
 
-class _Motion(BaseModel):
+class _Motion(BaseModel, defer_build=True):
     body: str
     pieces: Annotated[list[tuple[_Number, _Number, _Cubic, _Cubic, _Cubic]], Field(min_length=1)]
 
 
-class _Violation(BaseModel):
+class _Violation(BaseModel, defer_build=True):
     person: str
     machine: str = Field(alias="with")
     intervals: tuple[tuple[_Number, _Number], ...]
