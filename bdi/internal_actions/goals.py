@@ -232,7 +232,7 @@ def _one_or_all(call: Call, *args: Term) -> object:
 
 def _described(call: Call, intention: Intention) -> Literal:
     """Return an intention as a term, whose variables are not those of the plans in it."""
-    return rename(_description(intention), call.agent.names, {})  # type: ignore[return-value]
+    return rename(_description(intention), call.agent.names, {})
 
 
 def _description(intention: Intention) -> Literal:

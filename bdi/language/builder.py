@@ -234,7 +234,7 @@ class Builder(Transformer_NonRecursive[Token, Any]):
     def fork(self, meta: Meta, one: _Steps, sign: Token, other: _Steps) -> Fork:
         all_of = sign == "|&|"
         is_more = isinstance(other, Fork) and other.all_of == all_of
-        others = other.branches if is_more else (_as_body(other),)  # type: ignore[union-attr]
+        others = other.branches if isinstance(other, Fork) and is_more else (_as_body(other),)
         return Fork(all_of, (_as_body(one), *others), self._place(meta))
 
     def if_(self, meta: Meta, conditional: If) -> If:

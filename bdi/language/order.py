@@ -17,11 +17,10 @@ def compare(one: Term, other: Term) -> int:
     negation (negated last), arguments, arity and annotations. An unbound variable is greater than
     anything bound.
     """
-    one_is_var, other_is_var = isinstance(one, Var), isinstance(other, Var)
-    if one_is_var or other_is_var:
-        if one_is_var and other_is_var:
-            return _sign(one.name, other.name)  # type: ignore[union-attr]
-        return 1 if one_is_var else -1
+    if isinstance(one, Var):
+        return _sign(one.name, other.name) if isinstance(other, Var) else 1
+    if isinstance(other, Var):
+        return -1
     if isinstance(one, float):
         return _sign(one, other) if isinstance(other, float) else -1
     if isinstance(other, float):

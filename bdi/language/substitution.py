@@ -8,7 +8,7 @@ therefore costs one entry, however large the terms (Baader and Snyder, "Unificat
 from __future__ import annotations
 
 from itertools import count
-from typing import TypeAlias
+from typing import TypeAlias, overload
 
 from .arithmetic import NAN, OPERATORS, apply_function
 from .order import sorted_annots
@@ -200,6 +200,10 @@ def value_of(term: Term, u: Unifier) -> Term:
     return substitute(term, u)
 
 
+@overload
+def rename(term: Literal, names: Names, renamed: dict[str, Var]) -> Literal: ...
+@overload
+def rename(term: Term, names: Names, renamed: dict[str, Var]) -> Term: ...
 def rename(term: Term, names: Names, renamed: dict[str, Var]) -> Term:
     """Return the term with a fresh variable for each one that a clause names.
 

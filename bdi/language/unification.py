@@ -221,8 +221,7 @@ def _unify_steps(first: BodyTerm, second: BodyTerm, u: Unifier) -> bool:
 
 
 def _variable_step(step: BodyFormula) -> Var | None:
-    is_variable = isinstance(step, Act) and isinstance(step.action, Var)
-    return step.action if is_variable else None  # type: ignore[union-attr, return-value]
+    return step.action if isinstance(step, Act) and isinstance(step.action, Var) else None
 
 
 def _step_term(step: BodyFormula, bare: bool = False) -> Term:

@@ -43,7 +43,7 @@ def _export(agent: AgentState, means: Means, literal: Literal) -> Literal:
     exported = rename(literal, agent.names, renamed)
     means.u.update(renamed)
     means.awaited = variable_names(exported)
-    return exported  # type: ignore[return-value]
+    return exported
 
 
 # ---- goals
@@ -69,7 +69,7 @@ def _achieve_new(agent: AgentState, intention: Intention, means: Means, step: St
     if not isinstance(goal, Literal):
         _not_a_literal(agent, intention, means, step)
         return
-    event = Event("+!", goal if goal.ground else rename(goal, agent.names, {}))  # type: ignore[arg-type]
+    event = Event("+!", goal if goal.ground else rename(goal, agent.names, {}))
     agent.circumstance.post(event)
     if goal.annots is not ONLY_SELF:
         _check_deadline(agent, event)

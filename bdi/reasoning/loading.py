@@ -103,7 +103,7 @@ def _begin(agent: AgentState, program: Program, beliefs: Sequence[Belief] = ()) 
         _believe(agent, clause)
     for goal in program.goals:
         literal = rename(with_source(goal.goal), agent.names, {})
-        agent.circumstance.post(Event("+!", literal))  # type: ignore[arg-type]
+        agent.circumstance.post(Event("+!", literal))
 
 
 def _believe(agent: AgentState, clause: Belief | Rule) -> None:

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import cache
 from importlib.resources import files
+from typing import overload
 
 from ..language.loading import parse
 from ..language.order import sorted_annots
@@ -47,19 +48,24 @@ def read(agent: AgentState, message: Message) -> None:
             return
     content = rename(message.content, agent.names, {})
     sender = "self" if message.sender == agent.name else message.sender
-    plain = isinstance(content, Literal) and not agent.plans.has_protocol
-    if plain and message.force == "tell" and content.ground:  # type: ignore[union-attr]
-        agent.believe(nested_source(content, Literal(sender)))  # type: ignore[arg-type]
-    elif plain and message.force == "achieve":
-        goal = nested_source(content, Literal(sender))
-        agent.circumstance.post(Event("+!", with_source(goal)))  # type: ignore[arg-type]
-    else:
-        learn(agent, protocol())
-        number = Literal(f"mid{message.question}")
-        args = (Literal(sender), Literal(message.force), content, number)
-        agent.circumstance.post(Event("+!", with_source(Literal("kqml_received", args))))
+    if isinstance(content, Literal) and not agent.plans.has_protocol:
+        said = nested_source(content, Literal(sender))
+        if message.force == "tell" and content.ground:
+            agent.believe(said)
+            return
+        if message.force == "achieve":
+            agent.circumstance.post(Event("+!", with_source(said)))
+            return
+    learn(agent, protocol())
+    number = Literal(f"mid{message.question}")
+    args = (Literal(sender), Literal(message.force), content, number)
+    agent.circumstance.post(Event("+!", with_source(Literal("kqml_received", args))))
 
 
+@overload
+def nested_source(term: Literal, sender: Term) -> Literal: ...
+@overload
+def nested_source(term: Term, sender: Term) -> Term: ...
 def nested_source(term: Term, sender: Term) -> Term:
     """Return a literal with a sender as its source, in whose annotation its other sources stand.
 

@@ -56,11 +56,11 @@ class Shelf:
         else:
             self._front = rank = self._front - 1
         key: object
-        if clause.__class__ is Rule:
+        if isinstance(clause, Rule):
             key = (None, rank)
             self.rules += 1
         else:
-            key = clause.args  # type: ignore[union-attr]
+            key = clause.args
         self._entries[key] = (rank, clause)
         self._ordered = None
         if self._by_first is not None:
@@ -88,13 +88,13 @@ class Shelf:
         if len(self._entries) != 1:
             return None
         ((rank, known),) = self._entries.values()
-        if known.__class__ is Rule or known.annots is not belief.annots:  # type: ignore[union-attr]
+        if isinstance(known, Rule) or known.annots is not belief.annots:
             return None
         self._entries = {belief.args: (rank, belief)}
         self._ordered = (belief,)
         if self._by_first is not None:
             self._by_first, self._loose, self._known = None, {}, {}
-        return known  # type: ignore[return-value]
+        return known
 
     def remove(self, args: tuple[Term, ...]) -> None:
         """Remove the belief with these arguments."""
