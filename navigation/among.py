@@ -45,6 +45,9 @@ grazes, or comes along the path, ends the search as well."""
 _PLACES = 4
 """Number of waypoints before the place where somebody would be touched at which they may wait."""
 
+_THIN = 1e-3
+"""Metres. Radius of a person of whom nothing but their axis is left."""
+
 _LEEWAY = 1e-5
 """Metres. So much farther off than `gap` is a body that has left a place."""
 
@@ -176,12 +179,22 @@ def plan_among(
 def _watch(
     planner: PathPlanner, mover: Mover, start: ArrayLike, at: float, height: float, gap: float
 ) -> _Watch:
-    person = Cylinder(radius=planner.radius, top=height)
-    shapes = Shapes(person=person, machine=(mover.solid,))
     x, y = map(float, np.asarray(start, dtype=float))
     here = standing((x, y))
-    _, least = minimum_separation(here, mover.motion, at, at, shapes=shapes)
-    room = max(least - 1e-6, 0.0)
+
+    def begins(radius: float) -> tuple[Shapes, float]:
+        shapes = Shapes(person=Cylinder(radius=radius, top=height), machine=(mover.solid,))
+        return shapes, minimum_separation(here, mover.motion, at, at, shapes=shapes)[1]
+
+    shapes, least = begins(planner.radius)
+    if least < _THIN:
+        # Surfaces that overlap are 0 apart, however deep: only the part of the person that is still
+        # beside the body tells whether they come any nearer.
+        beside = begins(_THIN)[1]
+        if beside < _THIN:
+            raise PlanningError("start_blocked", f"the start {x:g}, {y:g} is inside {mover.name}")
+        shapes, least = begins(beside)
+    room = least - 1e-6
     kept = min(gap, room)
     condition, still, clear = (
         TooClose(FixedDistance(least)) for least in (kept, min(SLACK, room), kept + _LEEWAY)

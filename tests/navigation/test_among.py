@@ -103,3 +103,12 @@ def test_no_passage_is_said_with_its_reason():
     with pytest.raises(PlanningError, match="among cart with at most 5 s to wait") as parked:
         plan_among(planner, (2.0, 5.0), (8.0, 5.0), [parks], at=3.0, patience=5.0)
     assert parked.value.reason == "not_found"
+
+
+def test_who_stands_too_near_to_a_body_that_will_move_comes_no_nearer():
+    stands = join([standing((5.0, 5.0)), drive([(5.0, 5.0), (8.5, 5.0)], 8.0)])
+    planner = PathPlanner(CollisionWorld(floor()), RADIUS)
+    passage = plan_among(planner, (4.8, 4.4), (5.0, 7.0), [Mover("v", stands, SOLID)])
+    begun = clear(passage.motion, stands, 0.0, 0.005)
+    assert -RADIUS < begun < 0.0
+    assert clear(passage.motion, stands, 0.0, passage.arrives) > begun - 0.002
