@@ -1,11 +1,11 @@
-"""How fast studies run: rows a minute, what a row costs beside its run alone, and memory.
+"""How fast studies run: what a row costs beyond its run, rows a minute, and memory.
 
     python benchmarks/study.py [--rows N] [--memory-rows N]
 
 The rows are of 275 s on the ARIAC floor: one person (indifferent, antagonistic, helpful), a gantry
 that fetches parts all the time (oblivious, pausing), AGVs that set out at other times. CPU seconds
 count the main process and its workers, their start included; wall seconds mean little on a machine
-that has other things to do. What a row costs beside its run alone is the slope between a third of
+that has other things to do. What a row costs on several processes is the slope between a third of
 the rows and all of them, so that starting processes and writing the report are not in it.
 """
 
@@ -21,6 +21,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import sim
+from sim.studies import many
 
 TRIAL = """\
 floorplan: ariac2023
@@ -84,43 +85,48 @@ def slope(work: Callable[[int], None], rows: int) -> float:
     return (spent[1] - spent[0]) / (rows - rows // 3)
 
 
+def overhead(folder: Path, rows: int) -> None:
+    """Print the share of a study's CPU time, row after row, that is not its runs' own."""
+    study, marks, runs = a_study(folder, rows), [], []
+
+    def timed(trial: sim.Trial) -> sim.Run:
+        begun = time.process_time()
+        finished = sim.run(trial)
+        runs.append(time.process_time() - begun)
+        return finished
+
+    def mark(_: int) -> None:
+        marks.append(time.process_time())
+
+    usual, many.run = many.run, timed
+    sim.run_study(study, folder / "timed", jobs=1, begin=mark, progress=mark)
+    many.run = usual
+    share = (marks[-1] - marks[0]) / sum(runs) - 1
+    each = sum(runs) / len(runs)
+    print(f"{len(runs)} rows in one process: {each * 1e3:.1f} ms each and {share:.1%} more")
+
+
 def compare(folder: Path, rows: int, repeat: int) -> None:
-    """Print what a row costs bare, in `run_many`, and in studies."""
-    study = a_study(folder, rows)
-    trials = [row.trial for row in study.rows()]
+    """Print what a row costs on one process and on several."""
     numbers = iter(range(1_000_000))
-
-    def bare(count: int) -> None:
-        for trial in trials[:count]:
-            sim.run(trial)
-
-    def many(count: int) -> None:
-        for _ in sim.run_many(trials[:count], jobs=1):
-            pass
-
-    def in_study(jobs: int, backend: str) -> Callable[[int], None]:
-        def work(count: int) -> None:
-            out = folder / f"out-{next(numbers)}"
-            sim.run_study(a_study(folder, count), out, jobs=jobs, backend=backend)
-
-        return work
-
     kinds = {
-        "sim.run alone": bare,
-        "run_many, one process": many,
-        "study, one process": in_study(1, "loky"),
-        "study, two processes": in_study(2, "loky"),
-        "study, two Dask workers": in_study(2, "dask"),
+        "one process": (1, "loky"),
+        "two processes": (2, "loky"),
+        "two Dask workers": (2, "dask"),
     }
     spent: dict[str, list[float]] = {kind: [] for kind in kinds}
-    bare(6)
     for _ in range(repeat):
-        for kind, work in kinds.items():
+        for kind, (jobs, backend) in kinds.items():
+
+            def work(count: int, jobs: int = jobs, backend: str = backend) -> None:
+                out = folder / f"out-{next(numbers)}"
+                sim.run_study(a_study(folder, count), out, jobs=jobs, backend=backend)
+
             spent[kind].append(slope(work, rows))
-    alone = statistics.median(spent["sim.run alone"])
+    alone = statistics.median(spent["one process"])
     for kind, each in spent.items():
         row = statistics.median(each)
-        print(f"{kind:24} {row * 1e3:8.1f} ms of CPU time a row {row / alone - 1:+8.1%}")
+        print(f"{kind:18} {row * 1e3:8.1f} ms of CPU time a row {row / alone - 1:+8.1%}")
 
 
 def speeds(folder: Path, rows: int) -> None:
@@ -156,6 +162,7 @@ def main() -> None:
     chosen = parser.parse_args()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
+        overhead(folder, chosen.rows)
         compare(folder, chosen.rows, chosen.repeat)
         speeds(folder, chosen.rows)
         memory(folder, chosen.memory_rows)
