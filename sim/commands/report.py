@@ -32,6 +32,9 @@ def report(
         int | None,
         typer.Option(min=1, help="Processes for the runs of a study; all cores by default."),
     ] = None,
+    duration: Annotated[
+        float | None, typer.Option(help="Seconds to simulate of a trial, if not all of it.")
+    ] = None,
     no_own_code: NoOwnCode = False,
 ) -> None:
     """Write a report that can be handed to an auditor: assumptions, laws, figures, limits."""
@@ -48,9 +51,11 @@ def report(
                 raise typer.BadParameter("is for studies only", param_hint=option)
         if (Path(source) / "results.csv").is_file():
             raise ValueError(f"{source} has the results of a study: give its file, with --results")
-        safety_report(run_from(source, own_code=not no_own_code), out)
+        safety_report(run_from(source, duration, own_code=not no_own_code), out)
         say(str(out))
         return
+    if duration is not None:
+        raise typer.BadParameter("is for trials only; a study may vary it", param_hint="--duration")
     study = Study.load(source, own_code=not no_own_code)
     folder = folder_for(study.name, "studies") if results is None else results
     measured = carried_out(study, folder, jobs, "loky")

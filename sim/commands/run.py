@@ -161,6 +161,7 @@ def changed(
     from ..trials.checks import check
     from ..trials.command_keys import load_commands
     from ..trials.rules_file import find_rules
+    from ..trials.shortening import lasting
 
     if personality is not None:
         path = Path(personality)
@@ -172,7 +173,7 @@ def changed(
     if planner is not None:
         trial = with_planner(trial, planner)
     if duration is not None:
-        trial = replace(trial, duration=duration, until_submitted=False)
+        trial = lasting(trial, duration)
     if seed is not None:
         trial = replace(trial, seed=seed)
     if rules is not None:

@@ -10,18 +10,26 @@ from floorplan import Floorplan
 from ..runs.run import Recorded
 from ..runs.run_folder import load_run
 from ..simulation import run
+from ..trials.checks import check
+from ..trials.shortening import lasting
 from ..trials.trial import Trial
 from ..trials.trial_file import builtin_trials
 
 
-def run_from(source: str | Path, *, own_code: bool = True) -> Recorded:
-    """Read back the run in the folder `source`, or run the trial `source`.
+def run_from(
+    source: str | Path, duration: float | None = None, *, own_code: bool = True
+) -> Recorded:
+    """Read back the run in the folder `source`, or run the trial `source`, for `duration` seconds.
 
     `own_code` is as of `Trial.load`. Errors are those of `load_run`, `Trial.load` and `run`.
     """
     if Path(source).is_dir():
         return load_run(source)
-    return run(Trial.load(source, own_code=own_code))
+    trial = Trial.load(source, own_code=own_code)
+    if duration is not None:
+        trial = lasting(trial, duration)
+        check(trial)
+    return run(trial)
 
 
 def floorplan_from(source: str | Path, *, own_code: bool = True) -> Floorplan:

@@ -14,7 +14,7 @@ from ..core.machine import Category, Machine
 from ..core.scenario import Scenario
 from ..people.person import Person
 from ..safety.referee import Referee
-from .zone_exposure import Stay, zone_exposure
+from .zone_exposure import Stay, zone_exposures
 
 CAUSES = ("gantry", "person")
 """Causes of a violation with a gantry: which of the two moved."""
@@ -115,7 +115,7 @@ class Finished:
             for person in self.people
             if person.started_at is not None
         ]
-        return {zone.name: zone_exposure(zone, stays) for zone in self.trial.floorplan.zones}
+        return zone_exposures(self.trial.floorplan.zones, stays)
 
     @cached_property
     def of_machines(self) -> dict[str, dict[str, Any]]:

@@ -30,21 +30,34 @@ class Stay:
     too_close: Sequence[Span]
 
 
-def zone_exposure(zone: Zone, stays: Sequence[Stay]) -> dict[str, float]:
-    """Return figures of a zone, of all people together; where their centre is counts.
+def zone_exposures(zones: Sequence[Zone], stays: Sequence[Stay]) -> dict[str, dict[str, float]]:
+    """Return figures of each zone by name, of all people together; where their centre is counts.
 
     `time_occupied` and `time_too_close` are in seconds, right to 0.02 s for each time that
     somebody goes in or out; `entries` is how often somebody comes in, or is there at first.
     """
-    occupied = too_close = 0.0
-    entries = 0
-    for stay in stays:
+    figures: dict[str, dict[str, float]] = {
+        zone.name: {"time_occupied": 0.0, "time_too_close": 0.0, "entries": 0} for zone in zones
+    }
+    for stay in stays if zones else ():
         times, lengths = moments(stay.motion, *stay.span)
-        inside = shapely.intersects_xy(zone.area, *stay.motion.position(times).T)
-        occupied += float(lengths[inside].sum())
-        entries += int(np.sum(inside[1:] & ~inside[:-1])) + int(inside[:1].sum())
-        too_close += float((lengths * within(times, stay.too_close))[inside].sum())
-    return {"time_occupied": occupied, "time_too_close": too_close, "entries": entries}
+        x, y = stay.motion.position(times).reshape(-1, 2).T
+        near = within(times, stay.too_close)
+        for zone in zones:
+            inside = _inside(zone, x, y)
+            mine = figures[zone.name]
+            mine["time_occupied"] += float(lengths[inside].sum())
+            mine["entries"] += int(np.sum(inside[1:] & ~inside[:-1])) + int(inside[:1].sum())
+            mine["time_too_close"] += float((lengths * near)[inside].sum())
+    return figures
+
+
+def _inside(zone: Zone, x: Array, y: Array) -> NDArray[np.bool_]:
+    """Return which places (metres, (N,) each) are in a zone; only those in its bounds are asked."""
+    west, south, east, north = zone.area.bounds
+    inside: NDArray[np.bool_] = (x >= west) & (x <= east) & (y >= south) & (y <= north)
+    inside[inside] = shapely.intersects_xy(zone.area, x[inside], y[inside])
+    return inside
 
 
 def moments(motion: Motion, begin: float, end: float) -> tuple[Array, Array]:

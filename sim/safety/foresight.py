@@ -18,6 +18,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from floorplan import Point
 from navigation import (
     AnyLaw,
     Enclosure,
@@ -33,6 +34,10 @@ from navigation import (
 
 MARGIN = 0.01
 """Metres. Kept beyond the required distance, so that rounding can't decide."""
+
+
+SLACK = 1e-6
+"""Metres. More than rounding adds up to."""
 
 
 class Stoppable(NamedTuple):
@@ -80,6 +85,23 @@ class Approach:
         return walked + Enclosure.between(least, most) + MARGIN
 
 
+class _Stretch(NamedTuple):
+    """A motion between two instants (seconds): where it begins and ends, its top speed (m/s)."""
+
+    motion: Motion
+    begin: float
+    end: float
+    at_begin: Point
+    at_end: State
+    fastest: float
+
+    @classmethod
+    def of(cls, motion: Motion, begin: float, end: float) -> _Stretch:
+        """Return a motion from `begin` to `end`."""
+        fastest = Odometer(motion).speed(begin, end).range((end - begin) / 2)[1]
+        return cls(motion, begin, end, motion.state(begin).at, motion.state(end), fastest)
+
+
 @dataclass(frozen=True)
 class Foresight:
     """The test for one machine, to which `law` applies and which is no faster than `top_speed`."""
@@ -100,16 +122,25 @@ class Foresight:
         It is found by doubling the time, from `least` seconds on; `now` if not even those are safe.
         None if nobody ends it before the end of the motion.
         """
-        near = [(person, self._approach(person, now)) for person in people]
-        near = [(p, law) for p, law in near if self._in_reach(p, law, plan.motion, now, plan.end)]
+        if not people:
+            return plan.end, None
+        top_speed = max(person.top_speed for person in people)
+        whole = _Stretch.of(plan.motion, now, plan.end)
+        near = [person for person in people if self._in_reach(person, whole, now)]
         until, ahead = now, least
         while near and until < plan.end:
             then = min(now + ahead, plan.end)
-            stop = plan.stop(then)
-            for person, law in near:
-                if self._hinders(person, law, plan.motion, until, then) or self._hinders(
-                    person, law, stop, then, stop.end
+            on, stop = _Stretch.of(plan.motion, until, then), plan.stop(then)
+            stopping = _Stretch.of(stop, then, stop.end)
+            # Beyond the reach of the fastest of them nobody hinders: laws grow with both speeds.
+            farthest, last = (self._reach(top_speed, one, now) + SLACK for one in (on, stopping))
+            for person in near:
+                if (
+                    math.dist(person.at, on.at_begin) > farthest
+                    and math.dist(person.at, stopping.at_begin) > last
                 ):
+                    continue
+                if self._hinders(person, on, now) or self._hinders(person, stopping, now):
                     return until, person
             until, ahead = then, 2 * ahead
         return plan.end, None
@@ -128,28 +159,24 @@ class Foresight:
         ]
         return max(lacking) / person.top_speed
 
-    def _approach(self, person: Pedestrian, now: float) -> Approach:
-        return Approach(self.law, person.top_speed, now, self.top_speed)
-
-    def _hinders(
-        self, person: Pedestrian, law: Approach, motion: Motion, begin: float, end: float
-    ) -> bool:
-        """Return True if `person` may come too close to `motion` between two instants (seconds)."""
-        if self._room(person, motion.state(end), end - law.since) < 0.0:
+    def _hinders(self, person: Pedestrian, on: _Stretch, since: float) -> bool:
+        """Return True if `person`, seen at `since` (seconds), may come too close on a stretch."""
+        if self._room(person, on.at_end, on.end - since) < 0.0:
             return True
-        return (
-            self._in_reach(person, law, motion, begin, end)
-            and first_violation(standing(person.at), motion, law, begin, end) is not None
-        )
+        if not self._in_reach(person, on, since):
+            return False
+        law = Approach(self.law, person.top_speed, since, self.top_speed)
+        return first_violation(standing(person.at), on.motion, law, on.begin, on.end) is not None
 
-    def _in_reach(
-        self, person: Pedestrian, law: Approach, motion: Motion, begin: float, end: float
-    ) -> bool:
+    def _in_reach(self, person: Pedestrian, on: _Stretch, since: float) -> bool:
         """Return False if the two are too far apart for that, whatever they do on the way."""
-        fastest = Odometer(motion).speed(begin, end).range((end - begin) / 2)[1]
-        walked = person.top_speed * (end - law.since)
-        reach = fastest * (end - begin) + walked + self.required(person.top_speed, fastest)
-        return math.dist(person.at, motion.state(begin).at) < reach
+        return math.dist(person.at, on.at_begin) < self._reach(person.top_speed, on, since)
+
+    def _reach(self, top_speed: float, on: _Stretch, since: float) -> float:
+        """Return how near (metres) somebody of that speed has to be to the beginning of `on`."""
+        walked = top_speed * (on.end - since)
+        reach = on.fastest * (on.end - on.begin) + walked
+        return reach + self.required(top_speed, on.fastest)
 
     def _room(self, person: Pedestrian, state: State, seconds: float) -> float:
         """Return the metres left beyond what is asked for in `state`, `seconds` from the sight."""

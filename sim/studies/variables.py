@@ -17,6 +17,7 @@ from ..machines.gantry.controllers import controller_source
 from ..people.planners import planner_source
 from ..trials.comparison import is_number
 from ..trials.rules_file import find_rules
+from ..trials.shortening import lasting
 from ..trials.trial import Trial
 from .paths import ROOTS, put_at
 
@@ -145,7 +146,8 @@ def _rules(trial: Trial, value: Any, whose: str, folder: Path) -> Trial:
 
 
 def _duration(trial: Trial, value: Any, whose: str, folder: Path) -> Trial:
-    return replace(trial, duration=_number(value))
+    seconds = _number(value)
+    return replace(lasting(trial, seconds), until_submitted=trial.until_submitted)
 
 
 def _at_path(trial: Trial, value: Any, path: str, folder: Path) -> Trial:

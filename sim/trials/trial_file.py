@@ -17,6 +17,7 @@ from ..core.machine_model import MachineEntry
 from ..core.own_source import OwnCodeError
 from ..core.scenario import PersonEntry, Scenario, TrialError
 from ..core.work import WorkList
+from ..machines.agv.keys import MOST_MOVES
 from ..machines.gantry.controllers import ControllerError, controller_source
 from ..orders import reading
 from ..people.own_actions import modules_of
@@ -62,6 +63,7 @@ def build(form: type[_Made], document: Document, folder: Path, own_code: bool) -
     schema = document.checked(TrialKeys, TrialError)
     home, folder = folder, folder / schema.folder
     plan = _floorplan(schema.floorplan, folder, document)
+    lanes = {lane.name: lane for lane in plan.lanes}
     rules, rule_problems = build_rules(schema.rules, document, folder, "rules", own_code=own_code)
     trial = form(
         floorplan=plan,
@@ -74,7 +76,10 @@ def build(form: type[_Made], document: Document, folder: Path, own_code: bool) -
         steering=schema.steering,
         actions=schema.actions,
         gantry=schema.gantry.value(),
-        agvs={name: tuple(move.value() for move in agv.moves) for name, agv in schema.agvs.items()},
+        agvs={
+            name: agv.moves_until(schema.duration, lanes.get(name))
+            for name, agv in schema.agvs.items()
+        },
         yielding=frozenset(name for name, agv in schema.agvs.items() if agv.yields),
         machines={name: _machine(keys) for name, keys in schema.machines.items()},
         expect=schema.expect,
@@ -96,6 +101,11 @@ def build(form: type[_Made], document: Document, folder: Path, own_code: bool) -
         commands=_commands(schema.commands, folder, document),
         sources=schema.sources,
     )
+    rule_problems += [
+        document.problem(f"makes more than {MOST_MOVES:,} moves in the trial", "agvs", name)
+        for name, agv in schema.agvs.items()
+        if agv.count(schema.duration) > MOST_MOVES
+    ]
     if schema.ariac is not None:
         trial = _with_orders(trial, schema, schema.ariac, document)
     problems = [*rule_problems, *_problems(trial, document)]

@@ -6,10 +6,12 @@ import random
 import numpy as np
 import pytest
 import shapely
+from shapely.geometry import box
 
 import floorplan
 import navigation
 import sim
+from sim.people.steering.speed_zones import SpeedZones
 from sim.runs.run_folder import load_run
 
 TWO_ROOMS = """\
@@ -270,3 +272,11 @@ def test_doors_and_zones_are_written_scaled_and_turned(tmp_path):
     assert np.allclose(turned.doors["lower"].ends, [(-2, 0), (-3.5, 0)])
     assert turned.zones["a"].area.equals(shapely.box(-4, -9, -3, -8))
     assert navigation.CollisionWorld(turned).walkable.area == pytest.approx(200 - 0.4 * 7)
+
+
+def test_a_leg_past_the_corner_of_a_zone_is_clear_of_it():
+    zones = SpeedZones([floorplan.Zone("slow", box(0, 0, 10, 10), max_speed=0.5)], "eve")
+    past = [(-4.0, 8.0), (3.0, 15.0)]  # within the zone's bounds, not in the zone
+    assert zones.along(past, 1.0) == (past, 1.0)
+    _, speeds = zones.along([(-4.0, 4.0), (3.0, 11.0)], 1.0)
+    assert speeds == [1.0, 0.5, 1.0]

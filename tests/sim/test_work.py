@@ -260,3 +260,21 @@ def test_work_made_in_python_is_written_and_read_again():
     assert again.work == made.work
     assert again.people[0].shifts == made.people[0].shifts
     assert again.people[0].breaks[0].time == 100.0
+
+
+def test_a_shorter_trial_leaves_out_what_begins_later(floorwalker, tmp_path):
+    """And moves that come again are those of its own duration."""
+    text = """\
+floorplan: warehouse
+duration: 3600
+agvs: {tug1: [{time: 10, to: east, every: 100}, {time: 60, to: west, every: 100}]}
+work: {picks: [{at: aisle1, duration: 20, time: 5}, {at: aisle3, duration: 20, time: 900}]}
+people: [{name: ann, personality: worker, work: picks, shifts: [[0, 500], [600, 900]]}]
+"""
+    (tmp_path / "day.trial.yaml").write_text(text)
+    moves = sim.Trial.load(tmp_path / "day.trial.yaml").agvs["tug1"]
+    assert len(moves) == 72 and [move.time for move in moves[:3]] == [10.0, 60.0, 110.0]
+    words = ("run", "day.trial.yaml", "--duration", "120", "--out", "run", "--no-open")
+    assert floorwalker(*words, cwd=tmp_path).returncode == 0
+    run = sim.load_run(tmp_path / "run")
+    assert run.duration == 120 and run.summary["tasks_done"] == 1

@@ -274,8 +274,9 @@ class Agv(Machine):
             return []
         (c, s), offset = self.lane.direction, self._stage.rules.agv_offset
         return [
-            Pedestrian(body.name, (body.at[0] - offset * c, body.at[1] - offset * s), top_speed)
+            Pedestrian(body.name, (x - offset * c, y - offset * s), top_speed)
             for body, top_speed in self._people
+            for x, y in (body.at,)
         ]
 
     def _wait(self, hindered: Pedestrian) -> None:

@@ -58,7 +58,8 @@ class SpeedZones:
             shared = shapely.intersection(area, shapely.linestrings([a, b]))
             for piece in shapely.get_parts(shared):
                 ends = [math.dist(a, at) for at in shapely.get_coordinates(piece).tolist()]
-                if max(ends) - min(ends) > SLIGHT:
+                # Past a corner of the zone the two share one part, which is empty.
+                if ends and max(ends) - min(ends) > SLIGHT:
                     inside.append((min(ends), max(ends), limit))
         cuts = {e for low, high, _ in inside for e in (low, high)}
         cuts = {e for e in cuts if SLIGHT < e < length - SLIGHT}

@@ -188,6 +188,8 @@ def resolution() -> Points:
 
 def counted(count: int, what: str) -> str:
     """Return how many there are of something."""
+    if what == "person":
+        return "1 person" if count == 1 else f"{count:,} people"
     plural = f"{what[:-1]}ies" if what.endswith("y") and what[-2] not in "aeiou" else f"{what}s"
     return f"{count:,} {what if count == 1 else plural}"
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from ...core.scenario import Scenario
 from ...record.incidents import (
@@ -22,6 +22,9 @@ from .parts import Facts, Part, Points, Section, Table, clock, metres
 from .pictures import risk_pictures, run_pictures
 from .provenance import inputs, software
 from .setting import assumptions
+
+ASSUMED_FIGURES = ("personality",)
+"""Figures of people that stand among the assumptions."""
 
 ONE_RUN = (
     "This is a single run: one draw of what may happen. It has no intervals of confidence; a study"
@@ -92,15 +95,34 @@ def _in_short(
 
 
 def _figures(run: Outcome, verdicts: Sequence[tuple[str, bool]]) -> list[Part]:
-    parts: list[Part] = [
-        Table(("figure", "value"), figures_in_words(run.summary), words=ONE_RUN)
-        if run.summary
-        else Points(("The run was broken off: it has no summary.",))
-    ]
+    parts: list[Part] = [*_summary(run)] if run.summary else []
+    if not parts:
+        parts.append(Points(("The run was broken off: it has no summary.",)))
     if verdicts:
         rows = [("met" if met else "not met", words) for words, met in verdicts]
         parts.append(Table(("", "expectation"), rows, "Expectations"))
     return parts
+
+
+def _summary(run: Outcome) -> Iterator[Table]:
+    """Yield the figures of a run, and those of its people in a line for each."""
+    people = [person.name for person in run.scene.people]
+    of_people: dict[str, dict[str, str]] = {name: {} for name in people}
+    others = []
+    for line, amount in figures_in_words(run.summary):
+        name, _, label = line.partition(": ")
+        if name not in of_people:
+            others.append((line, amount))
+        elif label not in ASSUMED_FIGURES:
+            of_people[name][label] = amount
+    yield Table(("figure", "value"), others, words=ONE_RUN)
+    labels = [*dict.fromkeys(label for figures in of_people.values() for label in figures)]
+    if labels:
+        rows = [
+            (name, *(figures.get(label, "–") for label in labels))
+            for name, figures in of_people.items()
+        ]
+        yield Table(("who", *labels), rows, "People")
 
 
 def _maps(run: Outcome, count: int) -> list[Part]:

@@ -12,7 +12,7 @@ from ...core.noticing import Drawn
 from ...core.scenario import ASSUMED, PersonEntry, Scenario
 from ...core.scene import Scene
 from ...core.start import Start
-from ...core.work import Duration
+from ...core.work import Duration, WorkTask
 from .assumptions import NO_SOURCE, span
 from .parts import Facts, Table, listed, plain
 
@@ -177,16 +177,45 @@ def _duties(one: PersonEntry) -> Iterator[str]:
 
 
 def _work(scenario: Scenario) -> Iterator[Table]:
-    rows: list[Sequence[str]] = []
+    alike: dict[tuple[str, str, str, bool], list[WorkTask]] = {}
     for name, held in scenario.work.items():
         for task in held.tasks:
-            again = "again as soon as done" if held.repeat else ""
-            if task.every is not None:
-                again = f"every {task.every:g} s" + (f", {task.count}×" if task.count else "")
-            after = f"from {task.time:g} s on" if task.time else ""
-            length = distribution(task.duration)
-            when = ", ".join(filter(None, (after, again))) or "once"
-            rows.append((name, task.label, task.at, length, when, str(task.priority)))
+            task_name = task.name or "–"
+            key = (name, task_name, distribution(task.duration), task.every is not None)
+            alike.setdefault(key, []).append(task)
+    rows = [
+        (
+            name,
+            task_name,
+            listed([*dict.fromkeys(task.at for task in tasks)]),
+            length,
+            _often(tasks, scenario.work[name].repeat),
+            _range([task.priority for task in tasks]),
+        )
+        for (name, task_name, length, _), tasks in alike.items()
+    ]
     if rows:
-        heads = ("list", "task", "station", "length, s", "when", "priority")
+        heads = ("list", "task", "stations", "length, s", "when", "priority")
         yield Table(heads, rows, "Work", figures=frozenset({5}))
+
+
+def _often(tasks: Sequence[WorkTask], repeat: bool) -> str:
+    """Return when some tasks are there, and when they come again."""
+    words = []
+    if any(task.time for task in tasks):
+        words.append(f"from {_range([task.time for task in tasks])} s on")
+    intervals = [task.every for task in tasks if task.every is not None]
+    if intervals:
+        words.append(f"every {_range(intervals)} s")
+    counts = [task.count for task in tasks if task.count is not None]
+    if counts:
+        words.append(f"{_range(counts)} times")
+    if repeat and not intervals:
+        words.append("again as soon as done")
+    return ", ".join(words) or "once"
+
+
+def _range(figures: Sequence[float]) -> str:
+    """Return the least and the most of some figures."""
+    low, high = min(figures), max(figures)
+    return plain(low) if low == high else f"{plain(low)} … {plain(high)}"
