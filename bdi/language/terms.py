@@ -122,16 +122,17 @@ class Literal:
     def _weigh(self, terms: tuple[Term, ...]) -> None:
         """Add the terms inside it to its size and depth."""
         for term in terms:
-            if isinstance(term, float):
+            cls = term.__class__
+            if cls is float:
                 continue
-            if isinstance(term, str):
-                self.size += len(term) >> 6
+            if cls is str:
+                self.size += len(term) >> 6  # type: ignore[arg-type]
                 continue
-            if not term.ground:
+            if not term.ground:  # type: ignore[union-attr]
                 self.ground = False
-            self.size += term.size
-            if term.depth >= self.depth:
-                self.depth = term.depth + 1
+            self.size += term.size  # type: ignore[union-attr]
+            if term.depth >= self.depth:  # type: ignore[union-attr]
+                self.depth = term.depth + 1  # type: ignore[union-attr]
         if self.size > MAX_SIZE or self.depth > MAX_DEPTH:
             _refuse(self.size)
 
@@ -147,16 +148,17 @@ class Literal:
         # As `_weigh`, in place: most literals that a program makes are made here.
         ground, size, depth = True, 1, 0
         for term in args:
-            if isinstance(term, float):
+            cls = term.__class__
+            if cls is float:
                 continue
-            if isinstance(term, str):
-                size += len(term) >> 6
+            if cls is str:
+                size += len(term) >> 6  # type: ignore[arg-type]
                 continue
-            if not term.ground:
+            if not term.ground:  # type: ignore[union-attr]
                 ground = False
-            size += term.size
-            if term.depth >= depth:
-                depth = term.depth + 1
+            size += term.size  # type: ignore[union-attr]
+            if term.depth >= depth:  # type: ignore[union-attr]
+                depth = term.depth + 1  # type: ignore[union-attr]
         if size > MAX_SIZE or depth > MAX_DEPTH:
             _refuse(size)
         other.ground = ground
