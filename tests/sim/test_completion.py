@@ -56,7 +56,7 @@ def folder(tmp_path):
 
 
 def test_commands_and_options(in_bash):
-    assert in_bash("floorwalker re") == ["replay", "render"]
+    assert in_bash("floorwalker re") == ["replay", "render", "report"]
     assert in_bash("floorwalker plot sp") == ["spacetime"]
     assert in_bash("floorwalker run --per") == ["--personality"]
 
