@@ -18,6 +18,9 @@ INSTANT = 1e-8
 FIGURE = 1e-5
 """Metres or m/s. What figures in events may be off by."""
 
+REACH = 1.25
+"""Metres. So near to a station somebody may have arrived, if another keeps them from it."""
+
 
 SOON = 6.0
 """Metres. From so near, people may be about to walk over a place."""
@@ -275,9 +278,11 @@ def _person_faults(run, person, figures):
             yield f"is at {at} at {speed} m/s: {event}"
         if event["station"] is not None:
             place = plan.station(event["station"]).position
-            # By somebody who is there, or whose way there is already theirs.
+            # By somebody who is there, or whose way there is already theirs; within reach of the
+            # station anybody else who is within reach of it may be in the way.
             soon = (event["t"] + wait for wait in (0.0, 1.0, 2.0, 3.0))
-            taken = any(_away(run, person, place, t) < 2.5 * radius for t in soon)
+            near = REACH + radius if math.dist(place, event["at"]) < REACH else 2.5 * radius
+            taken = any(_away(run, person, place, t) < near for t in soon)
             if math.dist(place, event["at"]) > plan.human.goal_tolerance and not taken:
                 yield f"is not at the station: {event}"
     home = _home(run, person)
