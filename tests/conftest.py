@@ -16,7 +16,7 @@ ALWAYS = {
     "suppress_health_check": [HealthCheck.too_slow],
 }
 settings.register_profile("explore", max_examples=1000, derandomize=False, **ALWAYS)
-settings.register_profile("default", max_examples=50, derandomize=True, **ALWAYS)
+settings.register_profile("default", max_examples=30, derandomize=True, **ALWAYS)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "default"))
 
 # Hypothesis also tries the constants of whichever modules are loaded when a test begins, which

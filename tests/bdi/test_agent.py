@@ -320,6 +320,7 @@ def test_goals_may_be_deep_but_not_endless():
         agent.advance(0.0)
 
 
+@pytest.mark.slow
 def test_rules_may_be_deep_but_not_endless():
     source = "len([],0). len([_|T],N) :- len(T,M) & N = M+1."
     agent, log = make(

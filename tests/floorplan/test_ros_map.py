@@ -208,7 +208,7 @@ def test_a_wall_of_one_cell_stays_shut_and_a_door_of_three_open(load):
     assert door.buffer(-0.5 / 2).geom_type == "Polygon"
 
 
-@settings(max_examples=200)
+@settings(max_examples=2 * settings.default.max_examples)
 @given(st.integers(0, 2**32), st.integers(1, 14), st.integers(1, 14), st.floats(0, 1))
 def test_outlines_hold_the_cells_that_are_set(seed, rows, columns, share):
     cells = np.random.default_rng(seed).random((rows, columns)) < share

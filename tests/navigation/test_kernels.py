@@ -73,6 +73,7 @@ print(digest.hexdigest())
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not COMPILED, reason="the kernels are not compiled here")
 def test_results_are_the_same_compiled_and_not(tmp_path):
     here = {**os.environ, "PYTHONPATH": str(Path(navigation.__file__).parents[1])}

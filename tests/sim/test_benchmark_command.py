@@ -74,6 +74,7 @@ def test_senseless_options_are_one_message(floorwalker):
         assert "Traceback" not in done.stderr
 
 
+@pytest.mark.slow
 def test_the_report_shows_every_planner_and_can_be_read(tmp_path, open_address):
     """Also a planner that found nothing: in light and dark, wide and narrow."""
     plan = floorplan.load("machine_shop")

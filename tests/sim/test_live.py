@@ -282,6 +282,7 @@ def test_what_is_done_from_the_page_repeats_from_a_file(tmp_path):
     assert everything(tmp_path / "repeated") == everything(tmp_path / "watched")
 
 
+@pytest.mark.slow
 def test_the_browser_follows_the_run_and_gets_all_of_it(open_address):
     trial = sim.Trial.parse(TRIAL)
     live = sim.LiveRun(trial.duration, speed=20.0)
@@ -311,6 +312,7 @@ def test_the_browser_follows_the_run_and_gets_all_of_it(open_address):
     assert viewer.complaints == []
 
 
+@pytest.mark.slow
 def test_looking_back_while_it_goes_on(open_address):
     trial = sim.Trial.parse(TRIAL)
     live = sim.LiveRun(trial.duration, speed=10.0)
@@ -339,6 +341,7 @@ def test_looking_back_while_it_goes_on(open_address):
         live.finish(simulation.finish())
 
 
+@pytest.mark.slow
 def test_the_page_interferes_with_the_run(open_address):
     trial = sim.Trial.parse(TRIAL.replace("duration: 40", "duration: 400"))
     live = sim.LiveRun(trial.duration, speed=2.0)

@@ -23,6 +23,7 @@ def shown(value):
     return data
 
 
+@pytest.mark.slow
 def test_a_run_shows_its_figures_and_its_replay(run, open_page):
     viewer = open_page(shown(run)["text/html"])
     table = viewer.page.locator("table").inner_text()

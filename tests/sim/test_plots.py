@@ -300,6 +300,14 @@ def test_the_words_in_the_profile_of_a_path_stand_apart(there, width):
     assert not least.overlaps(radius)
 
 
+FLOORS = (
+    ("ariac2023", "single"),
+    ("ariac2023", "double"),
+    ("machine_shop", "single"),
+    ("warehouse", "double"),
+)
+
+
 @cache
 def floor(name, width):
     """A floor with all its names, and its picture: where names stand takes a while to find."""
@@ -309,8 +317,7 @@ def floor(name, width):
     return plan, axes
 
 
-@pytest.mark.parametrize("name", floorplan.builtin())
-@pytest.mark.parametrize("width", ["single", "double"])
+@pytest.mark.parametrize(("name", "width"), FLOORS)
 def test_a_floor_shows_what_stands_on_it(name, width):
     plan, axes = floor(name, width)
     assert axes.figure.get_figwidth() == (3.5 if width == "single" else 7.16)
@@ -319,8 +326,7 @@ def test_a_floor_shows_what_stands_on_it(name, width):
     assert {station.name for station in plan.stations} <= written
 
 
-@pytest.mark.parametrize("name", floorplan.builtin())
-@pytest.mark.parametrize("width", ["single", "double"])
+@pytest.mark.parametrize(("name", "width"), FLOORS)
 def test_names_of_places_cover_nothing(name, width):
     plan, axes = floor(name, width)
     places = {station.name for station in plan.stations} | {"safe zone"}

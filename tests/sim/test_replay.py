@@ -71,6 +71,7 @@ def test_the_page_needs_no_network(recording):
     assert not re.search(r"https?:|\bimport\b|\bfetch\b|url\(", replay.render(recording))
 
 
+@pytest.mark.slow
 def test_a_long_recording_is_packed(recording, open_page, monkeypatch):
     monkeypatch.setattr(replay, "PACKED_FROM", 1000)
     html = replay.render(recording, recording)
@@ -275,6 +276,7 @@ def test_density_and_speed_are_gaussian_profiles_of_people(viewer, recording):
     assert viewer.page.locator("#field-scale").is_hidden()
 
 
+@pytest.mark.slow
 def test_without_machines_the_plot_shows_speeds(open_page, recording):
     alone = copy.deepcopy(recording)
     alone["bodies"] = [body for body in alone["bodies"] if body["name"] == "operator"]
@@ -454,6 +456,7 @@ def lengthened(recording, times):
     return long
 
 
+@pytest.mark.slow
 def test_a_shift_of_eight_hours_is_shown_in_parts(open_page, recording):
     viewer = open_page(replay.render(lengthened(recording, 105)))
     events = viewer.page.evaluate("window.floorwalker.recording.events")
@@ -598,6 +601,7 @@ LISTEN_TO_WORDS = """
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("width", [390, 500, 1400])
 def test_words_on_the_floor_are_whole_and_cover_no_station(open_page, recording, width):
     viewer = open_page(replay.render(recording), viewport={"width": width, "height": 900})
@@ -652,6 +656,7 @@ def test_no_canvas_is_ever_painted_empty(open_page, recording):
     assert viewer.complaints == []
 
 
+@pytest.mark.slow
 def test_two_fingers_zoom_the_floor(open_page, recording):
     viewer = open_page(
         replay.render(recording), viewport={"width": 390, "height": 844}, has_touch=True
@@ -776,6 +781,7 @@ def test_what_is_wrong_with_a_recording_is_said(open_page, recording, change, me
     assert viewer.complaints == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("change", "message", "bodies"),
     [
@@ -796,6 +802,7 @@ def test_what_is_there_is_shown_with_a_line(open_page, recording, change, messag
     assert viewer.complaints == []
 
 
+@pytest.mark.slow
 def test_a_page_cut_off_on_its_way_shows_what_there_is(open_page, recording):
     """Cut anywhere: what is shown is a part of the recording, and all the more of it."""
     html = replay.render(recording)
@@ -827,6 +834,7 @@ def test_a_page_cut_off_on_its_way_shows_what_there_is(open_page, recording):
     assert viewer.complaints == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("share", [0.3, 0.9])
 def test_a_page_cut_off_in_the_middle_of_its_scripts_says_so(open_page, recording, share):
     html = replay.render(recording)

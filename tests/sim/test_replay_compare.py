@@ -8,6 +8,8 @@ import replay_sample
 
 from sim.views import replay
 
+pytestmark = pytest.mark.slow  # browsers draw in software
+
 
 @pytest.fixture(scope="module")
 def recording():

@@ -10,6 +10,8 @@ import sim
 from sim.views import replay
 from sim.views.replay_data import replay_data
 
+pytestmark = pytest.mark.slow  # browsers draw in software
+
 TRIAL = """
 floorplan: ariac2023
 duration: 90

@@ -14,6 +14,8 @@ import sim
 from sim.views import replay
 from sim.views.replay_data import replay_data
 
+pytestmark = pytest.mark.slow  # browsers draw in software
+
 
 @pytest.fixture(scope="module")
 def recording():

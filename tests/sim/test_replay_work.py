@@ -7,6 +7,8 @@ import replay_sample
 
 from sim.views import replay
 
+pytestmark = pytest.mark.slow  # browsers draw in software
+
 MOST_CALLS = 1500
 """Calls to the canvas that a frame with seven bodies may need."""
 
