@@ -341,10 +341,13 @@ def next_step(
 ) -> int:
     """Return the first place from the k-th on to step aside to, off a course; -1 if there is none.
 
-    Who steps there from rest at `start` follows `path` (x and y of its corners in turn), then goes
-    on to the place; `places` are relative to the end of the path. A place is off the course if it
-    is `width` metres from all of its `legs` (as edges are given to `touches`), and fit if the walk
-    to it meets nobody of those `near`, as `first_met` has it: `table` and `box` are its own then.
+    Who steps there from rest at `start` (seconds) follows `path` (x and y of its corners in turn),
+    then goes on to place number `k` or a later one, at `top_speed` and never faster than
+    `max_speed` (m/s), with this `acceleration` (m/s²). `places` are relative to the end of the
+    path. A place is off the course if it is `width` metres from all of its `legs` (as edges are
+    given to `touches`), and fit if the walk to it meets nobody of those `near`, whose `tables`,
+    `boxes` and `radii` are as for `first_met`; `own` is the radius of who steps aside (metres).
+    `table` and `box` receive the walk and its bounds.
     """
     count: cython.Py_ssize_t = len(path)
     x: float = path[count - 2]

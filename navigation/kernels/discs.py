@@ -34,7 +34,8 @@ def within_bounds(
 ) -> list[int]:
     """Return who of those with these bounds may come into some: their indices.
 
-    `boxes` holds four numbers for each: least x and y, greatest x and y (metres).
+    `boxes` holds four numbers for each: least x and y, greatest x and y (metres). Those asked
+    about are `low_x`, `low_y`, `high_x` and `high_y`.
     """
     found: list[int] = []
     k: cython.Py_ssize_t

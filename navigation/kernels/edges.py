@@ -178,7 +178,10 @@ def back_through(line: list[float], ax: float, ay: float, bx: float, by: float) 
 
 
 def touches(edges: list[float], ax: float, ay: float, bx: float, by: float, radius: float) -> bool:
-    """Return whether one of `edges` is nearer than `radius` (metres) to the segment from a to b."""
+    """Return whether one of `edges` is nearer than `radius` (metres) to a segment.
+
+    It leads from `ax`, `ay` to `bx`, `by`.
+    """
     dx: float = bx - ax
     dy: float = by - ay
     near: bool = _first_near(edges, ax, ay, dx, dy, sqrt(dx * dx + dy * dy), radius) >= 0
