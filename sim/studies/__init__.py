@@ -9,7 +9,7 @@ from .many import WorkerError, run_many
 from .report import figure
 from .results import StudyResults
 from .running import run_study
-from .safety_report import safety_report
+from .safety import safety_report
 from .study import Study
 from .variables import KINDS, Variable, variable
 

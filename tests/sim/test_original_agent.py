@@ -144,12 +144,12 @@ def times(run, kind):
 
 
 def require_same_goals(across, within):
-    """It goes where it would go within, as often as its lateness leaves time for."""
+    """It goes where it would go within, to the end, as often as its lateness leaves time for."""
     goals, expected = (
         [event["at"] for event in run.events if event["kind"] == "goal"] for run in (across, within)
     )
-    assert len(expected) >= len(goals) >= len(expected) - 2
     assert goals == expected[: len(goals)]
+    assert times(across, "goal")[-1] > times(within, "goal")[-1] - 30.0
 
 
 # After 40 s the order of a helpful one's goals hangs on tenths of a second; see the test below.
@@ -184,8 +184,8 @@ def require_rounds(run):
     assert {step for _, step in steps} == {1, len(ring) - 1}
     turns = [t for (_, before), (t, step) in itertools.pairwise(steps) if step != before]
     assert len(turns) >= run.trial.duration / LOOKS / 2
-    # A second is the moment that it waits before it turns, and some of the wall's clock.
-    assert min(after - before for before, after in itertools.pairwise(turns)) > LOOKS - 2.0
+    # A second is the moment that it waits before it turns; the rest is the wall's clock.
+    assert min(after - before for before, after in itertools.pairwise(turns)) > LOOKS / 2
     assert goals[-1][0] > run.trial.duration - 20.0
     return len(goals)
 
