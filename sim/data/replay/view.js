@@ -91,7 +91,7 @@ function floorInWords(run, t) {
 
 /** Shows how long a number of metres is at so many CSS pixels a metre. */
 function showScale(bar, scale) {
-  const length = [0.5, 1, 2, 5, 10, 20, 50].find(m => m * scale >= 48) ?? 100;
+  const length = [0.5, 1, 2, 5, 10, 20, 50].find(m => m * scale >= 36) ?? 100;
   const width = `${Math.round(length * scale)}px`;
   if (bar.style.width !== width) bar.style.width = width;
   write(bar, `${length} m`);
