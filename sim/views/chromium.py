@@ -32,12 +32,17 @@ PLACES = (
 )
 """Files that are looked for where there is no such command."""
 
+QUIET = (
+    *("--disable-gpu", "--no-first-run", "--disable-background-networking"),
+    *("--disable-component-update", "--disable-sync", "--disable-extensions"),
+)
+"""Arguments of a browser that nobody sees, and that asks the network for nothing."""
+
 ARGUMENTS = (
-    *("--headless=new", "--remote-debugging-port=0", "--no-first-run", "--hide-scrollbars"),
-    *("--disable-background-networking", "--disable-component-update", "--disable-sync"),
-    *("--disable-extensions", "--disable-quic", "--mute-audio"),
+    *("--headless=new", "--remote-debugging-port=0", "--hide-scrollbars", *QUIET),
+    *("--disable-quic", "--mute-audio"),
     # WebGL in software looks the same on every machine.
-    *("--disable-gpu", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"),
+    *("--use-angle=swiftshader", "--enable-unsafe-swiftshader"),
 )
 
 PATIENCE = 60.0
@@ -48,14 +53,27 @@ class BrowserError(ValueError):
     """The browser does not do what it should."""
 
 
-def find_chromium() -> str:
-    """Return the command of a browser of Chromium's kind; `MissingExtraError` if there is none.
+def installed_chromium() -> str | None:
+    """Return the command of a browser of Chromium's kind, None where there is none.
 
     The environment variable CHROMIUM goes before all others.
     """
     named = [os.environ.get("CHROMIUM", ""), *NAMES]
     found = next(filter(None, map(shutil.which, filter(None, named))), None)
-    found = found or next((place for place in PLACES if Path(place).is_file()), None)
+    return found or next((place for place in PLACES if Path(place).is_file()), None)
+
+
+def unboxed() -> tuple[str, ...]:
+    """Return the argument that the administrator, as whom containers run, can't do without.
+
+    A sandbox of its own is refused to them.
+    """
+    return ("--no-sandbox",) if sys.platform != "win32" and os.geteuid() == 0 else ()
+
+
+def find_chromium() -> str:
+    """Return `installed_chromium`; `MissingExtraError` if there is none."""
+    found = installed_chromium()
     if found is None:
         raise MissingExtraError(
             "pictures of the replay page need Chromium or Chrome, and none is found: install one,"
@@ -132,16 +150,8 @@ class Browser:
         return float(found["ThreadTime"]), float(found["ScriptDuration"])
 
     def _start(self, folder: str) -> subprocess.Popen[bytes]:
-        # A sandbox of its own is refused to the administrator, as whom containers run.
-        root = sys.platform != "win32" and os.geteuid() == 0
         return subprocess.Popen(
-            [
-                self._command,
-                *ARGUMENTS,
-                *(["--no-sandbox"] if root else []),
-                f"--user-data-dir={folder}",
-                "about:blank",
-            ],
+            [self._command, *ARGUMENTS, *unboxed(), f"--user-data-dir={folder}", "about:blank"],
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
         )

@@ -1,6 +1,5 @@
 """The command in this process, full disks, and a browser for pages, where there is one."""
 
-import shutil
 import subprocess
 import sys
 import threading
@@ -11,8 +10,8 @@ import pytest
 from replay_viewer import Viewer
 
 from sim.cli import main
+from sim.views.chromium import installed_chromium
 
-CHROMIUM = ("chromium", "chromium-browser", "google-chrome")
 ARGUMENTS = [
     "--no-sandbox",
     "--disable-gpu",
@@ -75,7 +74,7 @@ def room_for():
 @pytest.fixture(scope="module")
 def browser():
     api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-    path = next(filter(None, map(shutil.which, CHROMIUM)), None)
+    path = installed_chromium()
     if path is None:
         pytest.skip("no Chromium on this machine")
     with api.sync_playwright() as driver:

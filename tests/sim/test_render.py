@@ -1,12 +1,10 @@
 """Films show everybody where they are at every instant; they play as long as they should."""
 
-import shutil
 import subprocess
 import sys
 
 import numpy as np
 import pytest
-from conftest import CHROMIUM
 
 import sim
 from sim.cli import main
@@ -163,7 +161,7 @@ def test_the_command_films_a_recording(tmp_path, monkeypatch, capsys):
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not any(map(shutil.which, CHROMIUM)), reason="no Chromium on this machine")
+@pytest.mark.skipif(chromium.installed_chromium() is None, reason="no Chromium on this machine")
 def test_the_page_is_filmed(run, tmp_path):
     from PIL import Image
 

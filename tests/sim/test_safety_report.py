@@ -1,7 +1,6 @@
 """Safety reports: what they say is what happened, and the page can be read by everybody."""
 
 import re
-import shutil
 from dataclasses import replace
 
 import numpy as np
@@ -13,7 +12,7 @@ from sim.record.incidents import incidents, time_on_floor, time_too_close
 from sim.record.risk import risk
 from sim.studies.findings import MARGIN, TOO_NEAR, VIOLATIONS, findings, with_findings
 from sim.studies.sensitivity import sensitivities
-from sim.views.safety_report import printing
+from sim.views import chromium
 
 TRIAL = """\
 name: cell
@@ -176,14 +175,16 @@ def test_the_command_says_at_once_what_it_can_not(floorwalker, tmp_path):
 
 
 def test_a_pdf_needs_a_browser(run, tmp_path, monkeypatch):
-    monkeypatch.setattr(printing, "BROWSERS", ("no_such_browser",))
+    monkeypatch.delenv("CHROMIUM", raising=False)
+    monkeypatch.setattr(chromium, "NAMES", ("no_such_browser",))
+    monkeypatch.setattr(chromium, "PLACES", ())
     with pytest.raises(sim.OutputError, match="there is none here"):
         sim.safety_report(run, tmp_path / "report.pdf")
 
 
 @pytest.mark.slow
 def test_a_pdf_is_printed_where_there_is_a_browser(run, tmp_path):
-    if not any(map(shutil.which, printing.BROWSERS)):
+    if chromium.installed_chromium() is None:
         pytest.skip("no Chromium on this machine")
     sim.safety_report(run, tmp_path / "report.pdf")
     printed = (tmp_path / "report.pdf").read_bytes()

@@ -2,36 +2,15 @@
 
 from __future__ import annotations
 
-import os
 import shutil
 import subprocess
 import tempfile
 from pathlib import Path
 
 from ...core.output import OutputError, replacing, writing
+from ..chromium import QUIET, installed_chromium, unboxed
 
-BROWSERS = (
-    "chromium",
-    "chromium-browser",
-    "google-chrome",
-    "google-chrome-stable",
-    "chrome",
-    "msedge",
-    "/Applications/Google Chrome.app/Contents/MacOS/Google Chrome",
-    "/Applications/Chromium.app/Contents/MacOS/Chromium",
-)
-"""Programs that can print a page without a screen."""
-
-OPTIONS = (
-    "--headless",
-    "--disable-gpu",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-    "--disable-extensions",
-    "--no-pdf-header-footer",
-)
+OPTIONS = ("--headless", "--no-pdf-header-footer", *QUIET)
 
 PATIENCE = 120.0
 """Seconds of real time that a browser may take for a page."""
@@ -39,7 +18,7 @@ PATIENCE = 120.0
 
 def require_printer(path: Path) -> None:
     """Raise `OutputError` if there is no browser that could print a page to `path`."""
-    if _browser() is None:
+    if installed_chromium() is None:
         raise OutputError(
             f"can't write {path}: a PDF is printed by Chromium or Chrome, and there is none here;"
             " write a .html instead and print that"
@@ -49,10 +28,8 @@ def require_printer(path: Path) -> None:
 def print_page(page: Path, path: Path) -> None:
     """Print the HTML file `page` to `path`; `OutputError` if that fails."""
     require_printer(path)
-    browser = _browser()
+    browser = installed_chromium()
     assert browser is not None  # as required
-    # The superuser, as in a container, gets no sandbox; the page has no scripts.
-    unboxed = ["--no-sandbox"] if getattr(os, "geteuid", lambda: 1)() == 0 else []
     with (
         tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile,
         writing(path),
@@ -60,7 +37,7 @@ def print_page(page: Path, path: Path) -> None:
     ):
         target = Path(profile) / "printed.pdf"
         words = [
-            *(browser, *OPTIONS, *unboxed, f"--user-data-dir={profile}"),
+            *(browser, *OPTIONS, *unboxed(), f"--user-data-dir={profile}"),
             *(f"--print-to-pdf={target}", page.resolve().as_uri()),
         ]
         try:
@@ -72,8 +49,3 @@ def print_page(page: Path, path: Path) -> None:
             why = said[-1] if said else f"it ended with {done.returncode}"
             raise OutputError(f"can't write {path}: {browser} did not print it: {why}")
         shutil.copyfile(target, unfinished)
-
-
-def _browser() -> str | None:
-    """Return the path of a browser that can print, None where there is none."""
-    return next(filter(None, map(shutil.which, BROWSERS)), None)
