@@ -16,9 +16,10 @@ from navigation import minimum_margin
 from ..core.recorder import Event
 from ..machines.gantry.robot import GANTRY
 from ..safety.requirement_curve import is_plain
+from .cells import Array
 from .outcome import Outcome
 from .presence import Span
-from .risk import Array, relative_speeds
+from .risk import relative_speeds
 from .zone_exposure import MOMENT
 
 _AT_ONCE = 1e-6

@@ -7,23 +7,16 @@ from collections.abc import Callable, Iterable
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-from floorplan import Floorplan
-
+from .cells import Array, cells_of, spread
 from .outcome import Outcome
 from .zone_exposure import moments, within
 
 CELL = 0.1
 """Metres. The side of a cell."""
 
-Array = NDArray[np.float64]
-
 Risk = Literal["margin", "time", "severity"]
 """The least margin to the required distance (m); the time without it (s); the speed then (m/s)."""
-
-_HAIR = 1e-9
-"""Metres. Cells that are beyond a radius by no more than this still count."""
 
 
 def risk(run: Outcome, of: Risk) -> Array:
@@ -48,7 +41,7 @@ def least_margins(run: Outcome) -> Array:
     Infinite where nobody was, or nothing was required; nothing is required of a vehicle that
     stands.
     """
-    least = np.full(_shape(run.floorplan), math.inf)
+    least = np.full(cells_of(run.floorplan, CELL), math.inf)
     for person in run.scene.people:
         times, _ = _moments(run, person.name)
         margin = np.full(len(times), math.inf)
@@ -57,13 +50,13 @@ def least_margins(run: Outcome) -> Array:
                 margin = np.minimum(margin, _margins(run, person.name, machine, times))
         cells = np.full(least.shape, math.inf)
         np.minimum.at(cells, _cells(run, person.name, times), margin)
-        least = np.minimum(least, _spread(cells, person.radius, np.minimum, math.inf))
+        least = np.minimum(least, spread(cells, CELL, person.radius, np.minimum, math.inf))
     return least
 
 
 def time_too_close(run: Outcome) -> Array:
     """Return the time (seconds) for which people in each cell were nearer than required."""
-    total = np.zeros(_shape(run.floorplan))
+    total = np.zeros(cells_of(run.floorplan, CELL))
     for person in run.scene.people:
         mine = [some for (who, _), some in run.violations.items() if who == person.name]
         if not any(mine):
@@ -72,7 +65,7 @@ def time_too_close(run: Outcome) -> Array:
         near = within(times, [interval for some in mine for interval in some])
         cells = np.zeros(total.shape)
         np.add.at(cells, _cells(run, person.name, times[near]), lengths[near])
-        total += _spread(cells, person.radius, np.add, 0.0)
+        total += spread(cells, CELL, person.radius, np.add, 0.0)
     return total
 
 
@@ -82,7 +75,7 @@ def severities(run: Outcome) -> Array:
     While the two were nearer than required; 0 where nobody ever was. The energy of a contact
     grows with its square (ISO/TS 15066:2016, annex A.3.4).
     """
-    worst = np.zeros(_shape(run.floorplan))
+    worst = np.zeros(cells_of(run.floorplan, CELL))
     for person in run.scene.people:
         mine = {pair: some for pair, some in run.violations.items() if pair[0] == person.name}
         if not any(mine.values()):
@@ -93,7 +86,7 @@ def severities(run: Outcome) -> Array:
             times = all_times[within(all_times, intervals)]
             speed = relative_speeds(run, person.name, machine, times)
             np.maximum.at(cells, _cells(run, person.name, times), speed)
-        worst = np.maximum(worst, _spread(cells, person.radius, np.maximum, 0.0))
+        worst = np.maximum(worst, spread(cells, CELL, person.radius, np.maximum, 0.0))
     return worst
 
 
@@ -129,28 +122,10 @@ def _margins(run: Outcome, person: str, machine: str, times: Array) -> Array:
     return margins
 
 
-def _shape(plan: Floorplan) -> tuple[int, int]:
-    west, south, east, north = plan.boundary.bounds
-    return (math.ceil((north - south) / CELL), math.ceil((east - west) / CELL))
-
-
 def _cells(run: Outcome, person: str, times: Array) -> tuple[Any, Any]:
     """Return the row and column of the cell in which a person's centre is at each instant."""
     west, south, *_ = run.floorplan.boundary.bounds
-    rows, columns = _shape(run.floorplan)
+    rows, columns = cells_of(run.floorplan, CELL)
     x, y = run.motions[person].position(times).reshape(-1, 2).T
     row = np.clip(((y - south) / CELL).astype(int), 0, rows - 1)
     return row, np.clip(((x - west) / CELL).astype(int), 0, columns - 1)
-
-
-def _spread(cells: Array, radius: float, join: Callable[..., Array], nothing: float) -> Array:
-    """Join each cell with all cells within `radius` metres of it."""
-    reach = math.ceil(radius / CELL)
-    rows, columns = cells.shape
-    padded = np.pad(cells, reach, constant_values=nothing)
-    joined = np.full_like(cells, nothing)
-    for i in range(-reach, reach + 1):
-        for j in range(-reach, reach + 1):
-            if math.hypot(i, j) * CELL < radius + _HAIR:
-                joined = join(joined, padded[reach + i :, reach + j :][:rows, :columns])
-    return joined

@@ -8,8 +8,9 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from ..record.cells import Array
 from ..record.incidents import Incident, incidents, time_on_floor, time_too_close, worst_first
-from ..record.risk import RISKS, Array, Risk, risk, risk_of_all
+from ..record.risk import RISKS, Risk, risk, risk_of_all
 from ..runs.run import Run
 from .comparison import Comparison, Measure, spread
 from .running import of_rows

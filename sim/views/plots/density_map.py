@@ -10,9 +10,10 @@ import numpy as np
 from matplotlib.colors import PowerNorm
 from matplotlib.figure import Figure
 
+from ...record.cells import cells_of
 from ...record.outcome import Outcome
+from .cells import draw_cells, on_one_floor
 from .curves import Array, Span, span_of
-from .floor import draw_floor, floor_figure
 from .style import Width, styled
 
 CELL = 0.1
@@ -33,9 +34,6 @@ AT_ONCE = 1000
 FAINT = 0.01
 """Share of the highest density below which nothing is shown."""
 
-_BAR = 0.6
-"""Inches. The width of the bar of colours."""
-
 Of = Literal["density", "speed"]
 
 
@@ -53,35 +51,26 @@ def density_map(
     are spread, so that paths show beside places of waiting. `ValueError` if the runs are on
     different floors, or it is `of` something else.
     """
-    several = [runs] if isinstance(runs, Outcome) else list(runs)
     if of not in ("density", "speed"):
         raise ValueError(f"a density map is of density or speed, not {of!r}")
-    if not several or any(run.floorplan != several[0].floorplan for run in several):
-        raise ValueError("a density map needs one run or several, on the same floor")
+    several = on_one_floor(runs, "density map")
     plan = several[0].floorplan
     profiles = [profiles_of(run, within) for run in several]
     density = np.mean([found for found, _ in profiles], axis=0)
     flow = np.mean([found * speed for found, speed in profiles], axis=0)
     most = float(density.max())
     values = density if of == "density" else flow / np.where(density > 0, density, 1.0)
-    figure, axes = floor_figure(plan, width, beside=_BAR)
-    draw_floor(axes, plan, several[0].scene.machines)
-    west, south, *_ = plan.boundary.bounds
-    rows, columns = density.shape
     is_density = of == "density"
-    image = axes.imshow(
+    return draw_cells(
+        plan,
+        several[0].scene.machines,
         np.ma.masked_where(density <= FAINT * most, values),
-        origin="lower",
-        extent=(west, west + columns * CELL, south, south + rows * CELL),
+        CELL,
+        label="mean density (1/m²)" if is_density else "mean speed (m/s)",
         norm=PowerNorm(0.5 if is_density else 1.0, 0.0, float(values.max()) or 1.0),
-        cmap="viridis",
-        interpolation="nearest",
-        zorder=1.2,
+        colours="viridis",
+        width=width,
     )
-    label = "mean density (1/m²)" if is_density else "mean speed (m/s)"
-    bar = figure.colorbar(image, ax=axes, label=label, fraction=0.04, pad=0.02)
-    bar.ax.yaxis.set_major_formatter("{x:g}")
-    return figure
 
 
 def profiles_of(run: Outcome, within: Span | None = None) -> tuple[Array, Array]:
@@ -90,9 +79,11 @@ def profiles_of(run: Outcome, within: Span | None = None) -> tuple[Array, Array]
     The first cell is in the south-west corner of the floor's bounds. Speed is weighted by density,
     and 0 where nobody came near.
     """
-    west, south, east, north = run.floorplan.boundary.bounds
-    middles_x = west + CELL * (np.arange(math.ceil((east - west) / CELL)) + 0.5)
-    middles_y = south + CELL * (np.arange(math.ceil((north - south) / CELL)) + 0.5)
+    west, south, *_ = run.floorplan.boundary.bounds
+    rows, columns = cells_of(run.floorplan, CELL)
+    middles_x, middles_y = (
+        low + CELL * (np.arange(count) + 0.5) for low, count in ((west, columns), (south, rows))
+    )
     begin, end = span_of(run, within)
     count = min(max(1, round((end - begin) / STEP)), MOST_LOOKS)
     times = begin + (np.arange(count) + 0.5) * (end - begin) / count

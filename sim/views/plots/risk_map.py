@@ -13,8 +13,8 @@ from floorplan import Floorplan
 from ...core.machine import MachineShape
 from ...record.outcome import Outcome
 from ...record.risk import CELL, Risk, risk, risk_of_all
+from .cells import draw_cells, on_one_floor
 from .curves import Array
-from .floor import draw_floor, floor_figure, settle
 from .style import Width, styled
 
 _BAR = 0.7
@@ -31,12 +31,8 @@ def risk_map(
     speed of the two relative to each other meanwhile. `ValueError` if the runs are on different
     floors, or `of` is none of these.
     """
-    several = [runs] if isinstance(runs, Outcome) else list(runs)
-    if not several:
-        raise ValueError("a risk map needs at least one run")
+    several = on_one_floor(runs, "risk map")
     plan = several[0].floorplan
-    if any(run.floorplan != plan for run in several):
-        raise ValueError("the runs are not on the same floor, so that they make no common map")
     found = risk_of_all([risk(run, of) for run in several], of)
     return drawn_risk(plan, several[0].scene.machines, found, of=of, width=width)
 
@@ -65,19 +61,14 @@ def drawn_risk(
         else:
             label, norm = "relative speed while nearer than required (m/s)", Normalize(0.0, most)
         colours = "inferno_r"
-    figure, axes = floor_figure(plan, width, beside=_BAR)
-    draw_floor(axes, plan, machines)
-    west, south, *_ = plan.boundary.bounds
-    rows, columns = found.shape
-    image = axes.imshow(
+    return draw_cells(
+        plan,
+        machines,
         shown,
-        origin="lower",
-        extent=(west, west + columns * CELL, south, south + rows * CELL),
+        CELL,
+        label=label,
         norm=norm,
-        cmap=colours,
-        interpolation="nearest",
-        zorder=1.2,
+        colours=colours,
+        width=width,
+        beside=_BAR,
     )
-    bar = figure.colorbar(image, ax=axes, label=label, fraction=0.04, pad=0.02)
-    bar.ax.yaxis.set_major_formatter("{x:g}")
-    return settle(figure)

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
+from ...record.cells import Array
 from ...record.incidents import Incident
 from ...record.outcome import Outcome
-from ...record.risk import Array, Risk
+from ...record.risk import Risk
 from ..extras import MissingExtraError
 from .parts import Part, Picture, Points, clock
 
