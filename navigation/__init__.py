@@ -19,10 +19,12 @@ from .courses import Company, Courses
 from .crowding import Nearest, nearest_pair
 from .encounter import Encounter
 from .gantry_planner import GantryPath, GantryPlanner
+from .kernels.braking import Stops
 from .kernels.candidates import Candidates, next_step
 from .kernels.discs import first_met, within_bounds
 from .kernels.edges import touches
 from .kernels.grid import block_discs, grid_path
+from .lookout import Lookout
 from .machines import (
     ARIAC_GANTRY,
     GantryLimits,
@@ -30,9 +32,11 @@ from .machines import (
     Stop,
     agv_run,
     agv_stop,
+    agv_stops,
     gantry_limits,
     gantry_move,
     gantry_stop,
+    gantry_stops,
     lane_state,
     longest_stop,
 )
@@ -99,6 +103,7 @@ __all__ = [
     "GantryPlanner",
     "IntegralLaw",
     "Law",
+    "Lookout",
     "Machine",
     "Motion",
     "MotionLaw",
@@ -120,6 +125,7 @@ __all__ = [
     "Shapes",
     "State",
     "Stop",
+    "Stops",
     "Swath",
     "TooClose",
     "Track",
@@ -127,6 +133,7 @@ __all__ = [
     "agv_box",
     "agv_run",
     "agv_stop",
+    "agv_stops",
     "block_discs",
     "can_go_on",
     "corner_speed",
@@ -138,6 +145,7 @@ __all__ = [
     "gantry_limits",
     "gantry_move",
     "gantry_stop",
+    "gantry_stops",
     "grid_path",
     "is_of_motions",
     "is_of_speeds",

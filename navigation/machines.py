@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import NamedTuple, TypeAlias
 
 from floorplan import Gantry, Lane
 
+from .kernels.braking import AxisStops, LaneStops
 from .kernels.pieces import merge_axes
 from .motion import Motion, Piece, State, pieces_of
-from .profiles import AxisLimits, AxisState, Phases, along_line, straight, to_position, to_rest
+from .profiles import AxisLimits, AxisState, Phases, along_line, straight, to_position
 
 GantryLimits = tuple[AxisLimits, AxisLimits, AxisLimits]
 """Limits of the gantry's x, y and rotation."""
@@ -67,7 +69,14 @@ def gantry_move(
 
 def gantry_stop(current: State, start: float, *, limits: GantryLimits = ARIAC_GANTRY) -> Motion:
     """Return the fastest stop from `current` within `limits`; it begins at `start` (seconds)."""
-    return _along_axes(to_rest(_axis_states(current), limits), start)
+    state = [*current.position, *current.velocity, *current.acceleration]
+    return Motion(tuple(pieces_of(gantry_stops(limits).after(state, float(start)))))
+
+
+@lru_cache
+def gantry_stops(limits: GantryLimits = ARIAC_GANTRY) -> AxisStops:
+    """Return how a gantry with these `limits` stops: each axis by itself, as fast as it can."""
+    return AxisStops([c for axis in limits for c in (axis.max_acceleration, axis.max_jerk)])
 
 
 def agv_run(lane: Lane, current: AxisState, target: str | float, start: float = 0.0) -> Motion:
@@ -83,9 +92,15 @@ def agv_run(lane: Lane, current: AxisState, target: str | float, start: float = 
 
 def agv_stop(lane: Lane, current: AxisState, start: float = 0.0) -> Motion:
     """The fastest stop on `lane` from the lane position in `current`, begun at `start` (s)."""
-    limits = AxisLimits(lane.max_speed, lane.max_acceleration)
-    (phases,) = to_rest([current], [limits])
-    return _along_lane(lane, phases, start)
+    state = (current.position, current.velocity, current.acceleration)
+    return Motion(tuple(pieces_of(agv_stops(lane).after(*state, float(start)))))
+
+
+def agv_stops(lane: Lane) -> LaneStops:
+    """Return how an AGV stops on `lane`, as fast as it can."""
+    return LaneStops(
+        *lane.origin, *lane.direction, lane.heading, *lane.limits, lane.max_acceleration
+    )
 
 
 def lane_state(lane: Lane, state: State) -> AxisState:

@@ -13,6 +13,7 @@ from typing import Any
 
 import ruckig
 
+from .kernels.braking import stands
 from .motion import Cubic, Piece, shift
 
 
@@ -42,9 +43,6 @@ class AxisState:
 
 NOWHERE = 1e-9
 """Metres or radians. Shorter moves are none."""
-
-STANDSTILL = (1e-12, 1e-7)
-"""m/s and m/s² (or in radians). An axis of less velocity and acceleration than these stands."""
 
 Phases = list[tuple[float, Cubic]]
 """The duration of each phase of one axis (seconds), and its cubic."""
@@ -118,16 +116,6 @@ def straight(
     ]
 
 
-def to_rest(current: Sequence[AxisState], limits: Sequence[AxisLimits]) -> list[Phases]:
-    """Return the fastest profiles to a standstill, each axis on its own."""
-    task = _task(current, limits)
-    task.control_interface = ruckig.ControlInterface.Velocity
-    task.target_velocity = [0.0] * len(current)
-    task.target_acceleration = [0.0] * len(current)
-    task.synchronization = ruckig.Synchronization.No
-    return _solve(task)
-
-
 def along_line(
     origin: tuple[float, float],
     direction: tuple[float, float],
@@ -153,19 +141,17 @@ def along_line(
 def _task(current: Sequence[AxisState], limits: Sequence[AxisLimits]) -> Any:
     task = ruckig.InputParameter(len(current))
     task.current_position = [state.position for state in current]
-    current = [AxisState(state.position) if _stands(state) else state for state in current]
+    # An axis at rest but for rounding is taken for one in motion by Ruckig.
+    current = [
+        AxisState(state.position) if stands(state.velocity, state.acceleration) else state
+        for state in current
+    ]
     task.current_velocity = [state.velocity for state in current]
     task.current_acceleration = [state.acceleration for state in current]
     task.max_velocity = [axis.max_speed for axis in limits]
     task.max_acceleration = [axis.max_acceleration for axis in limits]
     task.max_jerk = [axis.max_jerk for axis in limits]
     return task
-
-
-def _stands(state: AxisState) -> bool:
-    """Return whether the axis is at rest but for rounding, which Ruckig takes for motion."""
-    velocity, acceleration = STANDSTILL
-    return abs(state.velocity) < velocity and abs(state.acceleration) < acceleration
 
 
 def _solve(task: Any) -> list[Phases]:

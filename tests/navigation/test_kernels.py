@@ -42,11 +42,16 @@ shapes = navigation.Shapes(
     machine=(navigation.Box(length=1.05, width=0.95, bottom=1.2, top=2.7),
              navigation.Cylinder(radius=1.2, bottom=1.9, top=2.7))
 )
+stops = navigation.gantry_stops(), navigation.agv_stops(floorplan.load("ariac2023").lane("agv1"))
 for _ in range(40):
     person = navigation.walk([place() for _ in range(4)], rng.uniform(0, 3))
     machine = navigation.gantry_move((*place(), 0.0), (*place(), rng.uniform(-3, 3)), 1.0)
     pair = (person, machine)
+    people = [c for _ in range(3) for c in (*place(), 1.5, rng.choice((-1.0, 2.0)))]
     for law in laws:
+        for stop in stops if hasattr(law, "distance") else ():
+            found = navigation.Lookout(law, 0.01).safe_until(machine.table, stop, people, 2.0, 0.2)
+            digest.update(repr((found, stop.table(machine.table, 3.0))).encode())
         for solids in (None, shapes):
             digest.update(repr((
                 navigation.violations(*pair, law, 0.0, 20.0, shapes=solids),

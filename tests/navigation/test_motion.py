@@ -5,12 +5,13 @@ import math
 
 import numpy as np
 import pytest
+import ruckig
 from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
 import floorplan
 import navigation
-from navigation import AxisLimits, AxisState, Motion, Piece
+from navigation import AxisLimits, AxisState, Motion, Piece, State
 from navigation.profiles import to_position, trapezoid
 
 coordinate = st.floats(-20, 20)
@@ -167,6 +168,35 @@ def test_a_gantry_stop_ends_at_rest_soon(a, b, share):
     assert stop.state(t).position == pytest.approx(motion.state(t).position, abs=1e-9)
     assert np.abs(stop.velocity(stop.end - 1e-9)).max() < 1e-6
     assert stop.end - t <= 1.0 / 0.5 + 2 * 0.5 / 2.0 + 1e-6
+
+
+@given(
+    st.tuples(st.floats(-9, 9), st.floats(-2, 2), st.floats(-1.5, 1.5)),
+    st.floats(0.2, 2),
+    st.one_of(st.just(math.inf), st.floats(0.5, 20)),
+)
+def test_a_stop_is_as_fast_as_that_of_ruckig(state, top, jerk):
+    """Of an axis alone, even where it slows down by more than it may."""
+    if jerk == math.inf:
+        state = (*state[:2], 0.0)
+    task = ruckig.InputParameter(1)
+    task.control_interface = ruckig.ControlInterface.Velocity
+    task.current_position, task.current_velocity, task.current_acceleration = ([c] for c in state)
+    task.target_velocity, task.target_acceleration = [0.0], [0.0]
+    task.max_velocity, task.max_acceleration, task.max_jerk = [9.0], [top], [jerk]
+    oracle = ruckig.Trajectory(1)
+    ruckig.Ruckig(1).calculate(task, oracle)
+    limits = (AxisLimits(9.0, top, jerk),) * 3
+    axes = [(c, 0.0, c) for c in state]
+    stop = navigation.gantry_stop(State(*axes), 5.0, limits=limits)
+    assert stop.end - 5.0 == pytest.approx(oracle.duration, abs=1e-7)
+    assert stop.state(5.0).position == axes[0]
+    for share in (0.3, 0.6, 1.0):
+        t = share * oracle.duration
+        expected, _, _ = oracle.at_time(t)
+        assert stop.state(5.0 + t).position == pytest.approx(
+            (expected[0], 0.0, expected[0]), abs=1e-6
+        )
 
 
 def test_an_agv_run_is_the_trapezoid_of_its_limits():

@@ -12,6 +12,7 @@ from navigation import (
     Motion,
     agv_run,
     agv_stop,
+    agv_stops,
     join,
     lane_state,
     required_at_speeds,
@@ -62,6 +63,7 @@ class Agv(Machine):
         self._moves = moves
         self._is_on_floor = any(lane is known for known in stage.floorplan.lanes)
         self._foresight = Foresight(self._law, lane.max_speed) if yields else None
+        self._stops = agv_stops(lane)
         self._people: list[tuple[Body, float]] = []
         self._target: str | float | None = None
         self._under_way_to: str | float | None = None
@@ -255,18 +257,12 @@ class Agv(Machine):
         None if it is safe; it then looks again when it may be no longer.
         """
         now = self._clock.now
-        plan, people = self._plan(motion), self._seen()
+        plan, people = Stoppable(motion, self._stops), self._seen()
         until, who = foresight.safe_until(plan, people, now, least)
         if until == now and who is not None:
             return who
         self._looking.set(until if who is not None else None)
         return None
-
-    def _plan(self, motion: Motion) -> Stoppable:
-        def stop(t: float) -> Motion:
-            return agv_stop(self.lane, lane_state(self.lane, motion.state(t)), t)
-
-        return Stoppable(motion, stop)
 
     def _seen(self) -> list[Pedestrian]:
         """Return the people it looks out for, from the point at which distances are measured."""
@@ -298,7 +294,8 @@ class Agv(Machine):
         wait = LOOK
         if state.speed == 0.0:
             motion = self._run(lane_state(self.lane, state), self._goal(), now)
-            wait = max(wait, foresight.hindered_for(self._plan(motion), hindered, now, RESUME))
+            plan = Stoppable(motion, self._stops)
+            wait = max(wait, foresight.hindered_for(plan, hindered, now, RESUME))
         self._looking.set(now + wait)
 
     def _stop(self) -> None:

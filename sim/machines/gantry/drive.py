@@ -10,7 +10,16 @@ from typing import Any
 from simpy.events import Event
 
 from floorplan import Gantry
-from navigation import AxisLimits, Motion, State, gantry_limits, gantry_move, gantry_stop, standing
+from navigation import (
+    AxisLimits,
+    Motion,
+    State,
+    gantry_limits,
+    gantry_move,
+    gantry_stop,
+    gantry_stops,
+    standing,
+)
 
 from ...core.body import Body
 from ...core.clock import Alarm, Clock, Turn
@@ -47,6 +56,7 @@ class Drive:
         self._clock = clock
         self._gantry = gantry
         self._limits = gantry_limits(gantry)
+        self.stops = gantry_stops(self._limits)
         self._record = record
         self._notify = disabled_or_enabled
         self._enabled: Event | None = None

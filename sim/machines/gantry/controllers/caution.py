@@ -72,7 +72,7 @@ class Caution:
     def safe_for(self, motion: Motion, people: Sequence[Sighting]) -> float:
         """Return the seconds from now for which `motion` is safe, and a stop after them; or 0."""
         gantry = self._gantry
-        plan = Stoppable(motion, lambda t: gantry.stopping(motion.state(t), t))
+        plan = Stoppable(motion, gantry.drive.stops)
         seen = [Pedestrian(person.name, person.at, self._human_speed) for person in people]
         until, who = self._foresight.safe_until(plan, seen, gantry.now, LEAST)
         return until - gantry.now if who is not None else max(until - gantry.now, LEAST)

@@ -1,0 +1,32 @@
+cpdef bint stands(double velocity, double acceleration) noexcept
+cpdef list[double] braking(
+    double position, double velocity, double acceleration, double top, double jerk
+)
+cdef int _add(
+    list[double] rows,
+    double duration,
+    double position,
+    double velocity,
+    double acceleration,
+    double jerk,
+) except -1
+
+cdef class Stops:
+    cpdef list[double] table(self, list[double] motion, double t)
+
+cdef class AxisStops(Stops):
+    cdef list[double] limits
+    cpdef list[double] table(self, list[double] motion, double t)
+    cpdef list[double] after(self, list[double] state, double t)
+
+cdef class LaneStops(Stops):
+    cdef double x
+    cdef double y
+    cdef double c
+    cdef double s
+    cdef double heading
+    cdef double low
+    cdef double high
+    cdef double top
+    cpdef list[double] table(self, list[double] motion, double t)
+    cpdef list[double] after(self, double q, double v, double a, double t)

@@ -1,0 +1,44 @@
+from navigation.kernels.braking cimport Stops
+from navigation.kernels.encounter cimport Encounter
+from navigation.kernels.laws cimport Law
+
+cdef class Towards(Law):
+    cdef Law law
+    cdef double speed
+    cdef double since
+    cdef double fixed
+    cdef double margin
+    cdef int require(self, Encounter encounter, double begin, double end) except? -1
+
+cdef class Part:
+    cdef list[double] table
+    cdef double begin
+    cdef double end
+    cdef double fastest
+    cdef double x
+    cdef double y
+    cdef double last_x
+    cdef double last_y
+    cdef double last_speed
+
+cdef class Lookout:
+    cdef Law law
+    cdef double margin
+    cdef double rounding
+    cdef double resolution
+    cpdef tuple safe_until(
+        self, list[double] motion, Stops stops, list[double] people, double now, double least
+    )
+    cpdef double lacking(
+        self, list[double] motion, Stops stops, list[double] people, double now, double least
+    ) except? -1
+    cdef double required(self, list[double] people, Py_ssize_t k, double speed) except? -1
+    cdef bint hinders(
+        self, list[double] people, Py_ssize_t k, Part on, double since
+    ) except -1
+    cdef bint in_reach(
+        self, list[double] people, Py_ssize_t k, Part on, double since
+    ) except -1
+    cdef double room(
+        self, list[double] people, Py_ssize_t k, Part on, double since
+    ) except? -1

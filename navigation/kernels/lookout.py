@@ -1,0 +1,197 @@
+"""Until when a machine may follow a motion, if it is to keep its distance from people by stopping.
+
+Of somebody seen at a place no more is known than their top speed: a circle about it that grows.
+People are rows of x, y, top speed (m/s), and what a law that looks ahead asks for from them
+(metres; less than 0 where it depends on the machine's speed). Tables of motions are those of
+`pieces`.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import cython
+else:
+    from . import uncompiled as cython
+
+from .pieces import evaluate
+
+if not cython.compiled:
+    from math import sqrt
+
+    from .braking import Stops
+    from .encounter import Encounter
+    from .laws import Law
+    from .odometer import Figure, Odometer, row_at
+    from .watch import TooClose, Watch
+else:
+    from cython.cimports.libc.math import sqrt
+    from cython.cimports.navigation.kernels.braking import Stops
+    from cython.cimports.navigation.kernels.encounter import Encounter
+    from cython.cimports.navigation.kernels.laws import Law
+    from cython.cimports.navigation.kernels.odometer import Figure, Odometer, row_at
+    from cython.cimports.navigation.kernels.watch import TooClose, Watch
+
+_WIDTH: cython.Py_ssize_t = 14
+_PERSON: cython.Py_ssize_t = 4
+
+PERSON = 4
+"""Numbers of a person's row."""
+
+
+class Towards(Law):
+    """What `law` asks for if somebody walks straight at the machine, on their distance at `since`.
+
+    It is `fixed` metres where that is not less than 0; `margin` metres are kept in addition.
+    """
+
+    def __init__(self, law: Law, speed: float, since: float, fixed: float, margin: float) -> None:
+        super().__init__(False)
+        self.law = law
+        self.speed = speed
+        self.since = since
+        self.fixed = fixed
+        self.margin = margin
+
+    def require(self, encounter: Encounter, begin: float, end: float) -> cython.int:
+        half: float = (end - begin) / 2
+        walked: float = self.speed * (begin + half - self.since)
+        if self.fixed >= 0.0:
+            return self.out.set(walked + self.fixed, self.speed, 0.0, 0.0)
+        pace: Figure = encounter.speed_of_other
+        encounter.machine.speed(begin, end, pace)
+        around: float = (abs(pace.slope) + abs(pace.curve) * half / 2) * half + pace.slack
+        low: float = self.law.distance(self.speed, max(pace.value - around, 0.0))
+        high: float = self.law.distance(self.speed, pace.value + around)
+        return self.out.set(
+            walked + (low + high) / 2 + self.margin, self.speed, (high - low) / 2, 0.0
+        )
+
+
+class Part:
+    """A part of a motion, from `begin` to `end` (seconds): its ends, and a bound of its speed."""
+
+    def __init__(self, table: list[float], begin: float, end: float) -> None:
+        self.table = table
+        self.begin = begin
+        self.end = end
+        odometer: Odometer = Odometer(table)
+        odometer.look(begin, end)
+        figure: Figure = odometer.out
+        self.fastest = figure.value + abs(figure.slope) * ((end - begin) / 2) + figure.slack
+        last: float = table[len(table) - _WIDTH + 1]
+        at, _, _ = evaluate(table, max(row_at(table, _WIDTH, begin), 0), begin, False)
+        self.x = at[0]
+        self.y = at[1]
+        moves: cython.bint = table[0] <= end and end < last
+        at, velocity, _ = evaluate(table, max(row_at(table, _WIDTH, end), 0), end, moves)
+        self.last_x = at[0]
+        self.last_y = at[1]
+        vx: float = velocity[0]
+        vy: float = velocity[1]
+        self.last_speed = sqrt(vx * vx + vy * vy)
+
+
+class Lookout:
+    """The test for a machine to which `law` applies; `margin` metres are kept in addition.
+
+    Laws that look ahead are sure of `rounding` metres; instants are found to `resolution` seconds.
+    """
+
+    def __init__(self, law: Law, margin: float, rounding: float, resolution: float) -> None:
+        self.law = law
+        self.margin = margin
+        self.rounding = rounding
+        self.resolution = resolution
+
+    def safe_until(
+        self, motion: list[float], stops: Stops, people: list[float], now: float, least: float
+    ) -> tuple[float, int]:
+        """Return an instant until which `motion` may be followed, and the row of who ends it.
+
+        It is found by doubling the time, from `least` seconds on; `now` if not even those are safe.
+        The row is -1 if nobody ends it before the end of the motion.
+        """
+        finish: float = motion[len(motion) - _WIDTH + 1]
+        k: cython.Py_ssize_t
+        if not people or now >= finish:
+            return finish, -1
+        whole: Part = Part(motion, now, finish)
+        near: cython.bint = False
+        for k in range(len(people) // _PERSON):
+            near = near or self.in_reach(people, k, whole, now)
+        if not near:
+            return finish, -1
+        until: float = now
+        ahead: float = least
+        while until < finish:
+            then: float = min(now + ahead, finish)
+            on: Part = Part(motion, until, then)
+            stop: list[float] = stops.table(motion, then)
+            stopping: Part = Part(stop, then, stop[len(stop) - _WIDTH + 1])
+            for k in range(len(people) // _PERSON):
+                if self.hinders(people, k, on, now) or self.hinders(people, k, stopping, now):
+                    return until, k
+            until = then
+            ahead = 2 * ahead
+        return finish, -1
+
+    def lacking(
+        self, motion: list[float], stops: Stops, people: list[float], now: float, least: float
+    ) -> float:
+        """Return the metres that the first of `people` is too close, whatever comes.
+
+        That is after `least` seconds of the motion, or at the end of the stop from there.
+        """
+        then: float = min(now + least, motion[len(motion) - _WIDTH + 1])
+        on: Part = Part(motion, now, then)
+        stop: list[float] = stops.table(motion, then)
+        stopping: Part = Part(stop, then, stop[len(stop) - _WIDTH + 1])
+        return -min(self.room(people, 0, on, now), self.room(people, 0, stopping, now))
+
+    def required(self, people: list[float], k: cython.Py_ssize_t, speed: float) -> float:
+        """Return the metres to keep from somebody at their top speed, and at the machine's."""
+        fixed: float = people[k * _PERSON + 3]
+        if fixed >= 0.0:
+            return fixed
+        return self.law.distance(people[k * _PERSON + 2], speed) + self.margin
+
+    def hinders(
+        self, people: list[float], k: cython.Py_ssize_t, on: Part, since: float
+    ) -> cython.bint:
+        """Return whether somebody, seen at `since`, may come too close on a part."""
+        if self.room(people, k, on, since) < 0.0:
+            return True
+        if not self.in_reach(people, k, on, since):
+            return False
+        o: cython.Py_ssize_t = k * _PERSON
+        x: float = people[o]
+        y: float = people[o + 1]
+        still: list[float] = [0.0, 0.0, x, 0.0, 0.0, 0.0, y, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
+        law: Towards = Towards(self.law, people[o + 2], since, people[o + 3], self.margin)
+        encounter: Encounter = Encounter(still, on.table, [], 0.0)
+        judge: TooClose = TooClose(law, self.rounding)
+        watch: Watch = Watch(judge, encounter, on.begin, on.end, self.resolution)
+        return watch.change() is not None
+
+    def in_reach(
+        self, people: list[float], k: cython.Py_ssize_t, on: Part, since: float
+    ) -> cython.bint:
+        """Return whether the two may come too close on a part, whatever they do on the way."""
+        o: cython.Py_ssize_t = k * _PERSON
+        walked: float = people[o + 2] * (on.end - since)
+        reach: float = on.fastest * (on.end - on.begin) + walked
+        reach += self.required(people, k, on.fastest)
+        dx: float = people[o] - on.x
+        dy: float = people[o + 1] - on.y
+        return sqrt(dx * dx + dy * dy) < reach
+
+    def room(self, people: list[float], k: cython.Py_ssize_t, on: Part, since: float) -> float:
+        """Return the metres left at the end of a part beyond what is asked for there."""
+        o: cython.Py_ssize_t = k * _PERSON
+        asked: float = self.required(people, k, on.last_speed)
+        asked += people[o + 2] * (on.end - since)
+        dx: float = people[o] - on.last_x
+        dy: float = people[o + 1] - on.last_y
+        return sqrt(dx * dx + dy * dy) - asked
