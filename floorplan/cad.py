@@ -15,12 +15,13 @@ from .layers import Drawn
 
 if TYPE_CHECKING:
     from ezdxf.document import Drawing
+    from ezdxf.math import Matrix44
 
 SAGITTA = 1e-3
 """Metres. How far a drawn arc may be from the corners that stand for it."""
 
-DEEPEST = 32
-"""Most blocks inside each other: deeper ones contain themselves."""
+TOUCHING = 1e-9
+"""Metres. Ends of an outline that are nearer to each other are one corner: arcs end by rounding."""
 
 _NOWHERE = shapely.Polygon()
 
@@ -36,6 +37,7 @@ SILENT = frozenset(
 LINES = frozenset(("LINE", "ARC", "ELLIPSE", "SPLINE", "HELIX"))
 OUTLINES = frozenset(("LWPOLYLINE", "POLYLINE", "CIRCLE", "SOLID", "TRACE", "3DFACE"))
 HATCHES = frozenset(("HATCH", "MPOLYGON"))
+STRAIGHT = frozenset(("LINE", "LWPOLYLINE"))
 PARTED = frozenset(("MLINE",))
 """Kinds that are drawn as several lines."""
 
@@ -68,6 +70,36 @@ class Unread:
     wanted: bool
 
 
+@dataclass(frozen=True)
+class _Inserted:
+    """A block that is read where it stands, inside others: `blocks` are their names.
+
+    What it has on the layer 0 is on `layer`, `within` names its place. `steps` put it there, the
+    innermost first, and so does the matrix `at` (4, 4) at once; None for the model space.
+    """
+
+    layer: str | None = None
+    within: str = ""
+    blocks: frozenset[str] = frozenset()
+    steps: tuple[Matrix44, ...] = ()
+    at: NDArray[np.float64] | None = None
+
+    def named(self, kind: str, entity: Any) -> str:
+        """Return the name of an entity in the block."""
+        name = f"{kind} {_handle(entity)}".rstrip()
+        return f"{self.within}, {name}" if self.within else name
+
+    def block(self, name: str, layer: str, within: str, step: Matrix44) -> _Inserted:
+        """Return the block of this name, which `step` puts into this one."""
+        matrix = np.array([*step]).reshape(4, 4)
+        at = matrix if self.at is None else matrix @ self.at
+        blocks = self.blocks | {name.casefold()}
+        return _Inserted(layer, within, blocks, (step, *self.steps), at)
+
+
+_MODEL_SPACE = _Inserted()
+
+
 class Reader:
     """Reads the shapes of a drawing with a unit of `metre` metres.
 
@@ -79,6 +111,7 @@ class Reader:
         self._drawing = drawing
         self._metre = metre
         self._drawn = drawn
+        self._corners: dict[str, NDArray[np.float64] | None] = {}
         self.group_of = lru_cache(None)(drawn.group_of)
         """The name of the group of a layer, None if it is in none."""
         self._hidden = {
@@ -88,39 +121,37 @@ class Reader:
 
     def shapes(self) -> Iterator[Shape | Unread]:
         """Yield the shapes of the model space, and what is left out of it."""
-        yield from self._read(self._drawing.modelspace(), None, "", 0)
+        yield from self._read(self._drawing.modelspace(), _MODEL_SPACE)
 
-    def _read(
-        self, entities: Iterable[Any], inserted_on: str | None, within: str, depth: int
-    ) -> Iterator[Shape | Unread]:
+    def _read(self, entities: Iterable[Any], block: _Inserted) -> Iterator[Shape | Unread]:
         for entity in entities:
             kind = entity.dxftype()
             layer = _layer(entity)
-            if inserted_on is not None and layer == "0":
-                layer = inserted_on  # so AutoCAD draws what a block has on the layer 0
+            if block.layer is not None and layer == "0":
+                layer = block.layer  # so AutoCAD draws what a block has on the layer 0
             hidden, frozen = self._hidden.get(layer.casefold(), (False, False))
             if kind in SILENT or (frozen if kind == "INSERT" else hidden):
                 continue
             if self._drawn.leave_out and _handle(entity) in self._drawn.leave_out:
-                yield Unread(layer, _named(kind, entity, within), "is left out as asked", False)
+                yield Unread(layer, block.named(kind, entity), "is left out as asked", False)
                 continue
             if kind == "INSERT":
-                yield from self._insert(entity, layer, within, depth)
+                yield from self._insert(entity, layer, block)
                 continue
             self.layers.add(layer)
-            place = partial(_named, kind, entity, within)
+            place = partial(block.named, kind, entity)
             if self.group_of(layer) is None:
                 yield Unread(layer, place(), "is on a layer that no group has", False)
-            elif kind in PARTED:
-                for part in entity.virtual_entities():
-                    yield self._shape(part, part.dxftype(), layer, place())
-            elif kind in HATCHES:
-                yield from self._hatch(entity, layer, place())
+            elif block.at is None:
+                yield from self._drawn_as(entity, kind, layer, place())
+            elif (corners := self._straight(entity, kind)) is not None:
+                corners = corners @ block.at[:3, :3] + block.at[3, :3]
+                yield self._outline(entity, kind, layer, place(), corners)
             else:
-                yield self._shape(entity, kind, layer, place())
+                yield from self._put(entity, layer, place(), block)
 
-    def _insert(self, insert: Any, layer: str, within: str, depth: int) -> Iterator[Shape | Unread]:
-        place = _named("INSERT", insert, within)
+    def _insert(self, insert: Any, layer: str, within: _Inserted) -> Iterator[Shape | Unread]:
+        place = within.named("INSERT", insert)
         name = insert.dxf.get("name", "")
         block = insert.block()
         if block is None:
@@ -130,49 +161,82 @@ class Reader:
             why = f"refers to another drawing ({name!r}); bind it into this one"
             yield Unread(layer, place, why, self.group_of(layer) is not None)
             return
-        if depth >= DEEPEST:
+        if name.casefold() in within.blocks:
             yield Unread(layer, place, f"the block {name!r} contains itself", True)
             return
-        skipped: list[tuple[Any, str]] = []
         for one in insert.multi_insert() if insert.mcount > 1 else (insert,):
-            parts = one.virtual_entities(
-                skipped_entity_callback=lambda entity, why: skipped.append((entity, why))
-            )
-            yield from self._read(parts, layer, f"{place} ({name})", depth + 1)
-        for entity, why in skipped:
-            if entity.dxftype() not in SILENT:
-                own = _layer(entity)
-                own = layer if own == "0" else own
-                wanted = self.group_of(own) is not None
-                at = _named(entity.dxftype(), entity, f"{place} ({name})")
-                yield Unread(own, at, f"can't be put where its block is: {why}", wanted)
+            inserted = within.block(name, layer, f"{place} ({name})", one.matrix44())
+            yield from self._read(block, inserted)
+
+    def _put(
+        self, entity: Any, layer: str, place: str, block: _Inserted
+    ) -> Iterator[Shape | Unread]:
+        """Yield what a curve of a block is where the block stands: drawn out at its size there."""
+        from ezdxf.transform import copies
+
+        parts = [entity]
+        for (
+            step
+        ) in block.steps:  # one after the other: each keeps right angles, together they may not
+            try:
+                log, parts = copies(parts, step)
+                why = log[0].error.name.lower().replace("_", " ") if len(log) else ""
+            except ValueError as damage:
+                why = str(damage)
+            if why:
+                yield Unread(layer, place, f"can't be put where its block is: {why}", True)
+                return
+        for part in parts:
+            yield from self._drawn_as(part, part.dxftype(), layer, place)
+
+    def _drawn_as(self, entity: Any, kind: str, layer: str, place: str) -> Iterator[Shape | Unread]:
+        if kind in PARTED:
+            for part in entity.virtual_entities():
+                yield self._shape(part, part.dxftype(), layer, place)
+        elif kind in HATCHES:
+            yield from self._hatch(entity, layer, place)
+        else:
+            yield self._shape(entity, kind, layer, place)
+
+    def _straight(self, entity: Any, kind: str) -> NDArray[np.float64] | None:
+        """Return the corners (N, 3) of a straight line of a block, in the units of the block."""
+        handle = _handle(entity)
+        if handle not in self._corners:
+            thick = kind in STRAIGHT and entity.dxf.get("thickness", 0.0)
+            self._corners[handle] = None if thick else _straight(entity, kind)
+        return self._corners[handle]
 
     def _shape(self, entity: Any, kind: str, layer: str, place: str) -> Shape | Unread:
         refuse = partial(Unread, layer, place, wanted=True)
-        if kind == "LINE":
-            ends = (entity.dxf.start, entity.dxf.end)
-            corners = np.array([(v.x, v.y, v.z) for v in ends]) * self._metre
-            return self._line(entity, layer, place, corners, closed=False)
         if kind not in LINES | OUTLINES:
             return refuse(why="can't be read as an outline: draw polylines, lines or circles")
         if kind == "POLYLINE" and not (entity.is_2d_polyline or entity.is_3d_polyline):
             return refuse(why="is a mesh; only plain outlines can be read")
-        if kind == "LWPOLYLINE" and (plain := _plain_polyline(entity)) is not None:
-            corners = plain * self._metre
-        else:
+        corners = _straight(entity, kind)
+        if corners is None:
             from ezdxf import path
 
             outline = path.make_path(entity)
             if not len(outline):
                 return refuse(why="has no length")
             flat = outline.flattening(SAGITTA / self._metre)
-            corners = np.array([(v.x, v.y, v.z) for v in flat]) * self._metre
+            corners = np.array([(v.x, v.y, v.z) for v in flat])
+        return self._outline(entity, kind, layer, place, corners)
+
+    def _outline(
+        self, entity: Any, kind: str, layer: str, place: str, corners: NDArray[np.float64]
+    ) -> Shape | Unread:
+        """Return the line with these corners (N, 3), in units of the drawing."""
+        refuse = partial(Unread, layer, place, wanted=True)
+        corners = corners * self._metre
         if not np.isfinite(corners).all():
             return refuse(why="has coordinates that are not numbers")
         closed = kind in ("CIRCLE", "SOLID", "TRACE", "3DFACE")
         closed = closed or (kind in ("LWPOLYLINE", "POLYLINE") and entity.is_closed)
-        if len(corners) > 3 and bool((corners[0, :2] == corners[-1, :2]).all()):
-            closed = True
+        if len(corners) > 3:
+            closed = closed or bool((corners[0, :2] == corners[-1, :2]).all())
+            if closed and (np.abs(corners[0, :2] - corners[-1, :2]) < TOUCHING).all():
+                corners = corners[:-1]
         if closed and len(corners) < 3:
             return refuse(why="has fewer than three corners")
         return self._line(entity, layer, place, corners, closed=closed)
@@ -222,13 +286,12 @@ def _handle(entity: Any) -> str:
     return str(getattr(getattr(source, "dxf", None), "handle", None) or "")
 
 
-def _named(kind: str, entity: Any, within: str) -> str:
-    name = f"{kind} {_handle(entity)}".rstrip()
-    return f"{within}, {name}" if within else name
-
-
-def _plain_polyline(entity: Any) -> NDArray[np.float64] | None:
-    """Return the corners (N, 3) of a polyline without arcs in the plane of the floor, else None."""
+def _straight(entity: Any, kind: str) -> NDArray[np.float64] | None:
+    """Return the corners (N, 3) of a line, or of a level polyline without arcs; None of others."""
+    if kind not in STRAIGHT:
+        return None
+    if kind == "LINE":
+        return np.array([(v.x, v.y, v.z) for v in (entity.dxf.start, entity.dxf.end)])
     if entity.dxf.hasattr("extrusion") and tuple(entity.dxf.extrusion) != (0.0, 0.0, 1.0):
         return None
     points = np.array(entity.get_points("xyb"), float).reshape(-1, 3)

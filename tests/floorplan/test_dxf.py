@@ -1,7 +1,12 @@
 import math
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from textwrap import dedent
 
 import pytest
+import shapely
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 import floorplan
 
@@ -206,10 +211,49 @@ def test_blocks_are_put_where_they_are_inserted(drawing, lay):
     assert left_out.field.startswith(f"layer 'notes', INSERT {handle} (TABLE), ")
 
 
+@given(
+    inner=st.tuples(
+        st.sampled_from([1, -1, 2, -0.5]), st.sampled_from([1, -2]), st.integers(0, 12)
+    ),
+    outer=st.tuples(
+        st.sampled_from([1, -1, 2, -0.5]), st.sampled_from([1, -2]), st.integers(0, 12)
+    ),
+)
+@settings(max_examples=30, deadline=None)
+def test_blocks_in_blocks_stand_where_their_transforms_put_them(inner, outer):
+    """Of a block turned in another that is stretched, right angles are none any more."""
+    leg = shapely.Polygon([(0, 0), (0.4, 0), (0.4, 0.2)])
+    drawing = ezdxf.new(units=ezdxf.units.M)
+    block = drawing.blocks.new("LEG")
+    block.add_lwpolyline(leg.exterior.coords[:-1], close=True)
+    block.add_lwpolyline([(1, 1, -1), (1, 0.5, -1)], close=True, format="xyb")  # a disc
+    within = (drawing.blocks.new("TABLE"), drawing.modelspace())
+    footprints = [leg, shapely.Point(1, 0.75).buffer(0.25, quad_segs=90)]
+    for name, at, (x, y, turn), space in zip(
+        ("LEG", "TABLE"), ((0.3, 0.1), (5, 5)), (inner, outer), within, strict=True
+    ):
+        look = {"layer": "M", "xscale": x, "yscale": y, "rotation": 30 * turn}
+        space.add_blockref(name, at, dxfattribs=look)
+        a = math.radians(30 * turn)
+        c, s = math.cos(a), math.sin(a)
+        affine = [c * x, -s * y, s * x, c * y, *at]
+        footprints = [shapely.affinity.affine_transform(f, affine) for f in footprints]
+    corners = [(-9, -9), (20, -9), (20, 20), (-9, 20)]
+    drawing.modelspace().add_lwpolyline(corners, close=True, dxfattribs={"layer": "boundary"})
+    with TemporaryDirectory() as folder:
+        drawing.saveas(Path(folder, "shop.dxf"))
+        plan = floorplan.load(Path(folder, "shop.dxf"))
+    read = sorted((o.footprint for o in plan.obstacles), key=lambda f: len(f.exterior.coords))
+    assert len(read) == 2
+    assert read[0].hausdorff_distance(footprints[0]) < 1e-9
+    assert read[1].hausdorff_distance(footprints[1]) < 2e-3
+
+
 def test_a_block_in_itself_is_refused(drawing, load):
     outline(drawing, HALL, "boundary")
     block = drawing.blocks.new("LOOP")
-    block.add_blockref("LOOP", (1, 0))
+    for _ in range(3):  # each of which would have three in it, and so on
+        block.add_blockref("LOOP", (1, 0))
     drawing.modelspace().add_blockref("LOOP", (1, 1))
     assert "the block 'LOOP' contains itself" in problems(load)[0]
 
