@@ -1,5 +1,6 @@
 """The public names of `sim`; a package has them once one of them is used."""
 
+from .core.blackout import Blackout
 from .core.body import Body
 from .core.clock import Clock, StandstillError
 from .core.commands import Command
@@ -13,7 +14,6 @@ from .core.recorder import Event, Listener
 from .core.rules import ARIAC2023, PAPER, RULE_SETS, Notice, RuleSet, rule_set
 from .core.scenario import (
     AgvMove,
-    Blackout,
     GantryEntry,
     Job,
     PersonalityChange,

@@ -120,7 +120,7 @@ class Simulation:
             self.dispatcher.begin()
         self._end_with_jobs()
         self._company.begin()
-        blackouts.begin(stage, trial.blackouts)
+        blackouts.begin(stage, trial.every_blackout)
         for command in trial.commands:
             self._commander.give(command)
 

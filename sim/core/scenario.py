@@ -13,6 +13,7 @@ import bdi
 from floorplan import Floorplan, InputError, Point, Problem, SafeZone, starting_fault
 from navigation import Motion, PlannerChoice
 
+from .blackout import Blackout
 from .closures import DoorTimes, TimedObstacle
 from .commands import Command
 from .machine_model import MachineEntry
@@ -166,15 +167,6 @@ class PersonEntry:
 
 
 @dataclass(frozen=True)
-class Blackout:
-    """From `start` on, `machine` does not see people for `seconds`."""
-
-    machine: str
-    start: Start
-    seconds: float
-
-
-@dataclass(frozen=True)
 class Job:
     """One thing for the gantry to do; `kind` says which of the other fields count.
 
@@ -285,6 +277,11 @@ class Scenario:
     def has_traffic(self) -> bool:
         """Whether people come in or leave."""
         return any(person.source or person.sink for person in self.people)
+
+    @property
+    def every_blackout(self) -> tuple[Blackout, ...]:
+        """Its own blackouts, and those of its orders."""
+        return self.blackouts + (() if self.workload is None else self.workload.blackouts)
 
     @property
     def has_drops(self) -> bool:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from .blackout import Blackout
 from .start import Start
 
 TYPES = ("battery", "pump", "regulator", "sensor")
@@ -131,6 +132,7 @@ class Workload:
     humans: tuple[Human, ...] = ()
     faulty: Mapping[str, frozenset[int]] = field(default_factory=dict)
     drops: tuple[Drop, ...] = ()
+    blackouts: tuple[Blackout, ...] = ()
     time_limit: float | None = None
     source: str = field(default="", compare=False)
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from functools import partial
 
+from ..core.blackout import Blackout
 from ..core.events import BlackoutBegan, BlackoutEnded
-from ..core.scenario import Blackout
 from ..core.stage import Stage
 
 

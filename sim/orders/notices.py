@@ -8,11 +8,8 @@ from collections.abc import Iterator
 from floorplan import Document, Place, Problem
 
 from ..core.workload import KittingTask, Order, Part, Workload
+from .checks import agv_name, conditions
 from .schema import Challenge, TrialFile, angle
-
-_NOT_SIMULATED = {
-    "sensor_blackout": "sensor blackouts are not simulated: the gantry sees people all the same",
-}
 
 
 def notices(file: TrialFile, workload: Workload, document: Document) -> Iterator[Problem]:
@@ -20,6 +17,7 @@ def notices(file: TrialFile, workload: Workload, document: Document) -> Iterator
     yield from _not_simulated(file, document)
     yield from _angles(document.data, (), document)
     yield from _nowhere(workload, document)
+    yield from _never(file, document)
 
 
 def _not_simulated(file: TrialFile, document: Document) -> Iterator[Problem]:
@@ -30,13 +28,13 @@ def _not_simulated(file: TrialFile, document: Document) -> Iterator[Problem]:
         message = "how inserts are turned makes no difference here"
         yield document.problem(message, "assembly_inserts")
     challenges = file.challenges or []
-    for kind, message in _NOT_SIMULATED.items():
-        at: list[Place] = [
-            ("challenges", k, kind) for k, one in enumerate(challenges) if one.kind == kind
-        ]
-        if at:
-            places = f" ({len(at)} places)" if len(at) > 1 else ""
-            yield document.problem(message + places, *at[0])
+    blind = [(k, one.sensor_blackout) for k, one in enumerate(challenges)]
+    idle = [k for k, blackout in blind if blackout and not blackout.is_of_people]
+    if idle:
+        places = f" ({len(idle)} places)" if len(idle) > 1 else ""
+        message = "break beams, proximity sensors and laser profilers see no people: their blackout"
+        message += f" makes no difference here{places}"
+        yield document.problem(message, "challenges", idle[0], "sensor_blackout")
     floor = [k for k, challenge in enumerate(challenges) if _is_of_floor_robot(challenge)]
     if floor:
         message = "the floor robot is not simulated, nor are its malfunctions and its dropped parts"
@@ -96,6 +94,28 @@ def _nowhere(workload: Workload, document: Document) -> Iterator[Problem]:
             if not _found(order, j, part, left, on_agvs):
                 message = f"no {part} is left for it: the order will be submitted without"
                 yield document.problem(message, *place, "products", j)
+
+
+def _never(file: TrialFile, document: Document) -> Iterator[Problem]:
+    """Yield the conditions that wait for a part that no order has put on an AGV."""
+    kits = [(order.kitting_task, order.combined_task) for order in file.orders]
+    placed = {  # a combined order has its parts put on any AGV
+        (one.color, one.type, agv_name(kit.agv_number) if kit else None)
+        for kit, combined in kits
+        for one in (kit.products if kit else combined.products if combined else ())
+    }
+    for place, condition in conditions(file):
+        wanted = condition.part_place_condition
+        if wanted is not None:
+            on = None if wanted.agv is None else agv_name(wanted.agv)
+            met = [
+                agv for color, type_, agv in placed if (color, type_) == (wanted.color, wanted.type)
+            ]
+            if not any(None in (on, agv) or on == agv for agv in met):
+                message = f"no order has a {wanted.color} {wanted.type} put on {on or 'an AGV'}"
+                yield document.problem(
+                    f"{message}: it waits in vain", *place, "part_place_condition"
+                )
 
 
 def _products(order: Order) -> tuple[Part, ...]:

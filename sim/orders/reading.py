@@ -12,6 +12,7 @@ from pydantic import BaseModel, ValidationError
 import floorplan
 from floorplan import Document, Floorplan, Problem
 
+from ..core.blackout import Blackout
 from ..core.rules import ARIAC2023
 from ..core.scenario import GantryEntry, PersonEntry, Scenario, TrialError
 from ..core.start import Start
@@ -28,6 +29,7 @@ from ..core.workload import (
     Part,
     Workload,
 )
+from ..machines.gantry.robot import GANTRY
 from .checks import agv_name, problems
 from .notices import notices
 from .schema import (
@@ -185,6 +187,12 @@ def _workload(file: TrialFile, source: str) -> Workload:
             for challenge in challenges
             for drop in [challenge.dropped_part]
             if drop is not None and drop.robot == "ceiling_robot"
+        ),
+        blackouts=tuple(
+            Blackout(GANTRY, _start(blackout), blackout.duration)
+            for challenge in challenges
+            for blackout in [challenge.sensor_blackout]
+            if blackout is not None and blackout.duration and blackout.is_of_people
         ),
         humans=tuple(
             Human(human.behavior, _start(human))

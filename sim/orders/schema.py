@@ -24,6 +24,9 @@ Type = Literal["battery", "pump", "regulator", "sensor"]
 Color = Literal["blue", "green", "orange", "purple", "red"]
 Robot = Literal["ceiling_robot", "floor_robot"]
 Sensor = Literal["break_beam", "proximity", "laser_profiler", "lidar", "camera", "logical_camera"]
+SEE_PEOPLE = frozenset(("lidar", "camera", "logical_camera"))
+"""The sensors by which people can be seen."""
+
 Vector = tuple[Number, Number, Number]
 
 
@@ -175,6 +178,11 @@ class BlackoutChallenge(Condition):
 
     duration: NotNegative
     sensors_to_disable: list[Sensor]
+
+    @property
+    def is_of_people(self) -> bool:
+        """Whether one of the sensors sees people; the others see parts that go by."""
+        return not SEE_PEOPLE.isdisjoint(self.sensors_to_disable)
 
 
 class FaultyPartChallenge(Strictly):

@@ -19,6 +19,7 @@ from pydantic_core import PydanticCustomError
 from floorplan import NotNegative, Number, Pair, Positive, Range, Strictly, suggestion
 from navigation import PlannerChoice
 
+from ..core.blackout import Blackout
 from ..core.keys import Flag, Keys
 from ..core.manners import MannersEntry, Side
 from ..core.noticing import NoticingEntry
@@ -27,7 +28,6 @@ from ..core.rules import PAPER
 from ..core.scenario import (
     ASSUMED,
     USUAL_PLANNER,
-    Blackout,
     PersonalityChange,
     PersonEntry,
     Source,

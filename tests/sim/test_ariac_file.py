@@ -78,8 +78,12 @@ def test_slips_in_angles_are_reported_with_their_line():
 
 def test_what_is_not_simulated_is_reported_once():
     more = """\
-  - sensor_blackout: {duration: 5, sensors_to_disable: [lidar], time_condition: 3}
-  - sensor_blackout: {duration: 5, sensors_to_disable: [camera], time_condition: 9}
+  - sensor_blackout: {duration: 5, sensors_to_disable: [proximity], time_condition: 3}
+  - sensor_blackout: {duration: 5, sensors_to_disable: [break_beam], time_condition: 9}
+  - sensor_blackout:
+      duration: 5
+      sensors_to_disable: [camera]
+      part_place_condition: {type: battery, color: red, agv: 2}
   - faulty_part: {order_id: KIT-A, quadrant1: true}
   - dropped_part: {robot: floor_robot, type: pump, color: red, drop_after: 1, delay: 2}
   - robot_malfunction: {duration: 5, robots_to_disable: [floor_robot], time_condition: 3}
@@ -89,8 +93,8 @@ orders:
     belt = "  conveyor_belt: {active: true, parts_to_spawn: []}\n\nchallenges:"
     text = TEXT.replace("orders:\n", more, 1).replace("\nchallenges:", belt, 1)
     said = notices(text).splitlines()
-    words = ["conveyor", "sensor blackouts", "floor robot"]
-    assert [word in line for word, line in zip(words, said, strict=True)] == [True] * 3
+    words = ["conveyor", "see no people", "red battery put on agv2", "floor robot"]
+    assert [word in line for word, line in zip(words, said, strict=True)] == [True] * 4
     assert "(2 places)" in said[1]
 
 

@@ -1,5 +1,7 @@
 """Blackouts: machines that do not see people for a while."""
 
+from pathlib import Path
+
 import pytest
 
 import sim
@@ -67,6 +69,31 @@ def test_the_gantrys_controller_sees_nobody():
     ]
     assert {count for t, count in seen if 2.0 < t < 6.0} == {0}
     assert {count for t, count in seen if t < 2.0 or t > 6.0} == {1}
+
+
+def test_sensor_blackouts_of_an_ariac_file_begin_when_their_conditions_are_met():
+    text = Path(__file__).parents[2].joinpath("examples", "kitting.ariac.yaml").read_text()
+    more = """\
+  - sensor_blackout: {duration: 4, sensors_to_disable: [lidar, break_beam], time_condition: 3}
+  - sensor_blackout:
+      duration: 1.5
+      sensors_to_disable: [camera]
+      part_place_condition: {type: battery, color: red, agv: 4}
+  - sensor_blackout:
+      duration: 2
+      sensors_to_disable: [logical_camera]
+      submission_condition: {order_id: KIT-A}
+
+orders:
+"""
+    run = sim.run(sim.Trial.parse(text.replace("orders:\n", more, 1)))
+    (placed,) = [
+        e["t"] for e in run.events if e["kind"] == "job_done" and e.get("part") == "red battery"
+    ][:1]
+    submitted = next(e["t"] for e in run.events if e["kind"] == "order_submitted")
+    began, ended = ([t for t, _ in kinds(run, f"blackout_{what}")] for what in ("began", "ended"))
+    assert began == pytest.approx([3.0, placed, submitted], abs=1e-3)
+    assert ended == pytest.approx([7.0, placed + 1.5, submitted + 2.0], abs=1e-3)
 
 
 def test_bad_blackouts_are_told_with_their_line():

@@ -33,7 +33,7 @@ def _changes(scenario: Scenario) -> list[Part]:
         rows += [(name, how, span(*interval)) for interval in times.intervals]
     for one in scenario.obstacles:
         rows += [(one.obstacle.name, "is there", span(*interval)) for interval in one.there]
-    for each in scenario.blackouts:
+    for each in scenario.every_blackout:
         begins = f"{each.start.time:g} s" if each.start.time is not None else "an event"
         rows.append((each.machine, f"sees nobody for {each.seconds:g} s", f"from {begins} on"))
     for command in scenario.commands:
