@@ -17,6 +17,7 @@ from typing import Any
 
 import floorplan
 import sim
+from sim.core.recorder import DECIMALS
 from sim.views.chromium import Browser
 from sim.views.replay import render
 from sim.views.replay_data import replay_data
@@ -56,10 +57,12 @@ new Promise(done => {{
 """Draws a number of frames."""
 
 PARTS = {
-    "unpacking": "textIn($('recording')).then(text => { window.text = text; })",
-    "parsing": "void (window.parsed = JSON.parse(text))",
-    "parsing and checking": "void (window.parsed = parseRecording(text))",
-    "preparing": "void (window.run = new Run(parsed))",
+    "reading": "readRecording().then(read => { window.read = read; })",
+    "preparing": "void (window.run = new Run(read))",
+    "events": "void new Band(run, '')",
+    "plot": "void run.watches[0]?.largest",
+    "all motions": "void [...run.bodies.values()].forEach(({ motion: { count }, motion }) => {"
+    " for (let i = 0; i < count; i++) motion.need(i); })",
 }
 """What opening consists of, done once more."""
 
@@ -82,7 +85,11 @@ def repeated(recording: dict[str, Any], times: int) -> dict[str, Any]:
         **recording,
         "duration": span * times,
         "motions": {
-            name: [[b + s, e + s, *axes] for s in shifts for b, e, *axes in pieces]
+            name: [
+                [round(b + s, DECIMALS), round(e + s, DECIMALS), *axes]
+                for s in shifts
+                for b, e, *axes in pieces
+            ]
             for name, pieces in recording["motions"].items()
         },
         "events": later(recording["events"]),

@@ -18,6 +18,7 @@ from importlib.resources import files
 from typing import Any
 
 from ..record.strict_json import parse_json
+from .packed_motions import pack, unpack
 
 FORMAT = "floorwalker-replay/1"
 """The `format` of a recording, by which a page knows one that it can read."""
@@ -25,8 +26,12 @@ FORMAT = "floorwalker-replay/1"
 PACKED_FROM = 1_500_000
 """Characters of a recording from which it stands packed in its page."""
 
+PIECE = 100
+"""Characters of a piece of a motion, about."""
+
 SCRIPTS = (
     "cut",
+    "packed",
     "recording",
     "motion",
     "track",
@@ -91,8 +96,8 @@ def render(
         "title": html.escape(str(recording.get("title", "replay"))),
         "style": _part("page.css"),
         "script": "\n".join(_part(f"{name}.js") for name in scripts),
-        "recording": _element("recording", recording),
-        "other": "" if other is None else _element("other", other),
+        "recording": _elements("recording", recording),
+        "other": "" if other is None else _elements("other", other),
         "attributes": "".join(f' {name}="{html.escape(live[name])}"' for name in live),
         "sources": "; connect-src 'self'" if stream else "",
     }
@@ -103,14 +108,13 @@ def recordings_in(page: str) -> list[dict[str, Any]]:
     """Return the one or two recordings in a page made by `render`; `ValueError` if none."""
     recordings = []
     for name in ("recording", "other"):
-        found = re.search(rf'<script type="[\w/]+" id="{name}"([^>]*)>(.*?)</script>', page, re.S)
-        if found is not None:
-            try:
-                text = _unpacked(found[2]) if "data-packed" in found[1] else found[2]
-                recordings.append(parse_json(text))
-            except ValueError as why:
-                raise ValueError(f"the {name} in it is damaged: {why}") from None
-            _check_format(recordings[-1])
+        try:
+            recording = _recording_in(page, name)
+        except ValueError as why:
+            raise ValueError(f"the {name} in it is damaged: {why}") from None
+        if recording is not None:
+            _check_format(recording)
+            recordings.append(recording)
     if not recordings:
         raise ValueError("is no replay page: it holds no recording")
     return recordings
@@ -121,18 +125,71 @@ def _part(name: str) -> str:
     return (files("sim") / "data" / "replay" / name).read_text(encoding="utf-8")
 
 
-def _element(name: str, recording: Mapping[str, Any]) -> str:
+def _elements(name: str, recording: Mapping[str, Any]) -> str:
+    """Return a recording as it stands in the page: as JSON, or a long one packed in three parts.
+
+    The first has what the page shows at once; then come the motions, and at last lines of JSON with
+    the events, and with each person's mind, of which the first knows the number of the line.
+    """
     _check_format(recording)
-    text = _embeddable(recording)
-    if len(text) < PACKED_FROM:
-        return f'<script type="application/json" id="{name}">{text}</script>'
-    packed = base64.b64encode(zlib.compress(text.encode(), 6)).decode()
+    motions = recording.get("motions", {})
+    if PIECE * sum(map(len, motions.values())) < PACKED_FROM:
+        text = _embeddable(recording)
+        if len(text) < PACKED_FROM:
+            return f'<script type="application/json" id="{name}">{text}</script>'
+    minds = recording.get("minds", {})
+    numbers = {person: number for number, person in enumerate(minds, 1)}
+    first = {**recording, **({"minds": numbers} if minds else {})}
+    rest = [{"events": first.pop("events", [])}, *({"minds": {who: minds[who]}} for who in minds)]
+    packed = pack(motions)
+    if packed is not None:
+        first["motions"] = packed[0]
+    parts = [
+        (name, _embeddable(first).encode()),
+        (f"{name}-motions", b"" if packed is None else packed[1]),
+        (f"{name}-rest", "\n".join(map(_embeddable, rest)).encode()),
+    ]
+    return "\n".join(_packed_element(part, content) for part, content in parts)
+
+
+def _packed_element(name: str, content: bytes) -> str:
+    packed = base64.b64encode(zlib.compress(content, 6)).decode()
     return f'<script type="text/plain" id="{name}" data-packed="deflate">{packed}</script>'
 
 
-def _unpacked(text: str) -> str:
+def _recording_in(page: str, name: str) -> dict[str, Any] | None:
+    """Return the recording of that name in a page, None if there is none."""
+    found = _content_of(page, name)
+    if found is None:
+        return None
+    recording: dict[str, Any] = parse_json(found.decode())
+    rest, motions = (_content_of(page, f"{name}-{part}") for part in ("rest", "motions"))
+    if rest is None or motions is None or not isinstance(recording, dict):
+        return recording
+    events, *minds = map(parse_json, rest.decode().split("\n"))
     try:
-        return zlib.decompress(base64.b64decode(text, validate=True)).decode()
+        recording |= events
+        if minds:
+            recording["minds"] = {
+                who: mind["minds"][who] for who, mind in zip(recording["minds"], minds, strict=True)
+            }
+    except (LookupError, TypeError, ValueError) as why:
+        raise ValueError(f"its minds can't be read: {why}") from None
+    if motions:
+        recording["motions"] = unpack(recording["motions"], motions)
+    return recording
+
+
+def _content_of(page: str, name: str) -> bytes | None:
+    """Return what stands in an element of a page, unpacked; None if there is no such element."""
+    found = re.search(rf'<script type="[\w/]+" id="{name}"([^>]*)>', page)
+    if found is None:
+        return None
+    text = page[found.end() : page.find("</script>", found.end())]
+    if "data-packed" not in found[1]:
+        return text.encode()
+    try:
+        return zlib.decompress(base64.b64decode(text, validate=True))
     except zlib.error as why:
         raise ValueError(str(why)) from None
 

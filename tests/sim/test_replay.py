@@ -11,6 +11,7 @@ import replay_sample
 
 import sim
 from sim.core.events import EVENT_KINDS
+from sim.core.recorder import rounded
 from sim.views import replay
 from sim.views.replay_data import replay_data
 
@@ -73,6 +74,8 @@ def test_the_page_needs_no_network(recording):
 
 @pytest.mark.slow
 def test_a_long_recording_is_packed(recording, open_page, monkeypatch):
+    thoughts = [{"t": k / 2, "believes": [f"seen({k})"], "steps": []} for k in range(300)]
+    recording = rounded({**recording, "minds": {"operator": thoughts, "visitor": thoughts[:9]}})
     monkeypatch.setattr(replay, "PACKED_FROM", 1000)
     html = replay.render(recording, recording)
     monkeypatch.undo()
@@ -84,22 +87,33 @@ def test_a_long_recording_is_packed(recording, open_page, monkeypatch):
     pair = [viewer.page.locator("[data-shows=distance]").nth(k).inner_text() for k in range(2)]
     assert pair[0] == pair[1] != ""
     assert viewer.page.evaluate("floorwalker.recording") == json.loads(json.dumps(recording))
-    html = replay.render(recording)
+    whole = json.loads(json.dumps(recording))
     monkeypatch.setattr(replay, "PACKED_FROM", 1000)
     html = replay.render(recording)
-    found = html.rindex('data-packed="deflate">')
-    early, late = found + 1000, found + round(0.7 * (len(html) - found))
+    first, motions, rest = (
+        html.index(f'id="recording{part}"') for part in ("", "-motions", "-rest")
+    )
+    early, amid = first + 300, (motions + rest) // 2
+    late = (rest + len(html)) // 2
     for damaged in (html[:early], html[:early] + "?" + html[early + 1 :]):
         trouble = open_page(damaged)
         trouble.wait_until(lambda page=trouble.page: page.locator("#trouble").is_visible())
         assert "cut off or damaged" in trouble.text("#trouble")
-    for damaged in (html[:late], html[:late] + "?" + html[late + 1 :]):
+    shown = []
+    damages = [html[:place] for place in (motions, amid, late)]
+    for damaged in (*damages, html[:late] + "?" + html[late + 1 :]):
         part = open_page(damaged)
         assert "cut off or damaged; this is what there is" in part.text("#notice")
-        pose = part.page.evaluate("floorwalker.pose('operator', 61.7)")
-        x, y, *_ = replay_sample.pose(recording["motions"]["operator"], 61.7)
-        assert (pose["x"], pose["y"]) == pytest.approx((x, y), abs=1e-9)
+        found = part.page.evaluate("floorwalker.recording")
+        for name in ("events", "watches"):
+            assert found[name] == whole[name][: len(found[name])]
+        for kind in ("motions", "minds"):
+            for name, things in found[kind].items():
+                assert things == whole[kind][name][: len(things)]
+        shown.append(len(found["bodies"]) + len(found["events"]))
         assert part.complaints == []
+    assert shown == sorted(shown)
+    assert (shown[0], shown[-1]) == (0, len(whole["bodies"]) + len(found["events"]))
     with pytest.raises(ValueError, match="damaged"):
         replay.recordings_in(html[:late] + "?" + html[late + 1 :])
 

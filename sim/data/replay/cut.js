@@ -6,33 +6,49 @@ const DEEP = ["motions", "minds"];       // parts of a recording with a list for
 
 /** The bytes that base64 stands for, as far as it goes. */
 function bytesIn(base64) {
-  const sound = /^[A-Za-z0-9+/=\s]*/.exec(base64)[0].replace(/\s/g, "");
-  const letters = atob(sound.length === base64.length ? sound : sound.slice(0, sound.length - sound.length % 4));
+  const letters = lettersIn(base64);
   const bytes = new Uint8Array(letters.length);
   for (let i = 0; i < letters.length; i++) bytes[i] = letters.charCodeAt(i);
   return bytes;
 }
 
-/** The text that bytes are packed from (zlib), as far as they go. */
-async function unpacked(bytes) {
+function lettersIn(base64) {
+  try {
+    return atob(base64);
+  } catch {
+    const sound = /^[A-Za-z0-9+/=\s]*/.exec(base64)[0].replace(/\s/g, "");
+    return atob(sound.slice(0, sound.length - sound.length % 4));
+  }
+}
+
+/** What bytes are packed from (zlib), as far as they go: {bytes, isWhole}. */
+async function unpacked(packed) {
   const stream = new DecompressionStream("deflate");
-  const [writer, reader, decoder] = [stream.writable.getWriter(), stream.readable.getReader(), new TextDecoder()];
-  let text = "";
+  const [writer, reader] = [stream.writable.getWriter(), stream.readable.getReader()];
+  const parts = [];
+  let isWhole = false;
   const reading = (async () => {
     for (;;) {
       const { done, value } = await reader.read();
-      if (done) return;
-      text += decoder.decode(value, { stream: true });
+      if (done) break;
+      parts.push(value);
     }
+    isWhole = true;
   })().catch(() => {});        // no more of it can be had
   try {
-    for (let at = 0; at < bytes.length; at += PIECE) await writer.write(bytes.subarray(at, at + PIECE));
+    for (let at = 0; at < packed.length; at += PIECE) await writer.write(packed.subarray(at, at + PIECE));
     await writer.close();
   } catch {
     await writer.abort().catch(() => {});
   }
   await reading;
-  return text;
+  const bytes = new Uint8Array(parts.reduce((sum, part) => sum + part.length, 0));
+  let at = 0;
+  for (const part of parts) {
+    bytes.set(part, at);
+    at += part.length;
+  }
+  return { bytes, isWhole };
 }
 
 /**

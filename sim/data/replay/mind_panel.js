@@ -14,7 +14,7 @@ class MindPanel {
   }
 
   show(run, person, t) {
-    const mind = run.minds.get(person?.name);
+    const mind = run.mindOf(person?.name);
     this.root.hidden = !mind;
     if (!mind) return;
     const state = mind.at(t);

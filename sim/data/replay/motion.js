@@ -14,9 +14,8 @@ function lastBefore(times, t) {
   return firstWhere(times, time => time >= t) - 1;
 }
 
-function firstWhere(times, isLate) {
-  let low = 0;
-  let high = times.length;
+/** The index of the first of `times` that is late; those from `low` on, and before `high`, are looked at. */
+function firstWhere(times, isLate, low = 0, high = times.length) {
   while (low < high) {
     const middle = (low + high) >> 1;
     if (isLate(times[middle])) high = middle;
@@ -25,14 +24,19 @@ function firstWhere(times, isLate) {
   return low;
 }
 
-/** A function of time: cubic pieces, still between them, before the first and after the last. */
+/**
+ * A function of time: cubic pieces, still between them, before the first and after the last. Those of a packed
+ * motion stand in `begins`, `ends` and `coefficients` once they were asked for (`need`).
+ */
 class Motion {
   constructor(pieces) {
     const count = pieces.length;
+    this.count = count;
+    this.packed = pieces instanceof PackedPieces ? pieces : null;
     this.begins = new Float64Array(count);
     this.ends = new Float64Array(count);
     this.coefficients = new Float64Array(12 * count);   // x0…x3, y0…y3, r0…r3 of each
-    for (let i = 0; i < count; i++) {
+    for (let i = 0; i < (this.packed ? 0 : count); i++) {
       const piece = pieces[i];
       this.begins[i] = piece[0];
       this.ends[i] = piece[1];
@@ -41,19 +45,35 @@ class Motion {
         for (let k = 0; k < cubic.length; k++) this.coefficients[12 * i + 4 * axis + k] = cubic[k];
       }
     }
-    this.jumps = this.#findJumps();
-    this.jumpTimes = this.jumps.map(jump => jump.t);
+  }
+
+  /** Has piece number i, and those in its block, read. */
+  need(i) {
+    const block = Math.floor(i / BLOCK);
+    if (this.packed && !this.packed.isRead[block]) this.packed.read(block, this);
+  }
+
+  /** The number of the last piece that begins at t or before, or -1. */
+  upTo(t) {
+    return this.#last(time => time > t);
+  }
+
+  #last(isLate) {
+    if (!this.packed) return firstWhere(this.begins, isLate) - 1;
+    const first = BLOCK * Math.max(0, firstWhere(this.packed.begins, isLate) - 1);
+    this.need(first);
+    return firstWhere(this.begins, isLate, first, Math.min(this.count, first + BLOCK)) - 1;
   }
 
   /** Pose and velocity at t; at a change, those after it. */
   at(t) {
-    const i = Math.max(0, lastUpTo(this.begins, t));
+    const i = Math.max(0, this.upTo(t));
     return this.#state(i, t, this.begins[i] <= t && t < this.ends[i]);
   }
 
   /** Pose and velocity just before t: at a change, those that led up to it. */
   before(t) {
-    const i = Math.max(0, lastBefore(this.begins, t));
+    const i = Math.max(0, this.#last(time => time >= t));
     return this.#state(i, t, this.begins[i] < t && t <= this.ends[i]);
   }
 
@@ -86,9 +106,28 @@ class Motion {
 
   /** The last jump up to t: {t, from, to}, or undefined. */
   lastJump(t) {
-    return this.jumps[lastUpTo(this.jumpTimes, t)];
+    const i = this.jumps[lastUpTo(this.jumps, this.upTo(t))];
+    if (i === undefined) return undefined;
+    this.need(i - 1);
+    this.need(i);
+    const { begins, ends } = this;
+    return { t: begins[i], from: this.#state(i - 1, ends[i - 1], false), to: this.#state(i, begins[i], false) };
   }
 
+  /** The times of the jumps from one instant to another. */
+  jumpsIn(from, to) {
+    const [first, last] = [this.upTo(from), this.upTo(to)];
+    return this.jumps.filter(i => i >= first && i <= last).map(i => {
+      this.need(i);
+      return this.begins[i];
+    });
+  }
+
+  get jumps() {
+    return this.cachedJumps ??= this.packed?.jumps ?? this.#findJumps();
+  }
+
+  /** The numbers of the pieces that do not begin where the one before ended. */
   #findJumps() {
     const jumps = [];
     const { begins, ends, coefficients: c } = this;
@@ -96,8 +135,7 @@ class Motion {
     for (let i = 1; i < begins.length; i++) {
       const [k, u] = [12 * i, ends[i - 1] - begins[i - 1]];
       const [dx, dy] = [c[k] - atEnd(k - 12, u), c[k + 4] - atEnd(k - 8, u)];
-      if (dx * dx + dy * dy <= JUMP * JUMP) continue;
-      jumps.push({ t: begins[i], from: this.#state(i - 1, ends[i - 1], false), to: this.#state(i, begins[i], false) });
+      if (dx * dx + dy * dy > JUMP * JUMP) jumps.push(i);
     }
     return jumps;
   }

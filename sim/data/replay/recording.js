@@ -7,6 +7,7 @@ const MEASURES = {
   vehicle: ["length", "width"],
 };
 const MOST_PROBLEMS = 8;
+const CUT_OFF = "the recording is cut off or damaged; this is what there is of it";
 
 class RecordingError extends Error {
   constructor(problems) {
@@ -15,44 +16,60 @@ class RecordingError extends Error {
   }
 }
 
-/** The recording in this page. Throws RecordingError with every problem found in it. */
-async function readRecording() {
-  const element = document.getElementById("recording");
-  if (!element) throw new RecordingError(["the page is cut off: it holds no recording"]);
-  return parseRecording(await textIn(element));
+/** The recording in this page, or the other one. Throws RecordingError with every problem found in it. */
+function readRecording(name = "recording") {
+  if (!document.getElementById(name)) throw new RecordingError(["the page is cut off: it holds no recording"]);
+  return recordingIn(document, name);
 }
 
 /** The recording in a file: JSON, or a replay page like this one. */
 async function readFile(text) {
   if (!/^\s*</.test(text)) return parseRecording(text);
   const page = new DOMParser().parseFromString(text, "text/html");
-  const found = page.getElementById("recording");
-  if (!found) throw new RecordingError(["this is no replay page: it holds no recording"]);
-  return parseRecording(await textIn(found));
+  if (!page.getElementById("recording")) throw new RecordingError(["this is no replay page: it holds no recording"]);
+  return recordingIn(page, "recording");
 }
 
-/** The JSON in an element: as it is, or of a long recording packed (zlib, as base64). */
-async function textIn(element) {
-  const text = element.textContent;
-  if (!element.dataset.packed) return text;
+/** The recording of that name in a page: as JSON in one element, or a long one packed in three. */
+async function recordingIn(page, name) {
+  const element = page.getElementById(name);
+  if (!element.dataset.packed) return parseRecording(element.textContent);
+  const [first, motions, rest] = await Promise.all(
+    [name, `${name}-motions`, `${name}-rest`].map(part => contentOf(page.getElementById(part))));
+  const text = bytes => new TextDecoder().decode(bytes);
+  return parseRecording(text(first.bytes), recording => {
+    addParts(recording, motions.bytes, text(rest.bytes));
+    return first.isWhole && motions.isWhole && rest.isWhole ? [] : [CUT_OFF];
+  });
+}
+
+/** What is packed in an element (zlib, as base64): {bytes, isWhole}. */
+function contentOf(element) {
+  if (!element) return { bytes: NOTHING, isWhole: false };
   if (!("DecompressionStream" in window)) {
     throw new RecordingError(["the recording is packed, which this browser can't undo: take a newer one"]);
   }
-  return unpacked(bytesIn(text));
+  return unpacked(bytesIn(element.textContent));
 }
 
-/** The recording in a text, or as much of it as is whole. */
-function parseRecording(text) {
+/**
+ * The recording in a text, or as much of it as is whole. `addRest` adds what does not stand in the text, and returns
+ * lines about what is missing.
+ */
+function parseRecording(text, addRest = () => []) {
   let [recording, notices] = [null, []];
   try {
     recording = JSON.parse(text);
   } catch (why) {
-    notices = [`the recording is cut off or damaged; this is what there is of it (${why.message})`];
+    notices = [`${CUT_OFF} (${why.message})`];
     recording = parseWholePart(text);
     if (!isObject(recording?.floorplan)) throw new RecordingError([`the recording is cut off or damaged (${why.message})`]);
     recording = { motions: {}, events: [], watches: [], ...recording };
   }
-  if (isObject(recording)) notices.push(...takeWhatThereIs(recording));
+  if (isObject(recording)) {
+    const missing = addRest(recording);
+    notices.push(...notices.length ? [] : missing, ...takeWhatThereIs(recording));
+  }
   const problems = problemsOf(recording);
   if (problems.length) throw new RecordingError([...notices, ...problems]);
   return Object.defineProperty(recording, "notices", { value: notices });
@@ -72,13 +89,13 @@ function parseWholePart(text) {
  */
 function takeWhatThereIs(recording) {
   const notices = [];
-  const { format, bodies, motions, watches } = recording;
+  const { format, bodies, watches } = recording;
   if (/^floorwalker-replay\/([2-9]|\d\d+)$/.test(format)) {
     notices.push(`made in the later format ${format}; this page reads ${FORMAT}, and shows it as far as it goes`);
     recording.format = FORMAT;
   }
   if (!Array.isArray(bodies) || !Array.isArray(watches)) return notices;
-  const isStill = body => !(motions?.[body?.name]?.length > 0);
+  const isStill = body => !(piecesOf(recording, body?.name)?.length > 0);
   const missing = bodies.filter(isStill).map(body => body?.name);
   if (!missing.length) return notices;
   recording.bodies = bodies.filter(body => !isStill(body));
@@ -134,7 +151,6 @@ function problemsOf(recording) {
     }
   }
 
-  const motions = isObject(recording.motions) ? recording.motions : {};
   const bodies = list(recording.bodies, "bodies");
   bodies.forEach((body, i) => {
     const categories = Object.keys(MEASURES).join(", ");
@@ -144,7 +160,8 @@ function problemsOf(recording) {
     if (body.course) check(isLine(body.course), `bodies[${i}].course`, "needs points [x, y]");
     if (body.bridge) check(isPoint(body.bridge), `bodies[${i}].bridge`, "needs a range of y");
     const field = `motions.${body.name}`;
-    const pieces = motions[body.name];
+    const pieces = piecesOf(recording, body.name);
+    if (pieces instanceof PackedPieces) return;
     if (!check(Array.isArray(pieces) && pieces.length > 0, field, "needs at least one piece")) return;
     const wrong = pieces.findIndex((piece, k) => !isPiece(piece, pieces[k - 1]));
     check(wrong < 0, `${field}[${wrong}]`,
@@ -164,8 +181,9 @@ function problemsOf(recording) {
       `watches[${i}].violations`, "a list of [begin, end] is missing");
   });
   if (recording.minds !== undefined) check(isObject(recording.minds), "minds", "needs lists by person");
-  for (const [name, thoughts] of Object.entries(recording.minds ?? {})) {
-    each(thoughts, `minds.${name}`, "needs a time t not before that of the thought before it, and lists",
+  for (const name of Object.keys(recording.minds ?? {})) {
+    if (Object.getOwnPropertyDescriptor(recording.minds, name).get) continue; // packed, and checked when it is read
+    each(recording.minds[name], `minds.${name}`, "needs a time t not before that of the thought before it, and lists",
       (thought, before) => isThought(thought) && !(before?.t > thought.t));
   }
   return problems;

@@ -17,7 +17,7 @@ class Body {
 /** One recording without its looks, known up to `known` (seconds). */
 class Run {
   constructor(recording, known = recording.duration) {
-    const { bodies, motions, events, watches, minds, duration } = recording;
+    const { bodies, events, watches, duration } = recording;
     this.recording = recording;
     this.duration = duration;
     this.known = known;
@@ -29,12 +29,12 @@ class Run {
     let people = 0;
     for (const data of bodies) {
       const color = data.category === "person" ? PERSON_COLORS[people++ % PERSON_COLORS.length] : data.category;
-      this.bodies.set(data.name, new Body(data, motions[data.name], color));
+      this.bodies.set(data.name, new Body(data, piecesOf(recording, data.name), color));
     }
     this.people = [...this.bodies.values()].filter(body => body.category === "person");
     this.watches = [...watches, ...pairsOfPeople(this.people, events)]
       .map(watch => new Watch(watch, this.bodies, known));
-    this.minds = new Map(Object.entries(minds ?? {}).map(([name, thoughts]) => [name, new Mind(thoughts)]));
+    this.minds = new Map();
     this.changes = events.filter(event => event.kind === "personality_changed");
     this.goals = new Map();
     this.jobs = new Jobs(events);
@@ -82,6 +82,13 @@ class Run {
   personality(person, t) {
     const changes = this.changes.filter(event => event.person === person.name && event.t <= t);
     return changes.at(-1)?.personality ?? person.personality ?? "unknown";
+  }
+
+  /** The mind of a person, undefined where it was not recorded. */
+  mindOf(name) {
+    const { minds } = this.recording;
+    if (!this.minds.has(name)) this.minds.set(name, minds && name in minds ? new Mind(minds[name]) : undefined);
+    return this.minds.get(name);
   }
 
   /** The event with which a person last set out, up to t. */
@@ -148,14 +155,16 @@ class Run {
   }
 
   #violations() {
-    return this.events.filter(event => event.kind === "violation" && this.bodies.has(event.person))
-      .map(event => ({
+    return this.events.filter(event => event.kind === "violation" && this.bodies.has(event.person)).map(event => {
+      const violation = {
         t: event.t,
         event,
         watch: this.watches.find(({ person, other }) => person.name === event.person && other.name === event.with),
-        person: this.bodies.get(event.person).motion.before(event.t),
-        other: this.bodies.get(event.with)?.motion.before(event.t),
-      }));
+      };
+      onDemand(violation, "person", () => this.bodies.get(event.person).motion.before(event.t));
+      onDemand(violation, "other", () => this.bodies.get(event.with)?.motion.before(event.t));
+      return violation;
+    });
   }
 }
 

@@ -88,8 +88,8 @@ class Watch {
 
   /** True if from one instant to another the motions change too often for a curve of so many pixels. */
   isDense(from, to, pixels) {
-    const changes = [this.person.motion, this.other.motion].reduce((sum, { begins }) => (
-      sum + lastUpTo(begins, to) - lastUpTo(begins, from)), 0);
+    const changes = [this.person.motion, this.other.motion].reduce((sum, motion) => (
+      sum + motion.upTo(to) - motion.upTo(from)), 0);
     return changes > MOST_CHANGES * pixels;
   }
 
@@ -104,11 +104,12 @@ class Watch {
     const found = Array.from({ length: columns }, (_, i) => ({
       t: from + (i + 0.5) * span, nearest: Infinity, farthest: -Infinity, required: 0, violated: false,
     }));
-    for (const { t, distance, required } of this.curves(from, to).flat()) {
-      const column = found[Math.min(columns - 1, Math.floor((t - from) / span))];
-      column.nearest = Math.min(column.nearest, distance);
-      column.farthest = Math.max(column.farthest, distance);
-      column.required = Math.max(column.required, required);
+    const { times, distances, requirements } = this.#whole;
+    for (let i = firstWhere(times, t => t >= from); i < times.length && times[i] <= to; i++) {
+      const column = found[Math.min(columns - 1, Math.floor((times[i] - from) / span))];
+      column.nearest = Math.min(column.nearest, distances[i]);
+      column.farthest = Math.max(column.farthest, distances[i]);
+      column.required = Math.max(column.required, requirements[i]);
     }
     for (const [begin, end] of this.violations) {
       const last = Math.min(columns - 1, Math.floor((end - from) / span));
@@ -120,24 +121,51 @@ class Watch {
 
   /** The largest distance and required distance of the whole run. */
   get largest() {
-    this.cachedLargest ??= this.#sample(0, this.duration).flat().reduce((found, point) => ({
-      distance: Math.max(found.distance, point.distance),
-      required: Math.max(found.required, point.required),
-    }), { distance: 0, required: 0 });
-    return this.cachedLargest;
+    const highest = values => values.reduce((most, value) => Math.max(most, value), 0);
+    return this.cachedLargest ??= {
+      distance: highest(this.#whole.distances), required: highest(this.#whole.requirements),
+    };
+  }
+
+  /** The curves of the whole run, without where they are cut, as arrays: {times, distances, requirements}. */
+  get #whole() {
+    return this.cachedWhole ??= this.#sampleWhole();
+  }
+
+  #sampleWhole() {
+    const instants = this.#instants(0, this.duration);
+    const [times, distances, requirements] = [0, 1, 2].map(() => new Float64Array(2 * instants.length));
+    instants.forEach((t, k) => {
+      [this.before(t), this.at(t)].forEach(({ distance, required }, side) => {
+        const i = 2 * k + side;
+        times[i] = t;
+        distances[i] = distance;
+        requirements[i] = required;
+      });
+    });
+    return { times, distances, requirements };
+  }
+
+  /** Instants at equal steps, and those at which a motion changes, in order. */
+  #instants(from, to) {
+    const times = Array.from({ length: SAMPLES + 1 }, (_, i) => from + ((to - from) * i) / SAMPLES);
+    for (const motion of [this.person.motion, this.other.motion]) {
+      for (let i = motion.upTo(from) + 1; i < motion.count; i++) {
+        motion.need(i);
+        if (motion.begins[i] >= to) break;
+        times.push(motion.begins[i]);
+      }
+    }
+    return Float64Array.from(times).sort().filter((t, i, all) => t !== all[i - 1]);
   }
 
   #sample(from, end) {
     const motions = [this.person.motion, this.other.motion];
     const to = Math.max(from, Math.min(end, this.duration));
-    const times = new Set(Array.from({ length: SAMPLES + 1 }, (_, i) => from + ((to - from) * i) / SAMPLES));
-    for (const { begins } of motions) {
-      for (let i = lastUpTo(begins, from) + 1; begins[i] < to; i++) times.add(begins[i]);
-    }
-    const jumps = new Set(motions.flatMap(motion => motion.jumpTimes));
+    const jumps = new Set(motions.flatMap(motion => motion.jumpsIn(from, to)));
     const curves = [];
     let curve = [];
-    for (const t of [...times].sort((a, b) => a - b)) {
+    for (const t of this.#instants(from, to)) {
       curve.push({ t, ...this.before(t) });
       if (jumps.has(t)) {
         curves.push(curve);

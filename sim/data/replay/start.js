@@ -62,8 +62,7 @@ document.addEventListener("DOMContentLoaded", async () => {
     $("replay").hidden = false;
     const replay = new Replay(new Run(recording));
     takeFiles(replay);
-    const other = $("other");
-    if (other) replay.compare(new Run(parseRecording(await textIn(other))));
+    if ($("other")) replay.compare(new Run(await readRecording("other")));
     if (document.documentElement.dataset.stream) followStream(replay, recording);
     const linked = Number.parseFloat(new URLSearchParams(location.hash.slice(1)).get("t"));
     if (Number.isFinite(linked)) replay.clock.seek(linked);

@@ -17,13 +17,14 @@ class Track {
   #cover(since, t) {
     if (this.begin <= since && t <= this.end) return;
     const { motion } = this;
-    const first = Math.max(0, lastUpTo(motion.begins, since - TRACK_WINDOW));
+    const first = Math.max(0, motion.upTo(since - TRACK_WINDOW));
     this.begin = first === 0 ? -Infinity : motion.begins[first];
     this.end = t + TRACK_WINDOW;
     const times = [];
     const legs = [];
     let leg = -1;
-    for (let i = first; i < motion.begins.length; i++) {
+    for (let i = first; i < motion.count; i++) {
+      motion.need(i);
       const begin = motion.begins[i];
       const end = motion.ends[i];
       const still = [1, 2, 3, 5, 6, 7].every(k => motion.coefficients[12 * i + k] === 0);
