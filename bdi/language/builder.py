@@ -164,8 +164,8 @@ class Builder(Transformer_NonRecursive[Token, Any]):
     def unnamed_label(self, meta: Meta, annots: List) -> Literal:
         return Literal("", (), _annots(annots))
 
-    def variable_label(self, meta: Meta, name: Token) -> Var:
-        return Var(str(name))
+    def variable_label(self, meta: Meta, label: Var) -> Var:
+        return label
 
     def trigger(self, meta: Meta, update: Token, kind: Token | None, literal: _Event) -> Trigger:
         if update not in ("+", "-", "^"):
@@ -182,13 +182,9 @@ class Builder(Transformer_NonRecursive[Token, Any]):
     def body_more(self, meta: Meta, step: _Steps, rest: Body) -> Body:
         return (*_as_body(step), *rest)
 
-    def achieve(self, meta: Meta, goal: _Event) -> Achieve:
-        self._not_internal(meta, "!", goal)
-        return Achieve(goal, False, self._place(meta))
-
-    def achieve_new(self, meta: Meta, goal: _Event) -> Achieve:
-        self._not_internal(meta, "!!", goal)
-        return Achieve(goal, True, self._place(meta))
+    def achieve(self, meta: Meta, sign: Token, goal: _Event) -> Achieve:
+        self._not_internal(meta, sign, goal)
+        return Achieve(goal, sign == "!!", self._place(meta))
 
     def _not_internal(self, meta: Meta, operator: str, literal: Term) -> None:
         if isinstance(literal, Literal) and literal.is_internal_action:
@@ -240,14 +236,8 @@ class Builder(Transformer_NonRecursive[Token, Any]):
     def if_(self, meta: Meta, conditional: If) -> If:
         return replace(conditional, place=self._place(meta))
 
-    def if_then(self, meta: Meta, condition: Term, then: Body) -> If:
-        return If(condition, then, (), self._place(meta))
-
-    def if_else(self, meta: Meta, condition: Term, then: Body, otherwise: Body) -> If:
-        return If(condition, then, otherwise, self._place(meta))
-
-    def if_elif(self, meta: Meta, condition: Term, then: Body, otherwise: If) -> If:
-        return If(condition, then, (otherwise,), self._place(meta))
+    def conditional(self, meta: Meta, condition: Term, then: Body, otherwise: _Steps | None) -> If:
+        return If(condition, then, _as_body(otherwise or ()), self._place(meta))
 
     def while_(self, meta: Meta, condition: Term, body: Body) -> While:
         return While(condition, body, self._place(meta))
@@ -301,37 +291,18 @@ class Builder(Transformer_NonRecursive[Token, Any]):
     def string(self, meta: Meta, token: Token) -> str:
         return string_value(token)
 
-    def positive_literal(
+    def named_literal(
         self,
         meta: Meta,
         qualifier: Term | None,
+        tilde: Token | None,
         name: Token,
         args: tuple[Term, ...] | None,
         annots: List | None,
     ) -> Term:
-        if annots is None and is_function(name, len(args or ())):
+        negated = tilde is not None
+        if not negated and annots is None and is_function(name, len(args or ())):
             return Function(str(name), args or ())
-        return self._literal(meta, qualifier, name, args, annots, False)
-
-    def negative_literal(
-        self,
-        meta: Meta,
-        qualifier: Term | None,
-        name: Token,
-        args: tuple[Term, ...] | None,
-        annots: List | None,
-    ) -> Term:
-        return self._literal(meta, qualifier, name, args, annots, True)
-
-    def _literal(
-        self,
-        meta: Meta,
-        qualifier: Term | None,
-        name: Token,
-        args: tuple[Term, ...] | None,
-        annots: List | None,
-        negated: bool,
-    ) -> Literal | Qualified:
         functor, kept = _in(qualifier, name), _annots(annots)
         is_atom = not (args or kept or negated)
         literal = atom(functor) if is_atom else Literal(functor, args or (), kept, negated)
@@ -340,34 +311,28 @@ class Builder(Transformer_NonRecursive[Token, Any]):
             raise RefusedError(meta, f"the internal action {name} cannot {what}")
         return Qualified(qualifier, literal) if isinstance(qualifier, Var) else literal
 
+    def VAR(self, token: Token) -> Var:
+        return Var(str(token))
+
+    def ANONYMOUS(self, token: Token) -> Var:
+        return Var(f"__{token.line}_{token.column}")
+
     def variable(
-        self, meta: Meta, qualifier: Term | None, name: Token, annots: List | None
+        self,
+        meta: Meta,
+        qualifier: Term | None,
+        tilde: Token | None,
+        variable: Var,
+        annots: List | None,
     ) -> Var | Qualified:
-        return _qualified(qualifier, _variable(str(name), annots))
-
-    def negative_variable(
-        self, meta: Meta, qualifier: Term | None, name: Token, annots: List | None
-    ) -> Qualified:
-        return Qualified(qualifier or DEFAULT, _variable(str(name), annots), negated=True)
-
-    def anonymous(
-        self, meta: Meta, qualifier: Term | None, token: Token, annots: List | None
-    ) -> Var | Qualified:
-        return _qualified(qualifier, _variable(_anonymous(token), annots))
-
-    def negative_anonymous(
-        self, meta: Meta, qualifier: Term | None, token: Token, annots: List | None
-    ) -> Qualified:
-        return Qualified(qualifier or DEFAULT, _variable(_anonymous(token), annots), negated=True)
+        if kept := _annots(annots):
+            variable = AnnotatedVar(variable.name, kept)
+        if tilde is not None:
+            return Qualified(qualifier or DEFAULT, variable, negated=True)
+        return variable if qualifier is None else Qualified(qualifier, variable)
 
     def named_qualifier(self, meta: Meta, name: Token) -> Literal:
         return Literal(str(name))
-
-    def variable_qualifier(self, meta: Meta, name: Token) -> Var:
-        return Var(str(name))
-
-    def anonymous_qualifier(self, meta: Meta, token: Token) -> Var:
-        return Var(_anonymous(token))
 
     def own_qualifier(self, meta: Meta) -> Literal:
         return Literal(THIS)
@@ -385,12 +350,6 @@ class Builder(Transformer_NonRecursive[Token, Any]):
         return make_list(elements or (), EMPTY if tail is None else tail)
 
     elements = terms
-
-    def tail_variable(self, meta: Meta, name: Token) -> Var:
-        return Var(str(name))
-
-    def tail_anonymous(self, meta: Meta, token: Token) -> Var:
-        return Var(_anonymous(token))
 
     def empty_body_term(self, meta: Meta) -> BodyTerm:
         return BodyTerm(())
@@ -433,17 +392,9 @@ def _in(qualifier: Term | None, name: str) -> str:
     return f"{qualifier.functor}::{name}" if isinstance(qualifier, Literal) else str(name)
 
 
-def _qualified(qualifier: Term | None, variable: Var) -> Var | Qualified:
-    return variable if qualifier is None else Qualified(qualifier, variable)
-
-
 def string_value(token: str) -> str:
     """Return the string that a token in quotes stands for."""
     return token[1:-1].replace("\\n", "\n").replace('\\"', '"')
-
-
-def _anonymous(token: Token) -> str:
-    return f"__{token.line}_{token.column}"
 
 
 def _as_body(step: _Steps) -> Body:
@@ -455,11 +406,6 @@ def _without_true(body: Body) -> Body:
     """Return a body without the `true` that it may begin with."""
     first = body[0] if body else None
     return body[1:] if isinstance(first, Act) and first.action == TRUE else body
-
-
-def _variable(name: str, written: List | None) -> Var:
-    annots = _annots(written)
-    return AnnotatedVar(name, annots) if annots else Var(name)
 
 
 def _annots(annots: List | Var | None) -> tuple[Term, ...]:
