@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 from shapely.geometry import Polygon, box
 
@@ -17,55 +18,35 @@ from .schema import (
 )
 
 
-def obstacles(schema: FloorplanSchema) -> tuple[Obstacle, ...]:
-    """Return the obstacles of a file."""
-    return tuple(
-        Obstacle(name, footprint(entry), *entry.z) for name, entry in schema.obstacles.items()
-    )
-
-
-def stations(schema: FloorplanSchema) -> tuple[Station, ...]:
-    """Return the stations of a file."""
-    return tuple(Station(name, at) for name, at in schema.stations.items())
-
-
-def doors(schema: FloorplanSchema) -> tuple[Door, ...]:
-    """Return the doors of a file."""
-    return tuple(
-        Door(name, door.between, door.open, door.thickness, door.height)
-        for name, door in schema.doors.items()
-    )
-
-
-def zones(schema: FloorplanSchema) -> tuple[Zone, ...]:
-    """Return the zones of a file."""
-    return tuple(
-        Zone(name, footprint(zone), zone.max_speed, zone.forbidden, tuple(zone.concerns))
-        for name, zone in schema.zones.items()
-    )
-
-
-def gates(schema: FloorplanSchema) -> tuple[Gate, ...]:
-    """Return the gates of a file."""
-    return tuple(
-        Gate(name, gate.between, gate.towards, tuple(gate.concerns))
-        for name, gate in schema.gates.items()
-    )
-
-
-def safe_zone(schema: FloorplanSchema) -> SafeZone | None:
-    """Return the safe zone of a file, if it has one."""
+def parts(schema: FloorplanSchema) -> dict[str, Any]:
+    """Return what stands on the floor of a file, by the names of a floor's fields."""
     zone = schema.safe_zone
-    return SafeZone(zone.at, zone.heading) if zone else None
+    return {
+        "obstacles": [
+            Obstacle(name, footprint(one), *one.z) for name, one in schema.obstacles.items()
+        ],
+        "stations": [Station(name, at) for name, at in schema.stations.items()],
+        "patrol": None if schema.patrol is None else tuple(schema.patrol),
+        "safe_zone": SafeZone(zone.at, zone.heading) if zone else None,
+        "human": Human(**schema.human.model_dump()),
+        "lanes": _lanes(schema.agvs) if schema.agvs else (),
+        "gantry": _gantry(schema.gantry) if schema.gantry else None,
+        "doors": [
+            Door(name, one.between, one.open, one.thickness, one.height)
+            for name, one in schema.doors.items()
+        ],
+        "zones": [
+            Zone(name, footprint(one), one.max_speed, one.forbidden, tuple(one.concerns))
+            for name, one in schema.zones.items()
+        ],
+        "gates": [
+            Gate(name, one.between, one.towards, tuple(one.concerns))
+            for name, one in schema.gates.items()
+        ],
+    }
 
 
-def human(schema: FloorplanSchema) -> Human:
-    """Return the measures of people of a file."""
-    return Human(**schema.human.model_dump())
-
-
-def lanes(agvs: AgvsSchema) -> tuple[Lane, ...]:
-    """Return the lanes of the AGVs of a file."""
+def _lanes(agvs: AgvsSchema) -> tuple[Lane, ...]:
     return tuple(_lane(name, lane, agvs) for name, lane in agvs.lanes.items())
 
 
@@ -87,8 +68,7 @@ def _lane(name: str, lane: LaneSchema, agvs: AgvsSchema) -> Lane:
     )
 
 
-def gantry(entry: GantrySchema) -> Gantry:
-    """Return the gantry of a file."""
+def _gantry(entry: GantrySchema) -> Gantry:
     return Gantry(
         x=_axis(entry.x),
         y=_axis(entry.y),

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from shapely.geometry import Polygon
 
-from . import building
+from .building import parts
 from .checks import check, faults
 from .document import Document, Place, parse_yaml, read_yaml
 from .dxf import load_dxf
@@ -91,16 +91,7 @@ def _build(document: Document, folder: Path, above: tuple[Path, ...]) -> Floorpl
         title=schema.title,
         source=schema.source,
         boundary=boundary,
-        obstacles=building.obstacles(schema),
-        stations=building.stations(schema),
-        patrol=None if schema.patrol is None else tuple(schema.patrol),
-        safe_zone=building.safe_zone(schema),
-        human=building.human(schema),
-        lanes=building.lanes(schema.agvs) if schema.agvs else (),
-        gantry=building.gantry(schema.gantry) if schema.gantry else None,
-        doors=building.doors(schema),
-        zones=building.zones(schema),
-        gates=building.gates(schema),
+        **parts(schema),
     )
     plan = scaled(plan, schema.metre)
     problems: list[Problem] = []

@@ -10,7 +10,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from .model import Axis, Door, Gantry, Lane, Point
+from .model import Axis, Gantry, Lane, Point
 from .plan import Floorplan
 
 _Floats = NDArray[np.float64]
@@ -30,7 +30,10 @@ def scaled(plan: Floorplan, metre: float) -> Floorplan:
         obstacles=[replace(o, bottom=o.bottom * metre, top=o.top * metre) for o in moved.obstacles],
         lanes=[_scaled_lane(lane, metre) for lane in moved.lanes],
         gantry=None if gantry is None else _scaled_gantry(gantry, metre),
-        doors=[_scaled_door(door, metre) for door in moved.doors],
+        doors=[
+            replace(door, thickness=door.thickness * metre, height=door.height * metre)
+            for door in moved.doors
+        ],
     )
 
 
@@ -95,10 +98,6 @@ def _mapped(plan: Floorplan, move: Callable[[_Floats], _Floats]) -> Floorplan:
             for gate in plan.gates
         ],
     )
-
-
-def _scaled_door(door: Door, metre: float) -> Door:
-    return replace(door, thickness=door.thickness * metre, height=door.height * metre)
 
 
 def _scaled_lane(lane: Lane, metre: float) -> Lane:
