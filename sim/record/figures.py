@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import asdict, dataclass
+from functools import partial
 from operator import attrgetter
 from typing import Any, Literal
 
@@ -26,15 +27,10 @@ class SummaryFigure:
 
     `events` are those that made it what it is: their kind, and fields that they have. With
     `instant` it has the time of the figure of that name beside it; with `short` it is also found by
-    the name of the figure that it is a part of. `of_orders` is one of trials with orders only,
-    `of_several` one of trials with more people than one, `of_work` one of trials with tasks for
-    people, `of_traffic` one of trials in which people come in or leave, `of_distancing` one of
-    trials whose rules want a distance between people, `of_zones` one of floors with zones,
-    `of_drops` one of trials in which a gripper loses parts, `of_faulty_parts` one of trials with
-    faulty parts. `label` is what people read; `words`, if given, how much it is on a terminal. A
-    study has it as a column unless not `column`; its report compares it as a `measure`, "rare" ones
-    only where there is
-    something, and its first rows are worth a look if it is among the `worst`: the least
+    the name of the figure that it is a part of. It is one of the trials for which `only` holds.
+    `label` is what people read; `words`, if given, how much it is on a terminal. A study has it as
+    a column unless not `column`; its report compares it as a `measure`, "rare" ones only where
+    there is something, and its first rows are worth a look if it is among the `worst`: the least
     (1), or the most (-1).
     """
 
@@ -46,33 +42,32 @@ class SummaryFigure:
     events: tuple[type[events.EventKind], Mapping[str, Any]] | None = None
     instant: str = ""
     short: bool = False
-    of_orders: bool = False
-    of_several: bool = False
-    of_work: bool = False
-    of_traffic: bool = False
-    of_distancing: bool = False
-    of_zones: bool = False
-    of_drops: bool = False
-    of_faulty_parts: bool = False
+    only: Callable[[Scenario], object] = lambda trial: True
     label: str = ""
     words: words.Words | None = None
     column: bool = True
     measure: Literal["", "plain", "chief", "rare"] = ""
     worst: int = 0
 
-    def belongs_to(self, trial: Scenario) -> bool:
-        """Return whether runs of `trial` have it."""
-        return (
-            (trial.workload is not None or not self.of_orders)
-            and (len(trial.people) > 1 or not self.of_several)
-            and (trial.has_work or not self.of_work)
-            and (trial.has_traffic or not self.of_traffic)
-            and (trial.rules.between_people is not None or not self.of_distancing)
-            and (bool(trial.floorplan.zones) or not self.of_zones)
-            and (trial.has_drops or not self.of_drops)
-            and (trial.has_faulty_parts or not self.of_faulty_parts)
-        )
 
+def _has_orders(trial: Scenario) -> bool:
+    """Return True if there are orders, and a gantry that can work on them."""
+    return trial.workload is not None and trial.floorplan.gantry is not None
+
+
+_of_orders = partial(SummaryFigure, only=_has_orders)
+_of_faulty_parts = partial(
+    SummaryFigure, only=lambda trial: _has_orders(trial) and trial.has_faulty_parts
+)
+_of_drops = partial(SummaryFigure, only=attrgetter("has_drops"))
+_of_work = partial(SummaryFigure, only=attrgetter("has_work"))
+_of_traffic = partial(SummaryFigure, only=attrgetter("has_traffic"))
+_of_zones = partial(SummaryFigure, only=attrgetter("floorplan.zones"))
+_of_several = partial(SummaryFigure, only=lambda trial: len(trial.people) > 1)
+_of_distancing = partial(
+    SummaryFigure,
+    only=lambda trial: trial.rules.between_people is not None and len(trial.people) > 1,
+)
 
 PEOPLE = "people.NAME."
 
@@ -235,59 +230,51 @@ FIGURES: dict[str, SummaryFigure] = {
             measure="chief",
             worst=1,
         ),
-        SummaryFigure(
+        _of_drops(
             path="parts_dropped",
             of=lambda run: run.of_robots("parts_dropped"),
             label="parts dropped",
             meaning="by the gantry's gripper",
             words=words.plain,
             events=(events.PartDropped, {}),
-            of_drops=True,
             measure="rare",
         ),
-        SummaryFigure(
+        _of_faulty_parts(
             path="parts_faulty",
             of=lambda run: run.work["parts_faulty"],
             label="parts found faulty",
             meaning="by the quality check of kits",
             words=words.plain,
             events=(events.PartFaulty, {}),
-            of_faulty_parts=True,
             measure="rare",
         ),
-        SummaryFigure(
+        _of_orders(
             path="orders",
             form="parts",
             of=lambda run: run.work["orders"],
             meaning="see [ARIAC trials](ariac.md#scores)",
-            of_orders=True,
         ),
-        SummaryFigure(
+        _of_orders(
             path="score",
             of=lambda run: run.work["score"],
             label="score",
             meaning="points for all orders",
             words=words.score,
-            of_orders=True,
             measure="chief",
         ),
-        SummaryFigure(
+        _of_orders(
             path="best_score",
             of=lambda run: run.work["best_score"],
             meaning="points that there could have been",
-            of_orders=True,
         ),
-        SummaryFigure(
-            path="orders.NAME", form="parts", label="order NAME", words=words.order, of_orders=True
-        ),
+        _of_orders(path="orders.NAME", form="parts", label="order NAME", words=words.order),
         *(
-            SummaryFigure(path=f"orders.NAME.{part}", events=_ORDER, of_orders=True)
+            _of_orders(path=f"orders.NAME.{part}", events=_ORDER)
             for part in ("announced", "submitted", "time", "score")
         ),
-        SummaryFigure(
+        _of_work(
             path="tasks_done",
             of=lambda run: sum(person.worker.tasks_done for person in run.people),
-            of_work=True,
             label="tasks done",
             meaning="by all people, without breaks",
             words=words.plain,
@@ -295,34 +282,30 @@ FIGURES: dict[str, SummaryFigure] = {
             measure="chief",
             worst=1,
         ),
-        SummaryFigure(
+        _of_zones(
             path="zones",
             form="parts",
             of=lambda run: run.zones,
-            of_zones=True,
         ),
-        SummaryFigure(
+        _of_zones(
             path="zones.NAME.time_occupied",
             label="time in NAME",
             meaning="that people were in the zone, all together",
             unit="s",
-            of_zones=True,
             measure="rare",
         ),
-        SummaryFigure(
+        _of_zones(
             path="zones.NAME.time_too_close",
             label="too close in NAME",
             meaning="that people were in the zone and nearer to a machine than required",
             unit="s",
-            of_zones=True,
             measure="rare",
             worst=-1,
         ),
-        SummaryFigure(
+        _of_zones(
             path="zones.NAME.entries",
             label="entries into NAME",
             meaning="times that somebody came into the zone",
-            of_zones=True,
             measure="rare",
         ),
         SummaryFigure(
@@ -342,52 +325,45 @@ FIGURES: dict[str, SummaryFigure] = {
             words=words.nearest,
         ),
         *_separation(""),
-        SummaryFigure(
+        _of_several(
             path="nearest_people",
             form="parts",
             of=lambda run: run.nearest_people,
             label="nearest to each other",
             words=words.nearest_people,
-            of_several=True,
         ),
-        SummaryFigure(
+        _of_several(
             path="nearest_people.distance",
             label="least distance between people",
             meaning="between the bodies of the two who came nearest, `between` says who",
             unit="m",
             instant="time",
-            of_several=True,
             worst=1,
         ),
-        SummaryFigure(
+        _of_several(
             path="nearest_people.time",
             meaning="when that was",
             unit="s",
             instant="time",
-            of_several=True,
         ),
-        SummaryFigure(
+        _of_several(
             path="overlaps",
             of=lambda run: run.among_people.overlaps,
             label="overlaps",
             meaning="pairs of people whose bodies overlapped",
-            of_several=True,
             measure="rare",
         ),
-        SummaryFigure(
+        _of_several(
             path="deadlocks",
             of=lambda run: run.deadlocks,
             label="deadlocks",
             meaning="times that nobody under way could go on because of the others",
             events=(events.Deadlock, {}),
-            of_several=True,
             measure="rare",
         ),
-        SummaryFigure(
+        _of_distancing(
             path="people_too_near",
             of=lambda run: run.people_too_near,
-            of_several=True,
-            of_distancing=True,
             label="people too near to each other",
             meaning="times that two came nearer than the rules want between people",
             words=words.plain,
@@ -395,30 +371,26 @@ FIGURES: dict[str, SummaryFigure] = {
             measure="plain",
             worst=-1,
         ),
-        SummaryFigure(
+        _of_distancing(
             path="people_too_near_time",
             of=lambda run: run.people_too_near_time,
-            of_several=True,
-            of_distancing=True,
             label="time too near to each other",
             meaning="for which they were, all pairs together",
             unit="s",
             measure="plain",
         ),
-        SummaryFigure(
+        _of_traffic(
             path="entered",
             of=lambda run: sum(p.has_source and p.started_at is not None for p in run.people),
-            of_traffic=True,
             label="people who came in",
             meaning="people from sources who came in",
             words=words.plain,
             events=(events.Entered, {}),
             measure="plain",
         ),
-        SummaryFigure(
+        _of_traffic(
             path="left",
             of=lambda run: sum(person.left_at is not None for person in run.people),
-            of_traffic=True,
             label="people who left",
             meaning="people who left the floor at their sinks",
             words=words.plain,
@@ -440,10 +412,9 @@ FIGURES: dict[str, SummaryFigure] = {
             meaning="when the person started, null if they did not",
             unit="s",
         ),
-        SummaryFigure(
+        _of_traffic(
             path=f"{PEOPLE}left",
             of=lambda run, person: person.left_at,
-            of_traffic=True,
             meaning="when the person left the floor, null if they did not",
             unit="s",
             events=(events.Left, {"person": "NAME"}),
@@ -485,19 +456,17 @@ FIGURES: dict[str, SummaryFigure] = {
             events=(events.Replanned, {"person": "NAME"}),
             measure="plain",
         ),
-        SummaryFigure(
+        _of_several(
             path=f"{PEOPLE}time_lost_to_others",
             of=lambda run, person: person.walker.traveller.time_lost(run.duration),
             label="kept from walking by others",
             meaning="stood because of other people, on the way to a goal",
             unit="s",
-            of_several=True,
             measure="rare",
         ),
-        SummaryFigure(
+        _of_work(
             path=f"{PEOPLE}tasks_done",
             of=lambda run, person: person.worker.tasks_done,
-            of_work=True,
             label="tasks done",
             meaning="tasks done, without breaks",
             words=words.plain,
@@ -505,20 +474,18 @@ FIGURES: dict[str, SummaryFigure] = {
             measure="chief",
             worst=1,
         ),
-        SummaryFigure(
+        _of_work(
             path=f"{PEOPLE}time_working",
             of=lambda run, person: person.worker.time_working,
-            of_work=True,
             label="worked",
             meaning="at tasks, without breaks",
             unit="s",
             words=words.seconds,
             measure="plain",
         ),
-        SummaryFigure(
+        _of_work(
             path=f"{PEOPLE}throughput",
             of=lambda run, person: person.worker.throughput,
-            of_work=True,
             label="throughput",
             meaning="tasks done in an hour on shift (or since the start, without shifts)",
             unit="1/h",

@@ -20,16 +20,13 @@ def summarise(run: Finished) -> dict[str, Any]:
     summary = {
         path: figure.of(run)
         for path, figure in FIGURES.items()
-        if figure.of
-        and not path.startswith(PEOPLE)
-        and (run.work or not figure.of_orders)
-        and figure.belongs_to(run.trial)
+        if figure.of and not path.startswith(PEOPLE) and figure.only(run.trial)
     }
     summary["people"] = {
         person.name: {
             path.removeprefix(PEOPLE): figure.of(run, person)
             for path, figure in FIGURES.items()
-            if figure.of and path.startswith(PEOPLE) and figure.belongs_to(run.trial)
+            if figure.of and path.startswith(PEOPLE) and figure.only(run.trial)
         }
         for person in run.people
     }

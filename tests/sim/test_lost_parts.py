@@ -153,3 +153,10 @@ def test_bad_drops_are_told_with_their_line(text):
     with pytest.raises(sim.TrialError) as refused:
         sim.Trial.parse("\n".join([*lines, f"  {text}"]))
     assert BAD[text] in str(refused.value) and refused.value.problems[0].line == 8
+
+
+def test_orders_that_no_gantry_can_work_on_have_no_figures():
+    trial = sim.Trial.parse(KIT % ([1], "[]", FAULTY, "kitting", KITTING), file="made.yaml")
+    floor = replace(trial.floorplan, gantry=None)
+    left = replace(trial, floorplan=floor, people=(), gantry=sim.GantryEntry(), duration=1.0)
+    assert not {"orders", "score", "parts_faulty"} & {*sim.run(left).summary}
