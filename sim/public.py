@@ -60,8 +60,7 @@ from .studies import (
 )
 from .trials.comparison import Verdict
 from .trials.rules_file import RulesError, find_rules, load_rules
-from .trials.trial import Trial
-from .trials.trial_file import builtin_trials
+from .trials.trial import Trial, builtin_trials
 
 __all__ = [
     "ARIAC2023",

@@ -20,7 +20,7 @@ def list_all() -> None:
 
     from ..core.rules import RULE_SETS
     from ..machines.gantry.controllers import CONTROLLERS
-    from ..trials.trial_file import builtin_trials
+    from ..trials.trial import builtin_trials
 
     sections = {
         "floorplans": {name: floorplan.load(name).title for name in floorplan.builtin()},

@@ -12,8 +12,7 @@ from ..runs.run_folder import load_run
 from ..simulation import run
 from ..trials.checks import check
 from ..trials.shortening import lasting
-from ..trials.trial import Trial
-from ..trials.trial_file import builtin_trials
+from ..trials.trial import Trial, builtin_trials
 
 
 def run_from(
@@ -48,15 +47,15 @@ def floorplan_from(source: str | Path, *, own_code: bool = True) -> Floorplan:
 
 def is_study(source: str | Path) -> bool:
     """Return True if `source` is a YAML file of a study."""
-    return "trials" in _keys(Path(source))
+    return "trials" in outermost_keys(Path(source))
 
 
 def _is_trial(path: Path) -> bool:
     """Return True if a YAML file names a floorplan instead of being one."""
-    return "floorplan" in _keys(path)
+    return "floorplan" in outermost_keys(path)
 
 
-def _keys(path: Path) -> set[str]:
+def outermost_keys(path: Path) -> set[str]:
     """Return the outermost keys of a YAML file, none of what is no such file."""
     if path.suffix.lower() not in (".yaml", ".yml") or not path.is_file():
         return set()

@@ -19,8 +19,7 @@ from ..machines.kinds import MachineError
 from ..people.actions import MindError
 from ..safety.own_law import LawError
 from ..trials.comparison import Verdict
-from ..trials.trial import Trial
-from ..trials.trial_file import build
+from ..trials.trial import Trial, build
 from .failures import Failures
 
 _TOLD = (

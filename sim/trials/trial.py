@@ -2,17 +2,41 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass, replace
+from importlib import resources
 from pathlib import Path
+from typing import Any
 
 import bdi
+import floorplan
+from floorplan import Document, Floorplan, Place, Problem, suggestion
 
+from ..core.commands import Command
+from ..core.machine_model import MachineEntry
 from ..core.output import write_whole
-from ..core.scenario import Scenario
+from ..core.own_source import OwnCodeError
+from ..core.scenario import PersonEntry, Scenario, TrialError
+from ..core.work import WorkList
+from ..machines.agv.keys import MOST_MOVES
+from ..machines.gantry.controllers import ControllerError, controller_source
+from ..orders import reading
 from ..people.own_actions import modules_of
 from ..people.programs import load_program
-from . import trial_file
+from .checks import faults
+from .command_keys import commands_of, load_commands
+from .keys import TrialKeys
+from .own_names import out_of_reach
+from .rules_file import build_rules
 from .trial_writing import to_yaml
+from .work_keys import at_instants, shift_at_instants
+
+
+def builtin_trials() -> tuple[str, ...]:
+    """Return the names of the trials that come with Floorwalker, sorted."""
+    files = resources.files("sim").joinpath("data", "trials").iterdir()
+    return tuple(sorted(Path(f.name).stem for f in files if f.name.endswith(".yaml")))
 
 
 @dataclass(frozen=True)
@@ -28,7 +52,15 @@ class Trial(Scenario):
         Raises `TrialError` (or `FloorplanError`, `bdi.ProgramError` for what it names) with
         everything that is wrong, each with its place.
         """
-        return trial_file.load(cls, source, own_code)
+        name = str(source)
+        if name in builtin_trials():
+            data = resources.files("sim").joinpath("data", "trials", f"{name}.yaml")
+            return cls.parse(data.read_text(encoding="utf-8"), file=name, own_code=own_code)
+        path = Path(source)
+        if not path.suffix and not floorplan.is_there(path):
+            message = f"no such file, nor a built-in trial; {suggestion(name, builtin_trials())}"
+            raise TrialError(name, [Problem(message)])
+        return build(cls, floorplan.read_yaml(path, TrialError), path.parent, own_code)
 
     @classmethod
     def parse(
@@ -43,7 +75,7 @@ class Trial(Scenario):
 
         `own_code` is as of `load`.
         """
-        return trial_file.parse(cls, text, file, Path(folder), own_code)
+        return build(cls, floorplan.parse_yaml(text, file, TrialError), Path(folder), own_code)
 
     def to_yaml(self, folder: str | Path = ".") -> str:
         """The text of a trial file that stands in `folder`, to be read as the same trial.
@@ -72,3 +104,166 @@ class Trial(Scenario):
             replace(person, personality=personality, changes=()) for person in self.people
         )
         return replace(self, people=people)
+
+
+def build(form: type[Trial], document: Document, folder: Path, own_code: bool) -> Trial:
+    """Return the trial in `document`, which stands in `folder`. Errors as of `Trial.load`."""
+    if reading.is_ariac(document):
+        return replace(reading.build(form, document, folder), own_code=own_code)
+    schema = document.checked(TrialKeys, TrialError)
+    home, folder = folder, folder / schema.folder
+    plan = _floorplan(schema.floorplan, folder, document)
+    lanes = {lane.name: lane for lane in plan.lanes}
+    rules, rule_problems = build_rules(schema.rules, document, folder, "rules", own_code=own_code)
+    trial = form(
+        floorplan=plan,
+        name=Path(document.file).name.split(".")[0] if schema.name is None else schema.name,
+        duration=schema.duration,
+        seed=schema.seed,
+        rules=rules,
+        planner=schema.planner,
+        people=tuple(_timed(one, schema.begins) for one in people_of(schema, folder)),
+        steering=schema.steering,
+        actions=schema.actions,
+        gantry=schema.gantry.value(),
+        agvs={
+            name: agv.moves_until(schema.duration, lanes.get(name))
+            for name, agv in schema.agvs.items()
+        },
+        yielding=frozenset(name for name, agv in schema.agvs.items() if agv.yields),
+        machines={name: _machine(keys) for name, keys in schema.machines.items()},
+        expect=schema.expect,
+        folder=folder,
+        floorplan_source=schema.floorplan if isinstance(schema.floorplan, str) else "",
+        until_submitted=bool(schema.until_submitted),
+        own_code=own_code,
+        work={
+            name: WorkList(
+                tuple(at_instants(task, schema.begins) for task in keys.value().tasks), keys.repeat
+            )
+            for name, keys in schema.work.items()
+        },
+        doors={name: keys.value_at(schema.begins) for name, keys in schema.doors.items()},
+        obstacles=tuple(
+            keys.value_at(name, schema.begins) for name, keys in schema.obstacles.items()
+        ),
+        blackouts=tuple(keys.value() for keys in schema.blackouts),
+        commands=_commands(schema.commands, folder, document),
+        sources=schema.sources,
+    )
+    rule_problems += [
+        document.problem(f"makes more than {MOST_MOVES:,} moves in the trial", "agvs", name)
+        for name, agv in schema.agvs.items()
+        if agv.count(schema.duration) > MOST_MOVES
+    ]
+    if schema.ariac is not None:
+        trial = _with_orders(trial, schema, schema.ariac, document)
+    problems = [*rule_problems, *_problems(trial, document)]
+    if fault := out_of_reach(trial, home):
+        problems.append(document.problem(fault, "folder"))
+    if problems:
+        raise TrialError(document.file, problems)
+    return trial
+
+
+def _with_orders(trial: Trial, schema: TrialKeys, name: str, document: Document) -> Trial:
+    """Return the trial with the orders, parts and challenges of an ARIAC trial file."""
+    path = trial.folder / name
+    if not floorplan.is_there(path):
+        raise TrialError(document.file, [document.problem(f"no such file: {name!r}", "ariac")])
+    orders = floorplan.read_yaml(path, TrialError)
+    workload, notices = reading.read_workload(orders, trial.floorplan)
+    given = schema.model_fields_set
+    until_submitted = schema.until_submitted
+    return replace(
+        trial,
+        workload=replace(workload, source=name),
+        notices=notices,
+        people=trial.people if "people" in given else reading.people_of(workload),
+        duration=trial.duration if "duration" in given else reading.duration_of(workload),
+        until_submitted="duration" not in given if until_submitted is None else until_submitted,
+    )
+
+
+def people_of(schema: TrialKeys, folder: Path) -> tuple[PersonEntry, ...]:
+    """Return the people, with the programs found from `folder`; one that isn't there is left open.
+
+    Each program is read once, however many people run it.
+    """
+    people = tuple(person for keys in schema.people for person in keys.values())
+    named = [
+        (personality, keys.actions)
+        for keys in schema.people
+        for personality in (keys.personality, *(change.personality for change in keys.changes))
+    ]
+    for personality, actions in dict.fromkeys(named):
+        # One that isn't there is reported together with everything else that is wrong.
+        with suppress(TrialError, OwnCodeError):
+            load_program(personality, folder, modules_of(actions, schema.actions))
+    return people
+
+
+def _timed(person: PersonEntry, begins: float) -> PersonEntry:
+    """Return the person with times of day as instants of a trial that `begins` then."""
+    return replace(
+        person,
+        schedule=tuple(at_instants(task, begins) for task in person.schedule),
+        breaks=tuple(
+            replace(at_instants(task, begins), name=task.name or "break") for task in person.breaks
+        ),
+        shifts=tuple(shift_at_instants(shift, begins) for shift in person.shifts),
+    )
+
+
+def _machine(keys: dict[str, Any]) -> MachineEntry:
+    return MachineEntry(str(keys.get("kind", "")), {k: v for k, v in keys.items() if k != "kind"})
+
+
+def _commands(given: str | list[Any], folder: Path, document: Document) -> tuple[Command, ...]:
+    if not isinstance(given, str):
+        return commands_of(given)
+    if not floorplan.is_there(folder / given):
+        message = f"no such file: {given!r}"
+        raise TrialError(document.file, [document.problem(message, "commands")])
+    return load_commands(folder / given)
+
+
+def _floorplan(name: str | dict[str, Any], folder: Path, document: Document) -> Floorplan:
+    if not isinstance(name, str):
+        return floorplan.build(document.part("floorplan"), folder)
+    if name in floorplan.builtin():
+        return floorplan.load(name)
+    path = folder / name
+    if not floorplan.is_there(path):
+        message = (
+            f"no such file, nor a built-in floorplan: {name!r};"
+            f" {suggestion(name, floorplan.builtin())}"
+        )
+        raise TrialError(document.file, [document.problem(message, "floorplan")])
+    return floorplan.load(path)
+
+
+def _problems(trial: Scenario, document: Document) -> Iterator[Problem]:
+    """Yield what keys and types can't show: that something a trial names isn't there."""
+    found = (document.problem(text, *_in_file(at, document.data)) for text, at in faults(trial))
+    yield from dict.fromkeys(found)  # an entry that is many people has its faults but once
+    if trial.floorplan.gantry is not None:
+        try:
+            controller_source(trial.gantry.controller, trial.folder, own_code=trial.own_code)
+        except ControllerError as why:
+            yield document.problem(str(why), "gantry", "controller")
+
+
+def _in_file(place: Place, data: Any) -> Place:
+    """Return the place in the file: moves may have a key, and an entry be many people."""
+    match place:
+        case ("agvs", name, int(k), key) if not isinstance(data["agvs"][name], list):
+            return ("agvs", name, "moves", k, key)
+        case ("people", int(k), *key) if isinstance(data.get("people"), list):
+            counts = [
+                entry.get("count") or (entry.get("source") or {}).get("count") or 1
+                for entry in data["people"]
+            ]
+            owners = [n for n, count in enumerate(counts) for _ in range(count)]
+            return ("people", owners[k], *key)
+    return place
