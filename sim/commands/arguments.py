@@ -33,6 +33,19 @@ Floor = Annotated[
         autocompletion=completion.floor_source,
     ),
 ]
+StartX = Annotated[float, typer.Argument(help="The start, in metres.")]
+GoalX = Annotated[float, typer.Argument(help="The goal, in metres.")]
+Coordinate = Annotated[float, typer.Argument()]
+Radius = Annotated[
+    float | None, typer.Option(help="Of the person, in metres; the floor's own by default.")
+]
+Personality = Annotated[
+    str | None,
+    typer.Option(
+        help="Of everybody in the trial: a name, or an .asl file.",
+        autocompletion=completion.program,
+    ),
+]
 Duration = Annotated[float | None, typer.Option(help="Seconds to simulate.")]
 Seed = Annotated[int | None, typer.Option(min=0, help="Seed of everything random.")]
 Rules = Annotated[

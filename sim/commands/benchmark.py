@@ -11,6 +11,7 @@ import typer
 
 from ..core.output import replacing, writing
 from . import completion
+from .arguments import Radius
 from .consoles import plain_console, say
 
 if TYPE_CHECKING:
@@ -68,9 +69,7 @@ def benchmark(
         typer.Option(help="Paths of more than so many times the shortest count as wrong."),
     ] = None,
     seed: Annotated[int, typer.Option(min=0, help="Of the questions and the planners.")] = 0,
-    radius: Annotated[
-        float | None, typer.Option(help="Of the person, in metres; the floor's own by default.")
-    ] = None,
+    radius: Radius = None,
     cell: Annotated[
         float | None, typer.Option(help="Metres of a cell of a MovingAI map: 1 by default.")
     ] = None,

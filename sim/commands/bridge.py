@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from . import completion
-from .arguments import Duration, NoOwnCode, RecordingFolder, Rules, Seed, TrialName
+from .arguments import Duration, NoOwnCode, Personality, RecordingFolder, Rules, Seed, TrialName
 from .consoles import say
 from .interrupts import leave_to_asyncio
 from .run import INTERRUPTED, changed, print_result, recording_of
@@ -58,13 +57,7 @@ def bridge(
     waypoints: Annotated[
         bool, typer.Option("--waypoints", help="As the agent, plan paths and send their waypoints.")
     ] = False,
-    personality: Annotated[
-        str | None,
-        typer.Option(
-            help="Of everybody in the trial: a name, or an .asl file.",
-            autocompletion=completion.program,
-        ),
-    ] = None,
+    personality: Personality = None,
     duration: Duration = None,
     seed: Seed = None,
     rules: Rules = None,

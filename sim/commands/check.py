@@ -14,7 +14,8 @@ from .consoles import say
 from .notices import print_floor_notices, print_notices
 
 if TYPE_CHECKING:
-    from sim import Trial
+    from floorplan import Floorplan
+    from sim import Study, Trial
 
 
 def check(
@@ -55,6 +56,7 @@ def _read(file: str, own_code: bool) -> str:
     import bdi
     import floorplan
     from sim import Study, Trial, load_rules
+    from sim.commands.sources import outermost_keys
     from sim.trials.rules_file import RuleKeys
 
     path = Path(file)
@@ -63,7 +65,7 @@ def _read(file: str, own_code: bool) -> str:
     if built_in := list(_built_in(file)):
         return "; ".join(built_in)
     if path.suffix in (".yaml", ".yml") and path.exists():
-        keys = _keys(path)
+        keys = outermost_keys(path)
         if "trials" in keys:
             return _study(Study.load(path, own_code=own_code))
         if {"boundary", "base", "image"} & keys:
@@ -87,18 +89,7 @@ def _built_in(name: str) -> Iterator[str]:
         yield f"the rule set {name}"
 
 
-def _keys(path: Path) -> set[str]:
-    """Return the outermost keys of a YAML file, which show what is in it."""
-    import floorplan
-
-    data = floorplan.read_yaml(path, floorplan.FloorplanError).data
-    return set(data) if isinstance(data, dict) else set()
-
-
-def _study(study: object) -> str:
-    from sim import Study
-
-    assert isinstance(study, Study)
+def _study(study: Study) -> str:
     trials = _number(len(study.trials), "trial")
     return f"a study of {trials}, {_number(len(study), 'row')}"
 
@@ -111,10 +102,7 @@ def _program(file: str) -> str:
     return f"a program of {_number(len(program.plans), 'plan')}"
 
 
-def _trial(trial: object, file: str) -> str:
-    from sim import Trial
-
-    assert isinstance(trial, Trial)
+def _trial(trial: Trial, file: str) -> str:
     print_notices(trial)
     _warn_of_short_laws(trial, file)
     names = [f"{p.name} ({Path(p.personality_name).stem})" for p in trial.people]
@@ -144,10 +132,7 @@ def _warn_of_short_laws(trial: Trial, file: str) -> None:
     say(f"{file}: {problem}", err=True)
 
 
-def _floor(plan: object) -> str:
-    from floorplan import Floorplan
-
-    assert isinstance(plan, Floorplan)
+def _floor(plan: Floorplan) -> str:
     print_floor_notices(plan)
     west, south, east, north = plan.boundary.bounds
     things = [

@@ -2,36 +2,17 @@
 
 from __future__ import annotations
 
-from enum import Enum
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
-from . import completion
-from .arguments import NoOwnCode
+from .arguments import NoOwnCode, Source
 from .consoles import say
 
 
-class FormatName(str, Enum):
-    """Formats that `--format` can name."""
-
-    csv = "csv"
-    parquet = "parquet"
-    mcap = "mcap"
-    rosbag = "rosbag"
-    jupedsim = "jupedsim"
-
-
 def export(
-    source: Annotated[
-        str,
-        typer.Argument(
-            metavar="DIR|TRIAL",
-            help="A recording's folder; or a trial (a file or a built-in name), which is run.",
-            autocompletion=completion.trial,
-        ),
-    ],
+    source: Source,
     out: Annotated[
         Path,
         typer.Option(
@@ -40,7 +21,8 @@ def export(
         ),
     ],
     format: Annotated[
-        FormatName | None, typer.Option(help="If the name of the file does not say it.")
+        Literal["csv", "parquet", "mcap", "rosbag", "jupedsim"] | None,
+        typer.Option(help="If the name of the file does not say it."),
     ] = None,
     rate: Annotated[float, typer.Option(help="Instants a second, in Hz.")] = 20.0,
     no_own_code: NoOwnCode = False,
@@ -49,8 +31,7 @@ def export(
     from sim.commands.sources import run_from
     from sim.exports import Export
 
-    name = format.value if format is not None else None
-    chosen = Export.to(out, rate=rate, format=name)
+    chosen = Export.to(out, rate=rate, format=format)
     run = run_from(source, own_code=not no_own_code)
     chosen.write(run)
     say(f"{out} holds {run.duration:g} s of {run.scene.trial} at {rate:g} Hz")

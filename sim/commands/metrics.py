@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from . import completion
-from .arguments import NoOwnCode
+from .arguments import NoOwnCode, Source
 from .consoles import plain_console, say
 
 if TYPE_CHECKING:
@@ -16,14 +15,7 @@ if TYPE_CHECKING:
 
 
 def metrics(
-    source: Annotated[
-        str,
-        typer.Argument(
-            metavar="RUN",
-            help="The folder of a run, or a trial to be run: a file or its name.",
-            autocompletion=completion.trial,
-        ),
-    ],
+    source: Source,
     radius: Annotated[
         list[str] | None,
         typer.Option(

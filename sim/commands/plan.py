@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from . import completion
+from .arguments import Coordinate, GoalX, Radius, StartX
 from .consoles import say
 
 if TYPE_CHECKING:
@@ -20,10 +21,10 @@ def plan(
         str,
         typer.Argument(help="A built-in name, or a file.", autocompletion=completion.floor),
     ],
-    x0: Annotated[float, typer.Argument(help="The start, in metres.")],
-    y0: Annotated[float, typer.Argument()],
-    x1: Annotated[float, typer.Argument(help="The goal, in metres.")],
-    y1: Annotated[float, typer.Argument()],
+    x0: StartX,
+    y0: Coordinate,
+    x1: GoalX,
+    y1: Coordinate,
     planner: Annotated[
         str | None,
         typer.Option(
@@ -35,9 +36,7 @@ def plan(
         list[str] | None,
         typer.Option(help="NAME=VALUE of one of the planner's parameters; again for more."),
     ] = None,
-    radius: Annotated[
-        float | None, typer.Option(help="Of the person, in metres; the floor's own by default.")
-    ] = None,
+    radius: Radius = None,
     agv: Annotated[
         list[str] | None,
         typer.Option(help="NAME=PLACE: an AGV's location or lane position; again for more."),

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from . import completion
-from .arguments import Floor, NoOwnCode, Source
+from .arguments import Coordinate, Floor, GoalX, NoOwnCode, Radius, Source, StartX
 from .consoles import say
 
 if TYPE_CHECKING:
@@ -58,14 +58,12 @@ def floorplan(
 @app.command(context_settings={"ignore_unknown_options": True})
 def path(
     floor: Floor,
-    x0: Annotated[float, typer.Argument(help="The start, in metres.")],
-    y0: Annotated[float, typer.Argument()],
-    x1: Annotated[float, typer.Argument(help="The goal, in metres.")],
-    y1: Annotated[float, typer.Argument()],
+    x0: StartX,
+    y0: Coordinate,
+    x1: GoalX,
+    y1: Coordinate,
     out: Out,
-    radius: Annotated[
-        float | None, typer.Option(help="Of the person, in metres; the floor's own by default.")
-    ] = None,
+    radius: Radius = None,
     width: Columns = "double",
     no_own_code: NoOwnCode = False,
 ) -> None:

@@ -14,7 +14,7 @@ import typer
 
 from ..core.folder_names import folder_for
 from . import completion
-from .arguments import Duration, NoOwnCode, RecordingFolder, Rules, Seed, TrialName
+from .arguments import Duration, NoOwnCode, Personality, RecordingFolder, Rules, Seed, TrialName
 from .browser import open_in_browser, somebody_looks
 from .consoles import plain_console, say
 from .interrupts import taken_by
@@ -32,13 +32,7 @@ REPORTS = 200
 
 def run(
     trial: TrialName = "ariac2023",
-    personality: Annotated[
-        str | None,
-        typer.Option(
-            help="Give everybody this one: a name, or an .asl file.",
-            autocompletion=completion.program,
-        ),
-    ] = None,
+    personality: Personality = None,
     controller: Annotated[
         str | None,
         typer.Option(
