@@ -24,6 +24,7 @@ from .kernels.candidates import Candidates, next_step
 from .kernels.discs import first_met, within_bounds
 from .kernels.edges import touches
 from .kernels.grid import block_discs, grid_path
+from .kernels.lookout import nearest_on
 from .lookout import Lookout
 from .machines import (
     ARIAC_GANTRY,
@@ -154,6 +155,7 @@ __all__ = [
     "longest_stop",
     "minimum_margin",
     "minimum_separation",
+    "nearest_on",
     "nearest_pair",
     "next_step",
     "pace",

@@ -12,7 +12,15 @@ from floorplan import Gantry, Lane
 from .kernels.braking import AxisStops, LaneStops
 from .kernels.pieces import merge_axes
 from .motion import Motion, Piece, State, pieces_of
-from .profiles import AxisLimits, AxisState, Phases, along_line, straight, to_position
+from .profiles import (
+    AxisLimits,
+    AxisState,
+    Phases,
+    along_line,
+    rows_to_position,
+    straight,
+    to_position,
+)
 
 GantryLimits = tuple[AxisLimits, AxisLimits, AxisLimits]
 """Limits of the gantry's x, y and rotation."""
@@ -64,7 +72,7 @@ def gantry_move(
     if not (any(current.velocity) or any(current.acceleration)):
         return _along_axes(straight(current.position, target, limits), start)
     targets = [AxisState(c) for c in target]
-    return _along_axes(to_position(_axis_states(current), targets, limits), start)
+    return _along_axes(rows_to_position(_axis_states(current), targets, limits), start)
 
 
 def gantry_stop(current: State, start: float, *, limits: GantryLimits = ARIAC_GANTRY) -> Motion:
@@ -149,12 +157,11 @@ def _axis_states(current: State) -> list[AxisState]:
     return [AxisState(*axis) for axis in zip(*current, strict=True)]
 
 
-def _along_axes(axes: list[Phases], start: float) -> Motion:
+def _along_axes(axes: list[list[float]], start: float) -> Motion:
     """Return three axes with phases of their own as one motion, cut where one of them changes."""
     start = float(start)
-    rows = [[c for duration, cubic in phases for c in (duration, *cubic)] for phases in axes]
-    if not (table := merge_axes(rows, start)):
-        x, y, rotation = (phases[0][1] for phases in axes)
+    if not (table := merge_axes(axes, start)):
+        x, y, rotation = ((rows[1], rows[2], rows[3], rows[4]) for rows in axes)
         return Motion((Piece(start, start, x, y, rotation),))
     return Motion(tuple(pieces_of(table)))
 

@@ -14,7 +14,8 @@ from typing import Any
 import ruckig
 
 from .kernels.braking import stands
-from .motion import Cubic, Piece, shift
+from .kernels.pieces import phases_of
+from .motion import Cubic, Piece
 
 
 @dataclass(frozen=True)
@@ -55,6 +56,13 @@ def to_position(
 
     `ValueError` if there are none.
     """
+    return [_phases(rows) for rows in rows_to_position(current, target, limits)]
+
+
+def rows_to_position(
+    current: Sequence[AxisState], target: Sequence[AxisState], limits: Sequence[AxisLimits]
+) -> list[list[float]]:
+    """Return `to_position`'s profiles: for each phase of an axis its duration and coefficients."""
     task = _task(current, limits)
     task.target_position = [state.position for state in target]
     task.target_velocity = [state.velocity for state in target]
@@ -89,8 +97,10 @@ def trapezoid(length: float, first: float, last: float, limits: AxisLimits) -> P
 
 def straight(
     current: Sequence[float], target: Sequence[float], limits: Sequence[AxisLimits]
-) -> list[Phases]:
+) -> list[list[float]]:
     """Return the fastest profiles from rest to rest with all axes in step: a straight line.
+
+    They are rows as those of `rows_to_position`.
 
     The line is planned as one axis, as long as the longest span, with the limits that all axes
     leave it.
@@ -98,7 +108,7 @@ def straight(
     spans = [b - a for a, b in zip(current, target, strict=True)]
     length = max(abs(span) for span in spans)
     if length < NOWHERE:
-        return [[(0.0, (a, 0.0, 0.0, 0.0))] for a in current]
+        return [[0.0, a, 0.0, 0.0, 0.0] for a in current]
     shares = [span / length for span in spans]
     moving = [(abs(share), axis) for share, axis in zip(shares, limits, strict=True) if share]
     shared = AxisLimits(
@@ -106,14 +116,22 @@ def straight(
         min(axis.max_acceleration / share for share, axis in moving),
         min(axis.max_jerk / share for share, axis in moving),
     )
-    (along,) = to_position([AxisState(0.0)], [AxisState(length)], [shared])
-    return [
-        [
-            (duration, (a + share * s[0], share * s[1], share * s[2], share * s[3]))
-            for duration, s in along
-        ]
-        for a, share in zip(current, shares, strict=True)
-    ]
+    (along,) = rows_to_position([AxisState(0.0)], [AxisState(length)], [shared])
+    return [_scaled(along, a, share) for a, share in zip(current, shares, strict=True)]
+
+
+def _scaled(rows: list[float], begin: float, share: float) -> list[float]:
+    """Return the rows of an axis that goes by a share of another's, from `begin` on."""
+    found: list[float] = []
+    for k in range(0, len(rows), 5):
+        found += (
+            rows[k],
+            begin + share * rows[k + 1],
+            share * rows[k + 2],
+            share * rows[k + 3],
+            share * rows[k + 4],
+        )
+    return found
 
 
 def along_line(
@@ -154,7 +172,8 @@ def _task(current: Sequence[AxisState], limits: Sequence[AxisLimits]) -> Any:
     return task
 
 
-def _solve(task: Any) -> list[Phases]:
+def _solve(task: Any) -> list[list[float]]:
+    """Return Ruckig's answer: of each axis the rows of `merge_axes`."""
     trajectory = ruckig.Trajectory(task.degrees_of_freedom)
     try:
         result = ruckig.Ruckig(task.degrees_of_freedom).calculate(task, trajectory)
@@ -165,21 +184,17 @@ def _solve(task: Any) -> list[Phases]:
     states = zip(
         task.current_position, task.current_velocity, task.current_acceleration, strict=True
     )
-    return [_phases(*axis) for axis in zip(trajectory.profiles[0], states, strict=True)]
+    rows = []
+    for profile, state in zip(trajectory.profiles[0], states, strict=True):
+        brake = profile.brake  # its phases come before the seven of the profile
+        durations, jerks = [*brake.t, *profile.t], [*brake.j, *profile.j]
+        rows.append(phases_of([*state], durations, [*brake.a, *profile.a], jerks))
+    return rows
 
 
-def _phases(profile: Any, state: tuple[float, float, float]) -> Phases:
-    """Return one axis of Ruckig's answer: its braking phases, then its seven."""
-    phases: Phases = []
-    brake = profile.brake
-    cubic: Cubic = (state[0], state[1], state[2] / 2, 0.0)
-    steps = [*zip(brake.t, brake.a, brake.j, strict=True)]
-    steps += zip(profile.t, profile.a[:-1], profile.j, strict=True)
-    for duration, acceleration, jerk in steps:
-        if duration <= 0.0:
-            continue
-        # Without a jerk limit the acceleration jumps between phases; position and velocity don't.
-        cubic = (cubic[0], cubic[1], acceleration / 2, jerk / 6)
-        phases.append((duration, cubic))
-        cubic = shift(cubic, duration)
-    return phases or [(0.0, cubic)]
+def _phases(rows: list[float]) -> Phases:
+    """Return the rows of one axis as phases."""
+    return [
+        (rows[k], (rows[k + 1], rows[k + 2], rows[k + 3], rows[k + 4]))
+        for k in range(0, len(rows), 5)
+    ]

@@ -42,3 +42,13 @@ cdef class Lookout:
     cdef double room(
         self, list[double] people, Py_ssize_t k, Part on, double since
     ) except? -1
+
+cpdef double nearest_on(
+    list[double] motion,
+    list[double] people,
+    double now,
+    double begin,
+    double end,
+    double step,
+    double horizon,
+) except? -1

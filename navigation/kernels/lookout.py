@@ -33,6 +33,7 @@ else:
     from cython.cimports.navigation.kernels.odometer import Figure, Odometer, row_at
     from cython.cimports.navigation.kernels.watch import TooClose, Watch
 
+_INFINITE: float = float("inf")
 _WIDTH: cython.Py_ssize_t = 14
 _PERSON: cython.Py_ssize_t = 4
 
@@ -195,3 +196,39 @@ class Lookout:
         dx: float = people[o] - on.last_x
         dy: float = people[o + 1] - on.last_y
         return sqrt(dx * dx + dy * dy) - asked
+
+
+def nearest_on(
+    motion: list[float],
+    people: list[float],
+    now: float,
+    begin: float,
+    end: float,
+    step: float,
+    horizon: float,
+) -> float:
+    """Return the least distance from `begin` to `end`, looked for each `step` seconds and at `end`.
+
+    Of people there are x, y and velocity at `now`; they keep that for `horizon` seconds. inf
+    without people.
+    """
+    least: float = _INFINITE
+    i: cython.Py_ssize_t = 0
+    k: cython.Py_ssize_t
+    t: float = begin
+    over: cython.bint = False
+    while not over:
+        if t >= end:
+            t = end
+            over = True
+        at, _, _ = evaluate(motion, max(row_at(motion, _WIDTH, t), 0), t, False)
+        x: float = at[0]
+        y: float = at[1]
+        after: float = min(t - now, horizon)
+        for k in range(0, len(people), _PERSON):
+            dx: float = x - (people[k] + after * people[k + 2])
+            dy: float = y - (people[k + 1] + after * people[k + 3])
+            least = min(least, sqrt(dx * dx + dy * dy))
+        i += 1
+        t = begin + i * step
+    return least

@@ -78,6 +78,38 @@ def breaks(table: list[float], tolerance: float) -> list[int]:
     return found
 
 
+def phases_of(
+    state: list[float],
+    durations: list[float],
+    accelerations: list[float],
+    jerks: list[float],
+) -> list[float]:
+    """Return an axis's phases, from position, velocity and acceleration on: rows of `merge_axes`.
+
+    Without a jerk limit the acceleration jumps between phases; position and velocity don't.
+    """
+    rows: list[float] = []
+    c0: float = state[0]
+    c1: float = state[1]
+    k: cython.Py_ssize_t
+    for k in range(len(durations)):
+        u: float = durations[k]
+        if u <= 0.0:
+            continue
+        c2: float = accelerations[k] / 2
+        c3: float = jerks[k] / 6
+        rows.append(u)
+        rows.append(c0)
+        rows.append(c1)
+        rows.append(c2)
+        rows.append(c3)
+        c0 = c0 + u * (c1 + u * (c2 + u * c3))
+        c1 = c1 + u * (2 * c2 + u * 3 * c3)
+    if not rows:
+        return [0.0, state[0], state[1], state[2] / 2, 0.0]
+    return rows
+
+
 def merge_axes(axes: list[list[float]], start: float) -> list[float]:
     """Return the table of a motion from `start` on whose three axes have phases of their own.
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from enum import IntEnum
 from heapq import heappush
+from typing import Any
 
 import simpy
 from simpy.core import StopSimulation
@@ -92,6 +93,28 @@ class Clock(simpy.Environment):
         event._value = None
         entry = (max(t, self.now), EventPriority(turn), next(self._eid), event)
         heappush(self._queue, entry)
+        return event
+
+    def ask(self, t: float, answer: Callable[[], Any], turn: Turn) -> Event:
+        """Return an event that happens at `t` (seconds), with what `answer` returns then.
+
+        It is what a process would be that waits for the instant, in a third of the events.
+        """
+        event = Event(self)
+        assert event.callbacks is not None  # it has not happened yet
+
+        def answered(_: Event) -> None:
+            event._ok, event._value = True, answer()
+
+        event.callbacks.append(answered)
+        heappush(self._queue, (max(t, self.now), EventPriority(turn), next(self._eid), event))
+        return event
+
+    def happened(self, value: Any) -> Event:
+        """Return an event that has happened: who waits for it gets `value` and goes on at once."""
+        event = Event(self)
+        event._ok, event._value = True, value
+        event.callbacks = None  # type: ignore[assignment]
         return event
 
     def call_at(self, t: float, action: Callable[[], None], turn: Turn = Turn.MOTION_ENDS) -> Event:

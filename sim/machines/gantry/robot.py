@@ -129,14 +129,17 @@ class GantryRobot(Machine):
         """True while it is made to stand: disabled, or in a protective stop."""
         return self.drive.disabled
 
-    def look(self, after: float = 0.0) -> Process:
+    def look(self, after: float = 0.0) -> Event:
         """See the people around, at the first observation `after` seconds from now or later.
 
         The value is a tuple of `Sighting`s: `people = yield gantry.look()`.
         """
         if not 0 <= after < math.inf:
             raise ValueError(f"can't wait {after} s")
-        return self._command(self._look(after))
+        self._interrupts.command_given()
+        earliest = (self.now + after) * OBSERVATION_RATE
+        at = math.ceil(earliest - 1e-9) / OBSERVATION_RATE
+        return self._clock.ask(at, self._sightings, Turn.NOTICE)
 
     def interrupt_on(self, reason: Interruption, distance: float = math.inf) -> None:
         """From now on, interrupt the controller where it waits when this happens.
@@ -245,9 +248,14 @@ class GantryRobot(Machine):
         poses = [self._pose(step, rotation) for step in task.steps_left]
         return () if None in poses else tuple(pose for pose in poses if pose is not None)
 
-    def locate(self, task: Task) -> Process:
+    def locate(self, task: Task) -> Event:
         """Begin the task, or go on with it: `where` its next step is, once it can be reached."""
-        return self._command(self._find(task))
+        pose = self._pose(_next_step(task))
+        if pose is None:
+            return self._command(self._find(task))
+        self._interrupts.command_given()
+        self._begin(task)
+        return self._clock.happened(pose)
 
     def handle(self, task: Task) -> Process:
         """Do the work of the task's next step, here. The value is True if it was done.
@@ -322,9 +330,7 @@ class GantryRobot(Machine):
     def _target(self, x: float, y: float, rotation: float | None) -> Pose:
         return (x, y, self.position[2] if rotation is None else rotation)
 
-    def _look(self, after: float) -> Steps:
-        earliest = (self.now + after) * OBSERVATION_RATE
-        yield self._clock.at(math.ceil(earliest - 1e-9) / OBSERVATION_RATE, Turn.NOTICE)
+    def _sightings(self) -> tuple[Sighting, ...]:
         if self._stage.blind[self.name]:
             return ()
         return tuple(

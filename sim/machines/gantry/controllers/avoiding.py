@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 from shapely import LineString, Point
 
-from navigation import GantryPlanner, Motion, PlanningError
+from navigation import GantryPlanner, Motion, PlanningError, nearest_on
 
 from ..drive import Steps
 from ..robot import REACH, GantryRobot, Sighting
@@ -43,7 +43,7 @@ def avoiding(gantry: GantryRobot) -> Steps:
     caution = Caution(gantry)
     outlook = Outlook(gantry, caution)
     while (yield gantry.next_task()) is not None:
-        people = yield gantry.look()
+        people = yield from caution.look()
         task, pose = outlook.choose(people)
         if task is None:
             if (yield from caution.go(outlook.refuge(people), seconds=SECOND_THOUGHTS)):
@@ -59,6 +59,7 @@ class Outlook:
 
     def __init__(self, gantry: GantryRobot, caution: Caution) -> None:
         self._gantry = gantry
+        self._caution = caution
         self._zone = caution.required(0.0) + ROOM
         self._rooms = [caution.room_to_move(pace) + ROOM for pace in PACES]
         self._free_at = gantry.now
@@ -73,7 +74,8 @@ class Outlook:
     def choose(self, people: Sequence[Sighting]) -> tuple[Task | None, Pose]:
         """Return the task to go on with (None if none can be done now), and the pose to go to."""
         gantry = self._gantry
-        tasks = [task for task in gantry.open_tasks if task.begun] or gantry.open_tasks
+        tasks = gantry.open_tasks
+        tasks = tuple(task for task in tasks if task.begun) or tasks
         paths = [(task, path) for task in tasks for path in [gantry.way(task)] if path]
         groups = list(dict.fromkeys(task.group for task, _ in paths))
         for group in groups[:1] if gantry.now < self._free_at + PATIENCE else groups:
@@ -95,7 +97,7 @@ class Outlook:
             if pose in tried or step is None:
                 continue
             tried.add(pose)
-            if self._is_clear(self._gantry.preview(*pose), people, step.seconds):
+            if self._is_clear(self._caution.preview(pose), people, step.seconds):
                 return task, pose
             detour = self._detour(pose, people)
             if detour is not None:
@@ -148,11 +150,9 @@ class Outlook:
         self, motion: Motion, people: Sequence[Sighting], begin: float, end: float
     ) -> float:
         """Return the least distance (metres) to anybody from `begin` to `end` (seconds)."""
-        times = np.append(np.arange(begin, end, GLANCE), end)
-        after = np.minimum(times - self._gantry.now, FORESIGHT)[:, None]
-        gantry = motion.position(times)
-        away = [gantry - (np.array(p.at) + after * np.array(p.velocity)) for p in people]
-        return min((float(np.hypot(*offset.T).min()) for offset in away), default=math.inf)
+        rows = [c for person in people for c in (*person.at, *person.velocity)]
+        now = self._gantry.now
+        return nearest_on(motion.table, rows, now, begin, end, GLANCE, FORESIGHT)
 
     def _detour(self, pose: Pose, people: Sequence[Sighting]) -> Pose | None:
         """Return the first waypoint of a path to `pose` round everybody; None if there is none."""

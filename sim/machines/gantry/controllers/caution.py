@@ -43,6 +43,15 @@ class Caution:
         self._foresight = Foresight(gantry.law, top)
         self._move: Event = gantry.stop()
         self._under_way: tuple[Motion, Pose, float] | None = None
+        self._seen: tuple[Sighting, ...] = ()
+        self._seen_at = -math.inf
+
+    def look(self) -> Steps:
+        """See the people around; those of this instant are seen once."""
+        if self._seen_at != self._gantry.now:
+            people: tuple[Sighting, ...] = yield self._gantry.look()
+            self._take_note(people)
+        return self._seen
 
     def go(self, pose: Pose, *, seconds: float = math.inf) -> Steps:
         """Go to `pose`, at any time as fast as is safe; the value is True once it is there.
@@ -52,12 +61,12 @@ class Caution:
         """
         gantry = self._gantry
         end = gantry.now + seconds
-        people = yield gantry.look()
+        people = yield from self.look()
         while math.dist(gantry.position, pose) > ARRIVED or gantry.now < gantry.body.motion.end:
             if end - gantry.now < INSTANT:
                 return False
             share = self._share_to(pose)
-            found, safe = self._fastest(pose, share, people)
+            found, safe = self._fastest(pose, people)
             if found == 0.0 and self._under_way is not None:
                 gantry.stop()
                 self._under_way = None
@@ -66,8 +75,16 @@ class Caution:
                 self._under_way = (gantry.body.motion, pose, found)
             look = gantry.look(min(safe, end - gantry.now))
             yield look | self._move if found > 0.0 else look
-            people = look.value if look.processed else (yield gantry.look())
+            if look.processed:
+                self._take_note(look.value or ())
+            people = yield from self.look()
         return True
+
+    def preview(self, pose: Pose, share: float = 1.0) -> Motion:
+        """Return the motion to `pose` at a share of the top speeds: the one under way if it is."""
+        gantry = self._gantry
+        under_way = share == self._share_to(pose)
+        return gantry.body.motion if under_way else gantry.preview(*pose, speed_share=share)
 
     def safe_for(self, motion: Motion, people: Sequence[Sighting]) -> float:
         """Return the seconds from now for which `motion` is safe, and a stop after them; or 0."""
@@ -91,6 +108,9 @@ class Caution:
         """
         return self._foresight.required(self._human_speed, robot_speed)
 
+    def _take_note(self, people: tuple[Sighting, ...]) -> None:
+        self._seen, self._seen_at = people, self._gantry.now
+
     def _share_to(self, pose: Pose) -> float:
         """Return the share of its speeds at which it moves to `pose`; 0 if it does not."""
         if self._under_way is None:
@@ -98,7 +118,7 @@ class Caution:
         motion, target, share = self._under_way
         return share if motion is self._gantry.body.motion and target == pose else 0.0
 
-    def _fastest(self, pose: Pose, share: float, people: Sequence[Sighting]) -> tuple[float, float]:
+    def _fastest(self, pose: Pose, people: Sequence[Sighting]) -> tuple[float, float]:
         """Return the greatest safe share of the top speeds, and the seconds for which it is safe.
 
         If none is safe: 0, and the seconds until the next look.
@@ -106,11 +126,7 @@ class Caution:
         gantry = self._gantry
         if not gantry.disabled:
             for candidate in SHARES:
-                motion = (
-                    gantry.body.motion
-                    if candidate == share
-                    else gantry.preview(*pose, speed_share=candidate)
-                )
+                motion = self.preview(pose, candidate)
                 seconds = self.safe_for(motion, people)
                 if seconds > 0.0:
                     return candidate, seconds if candidate == 1.0 else min(seconds, AGAIN)
