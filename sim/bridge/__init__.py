@@ -6,9 +6,9 @@ From below: `protocol` and `message_types` define what may be sent, `exchange` c
 of an agent.
 """
 
+from ..core.origins import OriginError, Origins
 from .connection import ConnectError, Connection, ServiceError
 from .exchange import Exchange
-from .origins import OriginError, Origins
 from .remote_agent import RemoteAgent
 from .server import AddressError, RosbridgeServer, listen_at
 from .session import Session

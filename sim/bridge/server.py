@@ -15,11 +15,11 @@ from websockets.asyncio.server import Server, ServerConnection, serve
 from websockets.exceptions import ConnectionClosed
 from websockets.http11 import Request, Response
 
+from ..core.origins import Origins
 from .client import Client
 from .exchange import Exchange
 from .incoming import Incoming
 from .ledger import Ledger
-from .origins import Origins
 from .protocol import LONGEST_MESSAGE
 
 MOST_CLIENTS = 1000

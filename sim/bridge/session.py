@@ -9,12 +9,13 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import Any
 
+from ..core.origins import Origins
 from ..people.programs import EXTERNAL
 from .client import Client
 from .exchange import Exchange, RefusedError
 from .human_topics import COMMANDS, START
 from .machine_topics import TRAJECTORY
-from .origins import Origins
+from .pacing import PAUSED, BridgeTempo, Viewer, attend
 from .rosapi import provide_rosapi
 from .server import RosbridgeServer, listen_at
 from .workcell import ENDED, STARTED, BridgeError, Workcell
@@ -46,6 +47,7 @@ class Session:
     /ariac/start_competition. With a speed, an agent is given `grace` seconds of the wall clock to
     make ready before the trial begins, unless that is called earlier. `notice(text)` notifies the
     user of the command. Web pages of `origins` may take part; left out, those of this machine.
+    A `viewer` shows the run meanwhile; its page may pause it, and change its speed.
     """
 
     def __init__(
@@ -58,6 +60,7 @@ class Session:
         grace: float = GRACE,
         notice: Callable[[str], None] = lambda _: None,
         origins: Origins | None = None,
+        viewer: Viewer | None = None,
     ) -> None:
         if not (math.isfinite(speed) and speed >= 0):
             raise BridgeError(f"speed must be 0 or more, not {speed:g}")
@@ -68,7 +71,9 @@ class Session:
             exchange, left=self._left, failed=self._fail, origins=origins, notice=notice
         )
         self._workcell = workcell
-        self._speed = speed
+        self._tempo = BridgeTempo(speed)
+        self._tempo.changed = self._change_tempo
+        self._viewer = viewer
         self._resumed = (0.0, 0.0)
         """A simulated time, and the wall's at that instant."""
         self._notice = notice
@@ -114,6 +119,7 @@ class Session:
 
     async def run(self) -> None:
         """Keep time until the trial is over; raise whatever the user's own programs raise."""
+        showing = self._show()
         try:
             while not self._is_over:
                 await self._go_on()
@@ -122,7 +128,28 @@ class Session:
             self._publish()
             self._workcell.enter(ENDED)
         finally:
+            if showing is not None:
+                showing.cancel()
+                with suppress(asyncio.CancelledError):
+                    await showing
             await self.server.close()
+
+    def _show(self) -> asyncio.Task[None] | None:
+        """Let the viewer follow from now on."""
+        if self._viewer is None:
+            return None
+        simulation = self._workcell.simulation
+        self._viewer.follow(simulation, self._tempo)
+        return asyncio.create_task(attend(self._viewer, simulation))
+
+    def _change_tempo(self) -> None:
+        """Go on from here as the page wants it."""
+        self._resume()
+        self._changed.set()
+
+    @property
+    def _speed(self) -> float:
+        return self._tempo.speed
 
     @property
     def _is_over(self) -> bool:
@@ -211,6 +238,8 @@ class Session:
     def _missing(self) -> str:
         """The reason for which time stands still, "" if it goes on."""
         clients = self.server.clients
+        if self._tempo.paused:
+            return PAUSED
         if self._hold:
             return "nobody has called /ariac/start_competition"
         if self._needs_agent and not any(map(self._is_agent, clients)):

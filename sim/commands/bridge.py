@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from .arguments import Duration, NoOwnCode, Personality, RecordingFolder, Rules, Seed, TrialName
+from .browser import open_in_browser
 from .consoles import say
 from .interrupts import leave_to_asyncio
 from .run import INTERRUPTED, changed, print_result, recording_of
@@ -50,6 +51,13 @@ def bridge(
         ),
     ] = None,
     out: RecordingFolder = None,
+    watch: Annotated[
+        bool, typer.Option("--watch", help="Show it in the browser, to interfere with it too.")
+    ] = False,
+    opened: Annotated[
+        bool,
+        typer.Option("--open/--no-open", help="With --watch: open the browser, or only say where."),
+    ] = True,
     connect: Annotated[
         str | None,
         typer.Option(metavar="URL", help="Serve nothing; be the agent at this rosbridge instead."),
@@ -71,9 +79,11 @@ def bridge(
     if connect is not None:
         from sim.bridge import driven_person
 
+        if watch:
+            raise typer.BadParameter("shows what is served here, not elsewhere", param_hint="watch")
         _be_the_agent(chosen, driven_person(given), connect, waypoints)
     else:
-        _serve(chosen, host, port, speed, hold, grace, origin or [], out)
+        _serve(chosen, host, port, speed, hold, grace, origin or [], out, watch, opened)
 
 
 def _serve(
@@ -85,9 +95,13 @@ def _serve(
     grace: float,
     origins: list[str],
     out: Path | None,
+    watch: bool,
+    opened: bool,
 ) -> None:
     import asyncio
+    from contextlib import ExitStack
 
+    from sim import LiveRun
     from sim.bridge import Exchange, OriginError, Origins, Session, Workcell, listen_at
 
     if not (math.isfinite(speed) and speed >= 0):
@@ -100,30 +114,44 @@ def _serve(
     if not _is_loopback(host):
         _notice(f"everybody who can reach {host} can take part, without a password")
     recording = recording_of(trial.name, out)
+    live = LiveRun(trial.duration, speed=speed or 1.0) if watch else None
+    listeners = (recording,) if live is None else (recording, live)
     interrupted = False
-    try:
-        exchange = Exchange()
-        workcell = Workcell(trial, exchange, recording)
+    with ExitStack() as shown:
         try:
-            session = Session(
-                workcell,
-                exchange,
-                speed=speed,
-                hold=hold,
-                grace=grace,
-                notice=_notice,
-                origins=trusted,
-            )
-            leave_to_asyncio()
-            asyncio.run(_open_and_run(session, at))
-        except KeyboardInterrupt:
-            interrupted = True
+            exchange = Exchange()
+            workcell = Workcell(trial, exchange, *listeners)
+            try:
+                session = Session(
+                    workcell,
+                    exchange,
+                    speed=speed,
+                    hold=hold,
+                    grace=grace,
+                    notice=_notice,
+                    origins=trusted,
+                    viewer=live,
+                )
+                if live is not None:
+                    shown.enter_context(live.server)
+                    _show(live.server.url, opened=opened)
+                leave_to_asyncio()
+                asyncio.run(_open_and_run(session, at))
+            except KeyboardInterrupt:
+                interrupted = True
+            finally:
+                finished = workcell.simulation.finish()
+                for listener in listeners:
+                    listener.finish(finished)
         finally:
-            finished = workcell.simulation.finish()
-            recording.finish(finished)
-    finally:
-        recording.close()
+            recording.close()
     print_result(finished, recording.folder, interrupted=interrupted)
+
+
+def _show(url: str, *, opened: bool) -> None:
+    _notice(f"{url} shows it while it goes on")
+    if opened:
+        open_in_browser(url)
 
 
 async def _open_and_run(session: Session, at: socket.socket) -> None:

@@ -6,12 +6,13 @@ two of its steps: what is done in a run has one order, and an instant of simulat
 
 from __future__ import annotations
 
-import math
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from queue import Empty, SimpleQueue
 from typing import Any
+
+from ..core.tempo import checked_speed
 
 Answer = dict[str, Any]
 """Answer to a request: `problem`, where it can't be done, in words."""
@@ -23,7 +24,7 @@ OVER = "the run is over"
 
 
 class Pace:
-    """Simulated time by real time: `speed` times as fast, or not at all while `paused`.
+    """The tempo of a run that goes by the wall's clock.
 
     `now()` is real time in seconds. Simulated time begins at 0 when it is first looked at.
     """
@@ -54,13 +55,6 @@ class Pace:
         self.target()
         self._speed = wanted
         self.paused = self.paused if paused is None else paused
-
-
-def checked_speed(speed: float) -> float:
-    """Return a speed that can be; `ValueError` for another."""
-    if not 0 < speed < math.inf:
-        raise ValueError(f"speed must be more than 0, not {speed:g}")
-    return speed
 
 
 @dataclass

@@ -23,6 +23,7 @@ from ..core.commands import COMMANDS
 from ..core.recorder import Event, Listener, Thought, rounded
 from ..core.scenario import TrialError
 from ..core.scene import Scene
+from ..core.tempo import Tempo
 from ..runs.run import Recorded, Run
 from ..simulation import Simulation
 from ..trials.command_keys import read_command
@@ -53,6 +54,7 @@ class LiveRun(Listener):
 
     def __init__(self, duration: float, *, speed: float = 1.0) -> None:
         self._pace = Pace(speed, time.monotonic)
+        self._tempo: Tempo = self._pace
         self._duration = duration
         self._stream = Stream()
         self._page = ""
@@ -65,7 +67,7 @@ class LiveRun(Listener):
     @property
     def speed(self) -> float:
         """Seconds of the run in a second of real time, unless it is paused."""
-        return self._pace.speed
+        return self._tempo.speed
 
     def begin(self, scene: Scene) -> None:
         """Make the page, in which nothing has happened yet."""
@@ -95,18 +97,39 @@ class LiveRun(Listener):
     def advance(self, simulation: Simulation) -> None:
         """Run to the end at the speed that the page wants, or until it is stopped."""
         simulation.start()
-        for body in simulation.bodies:
-            self._plan(body, simulation)
-            body.on_change.append(partial(self._plan, body, simulation))
+        self.follow(simulation)
         self._pace.target()
         try:
             while not (simulation.over or simulation.stopped):
                 time.sleep(PERIOD)
-                self._requests.answer(partial(self._carry_out, simulation))
+                self._answer(simulation)
                 simulation.advance(self._pace.target())
                 self._send_changes(simulation)
         finally:
-            self._requests.close()
+            self.leave()
+
+    def follow(self, simulation: Simulation, tempo: Tempo | None = None) -> None:
+        """Show a run that has started, and which others advance; the page may change its `tempo`.
+
+        Whoever advances it calls `attend` from time to time, between two steps, and `leave` at
+        the end.
+        """
+        self._tempo = tempo or self._pace
+        for body in simulation.bodies:
+            self._plan(body, simulation)
+            body.on_change.append(partial(self._plan, body, simulation))
+
+    def attend(self, simulation: Simulation) -> None:
+        """Carry out what the page wants, and send it what has changed."""
+        self._answer(simulation)
+        self._send_changes(simulation)
+
+    def leave(self) -> None:
+        """Carry out no more: the run is over."""
+        self._requests.close()
+
+    def _answer(self, simulation: Simulation) -> None:
+        self._requests.answer(partial(self._carry_out, simulation))
 
     def wait_for_viewer(self) -> None:
         """Wait until a browser that was just opened reads the stream."""
@@ -123,8 +146,8 @@ class LiveRun(Listener):
         try:
             match wish:
                 case {"pace": {**changes}} if changes.keys() <= {"speed", "paused"}:
-                    self._pace.change(**_checked(changes))
-                    self._send(pace={"speed": self.speed, "paused": self._pace.paused})
+                    self._tempo.change(**_checked(changes))
+                    self._send(pace={"speed": self.speed, "paused": self._tempo.paused})
                     return {}
                 case {"command": {**keys}}:
                     now = simulation.clock.now

@@ -15,6 +15,8 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from types import TracebackType
 from typing import Any
 
+from ..core.origins import is_own, names_this_machine
+
 HOST = "127.0.0.1"
 LONGEST_REQUEST = 65_536
 """Bytes of a request."""
@@ -154,7 +156,7 @@ class _Handler(BaseHTTPRequestHandler):
         self.do_GET()
 
     def do_GET(self) -> None:
-        if not self._is_meant():
+        if not names_this_machine(self.headers.get("Host", "")):
             self.send_error(HTTPStatus.FORBIDDEN)
         elif self.path == self.root:
             self._send("text/html; charset=utf-8", self.make_page())
@@ -165,8 +167,8 @@ class _Handler(BaseHTTPRequestHandler):
 
     def do_POST(self) -> None:
         """Answer a request of the page itself: a browser names the origin of whoever posts."""
-        origin = self.headers.get("Origin", "")
-        if not self._is_meant() or origin not in ("", f"http://{self.headers['Host']}"):
+        host, origin = self.headers.get("Host", ""), self.headers.get("Origin", "")
+        if not (names_this_machine(host) and is_own(origin, host)):
             self.send_error(HTTPStatus.FORBIDDEN)
         elif self.path != f"{self.root}control" or self.answer is None:
             self.send_error(HTTPStatus.NOT_FOUND)
@@ -176,10 +178,6 @@ class _Handler(BaseHTTPRequestHandler):
             answer = self.answer(wish)
             status = HTTPStatus.CONFLICT if "problem" in answer else HTTPStatus.OK
             self._send("application/json", json.dumps(answer), status)
-
-    def _is_meant(self) -> bool:
-        """Whether a request was sent to this machine, and not to a name that leads to it."""
-        return self.headers.get("Host", "").rpartition(":")[0] in (HOST, "localhost")
 
     def _posted(self) -> Any:
         """Return the JSON that was posted, None where it is none."""

@@ -74,7 +74,7 @@ class InThread:
 class Served:
     """A session under way: its address, its notices, and its run."""
 
-    def __init__(self, a_trial, listeners, speed, hold, grace):
+    def __init__(self, a_trial, listeners, speed, hold, grace, viewer):
         self.exchange = Exchange()
         self.workcell = Workcell(a_trial, self.exchange, *listeners)
         self.notices = []
@@ -87,6 +87,7 @@ class Served:
                 hold=hold,
                 grace=grace,
                 notice=self.notices.append,
+                viewer=viewer,
             )
             self.url = f"ws://127.0.0.1:{await self.session.open(port=0)}"
             opened()
@@ -108,9 +109,9 @@ class Served:
 
 
 @contextmanager
-def served(a_trial=None, *listeners, speed=0.0, hold=False, grace=0.0):
+def served(a_trial=None, *listeners, speed=0.0, hold=False, grace=0.0, viewer=None):
     """A session of the bridge for `a_trial`, on a free port of this machine."""
-    session = Served(a_trial or trial(), listeners, speed, hold, grace)
+    session = Served(a_trial or trial(), listeners, speed, hold, grace, viewer)
     try:
         yield session
     finally:

@@ -1,9 +1,12 @@
 """The command `floorwalker bridge`: both ends of it, and what it says when something is wrong."""
 
 import json
+from urllib.request import Request, urlopen
 
 import pytest
 from bridge_parts import Client, Command, relay, require_whole
+
+from sim.trials.command_keys import load_commands
 
 OUTSIDE = """
 floorplan: ariac2023
@@ -37,14 +40,24 @@ def test_both_ends_of_a_bridge(folder):
     require_whole(folder / "out")
 
 
-def test_a_run_that_is_interrupted_is_kept(folder):
-    with Command(folder, "outside.yaml", "--speed", "20") as server:
+def test_a_run_that_is_interrupted_is_kept_with_what_was_done_on_its_page(folder):
+    with Command(folder, "outside.yaml", "--speed", "20", "--watch", "--no-open") as server:
         with Client(server.url) as agent:
             agent.subscribe("/ariac/start_human", "/clock")
             agent.hear_until(lambda said: said["topic"] == "/clock" and said["msg"]["clock"]["sec"])
+            page, _, words = server.notices[0].partition(" ")
+            assert words == "shows it while it goes on"
+            command = {"send": "operator", "to": "station1"}
+            wish = json.dumps({"command": command}).encode()
+            kind = {"Content-Type": "application/json"}
+            with urlopen(Request(f"{page}control", wish, kind)) as answer:
+                at = json.load(answer)["t"]
+            done = folder / "out" / "commands.yaml"
+            server.wait_for(done.exists)
         server.wait_for(lambda: "stands still at t = 0.0" not in server.notices[-1])
         assert server.interrupt() == 130
     require_whole(folder / "out")
+    assert [(one.time, one.send) for one in load_commands(done)] == [(at, "operator")]
     assert "what happened is kept" in server.notices[-1]
 
 
@@ -56,6 +69,7 @@ def test_what_is_wrong_is_told_and_leaves_no_folder_behind(folder, floorwalker):
             (["outside.yaml", "--speed", "-1"], 2, "must be 0 or more, not -1"),
             (["outside.yaml", "--port", "70000"], 2, "--port"),
             (["outside.yaml", "--connect", url], 1, "say with --personality"),
+            (["outside.yaml", "--connect", url, "--watch"], 2, "watch: shows what is served here"),
             (["--connect", "ws://127.0.0.1:1"], 1, "can't connect to ws://127.0.0.1:1"),
             (["--connect", "nonsense"], 1, "nonsense is no address"),
         ):

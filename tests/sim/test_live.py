@@ -13,6 +13,7 @@ import urllib.parse
 from dataclasses import replace
 
 import pytest
+from bridge_parts import Client, served
 from test_command import environment
 
 import sim
@@ -410,6 +411,54 @@ def test_the_page_interferes_with_the_run(open_address):
     assert again["to"] == [*station.position]
     assert page.locator("#control").is_hidden()
     assert viewer.complaints == []
+
+
+@pytest.mark.parametrize("speed", [20.0, 0.0])
+def test_a_run_on_the_bridge_has_a_page_too(speed):
+    trial = sim.Trial.parse(
+        TRIAL.replace("oblivious", "external").replace("duration: 40", "duration: 900")
+    )
+    live = sim.LiveRun(trial.duration, speed=speed or 1.0)
+    with live.server as server, served(trial, live, speed=speed, viewer=live) as session:
+        with Client(session.url) as controller:
+
+            def answer_to(wish):
+                status, answer = post(server, wish)
+                return answer.get("problem", "") if status == 409 else ""
+
+            def wait_for(words):
+                deadline = time.monotonic() + 30
+                while not session.notices or words not in session.notices[-1]:
+                    assert time.monotonic() < deadline, session.notices
+                    time.sleep(0.01)
+
+            wait_for("there is no gantry controller")
+            kind = "trajectory_msgs/JointTrajectory"
+            controller.send(op="advertise", topic="/gantry_controller/joint_trajectory", type=kind)
+            wait_for("the trial begins")
+            assert answer_to({"pace": {"paused": True}}) == ""
+            wait_for("it is paused on its page")
+            paused = session.now
+            assert answer_to({"command": {"hold": "agv2"}}) == ""
+            assert answer_to({"command": {"send": "operator", "to": [-6.5, 5.0]}}) == ""
+            has_speed = answer_to({"pace": {"speed": 40.0}})
+            assert has_speed == (
+                "" if speed else "time goes on as soon as all clients can follow: it has no speed"
+            )
+            assert session.now == paused
+            assert answer_to({"pace": {"paused": False}}) == ""
+            wait_for("goes on")
+            while session.now < paused + 1.0:
+                time.sleep(0.01)
+            controller.call("/ariac/end_competition")
+        run = session.join()
+        assert answer_to({"pace": {"paused": True}}) == "the run is over"
+        live.finish(run)
+    done = [event for event in run.events if event["kind"] == "commanded"]
+    assert [(e["t"] > paused, e.get("hold"), e.get("send")) for e in done] == [
+        (True, "agv2", None),
+        (True, None, "operator"),
+    ]
 
 
 def start(arguments, folder):

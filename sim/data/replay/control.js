@@ -36,12 +36,12 @@ class Control {
     this.show();
   }
 
-  /** The run goes on like that: {speed, paused}. */
+  /** The run goes on like that: {speed, paused}; a speed of 0 is none in particular. */
   keepPace({ speed, paused }) {
     const { clock } = this.replay;
     this.isPaused = paused;
-    clock.runSpeed = speed;
-    if (clock.isLive) clock.speed = speed;
+    clock.runSpeed = speed || clock.runSpeed;
+    if (clock.isLive) clock.speed = clock.runSpeed;
     clock.onChange();
     this.show();
   }

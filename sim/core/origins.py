@@ -1,7 +1,7 @@
 """Web pages that may take part: a browser sends the origin of the page that opens a connection.
 
-Without this check any page that is open in a browser on this machine could drive the person: a
-browser lets pages of all hosts open websockets to all hosts, the loopback included.
+Without these checks any page that is open in a browser on this machine could drive the person: a
+browser lets pages of all hosts open websockets, and post, to all hosts, the loopback included.
 """
 
 from __future__ import annotations
@@ -14,6 +14,16 @@ from urllib.parse import urlsplit
 _LOOPBACK = re.compile(r"https?://(localhost|127(\.\d{1,3}){3}|\[::1\])(:\d{1,5})?")
 _ORIGIN = re.compile(r"null|[a-z][a-z0-9+.-]*://[^\s/?#@,]*")
 _USUAL_PORTS = {"http": ":80", "https": ":443"}
+
+
+def names_this_machine(host: str) -> bool:
+    """Return whether a Host header names this machine as such, not by a name that leads to it."""
+    return _LOOPBACK.fullmatch(f"http://{host}") is not None
+
+
+def is_own(origin: str, host: str) -> bool:
+    """Return whether an origin ("" for no page) is that of a page which `host` itself has sent."""
+    return origin in ("", f"http://{host}")
 
 
 class OriginError(ValueError):
