@@ -3,27 +3,20 @@
 from pathlib import Path
 
 import pytest
+from small_floors import LANE, on_floor
 
 import sim
 
-FLOOR = """\
-floorplan:
-  boundary: [[0, 0], [20, 0], [20, 6], [0, 6]]
-  safe_zone: {at: [1, 5]}
-  agvs:
-    size: [1.2, 0.8]
-    height: 1.0
-    max_speed: 1.0
-    max_acceleration: 0.5
-    limits: [0, 16]
-    locations: {west: 0, east: 16}
-    start: west
-    lanes: {cart: {origin: [2, 1]}}
+FLOOR = on_floor(
+    "boundary: [[0, 0], [20, 0], [20, 6], [0, 6]]\nsafe_zone: {at: [1, 5]}\n"
+    + LANE.replace("2.75", "1"),
+    """\
 rules: {agv_law: {fixed: 1.5}, person: none}
 people: [{name: eve, personality: external, at: [12, 1.5]}]
 agvs: {cart: {yield: true, moves: [{time: 1, to: east}]}}
 duration: 40
-"""
+""",
+)
 
 
 def kinds(run, *wanted):
@@ -94,14 +87,3 @@ orders:
     began, ended = ([t for t, _ in kinds(run, f"blackout_{what}")] for what in ("began", "ended"))
     assert began == pytest.approx([3.0, placed, submitted], abs=1e-3)
     assert ended == pytest.approx([7.0, placed + 1.5, submitted + 2.0], abs=1e-3)
-
-
-def test_bad_blackouts_are_told_with_their_line():
-    for text, message in {
-        "blackouts: [{machine: car, seconds: 3}]": "no machine is called 'car'; did you mean",
-        "blackouts: [{machine: cart, seconds: 0}]": "expected more than 0",
-        "blackouts: [{machine: cart, start: {event: arrivd}, seconds: 1}]": "did you mean",
-    }.items():
-        with pytest.raises(sim.TrialError) as refused:
-            sim.Trial.parse(FLOOR + text)
-        assert message in str(refused.value) and refused.value.problems[0].line == 17

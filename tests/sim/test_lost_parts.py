@@ -138,23 +138,6 @@ def test_the_real_sample_file_has_faulty_and_dropped_parts(shared_data):
     assert run.summary["parts_faulty"] == len(events(run, "part_faulty")) > 0
 
 
-BAD = {
-    "drops: [{part: pmup}]": "no job carries a part called 'pmup'; did you mean 'pump'?",
-    "drops: [{part: pump, after: -1}]": "expected at least 0",
-    "drops: [{part: pump, delay: -1}]": "expected at least 0",
-    "drops: [{port: pump}]": "unknown key",
-}
-
-
-@pytest.mark.parametrize("text", BAD)
-def test_bad_drops_are_told_with_their_line(text):
-    good = JOBS.format(controller="pausing", after=0, delay=0, dropped=0)
-    lines = [line for line in good.splitlines() if "drops" not in line and "expect" not in line]
-    with pytest.raises(sim.TrialError) as refused:
-        sim.Trial.parse("\n".join([*lines, f"  {text}"]))
-    assert BAD[text] in str(refused.value) and refused.value.problems[0].line == 8
-
-
 def test_orders_that_no_gantry_can_work_on_have_no_figures():
     trial = sim.Trial.parse(KIT % ([1], "[]", FAULTY, "kitting", KITTING), file="made.yaml")
     floor = replace(trial.floorplan, gantry=None)

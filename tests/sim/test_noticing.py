@@ -6,32 +6,28 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import shapely
+from small_floors import GANTRY, on_floor
 
 import sim
 
 GO = '+human_start <- move({x}, {y}, 0).\n+gantry_detected(_) <- .print("seen").\n'
 
-HALL = """\
-floorplan:
-  boundary: [[0, 0], [20, 0], [20, 12], [0, 12]]
-  obstacles:
-    screen: {x: [9.9, 10.1], y: [2, 8], z: [0, HIGH]}
-  safe_zone: {at: [2, 5]}
-  gantry:
-    x: {range: [1, 19], max_speed: 1.0, max_acceleration: 0.5}
-    y: {range: [1, 11], max_speed: 1.0, max_acceleration: 0.5}
-    start: [12, 5, 0]
-    torso: {size: [1.0, 1.0], z: [1.2, 1.6]}
-    arm: {mount: [0.5, 0.0], reach: 0.9, bottom: 1.0}
-    rail_height: 2.9
-    tray_height: 1.3
+HALL = on_floor(
+    """\
+boundary: [[0, 0], [20, 0], [20, 12], [0, 12]]
+obstacles: {screen: {x: [9.9, 10.1], y: [2, 8], z: [0, HIGH]}}
+safe_zone: {at: [2, 5]}
+"""
+    + GANTRY.replace("[10, 8, 0]", "[12, 5, 0]"),
+    """\
 rules:
   gantry_law: {fixed: 0.6}
   notice: {law: {fixed: 8.0}, factor: 1, cap: null}
   machine: none
   person: none
 duration: 30
-"""
+""",
+)
 
 
 def seen(tmp_path, person, *, high=3.0, goal=(8.0, 5.0), seed=0, more=""):
@@ -110,20 +106,3 @@ def test_figures_are_drawn_from_the_seed_for_each_person(tmp_path):
     speeds, reactions = np.array(first).T
     assert 1.2 < speeds.mean() < 1.48 and 0.15 < speeds.std() < 0.4
     assert 0.6 < np.median(reactions) < 0.9
-
-
-BAD = {
-    "noticing: {field_of_view: 400}": "must be at most 360 degrees",
-    "noticing: {field_of_view: [90, 20]}": "low < high",
-    "noticing: {reaction_time: {normal: [1]}}": "normal[1]: is missing",
-    "max_speed: {gauss: [1, 2]}": "unknown key",
-    "max_speed: fast": "expected a number, found 'fast'",
-    "noticing: {occlusion: 3}": "expected true or false",
-}
-
-
-@pytest.mark.parametrize("key", BAD)
-def test_figures_that_cannot_be_are_refused(tmp_path, key):
-    with pytest.raises(sim.TrialError) as refused:
-        sim.Trial.parse(HALL.replace("HIGH", "1") + f"people: [{{name: e, {key}}}]\n")
-    assert BAD[key] in str(refused.value) and refused.value.problems[0].line == 20

@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from run_events import events
+from small_floors import LANE, run_on
 
 import floorplan
 import sim
@@ -22,18 +24,6 @@ stations: {west: [2, 3.75], east: [18, 3.75]}
 safe_zone: {at: [10, 3.75]}
 """
 
-LANE = """\
-agvs:
-  size: [1.2, 0.8]
-  height: 1.0
-  max_speed: 1.0
-  max_acceleration: 0.5
-  limits: [0, 16]
-  locations: {west: 0, middle: 8, east: 16}
-  start: west
-  lanes: {cart: {origin: [2, 3.75]}}
-"""
-
 PEOPLE = {
     "eve": "people: [{name: eve, personality: go.asl}]\n",
     "six": "people: [{name: eve, count: 6, personality: go.asl}]\n",
@@ -50,16 +40,9 @@ TO_AND_FRO = """\
 def run(tmp_path):
     def run(text, program, floor=AISLES):
         (tmp_path / "go.asl").write_text(program)
-        keys = "".join(f"  {line}\n" for line in floor.splitlines())
-        trial = sim.Trial.parse(f"floorplan:\n{keys}{text}", folder=tmp_path)
-        assert sim.Trial.parse(trial.to_yaml(tmp_path), folder=tmp_path) == trial
-        return sim.run(trial)
+        return run_on(floor, text, tmp_path)
 
     return run
-
-
-def events(run, *kinds):
-    return [e for e in run.events if e["kind"] in kinds]
 
 
 def crossings(run, name, step=0.01):
@@ -125,7 +108,7 @@ def test_a_way_only_against_the_direction_is_proved_to_be_none(run):
 
 
 def test_agvs_wait_before_a_gate_that_they_may_not_go_through(run):
-    floor = AISLES.replace("at: [10, 3.75]", "at: [2, 8]") + LANE
+    floor = AISLES.replace("at: [10, 3.75]", "at: [2, 8]") + LANE.replace("2.75", "3.75")
     text = "duration: 60\nagvs: {cart: [{time: 0, to: 14}, {time: 30, to: %s}]}\n"
     back = run(text % "middle", BACK, floor)
     assert back.motions["cart"].position(60.0)[0] == pytest.approx(10.0)
@@ -144,29 +127,6 @@ def test_a_trial_adds_gates_to_a_floor_and_its_recording_has_them(tmp_path):
     recording = sim.Recording(tmp_path / "run")
     recording.finish(sim.run(trial, recording))
     assert load_run(tmp_path / "run").scene.floorplan.gates == trial.floorplan.gates
-
-
-BAD = {
-    "gates: {a: {between: [[1, 1], [1, 1]], towards: [2, 2]}}": "its two ends are one place",
-    "gates: {a: {between: [[0, 1], [9, 1]], towards: [5, 1]}}": "(5, 1) is on its line",
-    "gates: {a: {between: [[0, 1], [8, 1]], towards: [5, 2]}}": "1.000 m from the nearest wall",
-    "gates: {a: {between: [[0, 1], [9, 1]], towards: [5, 2]},"
-    " b: {between: [[0, 2], [9, 0]], towards: [5, 2]}}": "meets the gate 'a'",
-    "gates: {a: {between: [[0, 1], [9, 1]]}}": "towards: is missing",
-    "gates: {a: {between: [[0, 1], [9, 1]], towards: [5, 2], width: 1}}": "width: unknown key",
-    "gates: {press: {between: [[0, 1], [9, 1]], towards: [5, 2]}}": "else is called 'press'",
-}
-
-
-@pytest.mark.parametrize("text", BAD)
-def test_bad_gates_are_told_with_their_line(text):
-    floor = (
-        "boundary: [[0, 0], [9, 0], [9, 9], [0, 9]]\nstations: {in: [2, 2]}\n"
-        "obstacles: {press: {x: [7, 8], y: [4, 5], z: [0, 1]}}\n"
-    )
-    with pytest.raises(floorplan.FloorplanError) as refused:
-        floorplan.parse(floor + text)
-    assert BAD[text] in str(refused.value) and refused.value.problems[0].line == 4
 
 
 def test_gates_are_written_scaled_and_turned(tmp_path):

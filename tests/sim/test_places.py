@@ -6,7 +6,9 @@ import random
 import numpy as np
 import pytest
 import shapely
+from run_events import events
 from shapely.geometry import box
+from small_floors import LANE, run_on
 
 import floorplan
 import navigation
@@ -26,18 +28,6 @@ doors:
 safe_zone: {at: [2, 2.75]}
 """
 
-LANE = """\
-agvs:
-  size: [1.2, 0.8]
-  height: 1.0
-  max_speed: 1.0
-  max_acceleration: 0.5
-  limits: [0, 16]
-  locations: {west: 0, east: 16}
-  start: west
-  lanes: {cart: {origin: [2, 2.75]}}
-"""
-
 WITH_CART = TWO_ROOMS.replace("at: [2, 2.75]", "at: [2, 8]") + LANE
 
 GO = "+human_start <- move(18, 2.75, 0).\n+path_blocked(_) <- .wait(500); move(18, 2.75, 0).\n"
@@ -46,25 +36,13 @@ GO = "+human_start <- move(18, 2.75, 0).\n+path_blocked(_) <- .wait(500); move(1
 @pytest.fixture
 def run(tmp_path):
     (tmp_path / "go.asl").write_text(GO)
-
-    def run(text, floor=TWO_ROOMS):
-        keys = "".join(f"  {line}\n" for line in floor.splitlines())
-        trial = sim.Trial.parse(f"floorplan:\n{keys}{text}", folder=tmp_path)
-        again = sim.Trial.parse(trial.to_yaml(tmp_path), folder=tmp_path)
-        assert again == trial
-        return sim.run(trial)
-
-    return run
+    return lambda text, floor=TWO_ROOMS: run_on(floor, text, tmp_path)
 
 
 ALONE = "people: [{name: eve, personality: go.asl}]\n"
 PAIR = (
     "people: [{name: eve, personality: go.asl}, {name: max, personality: external, at: [1, 9]}]\n"
 )
-
-
-def events(run, *kinds):
-    return [e for e in run.events if e["kind"] in kinds]
 
 
 def nearest(run, body, shape, begin, end, step=0.01):
@@ -105,7 +83,7 @@ def test_who_is_far_off_learns_at_once_that_an_agv_has_come_to_rest_on_the_route
     lane = (
         LANE.replace("max_speed: 1.0", "max_speed: 2.0")
         .replace("max_acceleration: 0.5", "max_acceleration: 2.0")
-        .replace("east: 16", "east: 2.25")
+        .replace("middle: 8, east: 16", "east: 2.25")
         .replace("origin: [2, 2.75]", "origin: [11, 5], heading: -1.5707963267948966")
         .replace("limits: [0, 16]", "limits: [0, 3]")
     )
@@ -217,48 +195,6 @@ def test_agvs_brake_for_what_comes_and_slow_down_in_zones(run):
 def test_a_trial_without_any_of_it_has_nothing_of_it():
     run = sim.run(sim.Trial.parse("{floorplan: ariac2023, duration: 1}"))
     assert not run.scene.passing and not run.floorplan.doors
-
-
-BAD = {
-    "doors: {lover: {closed: [[1, 2]]}}": "no door is called 'lover'; did you mean 'lower'?",
-    "doors: {lower: {closed: [[5, 2]]}}": "ends before it begins",
-    "doors: {lower: {closed: [[1, 5], [4, 9]]}}": "before the one in front of it ends at 5 s",
-    "doors: {lower: {closed: [[500, 501]]}}": "begins at 500 s of the trial, which ends at",
-    "doors: {lower: {closed: [[1, 2]], open: [[3, 4]]}}": "give one of closed and open",
-    "obstacles: {middle: {x: [1, 2], y: [1, 2], z: [0, 1], there: [[1, 2]]}}": "called 'middle'",
-    "obstacles: {a: {x: [1, 2], y: [1, 2], z: [0, 1]}}": "there: is missing",
-    "obstacles: {a: {x: [1.9, 3], y: [2, 3], z: [0, 1], there: [[0, 2]]}}\n"
-    "people: [{name: e, at: [2, 2.75]}]": "(2.0, 2.75) is in a, which is there then",
-}
-
-
-@pytest.mark.parametrize("text", BAD)
-def test_bad_times_and_places_are_told_with_their_line(run, text):
-    with pytest.raises(sim.TrialError) as refused:
-        run(text + "\n")
-    assert BAD[text] in str(refused.value) and refused.value.problems[0].line >= 11
-
-
-BAD_FLOORS = {
-    "doors: {a: {between: [[1, 1], [1, 1]]}}": "its two ends are one place",
-    "doors: {a: {between: [[1, 1], [1, 3]]}, b: {between: [[0, 2], [2, 2]]}}": "overlaps the door",
-    "doors: {a: {between: [[1, 1], [1, 13]]}}": "(1, 13) is outside the boundary",
-    "zones: {a: {x: [1, 2], y: [1, 2]}}": "give one of forbidden: true and max_speed",
-    "zones: {a: {x: [1, 3], y: [1, 3], forbidden: true}}": "the station 'press' is in it",
-    "zones: {a: {polygon: [[1, 1], [3, 3], [3, 1], [1, 3]], max_speed: 1}}": "not a simple polygon",
-    "zones: {wall: {x: [5, 6], y: [5, 6], max_speed: 1}}": "something else is called 'wall'",
-}
-
-
-@pytest.mark.parametrize("text", BAD_FLOORS)
-def test_bad_doors_and_zones_are_told_with_their_line(text):
-    floor = (
-        "boundary: [[0, 0], [9, 0], [9, 9], [0, 9]]\nstations: {press: [2, 2]}\n"
-        "obstacles: {wall: {x: [7, 8], y: [0, 1], z: [0, 1]}}\n"
-    )
-    with pytest.raises(floorplan.FloorplanError) as refused:
-        floorplan.parse(floor + text)
-    assert BAD_FLOORS[text] in str(refused.value) and refused.value.problems[0].line == 4
 
 
 def test_doors_and_zones_are_written_scaled_and_turned(tmp_path):

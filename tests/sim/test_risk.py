@@ -5,33 +5,30 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import shapely
+from small_floors import GANTRY, on_floor
 
 import floorplan
 import sim
 
 plots = pytest.importorskip("sim.views.plots")
 
-TRIAL = """\
-floorplan:
-  boundary: [[0, 0], [20, 0], [20, 12], [0, 12]]
-  stations: {west: [2, 5], east: [18, 6]}
-  safe_zone: {at: [2, 5]}
-  zones:
-    middle: {x: [8, 12], y: [2, 9], max_speed: 0.8}
-    corner: {x: [0, 1], y: [11, 12], max_speed: 0.5}
-  gantry:
-    x: {range: [1, 19], max_speed: 1.0, max_acceleration: 0.5}
-    y: {range: [1, 11], max_speed: 1.0, max_acceleration: 0.5}
-    start: [10, 8, 0]
-    torso: {size: [1.0, 1.0], z: [1.2, 1.6]}
-    arm: {mount: [0.5, 0.0], reach: 0.9, bottom: 1.0}
-    rail_height: 2.9
-    tray_height: 1.3
+TRIAL = on_floor(
+    """\
+boundary: [[0, 0], [20, 0], [20, 12], [0, 12]]
+stations: {west: [2, 5], east: [18, 6]}
+safe_zone: {at: [2, 5]}
+zones:
+  middle: {x: [8, 12], y: [2, 9], max_speed: 0.8}
+  corner: {x: [0, 1], y: [11, 12], max_speed: 0.5}
+"""
+    + GANTRY,
+    """\
 rules: {gantry_law: {fixed: 3.0}, machine: none, person: none}
 duration: 50
 people: [{name: eve}, {name: max, at: [17, 8]}]
 expect: {zones.corner.entries: 0, zones.middle.entries: ">= 2"}
-"""
+""",
+)
 
 
 @pytest.fixture(scope="module")

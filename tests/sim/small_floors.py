@@ -1,0 +1,37 @@
+"""Parts of small floors, and trials on such floors, for tests."""
+
+import sim
+
+GANTRY = """\
+gantry:
+  x: {range: [1, 19], max_speed: 1.0, max_acceleration: 0.5}
+  y: {range: [1, 11], max_speed: 1.0, max_acceleration: 0.5}
+  start: [10, 8, 0]
+  torso: {size: [1.0, 1.0], z: [1.2, 1.6]}
+  arm: {mount: [0.5, 0.0], reach: 0.9, bottom: 1.0}
+  rail_height: 2.9
+  tray_height: 1.3
+"""
+LANE = """\
+agvs:
+  size: [1.2, 0.8]
+  height: 1.0
+  max_speed: 1.0
+  max_acceleration: 0.5
+  limits: [0, 16]
+  locations: {west: 0, middle: 8, east: 16}
+  start: west
+  lanes: {cart: {origin: [2, 2.75]}}
+"""
+
+
+def on_floor(floor, text):
+    """The text of a trial on a floor, which stands in it."""
+    return "floorplan:\n" + "".join(f"  {line}\n" for line in floor.splitlines()) + text
+
+
+def run_on(floor, text, folder):
+    """The run of a trial on a floor, which is written and read again before."""
+    trial = sim.Trial.parse(on_floor(floor, text), folder=folder)
+    assert sim.Trial.parse(trial.to_yaml(folder), folder=folder) == trial
+    return sim.run(trial)

@@ -1,0 +1,102 @@
+"""What is wrong in a file is said with the line on which it stands."""
+
+import pytest
+from small_floors import GANTRY, LANE, on_floor
+
+import floorplan
+import sim
+
+ROOM = """\
+boundary: [[0, 0], [9, 0], [9, 9], [0, 9]]
+stations: {press: [2, 2]}
+obstacles: {wall: {x: [7, 8], y: [4, 5], z: [0, 1]}}
+"""
+FLOORS = {
+    "doors: {a: {between: [[1, 1], [1, 1]]}}": "its two ends are one place",
+    "doors: {a: {between: [[1, 1], [1, 3]]}, b: {between: [[0, 2], [2, 2]]}}": "overlaps the door",
+    "doors: {a: {between: [[1, 1], [1, 13]]}}": "(1, 13) is outside the boundary",
+    "zones: {a: {x: [1, 2], y: [1, 2]}}": "give one of forbidden: true and max_speed",
+    "zones: {a: {x: [1, 3], y: [1, 3], forbidden: true}}": "the station 'press' is in it",
+    "zones: {a: {polygon: [[1, 1], [3, 3], [3, 1], [1, 3]], max_speed: 1}}": "not a simple polygon",
+    "zones: {wall: {x: [5, 6], y: [5, 6], max_speed: 1}}": "something else is called 'wall'",
+    "gates: {a: {between: [[1, 1], [1, 1]], towards: [2, 2]}}": "its two ends are one place",
+    "gates: {a: {between: [[0, 1], [9, 1]], towards: [5, 1]}}": "(5, 1) is on its line",
+    "gates: {a: {between: [[0, 1], [8, 1]], towards: [5, 2]}}": "1.000 m from the nearest wall",
+    "gates: {a: {between: [[0, 1], [9, 1]], towards: [5, 2]},"
+    " b: {between: [[0, 2], [9, 0]], towards: [5, 2]}}": "meets the gate 'a'",
+    "gates: {a: {between: [[0, 1], [9, 1]]}}": "towards: is missing",
+    "gates: {a: {between: [[0, 1], [9, 1]], towards: [5, 2], width: 1}}": "width: unknown key",
+    "gates: {wall: {between: [[0, 1], [9, 1]], towards: [5, 2]}}": "else is called 'wall'",
+}
+
+HALL = on_floor(
+    """\
+boundary: [[0, 0], [20, 0], [20, 12], [0, 12]]
+obstacles: {middle: {x: [9, 10], y: [4, 6], z: [0, 3]}}
+doors: {lower: {between: [[10, 0.2], [10, 3]]}}
+safe_zone: {at: [2, 8]}
+"""
+    + GANTRY
+    + LANE,
+    "",
+)
+TRIALS = {
+    "doors: {lover: {closed: [[1, 2]]}}": "no door is called 'lover'; did you mean 'lower'?",
+    "doors: {lower: {closed: [[5, 2]]}}": "ends before it begins",
+    "doors: {lower: {closed: [[1, 5], [4, 9]]}}": "before the one in front of it ends at 5 s",
+    "doors: {lower: {closed: [[500, 501]]}}": "begins at 500 s of the trial, which ends at",
+    "doors: {lower: {closed: [[1, 2]], open: [[3, 4]]}}": "give one of closed and open",
+    "obstacles: {middle: {x: [1, 2], y: [1, 2], z: [0, 1], there: [[1, 2]]}}": "called 'middle'",
+    "obstacles: {a: {x: [1, 2], y: [1, 2], z: [0, 1]}}": "there: is missing",
+    "people: [{name: e, at: [2, 6]}]\n"
+    "obstacles: {a: {x: [1.9, 3], y: [5, 7], z: [0, 1], there: [[0, 2]]}}": "(2.0, 6.0) is in a, w",
+    "people: [{name: e, noticing: {field_of_view: 400}}]": "must be at most 360 degrees",
+    "people: [{name: e, noticing: {field_of_view: [90, 20]}}]": "low < high",
+    "people: [{name: e, noticing: {reaction_time: {normal: [1]}}}]": "normal[1]: is missing",
+    "people: [{name: e, noticing: {occlusion: 3}}]": "expected true or false",
+    "people: [{name: e, max_speed: {gauss: [1, 2]}}]": "unknown key",
+    "people: [{name: e, max_speed: fast}]": "expected a number, found 'fast'",
+    "blackouts: [{machine: car, seconds: 3}]": "no machine is called 'car'; did you mean",
+    "blackouts: [{machine: cart, seconds: 0}]": "expected more than 0",
+    "blackouts: [{machine: cart, start: {event: arrivd}, seconds: 1}]": "did you mean",
+    "gantry: {jobs: [{pick: middle, place: cart, part: pump}], drops: [{part: pmup}]}": "no job"
+    " carries a part called 'pmup'; did you mean 'pump'?",
+    "gantry: {drops: [{part: pump, after: -1}]}": "expected at least 0",
+    "gantry: {drops: [{part: pump, delay: -1}]}": "expected at least 0",
+    "gantry: {drops: [{port: pump}]}": "unknown key",
+}
+
+VARIED = """\
+trials: [one.trial.yaml]
+grid:
+"""
+STUDIES = {
+    "  rules.gantry_law.t7: [1]": "there is no 't7' in 'rules.gantry_law.t7'; there are: t1, t2",
+    "  rules.gantry_law: [1]": "is no single figure",
+    "  people.adam.radius: [1]": "there is no 'adam'",
+    "  people.eve.radius: [wide]": "expected a",
+    "  people.eve.radius: [-1]": "must be more than 0",
+    "  rules.grace: [true]": "expected a number",
+    "  gantry.max_speed: [0]": "must be more than 0",
+    "  wheels.size: [1]": "nothing is called 'wheels.size' to vary",
+}
+
+
+def study(text, folder):
+    (folder / "one.trial.yaml").write_text("{floorplan: ariac2023, people: [{name: eve}]}")
+    return sim.Study.parse(text, folder=folder)
+
+
+@pytest.mark.parametrize(
+    ("read", "before", "wrong", "message"),
+    [
+        *((lambda text, _: floorplan.parse(text), ROOM, *one) for one in FLOORS.items()),
+        *((lambda text, _: sim.Trial.parse(text), HALL, *one) for one in TRIALS.items()),
+        *((study, VARIED, *one) for one in STUDIES.items()),
+    ],
+)
+def test_what_is_wrong_is_told_with_its_line(tmp_path, read, before, wrong, message):
+    with pytest.raises(floorplan.InputError) as refused:
+        read(f"{before}{wrong}\n", tmp_path)
+    first = next(one for one in refused.value.problems if message in str(one))
+    assert first.line - before.count("\n") in range(1, wrong.count("\n") + 2)
