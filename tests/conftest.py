@@ -26,6 +26,10 @@ with suppress(ImportError):
 
     providers._get_local_constants = lambda: providers._local_constants
 
+# Processes that tests start find the sources, wherever they are.
+ROOT = str(Path(__file__).resolve().parents[1])
+os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [ROOT, os.environ.get("PYTHONPATH")]))
+
 pytest_plugins = ["pytester"]
 if "floorwalker" not in entry_points(group="pytest11").names:
     # The sources are used without being installed anew: pytest does not know the plugin yet.

@@ -3,12 +3,11 @@
 import asyncio
 import json
 import signal
-import subprocess
-import sys
 import threading
 import time
 from contextlib import contextmanager
 
+from processes import started
 from websockets.sync.client import connect
 
 import sim
@@ -146,17 +145,8 @@ class Command:
     """`floorwalker bridge` in a process of its own: its address, and what it says on stderr."""
 
     def __init__(self, folder, *arguments, **options):
-        command = [sys.executable, "-m", "sim.cli", "bridge", *arguments]
-        if "--connect" not in arguments:
-            command += ["--port", "0", "--out", "out"]
-        self.process = subprocess.Popen(
-            command,
-            cwd=folder,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-            **options,
-        )
+        serve = () if "--connect" in arguments else ("--port", "0", "--out", "out")
+        self.process = started("bridge", *arguments, *serve, cwd=folder, **options)
         self.notices = []
         self._listening = threading.Thread(target=self._listen, daemon=True)
         self._listening.start()

@@ -6,14 +6,13 @@ import signal
 import subprocess
 import sys
 import time
-from pathlib import Path
 
 import pytest
 import typer.main
+from processes import command_line, in_a_process, started
 
 from sim.cli import app
 
-ROOT = Path(__file__).resolve().parents[2]
 STRICT = ("-X", "dev", "-W", "default")
 """The interpreter tells every warning, also about files that nobody closed."""
 
@@ -74,29 +73,9 @@ def samples(tmp_path_factory):
     }
     for name, text in files.items():
         (folder / name).write_text(text)
-    done = called(folder, "run short.trial.yaml --out run")
+    done = in_a_process(*["run", "short.trial.yaml", "--out", "run"], cwd=folder)
     assert done.returncode == 0, done.stderr
     return folder
-
-
-def command(words, options=()):
-    return [sys.executable, *options, "-m", "sim.cli", *words.split()]
-
-
-def environment():
-    paths = [str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])]
-    return {**os.environ, "PYTHONPATH": os.pathsep.join(paths)}
-
-
-def called(folder, words, options=()):
-    return subprocess.run(
-        command(words, options),
-        cwd=folder,
-        env=environment(),
-        capture_output=True,
-        text=True,
-        timeout=120,
-    )
 
 
 def every_command(group, above=()):
@@ -117,7 +96,7 @@ ALONE = ("bridge", "run", "study")
 
 @pytest.mark.parametrize("name", ALONE)
 def test_commands_say_nothing_but_what_they_mean_to(name, samples):
-    done = called(samples, CALLS[name], STRICT)
+    done = in_a_process(*CALLS[name].split(), cwd=samples, options=STRICT)
     assert re.fullmatch(NOTICES.get(name, ""), done.stderr), done.stderr
     assert done.returncode == 0
     assert "Warning" not in done.stdout
@@ -142,7 +121,6 @@ def test_so_do_the_others_one_after_another(samples):
     done = subprocess.run(
         [sys.executable, *STRICT, "-c", ONE_AFTER_ANOTHER, *calls.values()],
         cwd=samples,
-        env=environment(),
         capture_output=True,
         text=True,
         timeout=300,
@@ -156,7 +134,7 @@ def test_so_do_the_others_one_after_another(samples):
 @pytest.mark.slow
 @pytest.mark.parametrize("words", FURTHER)
 def test_variants_say_nothing(words, samples):
-    done = called(samples, words, STRICT)
+    done = in_a_process(*words.split(), cwd=samples, options=STRICT)
     assert (done.returncode, done.stderr) == (0, "")
 
 
@@ -166,9 +144,8 @@ def test_a_reader_who_has_seen_enough_is_left_in_peace(name, samples):
     reader, writer = os.pipe()
     os.close(reader)
     done = subprocess.run(
-        command(words.replace(" --trace", "")),
+        command_line(*words.replace(" --trace", "").split()),
         cwd=samples,
-        env=environment(),
         stdout=writer,
         stderr=subprocess.PIPE,
         timeout=120,
@@ -178,17 +155,11 @@ def test_a_reader_who_has_seen_enough_is_left_in_peace(name, samples):
 
 
 def test_ctrl_c_ends_a_command_in_silence(samples):
-    process = subprocess.Popen(
-        command("agent forever.asl --until 1e9"),
-        cwd=samples,
-        env=environment(),
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-    )
+    process = started("agent", "forever.asl", "--until", "1e9", cwd=samples)
     process.stdout.readline()
     process.send_signal(signal.SIGINT)
     _, said = process.communicate(timeout=60)
-    assert (process.returncode, said) == (130, b"")
+    assert (process.returncode, said) == (130, "")
 
 
 SLOW_TO_LOAD = """
@@ -212,14 +183,12 @@ def test_ctrl_c_waits_for_what_is_being_loaded(tmp_path):
     (tmp_path / "heavy.trial.yaml").write_text(
         "floorplan: ariac2023\nduration: 1.0e+6\ngantry: {controller: 'heavy:stands'}\n"
     )
-    process = subprocess.Popen(
-        command("run heavy.trial.yaml"), cwd=tmp_path, env=environment(), stderr=subprocess.PIPE
-    )
+    process = started("run", "heavy.trial.yaml", cwd=tmp_path)
     while not (tmp_path / "loading").exists():
         assert process.poll() is None
         time.sleep(0.01)
     process.send_signal(signal.SIGINT)
     _, said = process.communicate(timeout=60)
     assert process.returncode == 130
-    assert b"inside of an import" not in said
-    assert b"Traceback" not in said
+    assert "inside of an import" not in said
+    assert "Traceback" not in said

@@ -13,25 +13,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from processes import command_line, in_a_process, started
 
 import floorplan
 import sim
 import sim.cli
 
 TIMING = ("cpu_seconds", "realtime_factor")
-
-
-def in_a_process(*arguments, cwd, env=None):
-    command = [sys.executable, "-m", "sim.cli", *map(str, arguments)]
-    return subprocess.run(
-        command, cwd=cwd, capture_output=True, text=True, timeout=120, env=environment(env)
-    )
-
-
-def environment(extra=None):
-    root = Path(__file__).resolve().parents[2]
-    paths = [str(root), *filter(None, [os.environ.get("PYTHONPATH")])]
-    return {**os.environ, "PYTHONPATH": os.pathsep.join(paths), **(extra or {})}
 
 
 @pytest.fixture(scope="module")
@@ -248,16 +236,16 @@ def test_check_says_what_it_read(tmp_path, floorwalker):
 @pytest.mark.parametrize("words", [["list"], ["run", "--duration", "1"]])
 def test_output_that_finds_no_room_is_reported(tmp_path, words):
     with Path("/dev/full").open("w") as full:
-        command = [sys.executable, "-m", "sim.cli", *words]
-        done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, cwd=tmp_path, text=True)
+        done = subprocess.run(
+            command_line(*words), stdout=full, stderr=subprocess.PIPE, cwd=tmp_path, text=True
+        )
     assert done.returncode == 1
     assert done.stderr == "floorwalker: No space left on device\n"
 
 
 def test_terminals_without_every_sign_get_the_rest(tmp_path):
-    environment = {**os.environ, "PYTHONIOENCODING": "ascii"}
-    command = [sys.executable, "-m", "sim.cli", "run", "--duration", "1"]
-    done = subprocess.run(command, capture_output=True, cwd=tmp_path, text=True, env=environment)
+    ascii_only = {"PYTHONIOENCODING": "ascii"}
+    done = in_a_process("run", "--duration", "1", cwd=tmp_path, env=ascii_only)
     assert (done.returncode, done.stderr) == (0, "")
     assert "? real time" in done.stdout
 
@@ -338,10 +326,7 @@ def test_list_names_everything(tmp_path, floorwalker):
 def test_an_interrupted_run_keeps_what_happened(tmp_path):
     """Ctrl-C while a long trial runs: whole files, up to where it was."""
     out = tmp_path / "out"
-    command = [sys.executable, "-m", "sim.cli", "run", "--duration", "1e7", "--out", str(out)]
-    process = subprocess.Popen(
-        command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment()
-    )
+    process = started("run", "--duration", "1e7", "--out", out, cwd=tmp_path)
     events = out / "events.jsonl"
     while not (events.exists() and events.stat().st_size > 20_000):
         assert process.poll() is None
@@ -349,8 +334,8 @@ def test_an_interrupted_run_keeps_what_happened(tmp_path):
     process.send_signal(signal.SIGINT)
     _, stderr = process.communicate(timeout=120)
     assert process.returncode == 130
-    assert b"what happened is kept" in stderr
-    assert b"Traceback" not in stderr
+    assert "what happened is kept" in stderr
+    assert "Traceback" not in stderr
     summary = json.loads((out / "summary.json").read_text())
     assert summary["interrupted"] is True
     assert 0 < summary["duration"] < 1e7

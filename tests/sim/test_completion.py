@@ -101,8 +101,7 @@ def test_the_script_for_bash_works_in_bash(asked, folder):
         f"{script}\nCOMP_WORDS=(floorwalker run --rules pa); COMP_CWORD=3;"
         f' {function} "{wrapper}"; printf "%s\\n" "${{COMPREPLY[@]}}"'
     )
-    env = {**os.environ, "PYTHONPATH": str(ROOT)}
-    done = subprocess.run(["bash", "--norc", "-c", tab], env=env, capture_output=True, text=True)
+    done = subprocess.run(["bash", "--norc", "-c", tab], capture_output=True, text=True)
     assert (done.stdout, done.stderr) == ("paper\n", "")
 
 
@@ -135,7 +134,6 @@ def test_nothing_heavy_is_loaded_for_it(folder):
     )
     env = {
         **os.environ,
-        "PYTHONPATH": str(ROOT),
         "_FLOORWALKER_COMPLETE": "complete_bash",
         "COMP_WORDS": "floorwalker check ",
         "COMP_CWORD": "2",

@@ -3,14 +3,11 @@
 import itertools
 import json
 import math
-import os
-import subprocess
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
+from processes import in_a_process
 from run_events import events
 
 import navigation
@@ -210,9 +207,7 @@ def test_a_controller_that_fails_is_named_with_its_line(controller, text, messag
 def test_the_command_keeps_the_recording_of_a_run_that_fails(controller):
     name, folder = controller("def go(gantry):\n    yield gantry.wait(30)\n    1 / 0\n")
     (folder / "t.yaml").write_text(ALONE.format(controller=f"{name}:go", repeat="false"))
-    command = [sys.executable, "-m", "sim.cli", "run", str(folder / "t.yaml"), "--out", "out"]
-    env = {**os.environ, "PYTHONPATH": str(Path(__file__).resolve().parents[2])}
-    done = subprocess.run(command, capture_output=True, text=True, cwd=folder, env=env)
+    done = in_a_process("run", "t.yaml", "--out", "out", cwd=folder)
     assert done.returncode == 1
     assert "line 3): ZeroDivisionError: division by zero" in done.stderr
     assert "Traceback" not in done.stderr

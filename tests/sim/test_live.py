@@ -5,8 +5,6 @@ import json
 import math
 import signal
 import socket
-import subprocess
-import sys
 import threading
 import time
 import urllib.parse
@@ -14,7 +12,7 @@ from dataclasses import replace
 
 import pytest
 from bridge_parts import Client, served
-from test_command import environment
+from processes import started
 
 import sim
 from sim.live.page_server import PageServer, Stream
@@ -461,21 +459,9 @@ def test_a_run_on_the_bridge_has_a_page_too(speed):
     ]
 
 
-def start(arguments, folder):
-    command = [sys.executable, "-m", "sim.cli", *arguments]
-    return subprocess.Popen(
-        command,
-        cwd=folder,
-        env=environment(),
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
-
-
 def test_ctrl_c_keeps_what_was_recorded(tmp_path):
     arguments = ["run", "--watch", "--no-open", "--speed", "20", "--out", str(tmp_path / "run")]
-    process = start(arguments, tmp_path)
+    process = started(*arguments, cwd=tmp_path)
     assert process.stderr.readline().startswith("http://127.0.0.1:")
     events = tmp_path / "run" / "events.jsonl"
     while '"arrived"' not in events.read_text(encoding="utf-8"):
@@ -492,7 +478,7 @@ def test_ctrl_c_keeps_what_was_recorded(tmp_path):
 def test_replay_serves_until_it_is_told_to_stop(tmp_path):
     recording = sim.Recording(tmp_path / "run")
     recording.finish(sim.run(sim.Trial.parse(TRIAL), recording))
-    process = start(["replay", "run", "--serve", "--no-open"], tmp_path)
+    process = started("replay", "run", "--serve", "--no-open", cwd=tmp_path)
     url = process.stdout.readline().strip()
     place = urllib.parse.urlsplit(url)
     connection = http.client.HTTPConnection(place.hostname, place.port, timeout=30)

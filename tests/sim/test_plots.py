@@ -19,7 +19,6 @@ from shapely.geometry import box
 import floorplan
 import sim
 from navigation import CollisionWorld, PathPlanner, join, standing, walk
-from sim.cli import main
 from sim.views import plots
 from sim.views.plots.curves import instants
 from sim.views.plots.density_map import profiles_of
@@ -404,19 +403,6 @@ def test_vector_pictures_have_real_text_and_no_date(run, tmp_path):
     assert b"/CreationDate" not in (tmp_path / "s.pdf").read_bytes()
 
 
-@pytest.fixture
-def floorwalker(monkeypatch, capsys):
-    """The command in this process: (exit code, stdout, stderr)."""
-
-    def called(*words):
-        monkeypatch.setattr(sys, "argv", ["floorwalker", *map(str, words)])
-        with pytest.raises(SystemExit) as ended:
-            main()
-        return (ended.value.code, *capsys.readouterr())
-
-    return called
-
-
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("plots") / "run"
@@ -444,7 +430,7 @@ def folder(tmp_path_factory):
 def test_the_command_draws(words, folder, tmp_path, floorwalker):
     out = tmp_path / "picture.svg"
     done = floorwalker("plot", *(folder if w == "FOLDER" else w for w in words), "--out", out)
-    assert done == (0, f"{out}\n", "")
+    assert (done.returncode, done.stdout, done.stderr) == (0, f"{out}\n", "")
     assert out.read_text().startswith("<?xml")
 
 
@@ -461,12 +447,10 @@ def test_the_command_draws(words, folder, tmp_path, floorwalker):
         (("path", "ariac2023", -9, 0, 99, 99, "--out", "a.svg"), "the goal (99, 99) is"),
     ],
 )
-def test_bad_input_is_one_sentence(words, why, tmp_path, monkeypatch, floorwalker):
-    monkeypatch.chdir(tmp_path)
-    code, stdout, stderr = floorwalker("plot", *words)
-    assert (code, stdout) == (1, "")
-    assert why in stderr
-    assert stderr.count("\n") == 1
+def test_bad_input_is_one_sentence(words, why, tmp_path, floorwalker):
+    done = floorwalker("plot", *words, cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (1, "")
+    assert why in done.stderr and done.stderr.count("\n") == 1
     assert list(tmp_path.iterdir()) == []
 
 
@@ -478,7 +462,8 @@ def test_a_run_that_was_broken_off_is_drawn(folder, tmp_path, floorwalker):
     motions.write_bytes(motions.read_bytes()[:-4000])
     for kind in ("trails", "separation"):
         out = tmp_path / f"{kind}.svg"
-        assert floorwalker("plot", kind, broken, "--out", out) == (0, f"{out}\n", "")
+        done = floorwalker("plot", kind, broken, "--out", out)
+        assert (done.returncode, done.stdout, done.stderr) == (0, f"{out}\n", "")
 
 
 def test_without_matplotlib_a_run_runs_and_pictures_say_what_to_do(folder, tmp_path):

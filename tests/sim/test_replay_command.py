@@ -1,7 +1,7 @@
 """`floorwalker replay`, as a user types it."""
 
 import pytest
-from test_command import in_a_process
+from processes import in_a_process
 
 import sim
 from sim.views.replay import recordings_in, render

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from bridge_parts import relay, served, trial
+from processes import started
 
 CLIENTS = Path(__file__).parent / "bridge_clients"
 ROUND = ["station4", "station2", "station1"]
@@ -70,12 +71,7 @@ def test_roslibpy_is_never_late_at_speed_0():
 
 def test_our_agent_drives_a_person_of_roslibpys(tmp_path):
     with relay() as url:
-        agent = subprocess.Popen(
-            [sys.executable, "-m", "sim.cli", "bridge", "ariac2023", "--connect", url],
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-        )
+        agent = started("bridge", "ariac2023", "--connect", url, cwd=tmp_path)
         goals = outcome(python("simulation_roslibpy.py", url))
         actions, notices = agent.communicate(timeout=60)
     assert agent.returncode == 0, notices

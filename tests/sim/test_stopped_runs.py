@@ -1,17 +1,13 @@
 """Runs that a full disk or a signal ends: what they have written stays whole."""
 
-import os
 import signal
-import subprocess
-import sys
 import time
-from pathlib import Path
 
 import pytest
+from processes import started
 
 import sim
 
-ROOT = Path(__file__).resolve().parents[2]
 BRIDGE = ["bridge", "--port", "0", "--speed", "200"]
 
 
@@ -39,13 +35,7 @@ def test_a_recording_on_a_full_disk_stays_whole(tmp_path, floorwalker, room_for,
 @pytest.mark.parametrize("command", [["run"], BRIDGE])
 def test_a_terminated_run_is_kept_whole(tmp_path, command):
     arguments = [*command, "--duration", "2000000", "--out", "out"]
-    process = subprocess.Popen(
-        [sys.executable, "-m", "sim.cli", *arguments],
-        cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": str(ROOT)},
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-    )
+    process = started(*arguments, cwd=tmp_path)
     events = tmp_path / "out" / "events.jsonl"
     deadline = time.monotonic() + 60
     while not (events.exists() and events.stat().st_size > 100):
@@ -54,7 +44,7 @@ def test_a_terminated_run_is_kept_whole(tmp_path, command):
     process.send_signal(signal.SIGTERM)
     _, said = process.communicate(timeout=60)
     assert process.returncode == 130
-    assert b"what happened is kept" in said and b"Traceback" not in said
+    assert "what happened is kept" in said and "Traceback" not in said
     assert sim.load_run(tmp_path / "out").summary["interrupted"]
 
 

@@ -7,18 +7,16 @@ import signal
 import subprocess
 import sys
 import time
-from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from processes import started
 
 import sim
 from sim.studies import save_trial
 from sim.studies.folder import StudyFolder
 from sim.studies.table import Table, read_table
-
-ROOT = Path(__file__).resolve().parents[2]
 
 TRIAL = """\
 floorplan: ariac2023
@@ -70,10 +68,7 @@ def lines(path):
 
 
 def command(folder, *arguments, **options):
-    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
-    line = [sys.executable, "-m", "sim.cli", "study", "s.study.yaml", *arguments]
-    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
-    return subprocess.Popen(line, cwd=folder, env=environment, **pipes, **options)
+    return started("study", "s.study.yaml", *arguments, cwd=folder, **options)
 
 
 def finished(process):
