@@ -15,11 +15,12 @@ Side = Literal["right", "left"]
 class MannersEntry:
     """Manners of one person, or of each of several; what is None is as usual.
 
-    `comfort` is in metres, `foresight`, `reaction_time` and `patience` in seconds. They mean what
-    they do in `sim.people.steering.manners.Manners`.
+    `comfort` is in metres, `time_gap`, `foresight`, `reaction_time` and `patience` in seconds. They
+    mean what they do in `sim.people.steering.manners.Manners`.
     """
 
     comfort: Spread | None = None
+    time_gap: Spread | None = None
     foresight: Spread | None = None
     reaction_time: Spread | None = None
     patience: Spread | None = None

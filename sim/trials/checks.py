@@ -263,8 +263,11 @@ def _group_faults(trial: Scenario) -> Iterator[Fault]:
             yield message, ("people", k, "group")
 
 
+_LEAST_MANNERS = {"comfort": 0, "time_gap": 0, "foresight": 0.5, "reaction_time": 0, "patience": 0}
+
+
 def _manners_faults(manners: MannersEntry) -> Iterator[Fault]:
-    for name, least in (("comfort", 0), ("foresight", 0.5), ("reaction_time", 0), ("patience", 0)):
+    for name, least in _LEAST_MANNERS.items():
         value = getattr(manners, name)
         if value is None:
             continue

@@ -91,6 +91,7 @@ class MannersKeys(Keys):
     """Manners of people towards others: a figure, or [least, most] to draw each person's from."""
 
     comfort: NotNegative | Range | None = None
+    time_gap: NotNegative | Range | None = None
     foresight: Positive | Range | None = None
     reaction_time: NotNegative | Range | None = None
     patience: Positive | Range | None = None

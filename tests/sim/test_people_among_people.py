@@ -42,13 +42,20 @@ def walks(tmp_path):
     """Runs people who walk from each start to their goals on a floor."""
     (tmp_path / "go.asl").write_text(GO)
 
-    def run(floor: str, ways: list[tuple[Place, list[Place]]], duration: float = 120.0, **more):
+    def run(
+        floor: str,
+        ways: list[tuple[Place, list[Place]]],
+        duration: float = 120.0,
+        speeds: list[float] | None = None,
+        **more,
+    ):
         people = tuple(
             sim.PersonEntry(
                 name=f"p{k}",
                 personality="go.asl",
                 at=at,
                 beliefs=("todo([" + ", ".join(f"g({x:.9f}, {y:.9f})" for x, y in goals) + "])",),
+                max_speed=speeds[k] if speeds else None,
                 **more,
             )
             for k, (at, goals) in enumerate(ways)
@@ -231,6 +238,18 @@ def test_random_people_never_overlap_and_arrive(walks, seed):
     assert least(run) >= 0.6 and sampled(run) >= 0.6
     assert through_walls(run) == []
     assert arrived(run) == set(run.summary["people"])
+
+
+@pytest.mark.parametrize("speed", [0.2, 0.8])
+def test_the_distance_in_a_single_file_grows_with_the_speed(walks, speed):
+    """Each takes up 0.36 m and 1.06 s times the speed (Seyfried et al. 2005), within 15 %."""
+    floor = "human: {radius: 0.2, max_speed: 1.34}\n" + hall(24, 0.7)
+    ways = [((7.0 - 1.2 * k, 0.35), [(23.0 - k, 0.35)]) for k in range(4)]
+    speeds = [speed, 1.34, 1.34, 1.34]
+    run = walks(floor, ways, 10.0 / speed, speeds=speeds)
+    t = np.linspace(0.8 * run.duration, run.duration, 50)
+    x = np.array([run.motions[f"p{k}"].position(t)[:, 0] for k in range(4)])
+    assert float(np.mean(-np.diff(x, axis=0))) == pytest.approx(0.36 + 1.06 * speed, rel=0.15)
 
 
 def test_a_crowd_around_a_goal_dissolves(walks):

@@ -132,6 +132,7 @@ people:
   planner: BITstar
   manners:
     comfort: [0.1, 0.3]
+    time_gap: 0.8
     foresight: 4.0
     reaction_time: 0.5
     patience: [4.0, 6.0]

@@ -10,6 +10,7 @@ from typing import Protocol
 from floorplan import Point
 from navigation import Motion, Swath
 
+from .following import Behind, behind
 from .outlook import Outlook
 from .traveller import Traveller
 from .whereabouts import GAP, Hit
@@ -77,53 +78,72 @@ class Foresighted:
         if wished is None:
             return None
         near = outlook.others.first_hit(wished, comfort=True)
-        if near is None:
+        ahead = behind(body, outlook)
+        if near is None and ahead is None:
             return outlook.wish
         walks = outlook.walks
         walks.clear()
-        hit = outlook.others.first_hit(wished)
-        if hit is None:
-            walks.add(BRUSH, outlook.stop_beyond(outlook.reach), body.top_speed, 0.0)
-            _add_asides(body, outlook, near)
+        hit = None if near is None else outlook.others.first_hit(wished)
+        if near is None or hit is None:
+            return self._keep_apart(body, outlook, near, ahead)
+        follows = _same_way(body, hit, outlook.now)
+        if not follows:
+            ahead = None
+        self._add_later_or_shorter(body, outlook, hit, follows, ahead)
+        if hit.at_rest and follows:
+            # They are about to walk on: nobody passes them where they can get nearer.
             draft = _first_free(outlook)
-            if draft is not None and walks.row == 0:
-                return outlook.wish
-        else:
-            follows = _same_way(body, hit, outlook.now)
-            self._add_later_or_shorter(body, outlook, hit, follows)
-            if hit.at_rest and follows:
-                # They are about to walk on: nobody passes them where they can get nearer.
-                draft = _first_free(outlook)
-                if draft is not None:
-                    return outlook.made(draft)
-                walks.clear()
-            _add_asides(body, outlook, near)
-            if near.other is not hit.other:
-                _add_asides(body, outlook, hit)
+            if draft is not None:
+                return outlook.made(draft)
+            walks.clear()
+        _add_asides(body, outlook, near)
+        if near.other is not hit.other:
+            _add_asides(body, outlook, hit)
+        draft = _first_free(outlook)
+        if draft is None and outlook.speed < STANDS and not follows:
+            outlook.look_around(DETOURS[-1])
+            walks.clear()
+            _add_asides(body, outlook, hit, DETOURS)
             draft = _first_free(outlook)
-            if draft is None and outlook.speed < STANDS and not follows:
-                outlook.look_around(DETOURS[-1])
-                walks.clear()
-                _add_asides(body, outlook, hit, DETOURS)
-                draft = _first_free(outlook)
         return None if draft is None else outlook.made(draft)
 
+    def _keep_apart(
+        self, me: Traveller, outlook: Outlook, near: Hit | None, ahead: Behind | None
+    ) -> Motion | None:
+        """Return the wish, where nobody is in its way, or a walk farther from others than it is."""
+        walks, stop = outlook.walks, outlook.stop_beyond(outlook.reach)
+        brush = 0.0 if near is None else BRUSH
+        if ahead is None:
+            walks.add(brush, stop, me.top_speed, 0.0)
+        else:
+            walks.add(brush + ahead.loses(me.top_speed) * outlook.reach, stop, ahead.speed, 0.0)
+            _add_asides(me, outlook, Hit(outlook.t, ahead.other, False))
+        if near is not None:
+            _add_asides(me, outlook, near)
+        draft = _first_free(outlook)
+        if draft is None or (ahead is None and walks.row == 0):
+            return outlook.wish
+        return outlook.made(draft)
+
     def _add_later_or_shorter(
-        self, me: Traveller, outlook: Outlook, hit: Hit, follows: bool
+        self, me: Traveller, outlook: Outlook, hit: Hit, follows: bool, ahead: Behind | None
     ) -> None:
         """Add walks along the course that are slower, later, or end before the other.
 
-        Who `follows` goes the same way as the other.
+        Who `follows` goes the same way as the other; `ahead` is whom they walk behind.
         """
-        walks, top, stop = outlook.walks, me.top_speed, outlook.stop_beyond(outlook.reach)
+        walks, stop = outlook.walks, outlook.stop_beyond(outlook.reach)
+        top = me.top_speed if ahead is None else ahead.speed
         whole = min(outlook.reach, outlook.whole)
         if not hit.at_rest:  # else it would be as much in the way later on
             for pace in SHARES:
-                walks.add((1 - pace) * whole, stop, pace * top, 0.0)
+                walks.add((1 - pace * top / me.top_speed) * whole, stop, pace * top, 0.0)
             if outlook.speed < STANDS:
                 for delay in DELAYS:
                     walks.add(delay * top, stop, top, delay)
-        share = PHANTOM if hit.at_rest and follows else 1.0
+        # In a single file all come as near as their time gap lets them, and then slow down.
+        in_file = ahead is not None and outlook.is_narrow(0.0)
+        share = PHANTOM if follows and (hit.at_rest or in_file) else 1.0
         for length in self._stops(me, outlook, outlook.gone(hit.t), follows):
             walks.add(share * max(whole - length, 0.0), length, top, 0.0)
 
