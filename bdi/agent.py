@@ -5,7 +5,7 @@ Time belongs to the caller: `advance(t)` runs reasoning cycles until nothing is 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 
 from .errors import Problem, ProgramError, TooDeepError
 from .internal_actions import STANDARD
@@ -18,7 +18,7 @@ from .reasoning.beliefs import LiveBeliefs
 from .reasoning.calls import call_in_query
 from .reasoning.circumstance import Perform
 from .reasoning.cycle import ReasoningCycle
-from .reasoning.history import Entry
+from .reasoning.history import KINDS, Entry
 from .reasoning.intentions import Intention
 from .reasoning.society import Message, Society
 from .reasoning.state import AgentState
@@ -38,6 +38,7 @@ class Agent:
         start: time at which it begins (s).
         print: takes the lines of `.print`. Without it they go to standard output.
         on_event: takes an `Entry` for everything that happens inside, as `History.add` does.
+        kinds: the kinds of entries that `on_event` takes; all by default.
         live: beliefs that are asked for and not stored, by functor and arity: each a function
             that returns the arguments of what holds when it is called, as often as a query comes
             to it. They have the source `percept`, raise no events and are not in `beliefs`.
@@ -74,6 +75,7 @@ class Agent:
         start: float = 0.0,
         print: Callable[[str], None] | None = None,
         on_event: Callable[[Entry], None] | None = None,
+        kinds: Collection[str] = KINDS,
         live: LiveBeliefs | None = None,
         actions: Mapping[str, InternalAction] | None = None,
         society: Society | None = None,
@@ -100,6 +102,7 @@ class Agent:
             act=act,
             print=print,
             on_event=on_event,
+            kinds=kinds,
             society=Society() if society is None else society,
             functions=getattr(actions, "functions", None),
             max_goals=max_goals,

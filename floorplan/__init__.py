@@ -36,6 +36,7 @@ from .model import (
     SafeZone,
     Station,
     Zone,
+    free_area,
     rectangle,
 )
 from .movingai import CELL, load_movingai
@@ -93,6 +94,7 @@ __all__ = [
     "field_name",
     "floor_keys",
     "footprint",
+    "free_area",
     "is_there",
     "load",
     "load_movingai",

@@ -13,7 +13,7 @@ from shapely.geometry import LineString, Point, Polygon
 from shapely.validation import explain_validity
 
 from .document import Fault, Place, refuse
-from .kinds import require, require_fields
+from .kinds import SOUND, require, require_fields
 from .model import Floor, Lane
 from .problems import FloorplanError
 
@@ -38,9 +38,6 @@ _TOUCHES = 1e-6
 ENDS = 0.05
 """Metres. A gate may end so far from a wall: nobody gets through there."""
 
-_SOUND = "_sound"
-"""Mark of a plan that was checked: it never changes, so once is enough."""
-
 
 def check(plan: Floor, *, file: str = "") -> None:
     """Check that `plan` is sound: `FloorplanError` lists everything about it that is not.
@@ -49,11 +46,11 @@ def check(plan: Floor, *, file: str = "") -> None:
     is not of its type.
     """
     require(plan, Floor, "floorplan.load", "a Floorplan")
-    if _SOUND in vars(plan):
+    if SOUND in vars(plan):
         return
     require_fields(plan)
     refuse(file or f"floorplan {plan.name!r}", faults(plan), FloorplanError)
-    vars(plan)[_SOUND] = True
+    vars(plan)[SOUND] = True
 
 
 def faults(plan: Floor) -> Iterator[Fault]:

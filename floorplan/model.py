@@ -6,9 +6,10 @@ All lengths are metres, angles radians, speeds m/s, heights above the floor; z p
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
+from functools import cached_property
 
 import shapely
 from shapely.geometry import Polygon
@@ -184,7 +185,7 @@ class Lane:
     max_acceleration: float
     serves: Mapping[str, str] = field(default_factory=dict)
 
-    @property
+    @cached_property
     def direction(self) -> Point:
         """The unit vector along the lane; exact where the lane follows an axis."""
         return (round(math.cos(self.heading), 15), round(math.sin(self.heading), 15))
@@ -214,7 +215,11 @@ class Lane:
 
     def footprint(self, q: float) -> Polygon:
         """Return the rectangle that the AGV covers at lane position `q` (metres)."""
-        return rectangle(self.position(q), self.direction, self.length, self.width)
+        known: tuple[float, Polygon] | None = vars(self).get("_footprint")  # mostly the same one
+        if known is None or known[0] != q:
+            known = q, rectangle(self.position(q), self.direction, self.length, self.width)
+            vars(self)["_footprint"] = known
+        return known[1]
 
 
 @dataclass(frozen=True)
@@ -337,5 +342,13 @@ class Floor:
 
     def free(self, bottom: float, top: float) -> Polygon:
         """The boundary minus every obstacle with heights between `bottom` and `top` (metres)."""
-        blocked = [o.footprint for o in self.obstacles if o.overlaps(bottom, top)]
-        return self.boundary.difference(shapely.union_all(blocked))
+        return free_area(self.boundary, self.blocked(bottom, top))
+
+    def blocked(self, bottom: float, top: float) -> list[Polygon]:
+        """Return the footprints of obstacles with heights between `bottom` and `top` (metres)."""
+        return [o.footprint for o in self.obstacles if o.overlaps(bottom, top)]
+
+
+def free_area(boundary: Polygon, blocked: Collection[Polygon]) -> Polygon:
+    """Return what obstacles of these footprints leave free of the area within the boundary."""
+    return boundary.difference(shapely.union_all(blocked))

@@ -14,7 +14,7 @@ from typing import Any, ParamSpec, TypeVar
 
 import shapely
 
-from floorplan import Gate
+from floorplan import Gate, free_area
 
 from .bodies import Body, region
 from .freespace import FreeSpace, shrunk, without
@@ -55,6 +55,17 @@ def _kept(most: int) -> Callable[[Callable[_P, _R]], Callable[_P, _R]]:
         return kept
 
     return keeping
+
+
+@_kept(MOST_KEPT)
+def floor(
+    boundary: shapely.Polygon, blocked: tuple[shapely.Polygon, ...]
+) -> tuple[shapely.Geometry, shapely.Geometry]:
+    """Return what `blocked` leaves free of the floor, and its edges, both prepared."""
+    free = free_area(boundary, blocked)
+    edges = free.boundary
+    shapely.prepare([free, edges])
+    return free, edges
 
 
 @_kept(MOST_KEPT)

@@ -63,6 +63,8 @@ def rows_to_position(
     current: Sequence[AxisState], target: Sequence[AxisState], limits: Sequence[AxisLimits]
 ) -> list[list[float]]:
     """Return `to_position`'s profiles: for each phase of an axis its duration and coefficients."""
+    if not any(map(_is_under_way, (*current, *target))) and current == target:
+        return [[0.0, state.position, 0.0, 0.0, 0.0] for state in current]  # as Ruckig has it
     task = _task(current, limits)
     task.target_position = [state.position for state in target]
     task.target_velocity = [state.velocity for state in target]
@@ -154,6 +156,10 @@ def along_line(
         pieces.append(Piece(start, end, along_x, along_y, (heading, 0.0, 0.0, 0.0)))
         start = end
     return pieces
+
+
+def _is_under_way(state: AxisState) -> bool:
+    return state.velocity != 0.0 or state.acceleration != 0.0
 
 
 def _task(current: Sequence[AxisState], limits: Sequence[AxisLimits]) -> Any:

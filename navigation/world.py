@@ -53,12 +53,10 @@ class CollisionWorld:
         self.top = plan.human.height if top is None else top
         if not self.bottom < self.top:
             raise ValueError(f"heights must rise, found {self.bottom:g} … {self.top:g}")
-        self.floor = plan.free(self.bottom, self.top)
-        """The free floor between the things that never move: one polygon or several."""
-        self.edges = self.floor.boundary
+        blocked = tuple(plan.blocked(self.bottom, self.top))
+        self.floor, self.edges = ground.floor(plan.boundary, blocked)
+        """The free floor between the things that never move, one polygon or several; its edges."""
         self._bounds: tuple[float, float, float, float] = plan.boundary.bounds
-        shapely.prepare(self.floor)
-        shapely.prepare(self.edges)
         self._solid = ground.solid(self.floor, self._bounds)
         self._sweep = Sweep()
         self._bodies: dict[str, Body] = {}

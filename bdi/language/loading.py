@@ -47,8 +47,14 @@ def load(name: str | Path) -> Program:
     Raises:
         ProgramError: the program cannot be read or has mistakes.
     """
-    known = {**programs(), **{Path(part).stem: _built_in()[part] for part in PARTS}}
-    return parse_file(known.get(name, name) if isinstance(name, str) else name)
+    file = _built_in().get(f"{name}.asl") if isinstance(name, str) else None
+    return parse_file(name) if file is None else _load_built_in(file)
+
+
+@cache
+def _load_built_in(file: Path) -> Program:
+    """Return a program in the package, where nothing changes: it is read once."""
+    return parse_file(file)
 
 
 def parse_file(path: str | Path, *, namespace: str = "default") -> Program:

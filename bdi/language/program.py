@@ -180,8 +180,23 @@ class Belief(Clause):
     belief: Literal
     place: Place = field(default=NOWHERE, compare=False)
 
+    @cached_property
+    def functions(self) -> frozenset[str]:
+        """Names of the arithmetic functions that the belief calls: mostly none, of plain terms."""
+        belief = self.belief
+        if belief.annots or "." in belief.functor or not all(map(_is_plain, belief.args)):
+            return super().functions
+        return frozenset()
+
     def __str__(self) -> str:
         return str(self.belief)
+
+
+def _is_plain(term: Term) -> bool:
+    """Return True of a number, a text, or an atom that is no function without arguments."""
+    if term.__class__ is Literal:
+        return not (term.args or term.annots or "." in term.functor)
+    return term.__class__ is float or term.__class__ is str
 
 
 @dataclass(frozen=True, repr=False)

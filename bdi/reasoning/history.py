@@ -6,6 +6,9 @@ from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+KINDS = ("percept", "plan", "action", "print", "log", "ended", "warning")
+"""Kinds of entries."""
+
 
 @dataclass(frozen=True)
 class Entry:
@@ -13,7 +16,7 @@ class Entry:
 
     Attributes:
         time: time at which it happened (s).
-        kind: one of percept, plan, action, print, log, ended, warning.
+        kind: one of `KINDS`.
         text: the event, action or message.
         intention: number of the intention it belongs to, 0 for none.
         file: file of the program with the step it belongs to, if any.

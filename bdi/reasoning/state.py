@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import math
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from itertools import count
 from random import Random
 from typing import Protocol, TypeAlias
@@ -79,7 +79,7 @@ class AgentState:
         now: the same time (s), as the caller gave it.
         max_depth: largest number of plans in an intention.
         is_stopped: True when the program has ended itself.
-        is_observed: True if somebody is told of what happens (`note`).
+        is_observed: True if somebody is told of percepts, plans or actions (`note`).
     """
 
     def __init__(
@@ -95,6 +95,7 @@ class AgentState:
         act: Perform | None,
         print: Callable[[str], None] | None,
         on_event: Callable[[Entry], None] | None,
+        kinds: Collection[str],
         society: Society | None,
         functions: Mapping[str, Callable[..., float]] | None,
         max_goals: int,
@@ -122,7 +123,8 @@ class AgentState:
         self.now = float(start)
         self.max_depth = max_depth
         self.is_stopped = False
-        self.is_observed = on_event is not None
+        self._noted = frozenset() if on_event is None else frozenset(kinds)
+        self.is_observed = not self._noted.isdisjoint(("percept", "plan", "action"))
         self._max_intentions = max_intentions
         self._print = print
         self._on_event = on_event
@@ -135,7 +137,7 @@ class AgentState:
         }
         self._intention_numbers = count(1)
         self._action_numbers = count(1)
-        if on_event is not None:
+        if "ended" in self._noted:
             self.circumstance.on_end = self._note_end
 
     # ---- beliefs
@@ -241,7 +243,7 @@ class AgentState:
 
     def note(self, kind: str, what: object, intention: Intention | None = None) -> None:
         """Report something to `on_event`."""
-        if self._on_event is None:
+        if self._on_event is None or kind not in self._noted:
             return
         number = 0 if intention is None else intention.number
         file, line = "", 0

@@ -16,7 +16,7 @@ from ..core.scenario import PersonEntry, Scenario
 from ..core.stage import Stage
 from ..safety.distancing import Distancing
 from ..safety.referee import Referee
-from .mind_inspector import MindInspector
+from .mind_inspector import STEPS, MindInspector
 from .minds import Mind, Mindless, Outside, kept_beliefs, live_beliefs, make_agent
 from .person import Person
 from .planners import find_planner, planner_of
@@ -161,6 +161,7 @@ class Company:
             act=person.act,
             print=lambda text: record(Said(person=entry.name, text=text)),
             on_event=lambda happening: self._note(entry.name, happening),
+            kinds=STEPS if entry.name in self._inspectors else ("warning",),
             society=self._society,
             start=self._stage.clock.now,
             kept=kept_beliefs(before),

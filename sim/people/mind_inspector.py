@@ -15,7 +15,8 @@ import bdi
 from ..core.recorder import Thought
 
 _SOURCE = re.compile(r"\[source\((?:self|percept)\)\]")
-_STEPS = ("percept", "plan", "action", "warning")
+STEPS = ("percept", "plan", "action", "warning")
+"""Kinds of entries that are noted."""
 
 
 class MindInspector:
@@ -30,7 +31,7 @@ class MindInspector:
 
     def note(self, entry: bdi.Entry) -> None:
         """Take note of a step of the agent's reasoning, as its `on_event` reports it."""
-        if entry.kind in _STEPS:
+        if entry.kind in STEPS:
             place = [f"{_base(entry.file)}:{entry.line}"] if entry.kind == "plan" else []
             self._steps.append([entry.kind, _plain(entry.text), *place])
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from typing import Protocol
 
 import bdi
@@ -105,6 +105,7 @@ def make_agent(
     act: Callable[[bdi.Literal], bool],
     print: Callable[[str], None],
     on_event: Callable[[bdi.Entry], None],
+    kinds: Collection[str] = ("warning",),
     society: bdi.Society | None = None,
     start: float = 0.0,
     kept: Sequence[bdi.Literal] = (),
@@ -113,7 +114,7 @@ def make_agent(
     """Return the agent that runs the program of a trial's person, with their first beliefs.
 
     It begins at `start` (seconds), believes what is `kept` from a mind before it, and always what
-    is `live` (see `live_beliefs`).
+    is `live` (see `live_beliefs`). `on_event` takes entries of these `kinds`.
     """
     own_code, folder = trial.own_code, trial.folder
     modules = modules_of(entry.actions, trial.actions)
@@ -134,6 +135,7 @@ def make_agent(
         start=start,
         print=print,
         on_event=on_event,
+        kinds=kinds,
         live=live,
         society=society,
         max_cycles=MOST_CYCLES,
