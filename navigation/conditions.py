@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 from .encounter import Encounter
 from .kernels import watch as kernel
-from .separation import AnyLaw, kernel_of, require_sense
+from .separation import AnyLaw, is_of_speeds, kernel_of, require_sense
 
 STANDING_SPEED = 0.01
 """m/s. A machine that is no faster counts as standing where a rule asks for one that moves."""
@@ -95,17 +96,42 @@ class Both:
 
 def judge_of(condition: Condition) -> kernel.Judge:
     """Return what decides about `condition` in the monitor."""
+    kept: dict[str, kernel.Judge] = getattr(condition, "__dict__", {})
+    known = kept.get(_JUDGE)
+    if known is not None:
+        return known
+    make = _JUDGES.get(type(condition))
+    if make is None:
+        return kernel.OwnJudge(condition)
+    judge = make(condition)
+    if _keeps_nothing(condition):
+        kept[_JUDGE] = judge
+    return judge
+
+
+_JUDGE = "_judge"
+"""Key under which a condition keeps what decides about it."""
+
+_JUDGES: dict[type, Callable[[Any], kernel.Judge]] = {
+    TooClose: lambda given: kernel.TooClose(kernel_of(given.law), ROUNDING),
+    Moving: lambda given: kernel.Faster(STANDING_SPEED),
+    Approaching: lambda given: kernel.Approaching(),
+    Apart: lambda given: kernel.Apart(given.metres),
+    Not: lambda given: kernel.Not(judge_of(given.condition)),
+    Both: lambda given: kernel.Both(judge_of(given.first), judge_of(given.second)),
+}
+
+
+def _keeps_nothing(condition: Condition) -> bool:
+    """Return whether a judge of the condition may serve several searches at once.
+
+    Those of laws that look at motions keep figures while they decide.
+    """
     match condition:
         case TooClose(law):
-            return kernel.TooClose(kernel_of(law), ROUNDING)
-        case Moving():
-            return kernel.Faster(STANDING_SPEED)
-        case Approaching():
-            return kernel.Approaching()
-        case Apart(metres):
-            return kernel.Apart(metres)
+            return is_of_speeds(law)
         case Not(other):
-            return kernel.Not(judge_of(other))
+            return _keeps_nothing(other)
         case Both(first, second):
-            return kernel.Both(judge_of(first), judge_of(second))
-    return kernel.OwnJudge(condition)
+            return _keeps_nothing(first) and _keeps_nothing(second)
+    return isinstance(condition, Moving | Approaching | Apart)

@@ -83,7 +83,9 @@ class Motion:
         if not self.pieces:
             raise ValueError("a motion needs at least one piece")
         # Kept at once: a cached property takes a lock, and crowds make thousands of motions.
-        table = vars(self)["table"] = _table(self.pieces)
+        kept = vars(self)
+        table = kept["table"] = _table(self.pieces)
+        kept["start"], kept["end"] = table[0], table[1 - WIDTH]
         for k in breaks(table, JUMP_TOLERANCE):
             piece, before = self.pieces[k], self.pieces[max(k - 1, 0)]
             if piece.end < piece.begin:
@@ -133,12 +135,12 @@ class Motion:
     def __repr__(self) -> str:
         return f"<Motion from t = {self.start:g} s to {self.end:g} s: {len(self.pieces)} pieces>"
 
-    @property
+    @cached_property
     def start(self) -> float:
         """The instant at which it begins, seconds."""
         return self.pieces[0].begin
 
-    @property
+    @cached_property
     def end(self) -> float:
         """The instant from which on the body stands, seconds."""
         return self.pieces[-1].end

@@ -22,6 +22,7 @@ from .path import Path, PlanningError, Reason, Watch
 from .roadmap import HAIR, Roadmap
 from .roadmap_planner import SLACK, RoadmapQuestions
 from .sampling import sample_path
+from .walk import is_place
 from .world import CollisionWorld
 
 COARSE = math.radians(15.0)
@@ -227,6 +228,8 @@ def _distinct(points: list[Point]) -> list[Point]:
 
 
 def _place(at: ArrayLike, end: str) -> Point:
+    if is_place(at):
+        return at
     found = np.asarray(at, dtype=float)
     if found.shape != (2,) or not np.isfinite(found).all():
         raise ValueError(f"the {end} must be a finite x and y, found {at!r}")

@@ -40,8 +40,7 @@ class Track:
             if gap(last, first) > JUMP_TOLERANCE:
                 self._jumps.add(first.begin)
         self._jumps |= motion.jumps
-        for piece in motion.pieces:
-            self._numbers.extend((piece.begin, piece.end, *piece.x, *piece.y, *piece.rotation))
+        self._numbers.extend(motion.table)
         self._last = motion.pieces[-1]
 
     def motion(self) -> Motion:

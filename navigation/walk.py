@@ -5,6 +5,8 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Sequence
+from math import isfinite
+from typing import TypeGuard
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -172,18 +174,32 @@ def _on_leg(a: Corner, b: Corner, phases: Phases, start: float) -> list[Piece]:
 
 def _corners(points: ArrayLike) -> list[Corner]:
     """Return `points` without repetitions and without those on the straight line between others."""
+    if isinstance(points, list) and points and all(map(is_place, points)):
+        return _bends(points)
     array = np.asarray(points, dtype=np.float64)
     if array.ndim != 2 or array.shape[1] != 2 or len(array) == 0:
         raise ValueError(f"a path needs points of shape (N, 2), not {array.shape}")
     if not np.isfinite(array).all():
         raise ValueError("a path needs finite points")
+    return _bends([(x, y) for x, y in array.tolist()])
+
+
+def is_place(point: object) -> TypeGuard[Corner]:
+    """Return whether `point` is a tuple of two finite floats, as most places are."""
+    if not isinstance(point, tuple) or len(point) != 2:
+        return False
+    x, y = point
+    return x.__class__ is y.__class__ is float and isfinite(x) and isfinite(y)
+
+
+def _bends(points: list[Corner]) -> list[Corner]:
     corners: list[Corner] = []
-    for x, y in array.tolist():
-        if corners and math.dist(corners[-1], (x, y)) < NOWHERE:
+    for point in points:
+        if corners and math.dist(corners[-1], point) < NOWHERE:
             continue
-        if len(corners) > 1 and _straight(corners[-2], corners[-1], (x, y)):
+        if len(corners) > 1 and _straight(corners[-2], corners[-1], point):
             corners.pop()
-        corners.append((x, y))
+        corners.append(point)
     return corners
 
 

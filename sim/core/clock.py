@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from enum import IntEnum
 from heapq import heappush
-from typing import Any
+from operator import attrgetter
+from typing import TYPE_CHECKING, Any
 
 import simpy
 from simpy.core import StopSimulation
@@ -62,6 +63,9 @@ class Clock(simpy.Environment):
         self.stopped = False
         self._busy = busy
         self.begin_moment()
+
+    if not TYPE_CHECKING:
+        now = property(attrgetter("_now"), doc="Time (seconds).")  # as SimPy's; asked all the time
 
     def begin_moment(self) -> None:
         """Count events anew, because something has come from outside the simulation."""

@@ -62,6 +62,16 @@ EVENT_KINDS: dict[str, type[EventKind]] = {}
 """Every kind of event that is defined, by its name in recordings."""
 
 
+class _Forms:
+    """The forms of a kind's fields, found out when they are asked for the first time."""
+
+    def __get__(self, _: object, kind: type[EventKind]) -> Mapping[str, Form]:
+        hints = get_type_hints(kind, include_extras=True)
+        found = {name: _form(hints[here], kind.kind, name) for name, here in kind._here.items()}
+        kind.forms = found
+        return found
+
+
 @dataclass_transform(frozen_default=True, kw_only_default=True)
 class EventKind:
     """Something that happens in a run. A subclass is a kind of event, known once it is defined.
@@ -84,26 +94,52 @@ class EventKind:
     _here: ClassVar[Mapping[str, str]]
     """The name of each field in Python, by its name in recordings."""
 
+    _given: ClassVar[Mapping[str, Any]]
+    """The defaults of the fields that have one, by their names in Python."""
+
     def __init_subclass__(cls) -> None:
         """Make the subclass a frozen dataclass, and register it."""
         kind = re.sub(r"(?<!^)(?=[A-Z])", "_", cls.__name__).lower()
         known = EVENT_KINDS.get(kind, cls)
         if known.__module__ == __name__ != cls.__module__:
             raise TypeError(f"there is a kind of event {kind!r} already; take another name")
-        # `__eq__`, `__hash__` and `__repr__` of all kinds are below: making them for each takes
-        # a third of the time that it takes to import this module.
-        made = dataclass(frozen=True, kw_only=True, eq=False, repr=False)(cls)
-        hints = get_type_hints(made, include_extras=True)
+        # The methods of all kinds are below, and forms are found out when they are asked for:
+        # making them for each takes most of the time that it takes to import this module.
+        dataclass(init=False, kw_only=True, eq=False, repr=False)(cls)
         declared = dataclasses.fields(cast(Any, cls))
         reserved = {"t", *vars(EventKind), *EventKind.__annotations__}
         for name in reserved.intersection(field.name for field in declared):
             raise TypeError(f"{kind}: no field of an event can be called {name!r}")
         cls.kind = kind
         cls._here = {field.name.removesuffix("_"): field.name for field in declared}
-        cls.forms = {name: _form(hints[here], kind, name) for name, here in cls._here.items()}
+        cls.forms = cast(Any, _Forms())
+        if cls.__module__ != __name__:
+            cls.forms  # noqa: B018 - refuses what is no form
+        cls._given = {
+            field.name: field.default
+            for field in declared
+            if field.default is not dataclasses.MISSING
+        }
         optional = (field.name for field in declared if field.default is None)
         cls.optional = frozenset(name.removesuffix("_") for name in optional)
         EVENT_KINDS[kind] = cls
+
+    def __init__(self, **given: Any) -> None:
+        """Take the values of all fields by name; those with a default may be left out."""
+        values = vars(self)
+        values.update(self._given)
+        values.update(given)
+        if values.keys() != self.__dataclass_fields__.keys():  # type: ignore[attr-defined]
+            wanted = ", ".join(self._here.values())
+            raise TypeError(f"{type(self).__name__} takes {wanted}; found {', '.join(given)}")
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        """Refuse every change."""
+        raise dataclasses.FrozenInstanceError(f"cannot assign to field {name!r}")
+
+    def __delattr__(self, name: str) -> None:
+        """Refuse every change."""
+        raise dataclasses.FrozenInstanceError(f"cannot delete field {name!r}")
 
     @classmethod
     def of(cls, named: Mapping[str, Any]) -> EventKind:
@@ -130,9 +166,9 @@ class EventKind:
     @property
     def fields(self) -> dict[str, Any]:
         """The fields as recordings name them; optional ones without a value are left out."""
-        values = {name: getattr(self, here) for name, here in self._here.items()}
-        there = (name for name in values if values[name] is not None or name not in self.optional)
-        return {name: values[name] for name in there}
+        values, optional = vars(self), self.optional
+        named = ((name, values[here]) for name, here in self._here.items())
+        return {name: one for name, one in named if one is not None or name not in optional}
 
     def recorded(self) -> dict[str, Any]:
         """Return the event as a recording has it, but for its time."""

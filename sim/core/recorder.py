@@ -92,8 +92,14 @@ def recording_to(listener: Listener, now: Callable[[], float]) -> Record:
     return record
 
 
+_AS_IT_IS = frozenset((str, int, bool, type(None)))
+"""Types of which nothing is rounded."""
+
+
 def rounded(value: Any) -> Any:
     """Return the same data with its floats rounded to `DECIMALS`, and no negative zero."""
+    if value.__class__ in _AS_IT_IS:
+        return value
     if isinstance(value, float):
         short = round(value, DECIMALS) + 0.0
         # Thousands of events name the same places: the same number need be there but once.

@@ -16,6 +16,9 @@ AHEAD = 1.5
 GAP = 0.1
 """Metres. Nearer than this to the surface of an AGV that drives, a person counts as touched."""
 
+TOUCHING = TooClose(FixedDistance(GAP))
+"""The condition under which somebody counts as touched."""
+
 
 class CrossingWatch:
     """Calls `let_pass(self)` in time if a person is about to walk into an AGV that drives.
@@ -43,8 +46,7 @@ class CrossingWatch:
         if agv.end <= now:
             return None
         end = min(agv.end, self.pair.end)
-        close = TooClose(FixedDistance(GAP))
-        return first_time(close, person, agv, now, max(now, end), shapes=self._shapes)
+        return first_time(TOUCHING, person, agv, now, max(now, end), shapes=self._shapes)
 
     def _reconsider(self) -> None:
         if self.pair.machine.body.motion.end <= self.pair.clock.now:

@@ -5,14 +5,12 @@ from __future__ import annotations
 from floorplan import Human
 from navigation import (
     Cylinder,
-    FixedDistance,
     Motion,
     Mover,
     Passage,
     PathPlanner,
     PlanningError,
     Shapes,
-    TooClose,
     first_time,
     plan_among,
 )
@@ -20,7 +18,7 @@ from navigation import (
 from ..core.body import Body
 from ..core.machine import Machine
 from ..core.stage import Stage
-from .crossing import GAP
+from .crossing import GAP, TOUCHING
 
 
 def among_vehicles(
@@ -77,5 +75,4 @@ def _mover(machine: Machine, motion: Motion) -> Mover:
 
 def _touches(mover: Mover, motion: Motion, human: Human, now: float) -> bool:
     shapes = Shapes(person=Cylinder(radius=human.radius, top=human.height), machine=(mover.solid,))
-    close = TooClose(FixedDistance(GAP))
-    return first_time(close, motion, mover.motion, now, motion.end, shapes=shapes) is not None
+    return first_time(TOUCHING, motion, mover.motion, now, motion.end, shapes=shapes) is not None

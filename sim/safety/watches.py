@@ -215,10 +215,12 @@ class NoticeWatch:
         self._noticed = noticed
         self._close = TooClose(rule.law)
         self._closing_in = Both(self._close, Approaching())
+        self._parting = Not(Approaching())
         self._hidden = False
         self._stage: Literal["alert", "closing", "parting"] = "alert"
         self._silent_until = 0.0
         self._nearest = 0.0
+        self._parted, self._nearer = self._around_nearest()
         self._alarm = Alarm(pair.clock, self._ring, Turn.NOTICE)
         self._perceiving = Alarm(pair.clock, self._perceive, Turn.NOTICE)
         self.reconsider()
@@ -230,11 +232,9 @@ class NoticeWatch:
             condition = self._close if self._hidden else self._closing_in
             self._alarm.set(pair.first_time(condition, self._silent_until))
         elif self._stage == "closing":
-            self._alarm.set(pair.first_time(Not(Approaching())))
+            self._alarm.set(pair.first_time(self._parting))
         else:
-            parted = pair.first_time(Apart(self._nearest + self.rule.parting))
-            # A millimetre less, or rounding at the nearest point would count as nearer.
-            nearer = pair.first_time(TooClose(FixedDistance(max(self._nearest - 1e-3, 0.0))))
+            parted, nearer = pair.first_time(self._parted), pair.first_time(self._nearer)
             self._alarm.set(min((t for t in (parted, nearer) if t is not None), default=None))
 
     def start_over(self) -> None:
@@ -263,11 +263,18 @@ class NoticeWatch:
                 self._perceive()
         elif self._stage == "closing":
             self._nearest = self.pair.distance()
+            self._parted, self._nearer = self._around_nearest()
             self._stage = "parting"
         else:
             has_parted = self.pair.distance() > self._nearest
             self._stage = "alert" if has_parted else "closing"
         self.reconsider()
+
+    def _around_nearest(self) -> tuple[Condition, Condition]:
+        """Return the conditions that the two have parted, and are nearer than at their nearest."""
+        # A millimetre less, or rounding at the nearest point would count as nearer.
+        nearer = TooClose(FixedDistance(max(self._nearest - 1e-3, 0.0)))
+        return Apart(self._nearest + self.rule.parting), nearer
 
     def _perceive(self) -> None:
         self._noticed(self.pair, self.rule.law)
