@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import gc
 import io
 import os
@@ -9,6 +10,7 @@ import sys
 from typing import Annotated
 
 import typer
+from typer.models import CommandInfo
 
 from .commands.agent import agent
 from .commands.benchmark import benchmark
@@ -78,6 +80,24 @@ app.command()(export)
 app.command(name="list")(list_all)
 
 
+def _of(arguments: list[str]) -> typer.Typer:
+    """Return what runs the command of these arguments: itself alone, where one begins with it.
+
+    To work out the options of all commands takes longer than most commands.
+    """
+    chosen = [one for one in app.registered_commands if [_name(one)] == arguments[:1]]
+    if not chosen:
+        return app
+    alone = copy.copy(app)
+    alone.registered_commands, alone.registered_groups = chosen, []
+    return alone
+
+
+def _name(command: CommandInfo) -> str:
+    assert command.callback is not None  # as all above have
+    return command.name or command.callback.__name__
+
+
 def main() -> None:
     """Run the command; say what is wrong in a sentence, and exit with 1, or 2 for wrong usage."""
     # Loading makes half a million objects that stay: no use looking through them for garbage. And
@@ -88,7 +108,7 @@ def main() -> None:
         sys.stdout.reconfigure(errors="replace")  # a × that a terminal lacks is no failure
     try:
         with put_off_while_loading():
-            app(prog_name="floorwalker")
+            _of(sys.argv[1:])(prog_name="floorwalker")
     except Exception as why:
         if not _is_for_user(why):
             raise

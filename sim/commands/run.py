@@ -234,9 +234,14 @@ def _kept(
 
 def _advance(simulation: Simulation) -> None:
     """Run to the end, or until it is stopped, with a progress bar on a terminal."""
-    from sim.commands.bars import progress_bars
+    from rich.console import Console
 
     duration = simulation.trial.duration
+    if not Console(stderr=True).is_terminal:
+        simulation.advance(duration)
+        return
+    from .bars import progress_bars
+
     with progress_bars() as progress:
         bar = progress.add_task("simulating", total=duration)
         for k in range(1, REPORTS + 1):
