@@ -350,5 +350,5 @@ class Floor:
 
 
 def free_area(boundary: Polygon, blocked: Collection[Polygon]) -> Polygon:
-    """Return what obstacles of these footprints leave free of the area within the boundary."""
+    """Return what obstacles with the footprints `blocked` leave free within `boundary`."""
     return boundary.difference(shapely.union_all(blocked))
