@@ -72,7 +72,7 @@ SCRIPTS = (
 )
 """The page's scripts in reading order."""
 
-LIVE_SCRIPTS = ("control", "live")
+LIVE_SCRIPTS = ("placing", "control", "live")
 """Those that only the page of a run under way has: they ask for more than the page holds."""
 
 

@@ -3,6 +3,7 @@
 import http.client
 import json
 import math
+import re
 import signal
 import socket
 import threading
@@ -388,21 +389,39 @@ def test_the_page_interferes_with_the_run(open_address):
         page.mouse.click(*on_floor(-12.5, 1.0))
         viewer.wait_until(lambda: page.locator("#clear").is_hidden())
         page.keyboard.press("Escape")
+        page.locator("#send").focus()
+        for key in ("Tab", "Enter", *["ArrowLeft"] * 4, *["Shift+ArrowUp"] * 4):
+            page.keyboard.press(key)
+        assert viewer.text("#placing").startswith("1.00 × 2.00 m at x ")
+        assert viewer.text("#control-status") == viewer.text("#placing")  # for screen readers
+        where = re.findall(r"[xy] ([\d.−]+)", viewer.text("#placing"))
+        middle = [float(metres.replace("−", "-")) for metres in where]
+        page.keyboard.press("Enter")
+        wait_for("control-status", "box2 is put down.")
+        viewer.wait_until(lambda: page.locator("#clear option").count() == 2)
+        page.keyboard.press("Enter")
+        wait_for("control-status", "box2 is taken up.")
+        viewer.wait_until(lambda: page.locator("#clear").is_hidden())
+        page.keyboard.press("Escape")
+        assert page.evaluate("document.activeElement.id") == "block"
         press("send")
         page.mouse.click(*on_floor(-9.0, 0.5))
-        viewer.wait_until(lambda: len(commanded()) == 5)
+        viewer.wait_until(lambda: len(commanded()) == 7)
         press("send")
         page.locator("#destination").select_option("station2")
-        viewer.wait_until(lambda: len(commanded()) == 6)
+        viewer.wait_until(lambda: len(commanded()) == 8)
         simulation.stop()
         running.join()
         live.finish(simulation.finish())
         viewer.wait_until(lambda: viewer.text("#subtitle") == "the run is over")
-    _, _, block, clear, send, again = commanded()
+    _, _, block, clear, typed, _, send, again = commanded()
     corners = [(-13.0, 0.0), (-12.0, 0.0), (-12.0, 2.0), (-13.0, 2.0)]
     for corner in corners:
         assert min(math.dist(corner, other) for other in block["footprint"]) < 0.1
     assert clear["clear"] == block["block"] == "box1"
+    assert sorted(map(tuple, typed["footprint"])) == sorted(
+        (x + dx, y + dy) for dx in (-0.5, 0.5) for dy in (-1.0, 1.0) for x, y in [middle]
+    )
     assert (send["send"], again["send"]) == ("operator", "operator")
     assert send["to"] == pytest.approx([-9.0, 0.5], abs=0.1)
     station = next(s for s in trial.floorplan.stations if s.name == "station2")

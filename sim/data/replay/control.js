@@ -4,8 +4,9 @@ const BOX = 1;                 // metres of a box that a click puts down
 const SMALLEST_BOX = 0.1;      // metres that have to be drawn for another one
 const GRAIN = 100;             // places are given to a hundredth of a metre
 const HINTS = {
-  send: "Click where to, or choose a place. Esc ends it.",
-  block: "Draw a box on the floor, or click; click one that you put down to take it up. Esc ends it.",
+  send: "Click where to, choose a place, or go there with the arrow keys and Enter. Esc ends it.",
+  block: "Draw a box on the floor, or click; click one that you put down to take it up. With the arrow keys it moves,"
+    + " with Shift it grows, Enter puts it down or takes it up. Esc ends it.",
 };
 
 class Control {
@@ -14,6 +15,13 @@ class Control {
     $("control").hidden = false;
     document.body.classList.add("controlled");
     replay.control = this;
+    this.placing = new Placing($("placing"), {
+      move: words => {
+        this.#say(words);
+        replay.refresh();
+      },
+      put: () => this.#put(...this.placing.corners, true),
+    });
     replay.clock.steer = speed => this.#ask({ pace: { speed } });
     const on = (id, action) => $(id).addEventListener("click", action);
     on("pause-run", () => this.#ask({ pace: { paused: !this.isPaused } }));
@@ -30,10 +38,16 @@ class Control {
 
   /** Takes a tool for the floor into the hand, or (null, or the one that is there) none. */
   take(tool) {
-    this.tool = tool === this.tool ? null : tool;
+    const last = this.tool;
+    this.tool = tool === last ? null : tool;
     document.body.classList.toggle("armed", this.tool !== null);
+    const byKey = document.activeElement?.matches("#control :focus-visible");
+    if (this.tool) this.placing.begin(this.replay, this.tool === "block");
+    if (byKey) $(this.tool ? "placing" : last ?? "block").focus();
+    if (!this.tool) this.placing.end();
     this.#say(HINTS[this.tool] ?? "");
     this.show();
+    this.replay.refresh();
   }
 
   /** The run goes on like that: {speed, paused}; a speed of 0 is none in particular. */
@@ -86,8 +100,7 @@ class Control {
       end: () => {
         const [, to] = this.drawn;
         this.drawn = null;
-        if (this.tool === "send") this.#send(to.map(toGrain));
-        else this.#block(from, to);
+        this.#put(from, to);
       },
       cancel: () => {
         this.drawn = null;
@@ -96,11 +109,13 @@ class Control {
     };
   }
 
-  /** Draws what is about to be put down. */
+  /** Draws what is about to be put down, or the place to which somebody is sent. */
   draw(view) {
-    if (!this.drawn || this.tool !== "block") return;
+    const isHeld = document.activeElement === $("placing");
+    const drawn = this.drawn ?? (this.placing.at && isHeld ? this.placing.corners : null);
+    if (!drawn || (this.tool !== "block" && !isHeld)) return;
     const { context, palette } = view.shown.pen;
-    const { x: [left, right], y: [bottom, top] } = boxBetween(...this.drawn);
+    const { x: [left, right], y: [bottom, top] } = this.tool === "block" ? boxBetween(...drawn) : spotAt(drawn[1]);
     const corners = [[left, bottom], [right, bottom], [right, top], [left, top]].map(([x, y]) => view.camera.toScreen(x, y, 0));
     if (corners.some(corner => !corner)) return;
     context.beginPath();
@@ -129,17 +144,23 @@ class Control {
     select.value = "";
   }
 
+  /** Does with two corners what the tool is for; `byKey` a box already there is taken up, as by a click. */
+  #put(from, to, byKey = false) {
+    if (this.tool === "send") this.#send(to.map(toGrain));
+    else this.#block(from, to, byKey || Math.hypot(to[0] - from[0], to[1] - from[1]) < SMALLEST_BOX);
+  }
+
   #send(to) {
     this.#command({ send: this.replay.chosenPerson.name, to });
     if (this.tool) this.take(null);
   }
 
   /** Puts a box down, or takes up the one that was clicked. */
-  #block(from, to) {
+  #block(from, to, isClick) {
     const [run] = this.replay.runs;
     const box = boxBetween(from, to);
-    const isClick = Math.hypot(to[0] - from[0], to[1] - from[1]) < SMALLEST_BOX;
-    const there = isClick && run.placedAt(run.known).find(({ footprint }) => isInside(footprint, ...from));
+    const middle = [0, 1].map(side => (from[side] + to[side]) / 2);
+    const there = isClick && run.placedAt(run.known).find(({ footprint }) => isInside(footprint, ...middle));
     this.#command(there ? { clear: there.name } : { block: run.freeName("box"), ...box });
   }
 
@@ -147,13 +168,14 @@ class Control {
     return this.#ask({ command });
   }
 
-  /** Asks the run for something, and says why where it can't be done. */
+  /** Asks the run for something, and says what is done, or why it can't be. */
   async #ask(wish) {
     try {
       const reply = await fetch("control", {
         method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(wish),
       });
-      this.#say((await reply.json()).problem ?? HINTS[this.tool] ?? "");
+      const { problem } = await reply.json();
+      this.#say(problem ?? (wish.command ? `${commandWords(wish.command)}.` : HINTS[this.tool] ?? ""));
     } catch {
       this.#say("The run does not answer.");
     }
@@ -166,6 +188,9 @@ class Control {
 }
 
 const toGrain = metres => Math.round(metres * GRAIN) / GRAIN;
+
+/** A small box round a place. */
+const spotAt = ([x, y]) => ({ x: [x - SMALLEST_BOX, x + SMALLEST_BOX], y: [y - SMALLEST_BOX, y + SMALLEST_BOX] });
 
 /** The box between two points of the floor, as ranges; a small one round the first where they are one. */
 function boxBetween([ax, ay], [bx, by]) {
