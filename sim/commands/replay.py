@@ -100,12 +100,28 @@ def _write(page: str, file: Path) -> None:
 def _page_file(run: Path) -> Path:
     """Return the page of a run; it is written if the run was broken off before."""
     if not run.is_dir():
-        _recordings(run)
+        _check_page(run)
         return run
     file = run / "replay.html"
     if not file.exists():
         _write(_page(run, None), file)
     return file
+
+
+def _check_page(file: Path) -> None:
+    """Say what is wrong with a page; `ValueError` where it is none, or can't say so itself."""
+    from floorplan import LARGEST_RECORDED, InputError, read_text
+
+    from ..views.replay import says_itself
+
+    try:
+        _recordings(file)
+    except InputError:
+        raise
+    except ValueError as why:
+        if not file.exists() or not says_itself(read_text(file, InputError, LARGEST_RECORDED)):
+            raise
+        say(f"{why}; the page shows what there is of it", err=True)
 
 
 def _recordings(path: Path) -> list[dict[str, Any]]:
@@ -119,7 +135,11 @@ def _recordings(path: Path) -> list[dict[str, Any]]:
     if not path.exists():
         raise ValueError(f"{path}: there is no such folder or file")
     if path.is_dir():
-        return [replay_data(load_run(path))]
+        damages: list[str] = []
+        recording = replay_data(load_run(path, damage=damages.append))
+        for sentence in damages:
+            say(f"{path}: {sentence}", err=True)
+        return [{**recording, "notices": damages} if damages else recording]
     page = read_text(path, InputError, LARGEST_RECORDED)
     try:
         return recordings_in(page)

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import json
 import math
+import re
+from collections.abc import Callable
 from dataclasses import dataclass, fields, is_dataclass
 from typing import Any
 
@@ -29,6 +31,8 @@ from .strict_json import parse_json
 
 FORMAT = "floorwalker-scene/1"
 """Value of `format`, by which a reader knows the file."""
+
+_LATER = re.compile(r"floorwalker-scene/([2-9]|[1-9]\d+)")
 
 OPTIONAL = (*LEFT_OUT_IF_EMPTY, "passing", "controller", "between_people")
 """Fields of floors, scenes and rule sets that are left out where they are empty."""
@@ -76,8 +80,12 @@ def write_scene(scene: Scene) -> str:
     return json.dumps(data, ensure_ascii=False, allow_nan=False, separators=(",", ":")) + "\n"
 
 
-def read_scene(text: str) -> Scene:
-    """Return the scene in `text`; `SceneError` says why there is none."""
+def read_scene(text: str, later: Callable[[str], None] | None = None) -> Scene:
+    """Return the scene in `text`; `SceneError` says why there is none.
+
+    With `later` a scene of a later version is read too, without what is not known here, and
+    `later(sentence)` says so.
+    """
     try:
         data = parse_json(text)
     except ValueError as why:
@@ -85,7 +93,9 @@ def read_scene(text: str) -> Scene:
     data = _with_polygons(data)
     found = data.get("format") if isinstance(data, dict) else None
     if found != FORMAT:
-        raise SceneError(f"expected the format {FORMAT!r}, found {found!r}")
+        if later is None or not _LATER.fullmatch(str(found)):
+            raise SceneError(f"expected the format {FORMAT!r}, found {found!r}")
+        later(f"made in the later format {found}; what this version knows of it is shown")
     try:
         scene = _SceneFile.model_validate(data)
     except ValidationError as misfits:
@@ -99,7 +109,7 @@ def read_scene(text: str) -> Scene:
         trial=scene.trial,
         seed=scene.seed,
         floorplan=scene.floorplan,
-        rules=_rules(scene.rules),
+        rules=_rules(_known(scene.rules) if found != FORMAT else scene.rules),
         people=scene.people,
         starts=scene.starts,
         machines=machines_on(scene.floorplan) if scene.machines is None else scene.machines,
@@ -152,6 +162,12 @@ def _with_polygons(data: Any) -> Any:
     if not np.isfinite(shapely.get_coordinates(polygon)).all():
         raise SceneError("holds a polygon with an infinite corner")
     return polygon
+
+
+def _known(rules: dict[str, Any]) -> dict[str, Any]:
+    """Return the fields of rules that are known here."""
+    names = {field.name for field in fields(RuleSet)}
+    return {name: value for name, value in rules.items() if name in names}
 
 
 def _rules(data: dict[str, Any]) -> RuleSet:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
 
@@ -76,27 +77,61 @@ class _Violation(BaseModel, defer_build=True):
     required: Curve | None = None
 
 
-def load_run(folder: str | Path) -> Recorded:
+@dataclass(frozen=True)
+class _Reading:
+    """Reads a recording: with `damage`, that is told what can't be read, and the rest is used.
+
+    `torn`: the run was broken off, so that the last line of a file may be half a line.
+    """
+
+    torn: bool
+    damage: Callable[[str], None] | None
+
+    def refuse(self, error: RecordingError) -> None:
+        """Raise the error, or tell what it says."""
+        if self.damage is None:
+            raise error from None
+        place = Path(error.file).name
+        for problem in error.problems:
+            self.damage(f"{place}: {problem}; the recording is shown as far as it can be read")
+
+
+def load_run(folder: str | Path, *, damage: Callable[[str], None] | None = None) -> Recorded:
     """Return the run that `floorwalker run` (or a `Recording`) has left in `folder`.
 
     A run that was broken off goes as far as it was written: its summary is empty, everybody stands
     from the last line about them on, and violations are worked out anew. `RecordingError` says
-    which line of which file is damaged.
+    which line of which file is damaged. With `damage` a damaged recording, or one of a later
+    version, goes as far as it can be read in the same manner, and `damage(sentence)` says what is
+    missing; `RecordingError` is raised only where there is nothing to show.
     """
     folder = Path(folder)
-    scene = _scene(folder / "scene.json")
-    summary = _summary(folder / "summary.json")
+    damages: list[str] = []
+
+    def note(sentence: str) -> None:
+        damages.append(sentence)
+        assert damage is not None
+        damage(sentence)
+
+    told = None if damage is None else note
+    scene = _scene(folder / "scene.json", told)
+    summary = _summary(folder / "summary.json", _Reading(False, told))
     broken_off = summary is None
-    events = _events(folder / "events.jsonl", broken_off)
-    motions = _motions(folder / "motions.jsonl", scene, broken_off)
+    reading = _Reading(broken_off, told)
+    events = _events(folder / "events.jsonl", reading)
+    motions = _motions(folder / "motions.jsonl", scene, reading)
+    # What is left of a damaged recording is worked out as that of a run that was broken off.
+    broken_off = broken_off or bool(damages)
     # Events are rounded; the end of a finished run is the end of all motions.
     ends = [motion.end for motion in motions.values()]
     ends += [event["t"] for event in events] if broken_off else []
     duration = max(ends, default=0.0)
-    if broken_off:
+    if damages and not duration:
+        raise RecordingError.of(folder, f"holds nothing that can be shown: {damages[-1]}")
+    if not broken_off:
+        violations, requirements = _violations(folder / "violations.jsonl", reading)
+    if broken_off or damages:
         violations, requirements = _worked_out(scene, motions, duration)
-    else:
-        violations, requirements = _violations(folder / "violations.jsonl")
     return Recorded(
         scene=scene,
         duration=duration,
@@ -105,38 +140,40 @@ def load_run(folder: str | Path) -> Recorded:
         motions=motions,
         violations=violations,
         requirements=requirements,
-        thoughts=_thoughts(folder / "thoughts.jsonl", broken_off),
+        thoughts=_thoughts(folder / "thoughts.jsonl", reading),
     )
 
 
-def _scene(path: Path) -> Scene:
+def _scene(path: Path, damage: Callable[[str], None] | None) -> Scene:
     folder = path.parent
     if not path.is_file():
         what = "there is no scene.json in it" if folder.is_dir() else "there is no such folder"
         message = f"{what}; a recording is a folder that `floorwalker run` has written"
         raise RecordingError(str(folder), [Problem(message)])
     try:
-        return read_scene(read_text(path, RecordingError, LARGEST_RECORDED))
+        return read_scene(read_text(path, RecordingError, LARGEST_RECORDED), later=damage)
     except SceneError as why:
         raise RecordingError(str(path), [Problem(str(why))]) from None
 
 
-def _summary(path: Path) -> dict[str, Any] | None:
+def _summary(path: Path, reading: _Reading) -> dict[str, Any] | None:
     if not path.exists():
         return None
     try:
         summary = parse_json(read_text(path, RecordingError, LARGEST_RECORDED))
+        if not isinstance(summary, dict):
+            raise RecordingError.of(path, "is not a summary")
+    except RecordingError as why:
+        reading.refuse(why)
     except ValueError as why:
-        if isinstance(why, RecordingError):
-            raise
-        raise RecordingError(str(path), [Problem(f"is not JSON: {why}")]) from None
-    if not isinstance(summary, dict):
-        raise RecordingError(str(path), [Problem("is not a summary")])
-    return summary
+        reading.refuse(RecordingError.of(path, f"is not JSON: {why}"))
+    else:
+        return summary
+    return None
 
 
-def _events(path: Path, broken_off: bool) -> tuple[Event, ...]:
-    return tuple(event.model_dump() for _, event in _lines(path, _Event, broken_off))
+def _events(path: Path, reading: _Reading) -> tuple[Event, ...]:
+    return tuple(event.model_dump() for _, event in _lines(path, _Event, reading))
 
 
 def _has_form(value: object, form: Form) -> bool:
@@ -150,24 +187,28 @@ def _has_form(value: object, form: Form) -> bool:
     return value is None or isinstance(value, str) or (form == "location" and is_number(value))
 
 
-def _thoughts(path: Path, broken_off: bool) -> tuple[Thought, ...]:
+def _thoughts(path: Path, reading: _Reading) -> tuple[Thought, ...]:
     if not path.exists():
         return ()
     return tuple(
-        thought.model_dump(exclude_unset=True) for _, thought in _lines(path, _Thought, broken_off)
+        thought.model_dump(exclude_unset=True) for _, thought in _lines(path, _Thought, reading)
     )
 
 
-def _motions(path: Path, scene: Scene, broken_off: bool) -> dict[str, Motion]:
+def _motions(path: Path, scene: Scene, reading: _Reading) -> dict[str, Motion]:
     done: dict[str, list[Motion]] = {body: [] for body in scene.starts}
-    for line, motion in _lines(path, _Motion, broken_off):
-        if motion.body not in done:
-            message = f"no body of the scene is called {motion.body!r}"
-            raise RecordingError(str(path), [Problem(message, "body", line)])
+    for line, motion in _lines(path, _Motion, reading):
         try:
+            if motion.body not in done:
+                message = f"no body of the scene is called {motion.body!r}"
+                raise RecordingError(str(path), [Problem(message, "body", line)])
             done[motion.body].append(_motion(motion, done[motion.body]))
+        except RecordingError as why:
+            reading.refuse(why)
+            break
         except ValueError as why:
-            raise RecordingError(str(path), [Problem(str(why), line=line)]) from None
+            reading.refuse(RecordingError.of(path, str(why), line))
+            break
     return {body: _joined(pieces, scene.starts[body]) for body, pieces in done.items()}
 
 
@@ -193,8 +234,8 @@ def _joined(motions: list[Motion], start: Pose) -> Motion:
     return join(motions) if motions else standing((x, y), heading=rotation)
 
 
-def _violations(path: Path) -> tuple[Violations, Requirements]:
-    lines = [line for _, line in _lines(path, _Violation, False)]
+def _violations(path: Path, reading: _Reading) -> tuple[Violations, Requirements]:
+    lines = [line for _, line in _lines(path, _Violation, reading)]
     return (
         {(line.person, line.machine): line.intervals for line in lines},
         {(line.person, line.machine): line.required for line in lines if line.required},
@@ -224,22 +265,29 @@ def _worked_out(
     return found, requirements
 
 
-def _lines(path: Path, form: type[_Line], broken_off: bool) -> Iterator[tuple[int, _Line]]:
-    """Yield the lines of a file, numbered from 1.
+def _lines(path: Path, form: type[_Line], reading: _Reading) -> Iterator[tuple[int, _Line]]:
+    """Yield the lines of a file, numbered from 1, up to one that is damaged.
 
     Where a run was broken off, the last line may be half a line; it is left out.
     """
-    for number, line in enumerate(read_lines(path, RecordingError, torn=broken_off), 1):
-        try:
-            yield number, _read_line(form, line)
-        except ValidationError as misfits:
-            first = misfits.errors()[0]
-            field = ".".join(str(part) for part in first["loc"])
-            said = first["msg"].removeprefix("Value error, ")
-            problem = Problem(said[:1].lower() + said[1:], field, number)
-            raise RecordingError(str(path), [problem]) from None
-        except ValueError as why:
-            raise RecordingError(str(path), [Problem(f"is not JSON: {why}", line=number)]) from None
+    try:
+        for number, line in enumerate(read_lines(path, RecordingError, torn=reading.torn), 1):
+            yield number, _whole_line(form, line, path, number)
+    except RecordingError as why:
+        reading.refuse(why)
+
+
+def _whole_line(form: type[_Line], line: str, path: Path, number: int) -> _Line:
+    try:
+        return _read_line(form, line)
+    except ValidationError as misfits:
+        first = misfits.errors()[0]
+        field = ".".join(str(part) for part in first["loc"])
+        said = first["msg"].removeprefix("Value error, ")
+        problem = Problem(said[:1].lower() + said[1:], field, number)
+        raise RecordingError(str(path), [problem]) from None
+    except ValueError as why:
+        raise RecordingError.of(path, f"is not JSON: {why}", number) from None
 
 
 def _read_line(form: type[_Line], line: str) -> _Line:

@@ -120,6 +120,11 @@ def recordings_in(page: str) -> list[dict[str, Any]]:
     return recordings
 
 
+def says_itself(page: str) -> bool:
+    """Return whether a page of ours is whole enough to show what there is of its recording."""
+    return "Nothing but the recording comes after this line" in page
+
+
 @cache
 def _part(name: str) -> str:
     return (files("sim") / "data" / "replay" / name).read_text(encoding="utf-8")

@@ -802,6 +802,7 @@ def test_what_is_wrong_with_a_recording_is_said(open_page, recording, change, me
         (lambda r: r.update(format="floorwalker-replay/9"), "later format floorwalker-replay/9", 7),
         (lambda r: r["motions"].pop("agv1"), "without the motions of agv1", 6),
         (lambda r: r["motions"].update(operator=[]), "without the motions of operator", 6),
+        (lambda r: r.update(notices=["line 3 is damaged"]), "line 3 is damaged", 7),
         (lambda r: r["motions"].clear(), "without the motions of operator, visitor, gantry", 0),
     ],
 )

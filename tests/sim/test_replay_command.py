@@ -1,5 +1,7 @@
 """`floorwalker replay`, as a user types it."""
 
+import shutil
+
 import pytest
 from processes import in_a_process
 
@@ -45,6 +47,25 @@ def test_a_recording_can_be_taken_out_of_its_page(folder):
     (found,) = recordings_in(page)
     assert found["motions"] == recordings_in(render(data))[0]["motions"]
     assert render(found) == page
+
+
+def test_what_is_damaged_is_shown_as_far_as_it_goes(folder, tmp_path):
+    damaged = shutil.copytree(folder / "whole", tmp_path / "damaged")
+    (damaged / "replay.html").unlink()
+    events = (damaged / "events.jsonl").read_text(encoding="utf-8").splitlines()
+    events[2] = "?"
+    (damaged / "events.jsonl").write_text("\n".join(events), encoding="utf-8")
+    done = in_a_process("replay", "damaged", "--no-open", cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (0, "damaged/replay.html\n")
+    assert done.stderr.startswith("damaged: events.jsonl: line 3: is not JSON")
+    text = (damaged / "replay.html").read_text(encoding="utf-8")
+    (recording,) = recordings_in(text)
+    assert recording["notices"] == [done.stderr.removeprefix("damaged: ").rstrip("\n")]
+    assert len(recording["events"]) == 2
+    (tmp_path / "cut.html").write_text(text[:-400], encoding="utf-8")
+    done = in_a_process("replay", "cut.html", "--no-open", cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (0, "cut.html\n")
+    assert "damaged" in done.stderr and "the page shows what there is of it" in done.stderr
 
 
 def test_two_runs_make_one_page(folder, tmp_path):

@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 import shutil
 from dataclasses import replace
 
@@ -14,6 +15,7 @@ import floorplan
 import sim
 from navigation import ApproachLaw, FixedDistance, IntegralLaw, Scaled, SeparationLaw
 from sim.record.scene_file import read_scene, write_scene
+from sim.views.replay_data import replay_data
 
 TRIAL = """
 name: busy
@@ -228,7 +230,7 @@ def test_a_run_of_nobody_comes_back(tmp_path):
         ("scene.json", None, "there is no scene.json in it; a recording is a folder"),
     ],
 )
-def test_damage_is_reported_with_its_place(folder, file, damage, message):
+def test_damage_is_reported_with_its_place(recorded, folder, file, damage, message):
     path = folder / file
     if damage is None:
         path.unlink()
@@ -240,6 +242,35 @@ def test_damage_is_reported_with_its_place(folder, file, damage, message):
     with pytest.raises(sim.RecordingError, match=message) as told:
         sim.load_run(folder)
     assert str(folder) in str(told.value)
+    said = []
+    if file == "scene.json" and "scene/9" not in message:
+        with pytest.raises(sim.RecordingError, match=message):
+            sim.load_run(folder, damage=said.append)
+        return
+    left = sim.load_run(folder, damage=said.append)
+    assert re.search(message if file != "scene.json" else "later format .*scene/9", " ".join(said))
+    run, _ = recorded
+    for name, motion in left.motions.items():
+        for t in (0.0, 0.5 * motion.end, motion.end):
+            if len(motion.pieces) > 1:
+                assert motion.position(t) == pytest.approx(run.motions[name].position(t), abs=1e-9)
+    assert left.events == run.events[: len(left.events)]
+    assert replay_data(left)["duration"] > 0
+
+
+def test_of_a_later_version_what_is_known_is_read(recorded, folder):
+    path = folder / "scene.json"
+    scene = json.loads(path.read_text(encoding="utf-8"))
+    scene |= {"format": "floorwalker-scene/2", "weather": "rain"}
+    scene["rules"]["mercy"] = 3.0
+    path.write_text(json.dumps(scene), encoding="utf-8")
+    said = []
+    left = sim.load_run(folder, damage=said.append)
+    assert said == [
+        "made in the later format floorwalker-scene/2; what this version knows of it is shown"
+    ]
+    assert left.motions == recorded[0].motions
+    assert left.scene.rules == recorded[0].scene.rules
 
 
 def test_a_folder_that_is_not_there_is_reported(tmp_path):

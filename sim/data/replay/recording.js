@@ -69,6 +69,7 @@ function parseRecording(text, addRest = () => []) {
   if (isObject(recording)) {
     const missing = addRest(recording);
     notices.push(...notices.length ? [] : missing, ...takeWhatThereIs(recording));
+    if (Array.isArray(recording.notices)) notices.push(...recording.notices.map(String));
   }
   const problems = problemsOf(recording);
   if (problems.length) throw new RecordingError([...notices, ...problems]);
