@@ -257,7 +257,7 @@ class Simulation:
         workload, gantry = self.trial.workload, self.gantry
         if workload is None or gantry is None:
             return None
-        return Dispatcher(self._stage, workload, gantry, self._work_is_done)
+        return Dispatcher(self._stage, workload, gantry, self._work_is_done, self.trial.seed)
 
     def _end_with_jobs(self) -> None:
         """Let the run end when all orders are handed in, where the gantry's jobs hand them in."""

@@ -437,6 +437,28 @@ class PartFaulty(EventKind):
     quadrant: int
 
 
+class PartCame(EventKind):
+    """A part comes along the conveyor: it lies `at` a place, and falls off at `to`."""
+
+    part: _Part
+    number: int
+    at: tuple[float, float]
+    to: tuple[float, float]
+    falls: float
+
+
+class PartTaken(EventKind):
+    """The gantry has picked a part from the conveyor, `at` the place where it was then."""
+
+    part: _Part
+    number: int
+    at: tuple[float, float]
+
+
+class PartMissed(PartTaken):
+    """A part has come to the end of the conveyor, and falls off."""
+
+
 class OrderAnnounced(EventKind):
     """An order of an [ARIAC trial](ariac.md#scores) is to be worked on."""
 

@@ -300,6 +300,11 @@ class Scenario:
         )
 
     @property
+    def has_conveyor(self) -> bool:
+        """Whether parts come along a conveyor in it."""
+        return self.workload is not None and bool(self.workload.conveyor.parts)
+
+    @property
     def has_work(self) -> bool:
         """Whether there are tasks for people."""
         return bool(self.work) or any(person.works for person in self.people)

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from random import Random
 
 from .blackout import Blackout
+from .seeds import seed_of
 from .start import Start
 
 TYPES = ("battery", "pump", "regulator", "sensor")
@@ -106,6 +108,26 @@ class Drop:
 
 
 @dataclass(frozen=True)
+class Conveyor:
+    """Parts that come along the conveyor, one every `seconds`: an item each, and its place across.
+
+    That is in metres from the middle of the belt. Where they come in `random_order`, it is drawn
+    from the trial's seed.
+    """
+
+    parts: tuple[tuple[Item, float], ...] = ()
+    seconds: float = 1.0
+    random_order: bool = False
+
+    def coming(self, seed: int) -> list[tuple[float, Item, float]]:
+        """Return the instants (s) at which parts are put on it, the items, and their places."""
+        parts = [*self.parts]
+        if self.random_order:
+            Random(seed_of(seed, "conveyor")).shuffle(parts)
+        return [(self.seconds * k, *part) for k, part in enumerate(parts, start=1)]
+
+
+@dataclass(frozen=True)
 class Human:
     """A person of the human challenge, who begins at `start`."""
 
@@ -120,8 +142,8 @@ class Workload:
     `bins` has the items in the slots (1 to 9) of each bin, `trays` the id of the tray in each
     slot (1 to 6) of the tray tables, `loads` what is on the AGVs at the start. `faulty` has the
     quadrants of kits in which the first part that is placed is faulty, by order; `drops` are the
-    parts that the gripper loses. `time_limit` is in seconds, None if there is none. `source` is the
-    file it was read from, as the trial names it.
+    parts that the gripper loses; others come along the `conveyor`. `time_limit` is in seconds, None
+    if there is none. `source` is the file it was read from, as the trial names it.
     """
 
     orders: tuple[Order, ...]
@@ -132,6 +154,7 @@ class Workload:
     humans: tuple[Human, ...] = ()
     faulty: Mapping[str, frozenset[int]] = field(default_factory=dict)
     drops: tuple[Drop, ...] = ()
+    conveyor: Conveyor = Conveyor()
     blackouts: tuple[Blackout, ...] = ()
     time_limit: float | None = None
     source: str = field(default="", compare=False)

@@ -16,7 +16,7 @@ def problems(file: TrialFile, plan: Floorplan, document: Document) -> Iterator[P
     Entries of `file` that could not be read are None, and have been reported.
     """
     orders = [(k, order) for k, order in enumerate(file.orders) if order]
-    yield from _floor_problems(plan, document)
+    yield from _floor_problems(file, plan, document)
     yield from _supply_problems(file, plan, document)
     yield from _reach_problems(file, plan, document)
     yield from _twice(
@@ -45,10 +45,10 @@ def conditions(file: TrialFile) -> Iterator[tuple[Place, Condition]]:
                 yield ("challenges", k, challenge.kind), figures
 
 
-def _floor_problems(plan: Floorplan, document: Document) -> Iterator[Problem]:
+def _floor_problems(file: TrialFile, plan: Floorplan, document: Document) -> Iterator[Problem]:
     if plan.gantry is None:
         yield document.problem(f"the floorplan {plan.name} has no gantry to work on orders")
-    missing = layout.lacking(plan)
+    missing = layout.lacking(plan, belt=_has_belt(file))
     if missing:
         yield document.problem(
             f"the floorplan {plan.name} has no {', '.join(missing)} to work on orders with"
@@ -93,7 +93,8 @@ def _reach_problems(file: TrialFile, plan: Floorplan, document: Document) -> Ite
         return
     middles = {obstacle.name: obstacle.footprint.centroid for obstacle in plan.obstacles}
     reported: set[str] = set()
-    for name, (dx, dy) in layout.errands(plan, (file.parts and file.parts.bins) or {}):
+    bins = (file.parts and file.parts.bins) or {}
+    for name, (dx, dy) in layout.errands(plan, bins, belt=_has_belt(file)):
         if name not in middles or name in reported:
             continue
         target = (middles[name].x + dx, middles[name].y + dy, plan.gantry.start[2])
@@ -101,6 +102,11 @@ def _reach_problems(file: TrialFile, plan: Floorplan, document: Document) -> Ite
             reported.add(name)
             place = ("parts", "bins", name) if name.startswith("bin") else ()
             yield document.problem(f"the gantry can't get to {name!r}: {fault}", *place)
+
+
+def _has_belt(file: TrialFile) -> bool:
+    belt = file.parts and file.parts.conveyor_belt
+    return bool(belt and belt.active and belt.parts_to_spawn)
 
 
 def _order_problems(

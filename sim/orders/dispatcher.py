@@ -13,6 +13,7 @@ from ..core.workload import AssemblyTask, CombinedTask, KittingTask, Order, Work
 from ..machines.agv.agv import Agv
 from ..machines.gantry.robot import GantryRobot
 from .assembly import AssemblyWork, CombinedWork
+from .belt import Belt
 from .fleet import Fleet
 from .inventory import Inventory
 from .kitting import KittingWork
@@ -60,6 +61,7 @@ class Dispatcher:
         workload: Workload,
         gantry: GantryRobot,
         all_done: Callable[[], None],
+        seed: int,
     ) -> None:
         plan = stage.floorplan
         agvs = [machine for machine in stage.machines.values() if isinstance(machine, Agv)]
@@ -70,7 +72,8 @@ class Dispatcher:
         self._gantry = gantry
         self._record = stage.record
         self._all_done = all_done
-        inventory = Inventory(workload, plan)
+        self._belt = Belt(stage, workload.conveyor, seed, gantry.missed)
+        inventory = Inventory(workload, plan, self._belt)
         self._cell = Cell(
             plan, inventory, self._fleet, gantry.handling, stage.record, workload.faulty
         )
@@ -88,6 +91,7 @@ class Dispatcher:
         """Wait for the announcements of orders, and for malfunctions."""
         triggers = self._stage.triggers
         self._stage.on_rest.append(self._came_to_rest)
+        self._belt.begin(self._gantry.tasks.reconsider)
         for order in self._workload.orders:
             triggers.add(order.announcement, partial(self._announce, order))
         for malfunction in self._workload.malfunctions:
@@ -103,6 +107,7 @@ class Dispatcher:
             "score": sum(figures["score"] for figures in orders.values()),
             "best_score": sum(figures["best"] for figures in orders.values()),
             "parts_faulty": len(self._cell.found_faulty),
+            "parts_missed": self._belt.parts_missed,
         }
 
     def _came_to_rest(self, machine: Machine) -> None:

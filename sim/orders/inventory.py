@@ -8,6 +8,8 @@ from collections.abc import Iterable
 from floorplan import Floorplan, Point
 
 from ..core.workload import Item, Load, Part, Workload
+from .belt import Belt
+from .layout import BELT
 from .scoring import Inserted
 
 
@@ -18,7 +20,8 @@ class Inventory:
     begun, so that no other order counts on it.
     """
 
-    def __init__(self, workload: Workload, plan: Floorplan) -> None:
+    def __init__(self, workload: Workload, plan: Floorplan, belt: Belt) -> None:
+        self.belt = belt
         self._bins = {name: dict(slots) for name, slots in workload.bins.items()}
         self._trays = dict(workload.trays)
         self._loads = {lane.name: workload.loads.get(lane.name, Load()) for lane in plan.lanes}
@@ -32,8 +35,8 @@ class Inventory:
     def take(self, part: Part, near: Point) -> tuple[str, int, Item] | None:
         """Take a part out of a bin; return the bin, the slot, and the item.
 
-        The nearest bin is preferred, and before that parts that need not be turned over; None if
-        there is no such part.
+        The nearest bin is preferred, and before that parts that need not be turned over. Where no
+        bin has one, it is a part of the conveyor, and its number; None if there is no such part.
         """
         found = min(
             (
@@ -45,7 +48,8 @@ class Inventory:
             default=None,
         )
         if found is None:
-            return None
+            coming = self.belt.take(part)
+            return None if coming is None else (BELT, *coming)
         _, _, name, slot = found
         return name, slot, self._bins[name].pop(slot)
 

@@ -23,6 +23,18 @@ TABLES = ("kit_tray_table1", "kit_tray_table2")
 DISPOSAL_BINS = ("disposal_bin1", "disposal_bin2", "disposal_bin3")
 """The obstacles into which parts are thrown that nobody needs."""
 
+BELT = "conveyor"
+"""The obstacle that is the conveyor."""
+
+BELT_SPEED = 0.2
+"""m/s."""
+
+BELT_REACH = 0.14
+"""Metres. The farthest that a part lies from the middle of the belt."""
+
+_BELT_MIDDLE = -0.055
+_BELT_BEGINS = 4.005
+
 _SLOT_PITCH = 0.18
 _TRAY_PITCH = 0.43
 _TRAY_BEHIND = 0.11
@@ -70,16 +82,37 @@ def quadrant_on(lane: Lane, quadrant: int) -> Offset:
     return _turned(lane, _TRAY_ON_AGV + along, across)
 
 
-def lacking(plan: Floorplan) -> list[str]:
-    """Return the names of the obstacles that a floor lacks to be like the ARIAC workcell."""
+def belt_ends(plan: Floorplan) -> tuple[Offset, Offset]:
+    """Return where parts are put on the middle of the belt, and where they fall off (x, y)."""
+    footprint = plan.obstacle(BELT).footprint
+    x = footprint.centroid.x + _BELT_MIDDLE
+    return (x, footprint.centroid.y + _BELT_BEGINS), (x, footprint.bounds[1])
+
+
+def lacking(plan: Floorplan, *, belt: bool = False) -> list[str]:
+    """Return the names of the obstacles that a floor lacks to be like the ARIAC workcell.
+
+    The conveyor counts if the `belt` brings parts.
+    """
     names = {obstacle.name for obstacle in plan.obstacles}
     stations = {station for lane in plan.lanes for station in lane.serves}
     needed = [*TABLES, *DISPOSAL_BINS, *sorted(assembly_table(station) for station in stations)]
+    needed += [BELT] * belt
     return [name for name in needed if name not in names]
 
 
-def errands(plan: Floorplan, bins: Iterable[str]) -> Iterator[tuple[str, Offset]]:
-    """Yield the places to which parts in these bins may send the gantry: obstacles, offsets."""
+def errands(
+    plan: Floorplan, bins: Iterable[str], *, belt: bool = False
+) -> Iterator[tuple[str, Offset]]:
+    """Yield the places to which parts in these bins may send the gantry: obstacles, offsets.
+
+    And those along the conveyor, if the `belt` brings parts.
+    """
+    if belt and any(obstacle.name == BELT for obstacle in plan.obstacles):
+        middle = plan.obstacle(BELT).footprint.centroid
+        for x, y in belt_ends(plan):
+            for across in (-BELT_REACH, BELT_REACH):
+                yield BELT, (x + across - middle.x, y - middle.y)
     for name in bins:
         yield from ((name, bin_slot(slot)) for slot in BIN_SLOTS)
     yield from map(tray_slot, TRAY_SLOTS)

@@ -21,9 +21,6 @@ def notices(file: TrialFile, workload: Workload, document: Document) -> Iterator
 
 
 def _not_simulated(file: TrialFile, document: Document) -> Iterator[Problem]:
-    if file.parts and file.parts.conveyor_belt and file.parts.conveyor_belt.active:
-        message = "the conveyor is not simulated: nobody can fetch its parts"
-        yield document.problem(message, "parts", "conveyor_belt")
     if file.assembly_inserts:
         message = "how inserts are turned makes no difference here"
         yield document.problem(message, "assembly_inserts")
@@ -77,6 +74,7 @@ def _angle_slips(value: object, place: Place, document: Document) -> Iterator[Pr
 def _nowhere(workload: Workload, document: Document) -> Iterator[Problem]:
     """Yield trays and parts that orders need and that are nowhere, as far as can be foreseen."""
     left = Counter(item.part for slots in workload.bins.values() for item in slots.values())
+    left.update(item.part for item, _ in workload.conveyor.parts)
     on_agvs = {
         agv: {q: item.part for q, item in load.items.items()}
         for agv, load in workload.loads.items()

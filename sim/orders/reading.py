@@ -19,6 +19,7 @@ from ..core.start import Start
 from ..core.workload import (
     AssemblyTask,
     CombinedTask,
+    Conveyor,
     Drop,
     Human,
     Item,
@@ -31,12 +32,15 @@ from ..core.workload import (
 )
 from ..machines.gantry.robot import GANTRY
 from .checks import agv_name, problems
+from .layout import BELT_REACH
 from .notices import notices
 from .schema import (
     AgvLoad,
     AgvPart,
     Challenge,
     Condition,
+    ConveyorBelt,
+    ConveyorPart,
     KittingTrays,
     Lot,
     OrderEntry,
@@ -188,6 +192,7 @@ def _workload(file: TrialFile, source: str) -> Workload:
             for drop in [challenge.dropped_part]
             if drop is not None and drop.robot == "ceiling_robot"
         ),
+        conveyor=_conveyor(parts.conveyor_belt),
         blackouts=tuple(
             Blackout(GANTRY, _start(blackout), blackout.duration)
             for challenge in challenges
@@ -203,6 +208,17 @@ def _workload(file: TrialFile, source: str) -> Workload:
         time_limit=None if file.time_limit == -1 else file.time_limit,
         source=source,
     )
+
+
+def _conveyor(belt: ConveyorBelt | None) -> Conveyor:
+    if belt is None or not belt.active:
+        return Conveyor()
+    parts = tuple(
+        (_item(lot), BELT_REACH * lot.offset)
+        for lot in belt.parts_to_spawn or []
+        for _ in range(lot.number)
+    )
+    return Conveyor(parts, belt.spawn_rate, belt.order == "random")
 
 
 def _malfunctions(challenges: list[Challenge]) -> Iterator[Malfunction]:
@@ -250,7 +266,7 @@ def _start(condition: Condition) -> Start:
     return Start(condition.time_condition)
 
 
-def _item(lot: Lot | AgvPart) -> Item:
+def _item(lot: Lot | AgvPart | ConveyorPart) -> Item:
     return Item(_part(lot), lot.flipped)
 
 

@@ -27,6 +27,9 @@ Sensor = Literal["break_beam", "proximity", "laser_profiler", "lidar", "camera",
 SEE_PEOPLE = frozenset(("lidar", "camera", "logical_camera"))
 """The sensors by which people can be seen."""
 
+MOST_PARTS = 1000
+"""On a conveyor, of one kind."""
+
 Vector = tuple[Number, Number, Number]
 
 
@@ -106,13 +109,13 @@ class ConveyorPart(Strictly):
 
     type: Type
     color: Color
-    number: Whole
+    number: Annotated[int, Strict(), Field(ge=0, le=MOST_PARTS)]
     offset: Offset = 0.0
     flipped: Truth = False
     rotation: Angle = 0.0
 
 
-class Conveyor(Strictly):
+class ConveyorBelt(Strictly):
     """Parts that come along the conveyor."""
 
     active: Truth = False
@@ -126,7 +129,7 @@ class Parts(Strictly):
 
     bins: dict[str, list[Lot] | None] | None = {}
     agvs: dict[str, AgvLoad | None] | None = {}
-    conveyor_belt: Conveyor | None = None
+    conveyor_belt: ConveyorBelt | None = None
 
 
 class PartPlace(Strictly):

@@ -95,6 +95,8 @@ class Work(ABC):
         lost: Callable[[], tuple[Step, ...]] = lambda: (),
     ) -> Task:
         fields = {**fields, "order": self.order.id}
+        if (passing := steps[0].passing) is not None:
+            ready = partial(self._cell.inventory.belt.has_come, passing)
         return Task(
             kind,
             steps,
@@ -118,6 +120,8 @@ class Work(ABC):
     def _from_bin(self, bin: str, slot: int, item: Item) -> Step:
         """Taking an item from its bin, and turning it over if it is flipped."""
         seconds = self._picking(item)
+        if bin == layout.BELT:
+            return self._cell.inventory.belt.step(slot, seconds)
         return Step("pick", seconds, place=bin, offset=layout.bin_slot(slot))
 
     def _from_agv(self, agv: str, quadrant: int, item: Item) -> Step:

@@ -59,6 +59,7 @@ _of_orders = partial(SummaryFigure, only=_has_orders)
 _of_faulty_parts = partial(
     SummaryFigure, only=lambda trial: _has_orders(trial) and trial.has_faulty_parts
 )
+_of_conveyor = partial(SummaryFigure, only=lambda trial: _has_orders(trial) and trial.has_conveyor)
 _of_drops = partial(SummaryFigure, only=attrgetter("has_drops"))
 _of_work = partial(SummaryFigure, only=attrgetter("has_work"))
 _of_traffic = partial(SummaryFigure, only=attrgetter("has_traffic"))
@@ -246,6 +247,15 @@ FIGURES: dict[str, SummaryFigure] = {
             meaning="by the quality check of kits",
             words=words.plain,
             events=(events.PartFaulty, {}),
+            measure="rare",
+        ),
+        _of_conveyor(
+            path="parts_missed",
+            of=lambda run: run.work["parts_missed"],
+            label="parts missed",
+            meaning="that fell off the end of the conveyor",
+            words=words.plain,
+            events=(events.PartMissed, {}),
             measure="rare",
         ),
         _of_orders(

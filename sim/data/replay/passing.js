@@ -34,6 +34,30 @@ function thereAt({ comings: { turns } }, t) {
   return [...there.values()].filter(Boolean);
 }
 
+/** Metres. The side of a part on the conveyor, and its height. */
+const PART_SIZE = 0.14, PART_HEIGHT = 0.06;
+const PART_PAINTS = { blue: "#2f6fb5", green: "#3a9d5d", orange: "#d9822b", purple: "#7d4fa8", red: "#c0392b" };
+
+/** The parts that come along the conveyor: {part, t, falls, at, to}, and `end`, when they are gone. */
+function conveyed(events) {
+  const parts = new Map();
+  for (const event of events) {
+    if (event.kind === "part_came") parts.set(event.number, { ...event, end: event.falls });
+    const part = parts.get(event.number);
+    if (part && (event.kind === "part_taken" || event.kind === "part_missed")) part.end = event.t;
+  }
+  return [...parts.values()];
+}
+
+/** Those that lie there at t: {x, y, paint}. */
+function conveyedAt({ conveyed: parts }, t) {
+  return parts.filter(part => part.t <= t && t < part.end).map(({ part, t: begin, falls, at, to }) => {
+    const share = (t - begin) / (falls - begin);
+    const [x, y] = at.map((from, i) => from + share * (to[i] - from));
+    return { x, y, paint: PART_PAINTS[part.split(" ")[0]] ?? PART_PAINTS.orange };
+  });
+}
+
 /** Metres. The arrow through a one-way gate, and its head. */
 const ARROW = 1.2, HEAD = 0.35;
 
@@ -77,5 +101,11 @@ function drawPassing({ context, camera, palette }, run, t) {
     outline(context, camera, footprint);
     context.fill();
     context.stroke();
+  }
+  for (const { x, y, paint } of conveyedAt(run, t)) {
+    const half = PART_SIZE / 2;
+    context.fillStyle = paint;
+    outline(context, camera, [[x - half, y - half], [x + half, y - half], [x + half, y + half], [x - half, y + half]]);
+    context.fill();
   }
 }

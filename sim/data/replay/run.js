@@ -40,6 +40,7 @@ class Run {
     this.jobs = new Jobs(events);
     this.disabled = intervalsOf(events, known, DISABLES, ENABLES);
     this.held = intervalsOf(events, Infinity, commanded("hold"), commanded("release"));
+    this.conveyed = conveyed(events);
     this.comings = comings(events, recording.passing);
     this.violations = this.#violations();
     this.violationTimes = this.violations.map(violation => violation.t);

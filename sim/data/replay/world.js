@@ -76,6 +76,10 @@ class World {
       const hides = !eye.inside && sought.some(place => entryInto(obstacle.solid, eye.position, place) < 1);
       addObstacle(moving, this.renderer, obstacle, colors, hides ? "pane" : "edged");
     }
+    const belt = this.lasting.find(({ name }) => name === "conveyor")?.top ?? 0;
+    for (const { x, y, paint } of conveyedAt(run, t)) {
+      moving.add("box", "edged", sized(frameAt(x, y, belt, 0), PART_SIZE, PART_SIZE, PART_HEIGHT), lightOf(paint));
+    }
     for (const body of bodies) {
       if (body === hidden) continue;
       if (body.category === "person") addFigure(moving, body, t, colors[body.color], colors);

@@ -12,7 +12,7 @@ from simpy.events import Event, Process
 from floorplan import Gantry, Point
 from navigation import Motion, State
 
-from ...core.clock import Turn
+from ...core.clock import MOMENT, Turn
 from ...core.events import EventKind, JobDone, JobStarted, OrderSubmitted, PartDropped
 from ...core.machine import Machine, MachineShape
 from ...core.scenario import GantryEntry
@@ -21,7 +21,7 @@ from ...safety.proximity import ProximityWatch
 from .drive import Drive, Steps
 from .gripper import Gripper
 from .interruption import Interruption, Interrupts
-from .tasks import Handling, Pose, Step, Task, Tasks, fixed_places, tasks_of
+from .tasks import Handling, Passing, Pose, Step, Task, Tasks, fixed_places, tasks_of
 
 GANTRY = "gantry"
 """The name of the floor's own gantry, which events leave out."""
@@ -29,8 +29,18 @@ GANTRY = "gantry"
 OBSERVATION_RATE = 10.0
 """Hz. Rate at which the gantry sees where people are."""
 
+AHEAD = 0.2
+"""Seconds that the gantry is to be at a place before something comes by that it picks there.
+
+Controllers that look where people are take up to two observations longer than they need.
+"""
+
 REACH = 1e-3
 """Metres. Distance of the gantry's axis from a place within which it can handle something there."""
+
+
+GUESSES = 64
+"""Of where the gantry meets what comes along a conveyor; a few are enough."""
 
 
 @dataclass(frozen=True)
@@ -95,6 +105,8 @@ class GantryRobot(Machine):
         self._controller = controller
         self._places = fixed_places(stage.floorplan)
         self._proximity: ProximityWatch | None = None
+        self._rendezvous: tuple[Passing | None, float] = (None, 0.0)
+        """What it is to pick as it goes by, and when (s)."""
         self._floor_changed = stage.clock.event()
         self._begin_round()
 
@@ -240,12 +252,14 @@ class GantryRobot(Machine):
 
         A step at an AGV can't be while the AGV drives, or stands beyond the rails.
         """
-        return self._pose(_next_step(task))
+        _next_step(task)
+        step = self._catchable(task).next_step
+        return None if step is None else self._pose(step)
 
     def way(self, task: Task) -> tuple[Pose, ...]:
         """Return the poses of the task's steps that are left; none if one can't be reached now."""
         rotation = self.position[2]
-        poses = [self._pose(step, rotation) for step in task.steps_left]
+        poses = [self._pose(step, rotation) for step in self._catchable(task).steps_left]
         return () if None in poses else tuple(pose for pose in poses if pose is not None)
 
     def locate(self, task: Task) -> Event:
@@ -263,7 +277,7 @@ class GantryRobot(Machine):
         It was not if this is not the place, or if another command took the place of this one: the
         step then begins anew when it is handled again. `ValueError` if the task is done already.
         """
-        if not self._is_at(_next_step(task)):
+        if (task.given_up and task.finished) or not self._is_at(_next_step(task)):
             return self._command(_not_done())
         return self._command(self._handle(task, self.drive.begin()))
 
@@ -343,12 +357,44 @@ class GantryRobot(Machine):
         """Return the pose of a step; None if out of reach now. `rotation` is kept if not given."""
         if step.target is not None:
             return step.target
+        if step.passing is not None:
+            return self._meeting(step.passing, step.seconds, rotation)
         if step.place is None:
             return self.position
         at = self._locate(step.place)
         if at is None:
             return None
         return self._target(at[0] + step.offset[0], at[1] + step.offset[1], rotation)
+
+    def _meeting(self, passing: Passing, seconds: float, rotation: float | None) -> Pose | None:
+        """Return the pose at which it can be picked first, after `seconds`; None if it can't be.
+
+        That is here, where it has yet to come by. Elsewhere the meeting is where the gantry and
+        what it picks come at the same time: each guess is that of the gantry's arrival at the last
+        one, which converges, as the gantry is the faster of the two.
+        """
+        track, at_rest = passing.track, self.body.motion.end <= self.now
+        comes_by = passing.at(self.position[:2], REACH) if at_rest else None
+        if comes_by is not None and comes_by >= self.now + seconds:
+            return self.position
+        # The last one stands while it can be kept: a new one for each delay would not be reached.
+        meant, meeting = self._rendezvous
+        if meant is not passing or self._ready(track, meeting, seconds, rotation) > meeting:
+            meeting = max(track.start, self.now) + seconds + AHEAD
+            for _ in range(GUESSES):
+                if meeting > track.end:
+                    return None
+                ready = self._ready(track, meeting, seconds, rotation) + AHEAD
+                if ready <= meeting + MOMENT:
+                    break
+                meeting = ready
+            self._rendezvous = passing, meeting
+        return self._target(*track.state(meeting).at, rotation)
+
+    def _ready(self, track: Motion, t: float, seconds: float, rotation: float | None) -> float:
+        """Return the instant (s) at which it could have picked what is on `track` at `t` there."""
+        pose = self._target(*track.state(t).at, rotation)
+        return self.drive.preview(pose, 1.0).end + seconds
 
     def _locate(self, place: str) -> Point | None:
         """Return the position of an obstacle, a station or a vehicle of that name.
@@ -365,13 +411,25 @@ class GantryRobot(Machine):
         return self._places[place]
 
     def _find(self, task: Task) -> Steps:
-        step = _next_step(task)
+        _next_step(task)
         self._begin(task)
-        return (yield from self._reached(step))
+        pose: Pose | None = None
+        while pose is None and (step := self._catchable(task).next_step) is not None:
+            pose = yield from self._reached(step, task)
+        return self.position if pose is None else pose
 
-    def _reached(self, step: Step) -> Steps:
-        """Wait until a step can be reached; the value is its pose then."""
-        while (pose := self._pose(step)) is None:
+    def _catchable(self, task: Task) -> Task:
+        """Return `task`, with another part in place of one that goes by and can't be met."""
+        while (step := task.next_step) is not None and step.passing and self._pose(step) is None:
+            self._begin_again(task)
+        return task
+
+    def _reached(self, step: Step, task: Task | None = None) -> Steps:
+        """Wait until a step can be reached; the value is its pose then.
+
+        None if it is not the next of its task any more.
+        """
+        while (pose := self._pose(step)) is None and (task is None or task.next_step is step):
             yield self._floor_changed
         return pose
 
@@ -391,18 +449,26 @@ class GantryRobot(Machine):
         moving = self.now < self.body.motion.end
         return not (pose is None or moving or math.dist(pose[:2], self.position[:2]) > REACH)
 
-    def _go_to(self, step: Step, command: int) -> Steps:
+    def _go_to(self, step: Step, command: int, task: Task | None = None) -> Steps:
         """As a part of `command`, go to where `step` is, once it can be reached."""
-        pose = yield from self._reached(step)
-        if self.drive.is_under_way(command):
+        pose = yield from self._reached(step, task)
+        if pose is not None and self.drive.is_under_way(command):
             yield from self.drive.move(pose, command=command)
 
     def _handle(self, task: Task, command: int) -> Steps:
         self._begin(task)
         step = _next_step(task)
-        done: bool = yield from self.drive.work(step.seconds, command)
+        passing, seconds = step.passing, step.seconds
+        comes_by = None if passing is None else passing.at(self.position[:2], REACH)
+        if comes_by is not None:
+            seconds = max(seconds, comes_by - self.now)
+        done: bool = yield from self.drive.work(seconds, command)
         if not done or task.next_step is not step:  # what it was about to put down has dropped
             return False
+        if passing is not None:
+            if comes_by is None or abs(comes_by - self.now) > MOMENT:
+                return False  # it has been held up, and what it was to pick is past
+            passing.taken()
         if step.action == "pick":
             self.gripper.close(task)
         elif step.place is not None:
@@ -415,10 +481,12 @@ class GantryRobot(Machine):
         return True
 
     def _do(self, task: Task, command: int) -> Steps:
-        while self.drive.is_under_way(command) and task.next_step is not None:
-            step = task.next_step
+        while self.drive.is_under_way(command):
+            step = self._catchable(task).next_step
+            if step is None:
+                break
             self._begin(task)
-            yield from self._go_to(step, command)
+            yield from self._go_to(step, command, task)
             # An AGV may have left in the meantime, or the part has dropped.
             there = step is task.next_step and self._is_at(step)
             if self.drive.is_under_way(command) and there:
@@ -435,12 +503,21 @@ class GantryRobot(Machine):
         self.parts_dropped += 1
         part, order = (task.fields.get(name) for name in ("part", "order"))
         self.record(PartDropped(part=part, order=order, at=self.body.at))
+        self._begin_again(task)
+        self.interrupt("part_dropped")
+
+    def missed(self, passing: Passing) -> None:
+        """Take note that it can't be picked any more: look for others in its place."""
+        for task in [*self.tasks.picking(passing)]:
+            self._begin_again(task)
+        self.floor_changed()
+
+    def _begin_again(self, task: Task) -> None:
         if steps := task.lost():
             task.begin_again(steps)
         else:
             task.give_up()
         self._go_on()
-        self.interrupt("part_dropped")
 
     def _finish(self, task: Task) -> None:
         if task.kind == "submit":

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -9,6 +10,7 @@ from typing import Any
 from simpy.events import Event
 
 from floorplan import Floorplan, Point
+from navigation import Motion
 
 from ...core.clock import Clock
 from ...core.scenario import Job
@@ -31,11 +33,32 @@ class Handling:
 
 
 @dataclass(frozen=True)
+class Passing:
+    """Something that is picked while it goes by, straight on and steadily.
+
+    It lies on a conveyor during `track`, and `taken()` is called when it is picked.
+    """
+
+    track: Motion
+    taken: Callable[[], None]
+
+    def at(self, point: Point, within: float) -> float | None:
+        """Return the instant (s) at which it comes by a point, `within` metres; None if never."""
+        (ax, ay), (bx, by) = (self.track.state(t).at for t in (self.track.start, self.track.end))
+        length, (dx, dy) = math.dist((ax, ay), (bx, by)), (point[0] - ax, point[1] - ay)
+        along = (dx * (bx - ax) + dy * (by - ay)) / length
+        if abs(dx * (by - ay) - dy * (bx - ax)) > within * length or not 0 <= along <= length:
+            return None
+        return self.track.start + along / length * (self.track.end - self.track.start)
+
+
+@dataclass(frozen=True)
 class Step:
     """One errand of a task: go somewhere, and handle something there for `seconds`.
 
     It is at the obstacle, station or AGV named `place`, `offset` metres (x, y) from its
-    middle; or at `target` (x, y, rotation); or, with neither, wherever the gantry is.
+    middle; or at `target` (x, y, rotation); or where it meets what is `passing`; or, with none of
+    them, wherever the gantry is.
     """
 
     action: str
@@ -43,6 +66,7 @@ class Step:
     place: str | None = None
     offset: tuple[float, float] = (0.0, 0.0)
     target: Pose | None = None
+    passing: Passing | None = None
 
 
 class Task:
@@ -142,6 +166,13 @@ class Tasks:
     def open(self) -> tuple[Task, ...]:
         """The tasks that may be begun or gone on with now, the preferred one first."""
         return tuple(task for _, group in self._groups for task in _current(group) if task.ready())
+
+    def picking(self, passing: Passing) -> Iterator[Task]:
+        """Yield the tasks whose next step is to pick it."""
+        for _, group in self._groups:
+            for task in group:
+                if task.next_step is not None and task.next_step.passing is passing:
+                    yield task
 
     def add(self, tasks: Iterable[Task], *, first: bool = False) -> None:
         """Add a group of tasks; `first` puts it before all others that were not put first."""
