@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from .kernels.discs import ROW, meeting
+from .kernels.discs import ROW, gone, meeting
 from .motion import Motion, Piece, value
 
 
@@ -41,16 +41,7 @@ class Swath(NamedTuple):
 
     def gone(self, since: float, t: float) -> float:
         """Return the metres that a walk along straight legs goes from `since` to `t` (seconds)."""
-        total = 0.0
-        table = self.table
-        for k in range(0, len(table) - ROW, ROW):
-            begin = table[k]
-            if since <= begin < t:
-                u = min(table[k + 1], t) - begin
-                x = u * (table[k + 3] + u * table[k + 4])
-                y = u * (table[k + 7] + u * table[k + 8])
-                total += math.sqrt(x * x + y * y)
-        return total
+        return gone(self.table, since, t)
 
 
 def swath(motion: Motion, begin: float) -> Swath:

@@ -51,31 +51,36 @@ def nearest_pair(
     count = max(math.ceil((end - begin) / STEP), 1)
     t = np.linspace(begin, end, count + 1)
     at = np.array([motion.position(t) for motion in motions])
-    radius = np.array(radii)
+    x, y = np.ascontiguousarray(at[..., 0]), np.ascontiguousarray(at[..., 1])
+    radius, tops = np.array(radii), np.array(top_speeds)
     best = (math.inf, begin, (0, 1))
+    seen = []
     for i in range(len(motions) - 1):
-        apart = (
-            np.hypot(*np.moveaxis(at[i + 1 :] - at[i], -1, 0))
-            - (radius[i + 1 :] + radius[i])[:, None]
-        )
-        row, k = divmod(int(np.argmin(apart)), count + 1)
-        best = min(best, (float(apart[row, k]), float(t[k]), (i, i + 1 + row)))
+        dx, dy = x[i + 1 :] - x[i], y[i + 1 :] - y[i]
+        squares = dx * dx + dy * dy
+        rows_of = np.arange(len(squares))
+        ks = np.argmin(squares, axis=1)
+        apart = np.hypot(dx[rows_of, ks], dy[rows_of, ks]) - (radius[i + 1 :] + radius[i])
+        seen.append(apart)
+        row = int(np.argmin(apart))
+        best = min(best, (float(apart[row]), float(t[ks[row]]), (i, i + 1 + row)))
     tables = [swath(motion, begin).table for motion in motions]
     rows = [np.searchsorted(table[1::ROW], t, side="right").tolist() for table in tables]
     jumps = [np.searchsorted(t, sorted(motion.jumps), side="right") - 1 for motion in motions]
     overlapping: set[tuple[int, int]] = set()
     for i in range(len(motions) - 1):
-        others = np.arange(i + 1, len(motions))
-        apart = (
-            np.hypot(*np.moveaxis(at[others] - at[i], -1, 0))
-            - (radius[others] + radius[i])[:, None]
-        )
-        reach = (np.array(top_speeds)[others] + top_speeds[i])[:, None] * (t[1] - t[0])
-        lower = (apart[:, :-1] + apart[:, 1:] - reach) / 2
-        for row, j in enumerate(others):
+        reach = (tops[i + 1 :] + tops[i]) * (t[1] - t[0])
+        jumped = [bool(len(jumps[i])) or bool(len(some)) for some in jumps[i + 1 :]]
+        near = np.flatnonzero((seen[i] - reach / 2 < max(best[0], 0.0) + _HAIR) | jumped)
+        if not len(near):
+            continue
+        others = near + i + 1
+        apart = np.hypot(x[others] - x[i], y[others] - y[i]) - (radius[others] + radius[i])[:, None]
+        lower = (apart[:, :-1] + apart[:, 1:] - reach[near, None]) / 2
+        for row, j in enumerate(others.tolist()):
             lower[row, np.clip([*jumps[i], *jumps[j]], 0, count - 1).astype(int)] = -math.inf
         for row, k in np.argwhere(lower < max(best[0], 0.0)).tolist():
-            pair = (i, i + 1 + row)
+            pair = (i, int(others[row]))
             a, b = tables[i], tables[pair[1]]
             least = radii[i] + radii[pair[1]]
             since, until = float(t[k]), float(t[k + 1])

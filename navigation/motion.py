@@ -159,12 +159,14 @@ class Motion:
 
     def state(self, t: float) -> State:
         """Return position, velocity and acceleration at the instant `t` (seconds)."""
-        known: tuple[float, State] | None = vars(self).get("known")  # asked often of one instant
+        kept = vars(self)
+        known: tuple[float, State] | None = kept.get("known")  # asked often of one instant
         if known is not None and known[0] == t:
             return known[1]
-        row = max(0, row_at(self.table, WIDTH, t))
-        found = State(*evaluate(self.table, row, t, self.start <= t < self.end))
-        vars(self)["known"] = (t, found)
+        table = self.table
+        row = max(0, row_at(table, WIDTH, t))
+        found = State(*evaluate(table, row, t, table[0] <= t < table[1 - WIDTH]))
+        kept["known"] = (t, found)
         return found
 
     def state_before(self, t: float) -> State:

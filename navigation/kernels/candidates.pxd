@@ -27,7 +27,7 @@ cdef class Candidates:
     cdef double s
     cdef Py_ssize_t leg
     cpdef bint next_course(self) except -1
-    cdef bint _draw(self) except -1
+    cdef bint _draw(self, list[double] corners) except -1
     cdef int _add(
         self,
         double loss,
@@ -41,6 +41,7 @@ cdef class Candidates:
     cdef int _aside(self, double along, double side) except -1
     cdef int _seek(self, double length) noexcept
 
+cdef bint _runs_into(list[double] corners, list[double] stood) noexcept
 cdef double _length(list[double] corners) noexcept
 cdef list[double] _first(list[double] corners, double length)
 cdef list[double] _bounds(list[double] corners, list[double] more)

@@ -32,6 +32,8 @@ _R: cython.Py_ssize_t = 10  # numbers in a row of a table
 _BEFORE: float = 0.35  # metres before and after the place at which an aside is beside its course
 _RAMP: float = 1.2  # metres that it takes to come back, for each metre of a shift
 _HAIR: float = 1e-6
+_CLEAR: float = 2e-3  # metres; who is so much farther off is not met where one sets out
+_HARDLY: float = 0.02  # metres; a shift of no more is none
 _STANDS: float = 1e-6  # m/s; slower than this is standing
 
 
@@ -95,16 +97,35 @@ class Candidates:
         """
         self._add(loss, length, top_speed, delay, 0.0, 0.0)
 
-    def add_aside(
-        self, extra: float, length: float, top_speed: float, along: float, side: float
+    def add_asides(
+        self,
+        sides: list[float],
+        widest: float,
+        usual: float,
+        extra: float,
+        length: float,
+        top_speed: float,
+        along: float,
     ) -> None:
-        """Add a walk that is `side` metres to the left of the course after `along` metres of it.
+        """Add the asides of several `sides`, each once, but for the widest and for hardly any.
 
-        It loses the metres by which it is longer, and `extra`. It is cut off after `length` metres.
+        Those on the other side than the `usual` (1 or -1) lose `extra` metres besides.
         """
-        self._aside(along, side)
-        loss: float = _length(self.corners) - self.whole + extra
-        self._add(loss, length, top_speed, 0.0, along, side)
+        i: cython.Py_ssize_t
+        j: cython.Py_ssize_t
+        for i in range(len(sides)):
+            side: float = sides[i]
+            if abs(side) <= _HARDLY or abs(side) > widest:
+                continue
+            again: cython.bint = False
+            for j in range(i):
+                again = again or sides[j] == side
+            if not again:
+                self._aside(along, side)
+                loss: float = _length(self.corners) - self.whole
+                if side * usual < 0.0:
+                    loss += extra
+                self._add(loss, length, top_speed, 0.0, along, side)
 
     def next_course(self) -> bool:
         """Come to the walk that loses least of those not looked at; False if there is none.
@@ -147,7 +168,7 @@ class Candidates:
         self.top_speed = top_speed
         self.delay = delay
         self.side = 0.0
-        return self._draw()
+        return self._draw(_first(self.corners, self.length))
 
     def draw_aside(self, length: float, top_speed: float, along: float, side: float) -> bool:
         """Draw up a walk that is `side` metres to the left `along` metres on; False if it can't be.
@@ -159,7 +180,7 @@ class Candidates:
         self.top_speed = top_speed
         self.delay = 0.0
         self.side = side
-        return self._can_turn() and self._draw()
+        return self._can_turn() and self._draw(_first(self.corners, self.length))
 
     def at(self, length: float) -> tuple[float, float, float, float]:
         """Return the place after `length` metres of the course, and its direction just before."""
@@ -184,8 +205,10 @@ class Candidates:
         now: float = self.now
         i: cython.Py_ssize_t
         k: cython.Py_ssize_t
+        stood: list[float] = self._standing(near, tables, radii, own)
         while self.next_course():
-            if not self._draw():
+            corners: list[float] = _first(self.corners, self.length)
+            if _runs_into(corners, stood) or not self._draw(corners):
                 continue
             table: list[float] = self.table
             box: list[float] = self.box
@@ -206,14 +229,40 @@ class Candidates:
             self.blocker = blocker
         return False
 
-    def _draw(self) -> bool:
-        """Set `table` and `box` to those of the walk that is to be looked at."""
+    def _standing(
+        self, near: list[int], tables: list[list[float]], radii: list[float], own: float
+    ) -> list[float]:
+        """Return who of those `near` stands for good: x, y, and how near to come is to meet them.
+
+        Those alone who are farther off than that where one sets out: then every walk through there
+        meets them, whenever it is.
+        """
+        stood: list[float] = []
+        i: cython.Py_ssize_t
+        if len(self.lead) > 0:
+            return stood
+        for i in range(len(near)):
+            other: list[float] = tables[near[i]]
+            last: cython.Py_ssize_t = len(other) - _R
+            if other[last] <= self.now:
+                x: float = other[last + 2]
+                y: float = other[last + 6]
+                least: float = own + radii[near[i]]
+                dx: float = x - self.course[0]
+                dy: float = y - self.course[1]
+                if sqrt(dx * dx + dy * dy) > least + _CLEAR:
+                    stood.append(x)
+                    stood.append(y)
+                    stood.append(least - _HAIR)
+        return stood
+
+    def _draw(self, corners: list[float]) -> bool:
+        """Set `table` and `box` to those of the walk along `corners` that is to be looked at."""
         table: list[float] = self.lead[:]
         start: float = self.begin + self.delay
         since: float = self.begin if table else self.now
         if self.delay != 0.0 and self.speed > _STANDS:
             return False
-        corners: list[float] = _first(self.corners, self.length)
         if since < start:
             x: float = corners[0]
             y: float = corners[1]
@@ -379,6 +428,30 @@ def next_step(
                     return found
         k += 1
     return -1
+
+
+def _runs_into(corners: list[float], stood: list[float]) -> bool:
+    """Return whether a polyline comes nearer to any place than is said with it: x, y, metres."""
+    i: cython.Py_ssize_t
+    k: cython.Py_ssize_t
+    for k in range(0, len(corners) - 2, 2):
+        x: float = corners[k]
+        y: float = corners[k + 1]
+        dx: float = corners[k + 2] - x
+        dy: float = corners[k + 3] - y
+        square: float = dx * dx + dy * dy
+        for i in range(0, len(stood), 3):
+            px: float = stood[i] - x
+            py: float = stood[i + 1] - y
+            least: float = stood[i + 2]
+            share: float = px * dx + py * dy
+            if share > 0.0:
+                share = share / square if share < square else 1.0
+                px -= share * dx
+                py -= share * dy
+            if px * px + py * py < least * least:
+                return True
+    return False
 
 
 def _length(corners: list[float]) -> float:

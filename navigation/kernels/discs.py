@@ -113,6 +113,22 @@ def met(
     return t
 
 
+def gone(table: list[float], since: float, t: float) -> float:
+    """Return the metres that a walk along straight legs goes from `since` to `t` (seconds)."""
+    total: float = 0.0
+    k: cython.Py_ssize_t
+    for k in range(len(table) // _R - 1):
+        o: cython.Py_ssize_t = k * _R
+        begin: float = table[o]
+        if since <= begin < t:
+            end: float = table[o + 1]
+            u: float = (end if end < t else t) - begin
+            x: float = u * (table[o + 3] + u * table[o + 4])
+            y: float = u * (table[o + 7] + u * table[o + 8])
+            total += sqrt(x * x + y * y)
+    return total
+
+
 def meeting(
     a: list[float],
     b: list[float],

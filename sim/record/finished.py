@@ -135,11 +135,15 @@ class Finished:
 
     def distance_walked(self, person: Person) -> float:
         """Return how far (m) a person has walked since they started; teleports don't count."""
-        return self._walked_and_stood(person)[0]
+        return self._walks[person.name][0]
 
     def time_standing(self, person: Person) -> float:
         """Return how long (s) a person has stood since they started."""
-        return self._walked_and_stood(person)[1]
+        return self._walks[person.name][1]
+
+    @cached_property
+    def _walks(self) -> dict[str, tuple[float, float]]:
+        return {person.name: self._walked_and_stood(person) for person in self.people}
 
     def _walked_and_stood(self, person: Person) -> tuple[float, float]:
         begin, left = person.started_at, person.left_at

@@ -31,11 +31,21 @@ def first(course: Sequence[Point], length: float) -> list[Point]:
 
 def rest(course: Sequence[Point], length: float) -> list[Point]:
     """Return the polyline from `length` metres on; its last point at least."""
-    for k, (a, b) in enumerate(itertools.pairwise(course)):
+    at, k = _sought(course, length)
+    return [at, *course[k:]]
+
+
+def place_after(course: Sequence[Point], length: float) -> Point:
+    """Return the place on a polyline `length` metres on, or its last point."""
+    return _sought(course, length)[0]
+
+
+def _sought(course: Sequence[Point], length: float) -> tuple[Point, int]:
+    """Return the place `length` metres on, and the index of the corner that comes after it."""
+    for k, (a, b) in enumerate(itertools.pairwise(course), 1):
         leg = math.dist(a, b)
         if leg > length:
             share = max(length, 0.0) / leg
-            at = (a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1]))
-            return [at, *course[k + 1 :]]
+            return (a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])), k
         length -= leg
-    return [course[-1]]
+    return course[-1], len(course)

@@ -335,10 +335,10 @@ class Crowd:
     def _both_aside(self, me: Traveller, mine: Outlook, hit: Hit, now: float) -> bool:
         """Let two who meet head-on both shift to a side, if that is free; return whether it is."""
         other = hit.other
-        ours, theirs = me.direction(now), other.direction(now)
-        if other.goal is None or ours is None or theirs is None:
+        if other.goal is None or now - other.decided < APART:
             return False
-        if ours[0] * theirs[0] + ours[1] * theirs[1] > -0.3 or now - other.decided < APART:
+        ours, theirs = me.direction(now), other.direction(now)
+        if ours is None or theirs is None or ours[0] * theirs[0] + ours[1] * theirs[1] > -0.3:
             return False
         try:
             outlook = self._outlook(other)

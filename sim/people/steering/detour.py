@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 import shapely
@@ -33,6 +33,7 @@ SPARE = 0.02
 
 Free = Callable[[Point, Point], bool]
 Pieces = NDArray[np.object_]
+Cells = NDArray[np.uint8]
 
 
 class Detours:
@@ -42,7 +43,7 @@ class Detours:
         self._world = world
         self._radius = radius
         self._pieces: Pieces | None = None
-        self._chunks: dict[tuple[int, int], list[bytes]] = {}
+        self._chunks: dict[tuple[int, int], Cells] = {}
 
     def path(
         self, at: Point, goal: Point, standing: Sequence[tuple[Point, float]], free: Free
@@ -104,30 +105,33 @@ class Detours:
         pieces = self._world.free_space(self._radius).pieces
         if pieces is not self._pieces:
             self._pieces, self._chunks = pieces, {}
-        blocked = bytearray(b"\1" * (columns * rows))
-        for row in range(1, rows - 1):
-            j, inner_row = divmod(low_row + row, CHUNK)
-            column = 1
-            while column < columns - 1:
-                i, inner = divmod(low_column + column, CHUNK)
+        blocked = np.ones((rows, columns), dtype=np.uint8)
+        for j, below, above in _parts(low_row + 1, low_row + rows - 1):
+            for i, left, right in _parts(low_column + 1, low_column + columns - 1):
                 if (i, j) not in self._chunks:
                     self._chunks[i, j] = _chunk(pieces, i, j)
-                some = self._chunks[i, j][inner_row][inner : inner + columns - 1 - column]
-                k = row * columns + column
-                blocked[k : k + len(some)] = some
-                column += len(some)
-        return blocked
+                some = self._chunks[i, j][below - j * CHUNK :, left - i * CHUNK :]
+                row, column = below - low_row, left - low_column
+                some = some[: above - below, : right - left]
+                blocked[row : row + above - below, column : column + right - left] = some
+        return bytearray(blocked)
+
+
+def _parts(begin: int, end: int) -> Iterator[tuple[int, int, int]]:
+    """Yield the chunks that cells from `begin` to `end` are in: the index, and which cells."""
+    for k in range(begin // CHUNK, (end - 1) // CHUNK + 1):
+        yield k, max(begin, k * CHUNK), min(end, (k + 1) * CHUNK)
 
 
 def _span(a: float, b: float) -> tuple[int, int]:
     return math.floor((min(a, b) - AROUND) / CELL), math.floor((max(a, b) + AROUND) / CELL)
 
 
-def _chunk(pieces: Pieces, i: int, j: int) -> list[bytes]:
-    """Return for each row of a square of cells which of them are not in a free space."""
+def _chunk(pieces: Pieces, i: int, j: int) -> Cells:
+    """Return of a square of cells which of them are not in a free space: 1, else 0."""
     k = np.arange(CHUNK) + 0.5
     x, y = np.meshgrid((i * CHUNK + k) * CELL, (j * CHUNK + k) * CELL)
     free = np.zeros(x.shape, dtype=bool)
     for piece in pieces:
         free |= shapely.intersects_xy(piece, x, y)
-    return [row.tobytes() for row in (~free).astype(np.uint8)]
+    return (~free).astype(np.uint8)

@@ -9,7 +9,7 @@ from itertools import islice, pairwise
 from floorplan import Point
 from navigation import Swath, first_met, next_step, pace
 
-from .course import first, length_of, rest
+from .course import first, length_of, place_after, rest
 from .outlook import STEP, Ground, Outlook
 from .traveller import Traveller
 from .whereabouts import GAP, Others, Whereabouts
@@ -159,7 +159,7 @@ class Request:
         whole = length_of(course)
         steps = [k * STEP for k in range(math.ceil(whole / STEP) + 1)]
         for s in steps:
-            away = math.dist(rest(course, s)[0], at)
+            away = math.dist(place_after(course, s), at)
             if away < near:
                 near, gone = away, s
         beside = [
@@ -169,12 +169,16 @@ class Request:
             for r in (needed + 0.02, 1.3 * needed)
             for number in (r * math.cos(angle), r * math.sin(angle))
         ]
+        beyond = rest(course, gone + STEP)
+        free: set[tuple[Point, Point]] = set()
         for s in steps:
             if s <= gone + STEP:
                 continue
-            path = [at, *first(rest(course, gone + STEP), s - gone - STEP)]
-            if not all(ground.free_and_back(a, b) for a, b in pairwise(path)):
-                return
+            path = [at, *first(beyond, s - gone - STEP)]
+            for leg in pairwise(path):
+                if leg not in free and not ground.free_and_back(*leg):
+                    return
+                free.add(leg)
             yield from moving.steps(who, path, beside, legs, needed, ground)
 
 

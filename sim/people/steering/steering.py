@@ -199,10 +199,7 @@ def _add_asides(me: Traveller, outlook: Outlook, hit: Hit, widths: Sequence[floa
         ]
     walks, length, along = outlook.walks, outlook.reach + 0.5, gone + max(ahead, 0.0)
     usual = -1.0 if me.manners.passing_side == "right" else 1.0
-    for side in dict.fromkeys(sides):
-        if 0.02 < abs(side) <= WIDEST:
-            extra = OTHER_SIDE if side * usual < 0 else 0.0
-            walks.add_aside(extra, length, me.top_speed, along, side)
+    walks.add_asides(sides, WIDEST, usual, OTHER_SIDE, length, me.top_speed, along)
 
 
 def _relative(outlook: Outlook, hit: Hit) -> tuple[float, float, float]:

@@ -118,6 +118,8 @@ class Others:
         self._now = now
         self._own = me.radius + GAP
         self._when = [math.inf]
+        self._asked: Swath | None = None
+        self._hit: Hit | None = None
 
     @property
     def people(self) -> list[Traveller]:
@@ -137,7 +139,14 @@ class Others:
         Two bodies keep `GAP` between them, or the `comfort` distance besides; those who are closer
         already come no closer.
         """
-        found = self._first_met(ahead, self._me.manners.comfort if comfort else 0.0)
+        if comfort:
+            return self._first_hit(ahead, self._me.manners.comfort)
+        if ahead is not self._asked:  # the same is asked several times in a decision
+            self._asked, self._hit = ahead, self._first_hit(ahead, 0.0)
+        return self._hit
+
+    def _first_hit(self, ahead: Swath, comfort: float) -> Hit | None:
+        found = self._first_met(ahead, comfort)
         if found < 0:
             return None
         t, other = self._when[0], self._floor.people[found]
