@@ -60,6 +60,7 @@ def opened(areas: Sequence[Polygon]) -> list[Polygon]:
     tree = shapely.STRtree(distinct)
     inner, outer = tree.query(distinct, predicate="within")
     depth = np.bincount(inner[inner != outer], minlength=len(distinct))
+    # The even-odd rule: inside an odd number of others it is an opening of the one just around it.
     pieces: list[Polygon] = []
     for k, area in enumerate(distinct):
         if depth[k] % 2 == 0:
@@ -93,7 +94,9 @@ def _met(ends: Floats, snap: float) -> Floats:
     """Return the `ends` with those that are within `snap` of each other in one place."""
     points = shapely.points(ends)
     one, other = shapely.STRtree(points).query(points, predicate="dwithin", distance=snap)
-    # Each takes the place of the first that it can be reached from, step by step.
+    # Each takes the place of the first that it can be reached from, step by step. Following the
+    # first of one's first halves what is left of a long chain in each round: Y. Shiloach and
+    # U. Vishkin, An O(log n) parallel connectivity algorithm, Journal of Algorithms 3, 1982.
     first = np.arange(len(ends))
     while True:
         before = first.copy()

@@ -205,8 +205,9 @@ def rename(term: Literal, names: Names, renamed: dict[str, Var]) -> Literal: ...
 @overload
 def rename(term: Term, names: Names, renamed: dict[str, Var]) -> Term: ...
 def rename(term: Term, names: Names, renamed: dict[str, Var]) -> Term:
-    """Return the term with a fresh variable for each one that a clause names.
+    """Return the term with a fresh variable for each one that a clause names: standardised apart.
 
+    So two uses of one clause share no variable, as resolution needs (Robinson 1965).
     `renamed` receives the fresh variable of each name, and gives those it already has.
     """
 

@@ -74,6 +74,8 @@ def _bind(var: Var, value: Term, u: Unifier) -> bool:
         value = substitute(value, u)
     if value.__class__ is Var and value.name == var.name:
         return True
+    # Of two unbound variables the named one gets the value: its name means something else in
+    # another clause, whereas a fresh one is the same variable wherever it goes.
     if value.__class__ is Var and not value.fresh and var.fresh:
         u[value.name] = var
     else:
@@ -103,6 +105,10 @@ def unify_annots(mine: tuple[Term, ...], theirs: tuple[Term, ...], u: Unifier) -
 
     Those of `mine` that are not among `theirs` make up the tail of `theirs`, if that is open.
     """
+    # Each takes the first that fits, as in Jason, and none is exchanged for another later: finding
+    # a pairing whenever there is one is NP-complete (D. Kapur and P. Narendran, "NP-completeness of
+    # the set unification and matching problems", CADE 1986). Queries try every choice of a belief's
+    # annotations instead (`Logic._with_annots`).
     remaining = [annot for annot in theirs if not isinstance(annot, RestVar)]
     tail = theirs[-1] if len(remaining) < len(theirs) else None
     missing: list[Term] = []

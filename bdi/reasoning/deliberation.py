@@ -21,6 +21,10 @@ from .state import AgentState
 def deliberate(agent: AgentState) -> None:
     """Take events until one is dealt with; those of beliefs without a plan are discarded."""
     circumstance = agent.circumstance
+    # The selection functions are Jason's usual ones: the oldest event, and of its applicable plans
+    # the first in the program, with the first answer of its context (R. H. Bordini, J. F. Hübner
+    # and M. Wooldridge, "Programming Multi-Agent Systems in AgentSpeak using Jason", 2007, 4.1).
+    # What an atomic intention waits for comes before all else: nothing else runs meanwhile.
     while True:
         event = circumstance.atomic_event
         if event is not None:
@@ -249,4 +253,5 @@ def _hand_over(agent: AgentState, awaited: tuple[str, ...], u: Unifier, to: Unif
     for name in awaited:
         value = u.get(name)
         if value is not None:
+            # What is open in it gets fresh names: those of the called plan may be the caller's too.
             to[name] = rename(substitute(value, u), agent.names, {})

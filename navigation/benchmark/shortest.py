@@ -149,6 +149,9 @@ def _corners(room: shapely.Geometry) -> tuple[Floats, Floats, Floats]:
 
 def _taut(along: Floats, before: Floats, after: Floats) -> NDArray[np.bool_]:
     """Return whether a line along `along` leaves both sides of a corner on one side of it."""
+    # A shortest path is a taut string: it bends at corners that stick out only, and comes and goes
+    # along lines that touch them there. All other links can be left out: the tangent graph of
+    # Y.-H. Liu and S. Arimoto, International Journal of Robotics Research 11, 1992.
     one = along[..., 0] * before[..., 1] - along[..., 1] * before[..., 0]
     other = along[..., 0] * after[..., 1] - along[..., 1] * after[..., 0]
     slack = 1e-9 * (1 + np.abs(along).sum(axis=-1))

@@ -10,6 +10,7 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cache
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +23,7 @@ _Z = 1.959963984540054
 """Of the normal distribution: 2.5 % lie above it."""
 
 Floats = NDArray[np.float64]
+_Value = TypeVar("_Value")
 
 
 @dataclass(frozen=True)
@@ -54,8 +56,12 @@ def share(values: Sequence[float]) -> Estimate:
     if not n:
         return Estimate(math.nan, math.nan, math.nan)
     p = math.fsum(values) / n
+    # p (1 - p) is the variance of successes and failures, and the largest that any values from 0 to
+    # 1 with this mean can have (R. Bhatia and C. Davis, A better bound on the variance, American
+    # Mathematical Monthly 107, 2000): of shares between, the interval is rather too wide.
     middle = (p + _Z**2 / (2 * n)) / (1 + _Z**2 / n)
     half = _Z / (1 + _Z**2 / n) * math.sqrt(p * (1 - p) / n + _Z**2 / (4 * n**2))
+    # Where all or none succeed the interval ends at p, but for rounding.
     return Estimate(p, max(0.0, min(p, middle - half)), min(1.0, max(p, middle + half)))
 
 
@@ -77,9 +83,9 @@ def median(values: Sequence[float]) -> Estimate:
     )
 
 
-def by_question(attempts: Iterable[Attempt], values: Iterable[float]) -> list[list[float]]:
+def by_question(attempts: Iterable[Attempt], values: Iterable[_Value]) -> list[list[_Value]]:
     """Return the values of each question, in the order that the questions were asked."""
-    groups: dict[int, list[float]] = {}
+    groups: dict[int, list[_Value]] = {}
     for attempt, value in zip(attempts, values, strict=True):
         groups.setdefault(attempt.asked.query, []).append(value)
     return list(groups.values())
@@ -107,13 +113,8 @@ def cost_over_time(attempts: Sequence[Attempt]) -> Curve:
     seconds = _instants(one.cpu_seconds for a in attempts for one in a.progress)
     if not len(seconds):
         return _curve(seconds, [])
-    ratios = [_ratios(attempt, seconds) for attempt in attempts]
-    groups: dict[int, list[Floats]] = {}
-    for attempt, row in zip(attempts, ratios, strict=True):
-        groups.setdefault(attempt.asked.query, []).append(row)
-    per_question = np.array(
-        [[_middle(c) for c in np.sort(group, axis=0).T] for group in groups.values()]
-    )
+    ratios = by_question(attempts, [_ratios(attempt, seconds) for attempt in attempts])
+    per_question = np.array([[_middle(c) for c in np.sort(runs, axis=0).T] for runs in ratios])
     return _curve(seconds, [median(column) for column in per_question.T])
 
 
@@ -152,6 +153,9 @@ def _middle(ordered: Floats) -> float:
 @cache
 def _ranks(n: int) -> tuple[int, int]:
     """Return the places (from 0) of the ends of the interval; -1 where there are too few."""
+    # The true median is below the value at the place k (from 0) if at most k of the n lie below it.
+    # The innermost place at which that has a probability of at most 2.5 % is the lower end; the
+    # upper one mirrors it.
     below = 0.0
     for k in range(n):
         below += math.comb(n, k) / 2**n

@@ -160,5 +160,6 @@ class Finished:
                 end = piece.end if left is None else min(piece.end, left)
                 standing += max(0.0, end - max(piece.begin, begin or 0.0))
         if person.is_recorded and begin is not None:
+            # The pieces of those who were measured are curved: their speed is integrated.
             walked = Odometer(self.motions[person.name]).reading(self.duration)
         return walked, standing

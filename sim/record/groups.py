@@ -47,6 +47,8 @@ def groups(
 
 def mean_motion(motions: Sequence[Motion], begin: float, end: float) -> Motion:
     """Return the motion of the middle of several bodies between two instants (seconds)."""
+    # Between two instants at which any of them begins a new piece, all are cubics, and so is their
+    # mean, coefficient by coefficient, once they are written from the same instant on.
     parts = [motion.cut(begin, end) for motion in motions]
     cuts = sorted({t for part in parts for piece in part.pieces for t in piece[:2]})
     ahead = [list(part.pieces) for part in parts]

@@ -56,6 +56,9 @@ def social_work(
     Each of `others` has the span (seconds) in which they are there, and the body has one.
     """
     begin, end = span
+    # Between these cuts nobody's motion goes over into another polynomial, comes or goes: the
+    # integrand is smooth there, and Gauss-Legendre's five nodes, exact up to the ninth degree,
+    # need only short stretches; across a cut they would lose that order.
     cuts = {begin, end}
     for one, (since, until) in [(motion, span), *others]:
         times = {since, until, *(t for piece in one.pieces for t in piece[:2])}
