@@ -1,4 +1,4 @@
-"""The internal actions that every program can use, by name."""
+"""The internal actions that every program can use; each module here adds its own."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from ..reasoning.actions import InternalAction
-from . import (
+from . import (  # noqa: F401 - imported for what they add
     beliefs,
     chance,
     containers,
@@ -18,29 +18,13 @@ from . import (
     messages,
     output,
     plans,
+    registry,
     strings,
     suspension,
     time,
 )
 
 #: All of them; an agent may be given more.
-STANDARD: Mapping[str, InternalAction] = MappingProxyType(
-    {
-        **output.ACTIONS,
-        **time.ACTIONS,
-        **goals.ACTIONS,
-        **suspension.ACTIONS,
-        **beliefs.ACTIONS,
-        **plans.ACTIONS,
-        **control.ACTIONS,
-        **lists.ACTIONS,
-        **literals.ACTIONS,
-        **containers.ACTIONS,
-        **strings.ACTIONS,
-        **kinds.ACTIONS,
-        **chance.ACTIONS,
-        **messages.ACTIONS,
-    }
-)
+STANDARD: Mapping[str, InternalAction] = MappingProxyType(registry.STANDARD)
 
 __all__ = ["STANDARD"]

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 
 from ..language.order import distinct
 from ..language.program import Rule, RuleTerm
 from ..language.substitution import Unifier, substitute
 from ..language.terms import Literal, Term, Var, make_list
-from ..reasoning.actions import InternalAction
 from ..reasoning.beliefs import with_source
 from ..reasoning.calls import Call
 from ..reasoning.mail import without_source
 from .arguments import a_list, a_literal, wrong
+from .registry import STANDARD
 
 
+@STANDARD.add(".abolish", least=1, most=1)
 def abolish(call: Call, pattern: Term) -> bool:
     """Remove all beliefs that match, from any source if the pattern names none."""
     if not isinstance(pattern, Literal | Var):
@@ -24,6 +25,7 @@ def abolish(call: Call, pattern: Term) -> bool:
     return True
 
 
+@STANDARD.add(".perceive", most=0)
 def perceive(call: Call) -> bool:
     """Do nothing: percepts are believed as soon as they come."""
     return True
@@ -44,6 +46,7 @@ def _assert(name: str, *, at_end: bool) -> Callable[..., bool]:
     return add
 
 
+@STANDARD.add(".belief", least=1, most=1)
 def belief(call: Call, pattern: Term) -> Iterator[Unifier]:
     """Yield an answer for each belief, and none for what rules derive."""
     if isinstance(pattern, Literal | Var):
@@ -51,6 +54,7 @@ def belief(call: Call, pattern: Term) -> Iterator[Unifier]:
         yield from call.each(pattern, found)
 
 
+@STANDARD.add(".relevant_rules", least=2, most=2)
 def relevant_rules(call: Call, head: Term, result: Term) -> object:
     """Unify with the rules whose head unifies, without their sources."""
     if not isinstance(head, Literal | Var):
@@ -68,6 +72,7 @@ def _bare(head: Literal) -> Literal:
     return bare if isinstance(bare, Literal) else head
 
 
+@STANDARD.add(".list_rules", most=0)
 def list_rules(call: Call) -> bool:
     """Print the rules."""
     for rule in call.agent.beliefs.rules():
@@ -80,16 +85,19 @@ def answers(call: Call, term: Term, formula: Term) -> list[Term]:
     return [substitute(term, u) for u in call.agent.logic.solutions(formula, call.unifier)]
 
 
+@STANDARD.add(".findall", least=3, most=3)
 def findall(call: Call, term: Term, formula: Term, result: Term) -> object:
     """`.findall(T, F, L)`: a term as it is in each answer of a formula."""
     return call.unify(result, make_list(answers(call, term, formula)))
 
 
+@STANDARD.add(".setof", least=3, most=3)
 def setof(call: Call, term: Term, formula: Term, result: Term) -> object:
     """`.setof(T, F, L)`: as `.findall`, in standard order and each once."""
     return call.unify(result, make_list(distinct(answers(call, term, formula))))
 
 
+@STANDARD.add(".count", least=2, most=3)
 def count(call: Call, what: Term, *more: Term) -> object:
     """`.count(Formula, N)`, or `.count(Element, List, N)` for the elements that unify."""
     if len(more) == 1:
@@ -100,15 +108,5 @@ def count(call: Call, what: Term, *more: Term) -> object:
     return call.unify(more[1], number)
 
 
-ACTIONS: Mapping[str, InternalAction] = {
-    ".abolish": InternalAction(abolish, 1, 1),
-    ".perceive": InternalAction(perceive, 0, 0),
-    ".asserta": InternalAction(_assert("asserta", at_end=False), 1, 1),
-    ".assertz": InternalAction(_assert("assertz", at_end=True), 1, 1),
-    ".relevant_rules": InternalAction(relevant_rules, 2, 2),
-    ".list_rules": InternalAction(list_rules, 0, 0),
-    ".belief": InternalAction(belief, 1, 1),
-    ".findall": InternalAction(findall, 3, 3),
-    ".setof": InternalAction(setof, 3, 3),
-    ".count": InternalAction(count, 2, 3),
-}
+STANDARD.add(".asserta", least=1, most=1)(_assert("asserta", at_end=False))
+STANDARD.add(".assertz", least=1, most=1)(_assert("assertz", at_end=True))

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from itertools import count
 
 from ..language.terms import Cons, Nil, Term, Var, make_list
-from ..reasoning.actions import InternalAction
 from ..reasoning.calls import Call
 from .arguments import a_list, a_number, wrong
+from .registry import STANDARD
 
 
+@STANDARD.add(".random", least=1, most=3)
 def random(call: Call, what: Term, *more: Term) -> object:
     """`.random(X)` or `.random(List, X)`; a last number is that of the answers, 0 for no end."""
     numbers = call.agent.random
@@ -32,6 +33,7 @@ def _times(limit: tuple[Term, ...]) -> Iterator[int]:
     return iter(count()) if most == 0 else iter(range(most))
 
 
+@STANDARD.add(".shuffle", least=2, most=2)
 def shuffle(call: Call, elements: Term, result: Term) -> object:
     """`.shuffle(L, R)`: the elements in an order drawn at random."""
     items = list(a_list("shuffle", elements, "first"))
@@ -39,14 +41,8 @@ def shuffle(call: Call, elements: Term, result: Term) -> object:
     return call.unify(result, make_list(items))
 
 
+@STANDARD.add(".set_random_seed", least=1, most=1)
 def set_random_seed(call: Call, seed: Term) -> bool:
     """`.set_random_seed(N)`: begin the random numbers anew."""
     call.agent.random.seed(int(a_number("set_random_seed", seed, "first")))
     return True
-
-
-ACTIONS: Mapping[str, InternalAction] = {
-    ".random": InternalAction(random, 1, 3),
-    ".shuffle": InternalAction(shuffle, 2, 2),
-    ".set_random_seed": InternalAction(set_random_seed, 1, 1),
-}

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from typing import TypeVar
+from typing import TypeAlias, TypeVar
 
 from ..language.containers import Container, MapTerm, QueueTerm, SetTerm
 from ..language.substitution import Unifier
 from ..language.terms import Cons, Literal, Nil, Term, Var, make_list, text
-from ..reasoning.actions import InternalAction
 from ..reasoning.calls import Call
 from .arguments import wrong
+from .registry import STANDARD
 
 _C = TypeVar("_C", bound=Container)
 
@@ -157,53 +157,36 @@ def take(call: Call, container: QueueTerm, element: Term) -> object:
     return call.unify(element, container.items.pop(0)) if container.items else False
 
 
-def _actions(
-    kind: type[Container], own: Mapping[str, tuple[Callable[..., object], int, int]]
-) -> dict[str, InternalAction]:
-    name = kind.kind
-    common: dict[str, tuple[Callable[..., object], int, int]] = {
-        "clear": (_clear, 1, 1),
-        "copy": (_copy, 2, 2),
-        "to_list": (_to_list, 2, 2),
-    }
-    return {
-        f".{name}.create": InternalAction(_create(kind), 1, 2),
-        **{
-            f".{name}.{action}": InternalAction(_on(kind, f"{name}.{action}", change), least, most)
-            for action, (change, least, most) in {**common, **own}.items()
-        },
-    }
+_Actions: TypeAlias = Mapping[str, tuple[Callable[..., object], int, int]]
+"""Functions, with the least and the largest number of arguments."""
 
-
-ACTIONS: Mapping[str, InternalAction] = {
-    **_actions(
-        MapTerm,
-        {
-            "put": (put, 3, 3),
-            "get": (get, 3, 4),
-            "remove": (remove_key, 2, 3),
-            "key": (keys, 2, 2),
-            "value": (values, 2, 2),
-        },
-    ),
-    **_actions(
-        SetTerm,
-        {
-            "add": (add, 2, 2),
-            "add_all": (add_all, 2, 2),
-            "remove": (remove, 2, 2),
-            "union": (add_all, 2, 2),
-            "intersection": (intersection, 2, 2),
-            "difference": (difference, 2, 2),
-        },
-    ),
-    **_actions(
-        QueueTerm,
-        {
-            "add": (add, 2, 2),
-            "add_all": (add_all, 2, 2),
-            "head": (head, 2, 2),
-            "remove": (take, 2, 2),
-        },
-    ),
+_COMMON: _Actions = {"clear": (_clear, 1, 1), "copy": (_copy, 2, 2), "to_list": (_to_list, 2, 2)}
+_OWN: Mapping[type[Container], _Actions] = {
+    MapTerm: {
+        "put": (put, 3, 3),
+        "get": (get, 3, 4),
+        "remove": (remove_key, 2, 3),
+        "key": (keys, 2, 2),
+        "value": (values, 2, 2),
+    },
+    SetTerm: {
+        "add": (add, 2, 2),
+        "add_all": (add_all, 2, 2),
+        "remove": (remove, 2, 2),
+        "union": (add_all, 2, 2),
+        "intersection": (intersection, 2, 2),
+        "difference": (difference, 2, 2),
+    },
+    QueueTerm: {
+        "add": (add, 2, 2),
+        "add_all": (add_all, 2, 2),
+        "head": (head, 2, 2),
+        "remove": (take, 2, 2),
+    },
 }
+
+for _kind, _own in _OWN.items():
+    STANDARD.add(f".{_kind.kind}.create", least=1, most=2)(_create(_kind))
+    for _action, (_change, _least, _most) in {**_COMMON, **_own}.items():
+        _name = f"{_kind.kind}.{_action}"
+        STANDARD.add(f".{_name}", least=_least, most=_most)(_on(_kind, _name, _change))

@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
 from ..language.body import Achieve, BodyTerm
 from ..language.substitution import Unifier, rename, substitute
 from ..language.terms import Literal, Term, TriggerTerm, Var, make_list, plain_text, text
 from ..language.unification import unified
 from ..reasoning.achievement import Finish
-from ..reasoning.actions import ActionError, InternalAction
+from ..reasoning.actions import ActionError
 from ..reasoning.calls import WAITING, Call
 from ..reasoning.circumstance import Circumstance
 from ..reasoning.intentions import Goals, Intention
 from .arguments import a_goal, a_literal
+from .registry import STANDARD
 
 
+@STANDARD.add(".drop_all_desires", most=0)
 def drop_all_desires(call: Call) -> bool:
     """Drop all intentions but the one that calls, and the events of goals."""
     call.agent.circumstance.clear_intentions()
@@ -23,30 +25,35 @@ def drop_all_desires(call: Call) -> bool:
     return True
 
 
+@STANDARD.add(".drop_all_intentions", most=0)
 def drop_all_intentions(call: Call) -> bool:
     """Drop all intentions but the one that calls."""
     call.agent.circumstance.clear_intentions()
     return True
 
 
+@STANDARD.add(".drop_all_events", most=0)
 def drop_all_events(call: Call) -> bool:
     """Drop all events."""
     call.agent.circumstance.clear_events()
     return True
 
 
+@STANDARD.add(".drop_event", least=1, most=1)
 def drop_event(call: Call, goal: Term) -> bool:
     """Drop the events of a goal."""
     call.agent.circumstance.remove_goals(a_literal("drop_event", goal), call.unifier)
     return True
 
 
+@STANDARD.add(".drop_desire", least=1, most=1)
 def drop_desire(call: Call, goal: Term) -> object:
     """Drop a goal: its events and the intentions that have it."""
     drop_event(call, goal)
     return drop_intention(call, goal)
 
 
+@STANDARD.add(".drop_intention", most=1)
 def drop_intention(call: Call, *goal: Term) -> object:
     """End the intentions that have a goal, or the one that calls.
 
@@ -67,6 +74,7 @@ def drop_intention(call: Call, *goal: Term) -> object:
     return WAITING
 
 
+@STANDARD.add(".drop_future_intention", least=1, most=1)
 def drop_future_intention(call: Call, goal: Term) -> object:
     """End the intentions whose plan has a step `!g` or `!!g`."""
     wanted = a_literal("drop_future_intention", goal)
@@ -98,11 +106,13 @@ def _intended(
                     yield solution
 
 
+@STANDARD.add(".intend", least=1, most=2)
 def intend(call: Call, goal: Term, *identity: Term) -> Iterator[Unifier]:
     """Yield the goals that are intended and not suspended."""
     return _intended(call, _pattern("intend", goal), identity, suspended=False)
 
 
+@STANDARD.add(".desire", least=1, most=2)
 def desire(call: Call, goal: Term, *identity: Term) -> Iterator[Unifier]:
     """Yield the goals that are intended, or whose event is to be dealt with."""
     pattern = _pattern("desire", goal)
@@ -119,6 +129,7 @@ def _pattern(name: str, goal: Term) -> Literal | Var:
     return a_goal(name, goal)
 
 
+@STANDARD.add(".fail")
 def fail(call: Call, *annots: Term) -> bool:
     """Fail the plan; the arguments annotate its `-!g` event."""
     if not annots:
@@ -136,11 +147,13 @@ def fail(call: Call, *annots: Term) -> bool:
 # ---- goals declared achieved or failed
 
 
+@STANDARD.add(".succeed_goal", least=1, most=1)
 def succeed_goal(call: Call, goal: Term) -> object:
     """Finish a goal as if it were achieved."""
     return _finish(call, a_literal("succeed_goal", goal), failed=False)
 
 
+@STANDARD.add(".fail_goal", least=1, most=1)
 def fail_goal(call: Call, goal: Term) -> object:
     """Finish a goal as if its plan had failed."""
     return _finish(call, a_literal("fail_goal", goal), failed=True)
@@ -152,6 +165,7 @@ def _finish(call: Call, goal: Literal, *, failed: bool) -> object:
     return True if finish.everywhere(call.unifier) else WAITING
 
 
+@STANDARD.add(".done", most=1)
 def done(call: Call, *goal: Term) -> object:
     """`.done` or `.done(g)`: a goal of this intention is achieved, the nearest if none is named."""
     intention = call.intention
@@ -193,6 +207,7 @@ def _current(call: Call) -> Intention | None:
     return event.intention if selected is None and event is not None else selected
 
 
+@STANDARD.add(".current_intention", least=1, most=1)
 def current_intention(call: Call, description: Term) -> object:
     """`intention(Id, [im(Label, {Trigger}, {Body left}, Bindings), …])`."""
     intention = _current(call)
@@ -226,6 +241,7 @@ def _state(circumstance: Circumstance, one: Intention) -> str:
     return "running" if circumstance.is_running(one) else "pending"
 
 
+@STANDARD.add(".intention", least=1, most=4)
 def _one_or_all(call: Call, *args: Term) -> object:
     return current_intention(call, *args) if len(args) == 1 else intention(call, *args)
 
@@ -251,22 +267,3 @@ def _description(intention: Intention) -> Literal:
             Literal("im", (text(means.plan.label), trigger, BodyTerm(tuple(left)), bindings))
         )
     return Literal("intention", (float(intention.number), make_list(stack)))
-
-
-ACTIONS: Mapping[str, InternalAction] = {
-    ".drop_all_desires": InternalAction(drop_all_desires, 0, 0),
-    ".drop_all_intentions": InternalAction(drop_all_intentions, 0, 0),
-    ".drop_all_events": InternalAction(drop_all_events, 0, 0),
-    ".drop_event": InternalAction(drop_event, 1, 1),
-    ".drop_desire": InternalAction(drop_desire, 1, 1),
-    ".drop_intention": InternalAction(drop_intention, 0, 1),
-    ".intend": InternalAction(intend, 1, 2),
-    ".desire": InternalAction(desire, 1, 2),
-    ".fail": InternalAction(fail),
-    ".succeed_goal": InternalAction(succeed_goal, 1, 1),
-    ".fail_goal": InternalAction(fail_goal, 1, 1),
-    ".done": InternalAction(done, 0, 1),
-    ".current_intention": InternalAction(current_intention, 1, 1),
-    ".intention": InternalAction(_one_or_all, 1, 4),
-    ".drop_future_intention": InternalAction(drop_future_intention, 1, 1),
-}

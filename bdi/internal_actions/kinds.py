@@ -9,15 +9,12 @@ from ..language.containers import Container
 from ..language.program import PlanTerm, RuleTerm
 from ..language.substitution import Unifier
 from ..language.terms import Cons, Literal, Nil, Operation, Term, TriggerTerm, Var, is_ground
-from ..reasoning.actions import InternalAction
 from ..reasoning.calls import Call
+from .registry import STANDARD
 
 
-def _kind(test: Callable[[Term], bool]) -> InternalAction:
-    def check(call: Call, term: Term) -> bool:
-        return test(term)
-
-    return InternalAction(check, 1, 1)
+def _kind(test: Callable[[Term], bool]) -> Callable[..., bool]:
+    return lambda call, term: test(term)
 
 
 def _is_structure(term: Term) -> bool:
@@ -39,6 +36,7 @@ def _kinds(term: Term) -> list[str]:
     return [*found, "free"] if isinstance(term, Var) else found
 
 
+@STANDARD.add(".type", least=2, most=2)
 def kind_of(call: Call, term: Term, kind: Term) -> Iterator[Unifier]:
     """`.type(T, Kind)`: an answer for each kind that a term is of."""
     return call.each(kind, map(Literal, _kinds(term)))
@@ -55,7 +53,5 @@ _TESTS: Mapping[str, Callable[[Term], bool]] = {
     ".var": lambda term: isinstance(term, Var),
 }
 
-ACTIONS: Mapping[str, InternalAction] = {
-    **{name: _kind(test) for name, test in _TESTS.items()},
-    ".type": InternalAction(kind_of, 2, 2),
-}
+for _name, _test in _TESTS.items():
+    STANDARD.add(_name, least=1, most=1)(_kind(_test))

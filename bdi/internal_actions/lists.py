@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 
 from ..language.containers import Container
 from ..language.order import compare, distinct, standard_order
 from ..language.substitution import Unifier
 from ..language.terms import EMPTY, Cons, Nil, Term, Var, make_list, plain_text, text
 from ..language.unification import unified
-from ..reasoning.actions import ActionError, InternalAction
+from ..reasoning.actions import ActionError
 from ..reasoning.calls import Call
 from .arguments import a_list, a_number, wrong
 from .beliefs import answers
+from .registry import STANDARD
 
 
+@STANDARD.add(".length", least=2, most=2)
 def length(call: Call, value: Term, result: Term) -> object:
     """`.length(L, N)`: number of elements, or of characters."""
     if not isinstance(value, str | Nil | Cons | Container):
@@ -26,12 +28,14 @@ MAX_LENGTH = 100_000
 """Largest number of elements of a list, or characters of a text, that `.concat` makes."""
 
 
+@STANDARD.add(".member", least=2, most=2)
 def member(call: Call, element: Term, elements: Term) -> Iterator[Unifier]:
     """`.member(E, L)`: an answer for each element that unifies."""
     items = elements if isinstance(elements, Container) else a_list("member", elements, "second")
     yield from call.each(element, list(items))
 
 
+@STANDARD.add(".concat", least=2)
 def concat(call: Call, *terms: Term) -> object:
     """Join lists, or the texts of anything else; the last argument is the result."""
     *parts, result = terms
@@ -67,6 +71,7 @@ def _bare(term: Term) -> str:
     return word[1:-1] if is_quoted else word
 
 
+@STANDARD.add(".nth", least=3, most=3)
 def nth(call: Call, index: Term, elements: Term, element: Term) -> object:
     """`.nth(I, L, E)`: an element by its position from 0; an answer for each where I is unbound."""
     if not isinstance(index, float | Var):
@@ -112,12 +117,14 @@ def _extreme(name: str, better: Callable[[int], bool]) -> Callable[..., object]:
     return extreme
 
 
+@STANDARD.add(".sort", least=2, most=2)
 def sort(call: Call, elements: Term, result: Term) -> object:
     """`.sort(L, S)`: the elements in standard order."""
     ordered = sorted(a_list("sort", elements, "first"), key=standard_order)
     return call.unify(ordered, result)
 
 
+@STANDARD.add(".reverse", least=2, most=2)
 def reverse(call: Call, value: Term, result: Term) -> object:
     """`.reverse(L, R)`: a list or a string backwards."""
     if isinstance(value, Nil | Cons):
@@ -127,6 +134,7 @@ def reverse(call: Call, value: Term, result: Term) -> object:
     return call.unify(plain_text(value)[::-1], result)
 
 
+@STANDARD.add(".delete", least=3, most=4)
 def delete(call: Call, what: Term, where: Term, *more: Term) -> object:
     """Delete by position, by a range of positions or by element; or a part of a string."""
     if isinstance(what, float):
@@ -176,6 +184,7 @@ def _prefixes(items: list[Term]) -> Iterator[Term]:
         yield make_list(items[:end])
 
 
+@STANDARD.add(".prefix", least=2, most=2)
 def prefix(call: Call, part: Term, whole: Term) -> Iterator[Unifier]:
     """`.prefix(P, L)`: an answer for each beginning, the longest first."""
     if isinstance(whole, str):
@@ -184,6 +193,7 @@ def prefix(call: Call, part: Term, whole: Term) -> Iterator[Unifier]:
     return call.each(part, (*_prefixes(items), EMPTY))
 
 
+@STANDARD.add(".suffix", least=2, most=2)
 def suffix(call: Call, part: Term, whole: Term) -> Iterator[Unifier]:
     """`.suffix(S, L)`: an answer for each end, the longest first."""
     if isinstance(whole, str):
@@ -192,6 +202,7 @@ def suffix(call: Call, part: Term, whole: Term) -> Iterator[Unifier]:
     return call.each(part, (make_list(items[begin:]) for begin in range(len(items) + 1)))
 
 
+@STANDARD.add(".sublist", least=2, most=2)
 def sublist(call: Call, part: Term, whole: Term) -> Iterator[Unifier]:
     """`.sublist(S, L)`: an answer for each part, from the beginning on and the longest first."""
     items = list(a_list("sublist", whole, "second"))
@@ -204,6 +215,7 @@ def sublist(call: Call, part: Term, whole: Term) -> Iterator[Unifier]:
     return call.each(part, parts())
 
 
+@STANDARD.add(".range", least=3, most=4)
 def range_(call: Call, number: Term, first: Term, last: Term, *step: Term) -> object:
     """`.range(I, From, To, Step?)`: an answer for each number, To included."""
     begin = int(a_number("range", first, "second"))
@@ -216,27 +228,14 @@ def range_(call: Call, number: Term, first: Term, last: Term, *step: Term) -> ob
     return call.each(number, range(begin, end + (1 if by > 0 else -1), by))
 
 
+@STANDARD.add(".empty", least=1, most=1)
 def empty(call: Call, value: Term) -> bool:
     """`.empty(L)`: hold for a list, string or container without elements."""
     return len(value) == 0 if isinstance(value, str | Nil | Cons | Container) else False
 
 
-ACTIONS: Mapping[str, InternalAction] = {
-    ".length": InternalAction(length, 2, 2),
-    ".member": InternalAction(member, 2, 2),
-    ".concat": InternalAction(concat, 2),
-    ".nth": InternalAction(nth, 3, 3),
-    ".max": InternalAction(_extreme("max", lambda order: order < 0), 2, 3),
-    ".min": InternalAction(_extreme("min", lambda order: order > 0), 2, 3),
-    ".sort": InternalAction(sort, 2, 2),
-    ".reverse": InternalAction(reverse, 2, 2),
-    ".delete": InternalAction(delete, 3, 4),
-    ".union": InternalAction(_set_operation("union", lambda a, b: b + a), 3, 3),
-    ".intersection": InternalAction(_set_operation("intersection", _common), 3, 3),
-    ".difference": InternalAction(_set_operation("difference", _without), 3, 3),
-    ".prefix": InternalAction(prefix, 2, 2),
-    ".suffix": InternalAction(suffix, 2, 2),
-    ".sublist": InternalAction(sublist, 2, 2),
-    ".range": InternalAction(range_, 3, 4),
-    ".empty": InternalAction(empty, 1, 1),
-}
+STANDARD.add(".max", least=2, most=3)(_extreme("max", lambda order: order < 0))
+STANDARD.add(".min", least=2, most=3)(_extreme("min", lambda order: order > 0))
+STANDARD.add(".union", least=3, most=3)(_set_operation("union", lambda a, b: b + a))
+STANDARD.add(".intersection", least=3, most=3)(_set_operation("intersection", _common))
+STANDARD.add(".difference", least=3, most=3)(_set_operation("difference", _without))

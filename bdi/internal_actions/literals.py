@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 from ..language.order import sorted_annots
 from ..language.substitution import rename
 from ..language.terms import FALSE, TRUE, Cons, Literal, Nil, Term, make_list, namespace_of
-from ..reasoning.actions import InternalAction
 from ..reasoning.calls import Call
 from ..reasoning.mail import nested_source, without_source
+from .registry import STANDARD
 
 
 def _annotated(term: Term, annot: Term) -> Term:
@@ -21,32 +19,39 @@ def _annotated(term: Term, annot: Term) -> Term:
     return Literal(term.functor, term.args, annots, term.negated)
 
 
+@STANDARD.add(".add_annot", least=3, most=3)
 def add_annot(call: Call, term: Term, annot: Term, result: Term) -> object:
     """`.add_annot(T, A, R)`: a literal, or each of a list, with one more annotation."""
     return call.unify(result, _annotated(term, annot))
 
 
+@STANDARD.add(".add_nested_source", least=3, most=3)
 def add_nested_source(call: Call, term: Term, source: Term, result: Term) -> object:
     """`.add_nested_source(T, S, R)`: a literal, or each of a list, as S would tell it."""
     return call.unify(nested_source(term, source), result)
 
 
+@STANDARD.add(".remove_source_annot", least=2, most=3)
 def remove_source_annot(call: Call, term: Term, result: Term, *source: Term) -> object:
     """`.remove_source_annot(T, R, S?)`: a literal or list without its sources, or without one."""
     return call.unify(without_source(term, *source), result)
 
 
+@STANDARD.add(".eval", least=2, most=2)
 def evaluate(call: Call, result: Term, formula: Term) -> object:
     """`.eval(R, F)`: true or false, as a formula holds."""
     solution = call.agent.logic.first(formula, call.unifier)
     return call.unify(result, FALSE if solution is None else TRUE)
 
 
+@STANDARD.add(".copy_term", least=2, most=2)
+@STANDARD.add(".rename_apart", least=2, most=2)
 def copy_term(call: Call, term: Term, copy: Term) -> object:
     """Unify with a copy of a term whose variables are new."""
     return call.unify(rename(term, call.agent.names, {}), copy)
 
 
+@STANDARD.add(".namespace", least=1, most=1)
 def namespace(call: Call, name: Term) -> object:
     """Yield the namespaces of the beliefs and plans there are, without local ones."""
     agent = call.agent
@@ -54,14 +59,3 @@ def namespace(call: Call, name: Term) -> object:
     functors += [p.literal.functor for p in agent.plans if isinstance(p.literal, Literal)]
     names = dict.fromkeys(("default", *map(namespace_of, functors)))
     return call.each(name, [Literal(space) for space in names if not space.startswith("#")])
-
-
-ACTIONS: Mapping[str, InternalAction] = {
-    ".add_annot": InternalAction(add_annot, 3, 3),
-    ".add_nested_source": InternalAction(add_nested_source, 3, 3),
-    ".remove_source_annot": InternalAction(remove_source_annot, 2, 3),
-    ".eval": InternalAction(evaluate, 2, 2),
-    ".copy_term": InternalAction(copy_term, 2, 2),
-    ".rename_apart": InternalAction(copy_term, 2, 2),
-    ".namespace": InternalAction(namespace, 1, 1),
-}

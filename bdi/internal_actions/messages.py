@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
 from ..language.substitution import Unifier
 from ..language.terms import Cons, Literal, Nil, Term, make_list, plain_text, text
-from ..reasoning.actions import ActionError, InternalAction
+from ..reasoning.actions import ActionError
 from ..reasoning.calls import WAITING, Call
 from ..reasoning.mail import Question, answers
 from ..reasoning.society import Message, Society
 from .arguments import a_number, wrong
+from .registry import STANDARD
 
 _ASKS = ("askOne", "askAll", "askHow")
 _NUMBER = re.compile(r"mid(\d+)")
@@ -23,6 +24,7 @@ def _society(call: Call) -> Society:
     return society
 
 
+@STANDARD.add(".send", least=3, most=5)
 def send(call: Call, receiver: Term, force: Term, content: Term, *more: Term) -> object:
     """`.send(Receiver, tell, Content)`; an ask with a fourth argument waits for the answer.
 
@@ -73,6 +75,7 @@ def _number(term: Term) -> int:
     return int(found[1])
 
 
+@STANDARD.add(".broadcast", least=2, most=2)
 def broadcast(call: Call, force: Term, content: Term) -> bool:
     """`.broadcast(Force, Content)`: send a message to all others."""
     agent, society = call.agent, _society(call)
@@ -83,11 +86,13 @@ def broadcast(call: Call, force: Term, content: Term) -> bool:
     return True
 
 
+@STANDARD.add(".all_names", least=1, most=1)
 def all_names(call: Call, names: Term) -> object:
     """`.all_names(Ns)`: the names of all agents, in the order in which they joined."""
     return call.unify(names, [Literal(name) for name in _society(call).names()])
 
 
+@STANDARD.add("kqml.answer", least=2, most=2)
 def answer(call: Call, asked: Term, result: Term) -> Iterator[Unifier]:
     """Yield the answers of the agent to a question, for the plans of `messages.asl`."""
     return call.each(result, answers(call.agent, asked, call.unifier))
@@ -100,6 +105,7 @@ def _service(service: Term, kind: tuple[Term, ...]) -> tuple[str, str]:
     return plain_text(service), plain_text(kind[0]) if kind else ""
 
 
+@STANDARD.add(".df_register", least=1, most=2)
 def register(call: Call, service: Term, *kind: Term) -> bool:
     """Offer a service, and tell those who have subscribed to it."""
     society, name = _society(call), call.agent.name
@@ -113,12 +119,14 @@ def _tell_provider(society: Society, subscriber: str, provider: str, service: Te
     society.deliver(subscriber, Message("df", "tell", content, society.next_question()))
 
 
+@STANDARD.add(".df_deregister", least=1, most=2)
 def deregister(call: Call, service: Term, *kind: Term) -> bool:
     """`.df_deregister(S, Type?)`: offer a service no longer."""
     _society(call).directory.deregister(call.agent.name, *_service(service, kind))
     return True
 
 
+@STANDARD.add(".df_search", least=2, most=3)
 def search(call: Call, service: Term, *more: Term) -> object:
     """`.df_search(Service, Agents)` or `.df_search(Service, Type, Agents)`."""
     *kind, result = more
@@ -126,21 +134,10 @@ def search(call: Call, service: Term, *more: Term) -> object:
     return call.unify(result, make_list([Literal(name) for name in found]))
 
 
+@STANDARD.add(".df_subscribe", least=1, most=2)
 def subscribe(call: Call, service: Term, *kind: Term) -> bool:
     """`.df_subscribe(S, Type?)`: be told of those who offer a service, now and later."""
     society, name = _society(call), call.agent.name
     for provider in society.directory.subscribe(name, *_service(service, kind)):
         _tell_provider(society, name, provider, service)
     return True
-
-
-ACTIONS: Mapping[str, InternalAction] = {
-    ".send": InternalAction(send, 3, 5),
-    ".broadcast": InternalAction(broadcast, 2, 2),
-    ".all_names": InternalAction(all_names, 1, 1),
-    ".df_register": InternalAction(register, 1, 2),
-    ".df_deregister": InternalAction(deregister, 1, 2),
-    ".df_search": InternalAction(search, 2, 3),
-    ".df_subscribe": InternalAction(subscribe, 1, 2),
-    "kqml.answer": InternalAction(answer, 2, 2),
-}

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
 
 from ..errors import ProgramError
 from ..language.parser import parse_term
 from ..language.substitution import substitute
 from ..language.terms import Literal, Term, Var, plain_text, text
-from ..reasoning.actions import ActionError, InternalAction
+from ..reasoning.actions import ActionError
 from ..reasoning.calls import WAITING, Call, Waiting
 from .arguments import wrong
+from .registry import STANDARD
 
 VERSION = "3.3.2"
 """Version of Jason whose language this is."""
@@ -21,12 +21,15 @@ def _line(terms: tuple[Term, ...]) -> str:
     return "".join(f"{t}<no-value>" if isinstance(t, Var) else plain_text(t) for t in terms)
 
 
+@STANDARD.add(".print")
+@STANDARD.add(".println")
 def print_line(call: Call, *terms: Term) -> bool:
     """`.print(…)`: print the terms one after another, on one line."""
     call.agent.say(_line(terms))
     return True
 
 
+@STANDARD.add(".log", least=1)
 def log(call: Call, level: Term, *terms: Term) -> bool:
     """`.log(Level, …)`: print, warn, or only note, as the level says."""
     name = level.functor if isinstance(level, Literal) else ""
@@ -43,6 +46,7 @@ _NAMED = re.compile(r"#\{([A-Za-z0-9_]+)\}")
 _FORMAT = re.compile(r"%([-+ 0,#]*)(\d*)(?:\.(\d+))?([sdfeEgxXcbn%])")
 
 
+@STANDARD.add(".puts", least=1, most=2)
 def puts(call: Call, template: Term, *result: Term) -> object:
     """Print a text with the values of the variables in it, `#{X}`, or unify with it."""
     if not isinstance(template, str):
@@ -62,6 +66,7 @@ def puts(call: Call, template: Term, *result: Term) -> object:
     return True
 
 
+@STANDARD.add(".printf", least=1)
 def printf(call: Call, template: Term, *terms: Term) -> bool:
     """Print a text with `%s`, `%d`, `%.2f` … in it."""
     if not isinstance(template, str):
@@ -90,6 +95,7 @@ def printf(call: Call, template: Term, *terms: Term) -> bool:
     return True
 
 
+@STANDARD.add(".print_unifier", most=0)
 def print_unifier(call: Call) -> bool:
     """Print the values of the variables."""
     names = [name for name in call.unifier if not name.startswith("_")]
@@ -98,31 +104,21 @@ def print_unifier(call: Call) -> bool:
     return True
 
 
+@STANDARD.add(".version", least=1, most=1)
 def version(call: Call, result: Term) -> object:
     """`.version(V)`: the version of the language."""
     return call.unify(result, VERSION)
 
 
+@STANDARD.add(".my_name", least=1, most=1)
 def my_name(call: Call, name: Term) -> object:
     """`.my_name(N)`: the name of the agent."""
     return call.unify(name, Literal(call.agent.name))
 
 
+@STANDARD.add(".stopMAS", most=2)
 def stop(call: Call, *delay: Term) -> Waiting:
     """`.stopMAS`: end the program."""
     call.agent.note("log", f".stopMAS({','.join(map(text, delay))})", call.intention)
     call.agent.stop()
     return WAITING
-
-
-ACTIONS: Mapping[str, InternalAction] = {
-    ".print": InternalAction(print_line),
-    ".println": InternalAction(print_line),
-    ".log": InternalAction(log, 1),
-    ".puts": InternalAction(puts, 1, 2),
-    ".printf": InternalAction(printf, 1),
-    ".print_unifier": InternalAction(print_unifier, 0, 0),
-    ".version": InternalAction(version, 1, 1),
-    ".my_name": InternalAction(my_name, 1, 1),
-    ".stopMAS": InternalAction(stop, 0, 2),
-}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import replace
 
 from ..errors import ProgramError
@@ -11,7 +11,7 @@ from ..language.parser import parse_plan
 from ..language.program import Plan, PlanTerm
 from ..language.substitution import Unifier, rename
 from ..language.terms import Cons, Literal, Nil, Term, Var, make_list, plain_text, text
-from ..reasoning.actions import ActionError, InternalAction
+from ..reasoning.actions import ActionError
 from ..reasoning.beliefs import has_source
 from ..reasoning.calls import Call
 from ..reasoning.loading import add_plan as load_plan
@@ -19,8 +19,10 @@ from ..reasoning.loading import add_program
 from ..reasoning.mail import without_source
 from ..reasoning.plans import LoadedPlan
 from .arguments import a_trigger, wrong
+from .registry import STANDARD
 
 
+@STANDARD.add(".include", least=1, most=2)
 def include(call: Call, name: Term, *namespace: Term) -> object:
     """Add the plans of a file after those there are, and its beliefs and goals.
 
@@ -56,6 +58,7 @@ def _plan(term: Term) -> Plan:
     raise wrong("add_plan", f"The term '{text(term)}' can not be used as a plan for .add_plan.")
 
 
+@STANDARD.add(".add_plan", least=1, most=3)
 def add_plan(call: Call, plans: Term, *more: Term) -> bool:
     """`.add_plan(P, Source?, begin?)`: add a plan, given as term or text, or a list of them."""
     source = Literal("source", (more[0] if more else Literal("self"),))
@@ -72,6 +75,7 @@ def add_plan(call: Call, plans: Term, *more: Term) -> bool:
     return True
 
 
+@STANDARD.add(".remove_plan", least=1, most=2)
 def remove_plan(call: Call, labels: Term, *more: Term) -> bool:
     """`.remove_plan(Label, Source?)`: take a source off plans; those without one are removed."""
     source = Literal("source", (more[0] if more else Literal("self"),))
@@ -121,6 +125,7 @@ def _as_term(call: Call, plan: LoadedPlan) -> PlanTerm:
     return renamed if isinstance(renamed, PlanTerm) else labelled
 
 
+@STANDARD.add(".relevant_plans", least=2, most=3)
 def relevant_plans(call: Call, event: Term, plans: Term, *labels: Term) -> object:
     """`.relevant_plans({+!g}, Ps, Labels?)`: the plans for an event, and their labels."""
     found = _relevant(call, event)
@@ -130,12 +135,14 @@ def relevant_plans(call: Call, event: Term, plans: Term, *labels: Term) -> objec
     return call.unify(make_list(terms), make_list([plans, *labels]))
 
 
+@STANDARD.add(".relevant_plan", least=2, most=3)
 def relevant_plan(call: Call, event: Term, plan: Term, *label: Term) -> Iterator[Unifier]:
     """Yield an answer for each relevant plan."""
     pairs = ([_as_term(call, found), found.label] for found in _relevant(call, event))
     return call.each(make_list([plan, *label]), (pair[: 1 + len(label)] for pair in pairs))
 
 
+@STANDARD.add(".plan_label", least=2, most=2)
 def plan_label(call: Call, plan: Term, label: Term) -> object:
     """`.plan_label(P, Label)`: the plan that has a label."""
     name = label.functor if isinstance(label, Literal) else plain_text(label)
@@ -143,20 +150,10 @@ def plan_label(call: Call, plan: Term, label: Term) -> object:
     return False if found is None else call.unify(_as_term(call, found), plan)
 
 
+@STANDARD.add(".list_plans", most=1)
 def list_plans(call: Call, *event: Term) -> bool:
     """Print the plans, or those that are relevant for an event."""
     shown = _relevant(call, event[0]) if event else list(call.agent.plans)
     for plan in shown:
         call.agent.say(f"{replace(plan.plan, label=plan.label)}.")
     return True
-
-
-ACTIONS: Mapping[str, InternalAction] = {
-    ".include": InternalAction(include, 1, 2),
-    ".plan_label": InternalAction(plan_label, 2, 2),
-    ".list_plans": InternalAction(list_plans, 0, 1),
-    ".relevant_plan": InternalAction(relevant_plan, 2, 3),
-    ".add_plan": InternalAction(add_plan, 1, 3),
-    ".remove_plan": InternalAction(remove_plan, 1, 2),
-    ".relevant_plans": InternalAction(relevant_plans, 2, 3),
-}

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
 from ..errors import ProgramError
 from ..language.parser import parse_term
 from ..language.terms import Term, Var, make_list, plain_text, text
-from ..reasoning.actions import ActionError, InternalAction
+from ..reasoning.actions import ActionError
 from ..reasoning.calls import Call
 from .arguments import wrong
+from .registry import STANDARD
 
 
+@STANDARD.add(".substring", least=2, most=4)
 def substring(call: Call, part: Term, whole: Term, *position: Term) -> object:
     """`.substring(Part, Whole)`, with its begin and end, place by place, in further arguments."""
     small, big = plain_text(part), plain_text(whole)
@@ -42,6 +44,7 @@ def _places(small: str, big: str, count: int) -> Iterator[list[float]]:
         start = big.find(small, start + 1)
 
 
+@STANDARD.add(".replace", least=4, most=4)
 def replace(call: Call, whole: Term, pattern: Term, by: Term, result: Term) -> object:
     """Replace the matches of a regular expression."""
     if not isinstance(pattern, str) or not isinstance(by, str):
@@ -58,6 +61,7 @@ def _groups(replacement: str) -> str:
     return re.sub(r"\$(\d)", r"\\\1", replacement)
 
 
+@STANDARD.add(".term2string", least=2, most=2)
 def term2string(call: Call, term: Term, string: Term) -> object:
     """`.term2string(T, S)`: the text of a term, or the term that a text stands for."""
     if not isinstance(term, Var):
@@ -73,20 +77,13 @@ def term2string(call: Call, term: Term, string: Term) -> object:
     raise ActionError("invalid case of term2string")
 
 
+@STANDARD.add(".upper_case", least=2, most=2)
 def upper_case(call: Call, word: Term, result: Term) -> object:
     """`.upper_case(S, R)`: a text in capitals."""
     return call.unify(result, plain_text(word).upper())
 
 
+@STANDARD.add(".lower_case", least=2, most=2)
 def lower_case(call: Call, word: Term, result: Term) -> object:
     """`.lower_case(S, R)`: a text in small letters."""
     return call.unify(result, plain_text(word).lower())
-
-
-ACTIONS: Mapping[str, InternalAction] = {
-    ".substring": InternalAction(substring, 2, 4),
-    ".replace": InternalAction(replace, 4, 4),
-    ".term2string": InternalAction(term2string, 2, 2),
-    ".upper_case": InternalAction(upper_case, 2, 2),
-    ".lower_case": InternalAction(lower_case, 2, 2),
-}

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 from ..language.substitution import Unifier
 from ..language.terms import Literal, Term
 from ..language.unification import try_unify, unified
-from ..reasoning.actions import InternalAction
 from ..reasoning.calls import WAITING, Call
 from ..reasoning.intentions import Event
 from .arguments import a_literal
+from .registry import STANDARD
 
 
+@STANDARD.add(".suspend", most=1)
 def suspend(call: Call, *goal: Term) -> object:
     """`.suspend(G?)`: suspend what has a goal, or the intention that calls."""
     circumstance = call.agent.circumstance
@@ -68,6 +67,7 @@ def _is_goal(event: Event, wanted: Literal, u: Unifier) -> bool:
     return event.sort == "+!" and try_unify(wanted, event.literal, u)
 
 
+@STANDARD.add(".resume", least=1, most=1)
 def resume(call: Call, goal: Term) -> object:
     """`.resume(G)`: let go on what is suspended and has a goal."""
     wanted = a_literal("resume", goal)
@@ -95,6 +95,7 @@ def resume(call: Call, goal: Term) -> object:
     return u
 
 
+@STANDARD.add(".suspended", least=1, most=2)
 def suspended(call: Call, goal: Term, *reason: Term) -> object:
     """`.suspended(G, R?)`: hold if an intention that has a goal is suspended or waits; R is why."""
     wanted = a_literal("suspended", goal)
@@ -108,10 +109,3 @@ def suspended(call: Call, goal: Term, *reason: Term) -> object:
         if intention.wants(wanted, u):
             return unified(reason[0], why, u) if reason else u
     return False
-
-
-ACTIONS: Mapping[str, InternalAction] = {
-    ".suspend": InternalAction(suspend, 0, 1),
-    ".resume": InternalAction(resume, 1, 1),
-    ".suspended": InternalAction(suspended, 1, 2),
-}

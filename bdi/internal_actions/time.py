@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
 from datetime import datetime, timedelta
 
 from ..language.substitution import rename
 from ..language.terms import And, Literal, Not, Or, Relation, Term, Var, text
-from ..reasoning.actions import ActionError, InternalAction
+from ..reasoning.actions import ActionError
 from ..reasoning.beliefs import with_source
 from ..reasoning.calls import WAITING, Call
 from ..reasoning.intentions import Event
 from ..reasoning.waiting import ActiveWait
 from .arguments import a_number, a_trigger, wrong
+from .registry import STANDARD
 
 #: Date and time of `.date` and `.time` at simulated time 0.
 EPOCH = datetime(2023, 1, 1)
@@ -31,6 +31,7 @@ def _milliseconds(number: str, unit: str) -> int:
     return int(number)
 
 
+@STANDARD.add(".wait", least=1, most=3, in_context=False)
 def wait(call: Call, what: Term, *more: Term) -> object:
     """`.wait(What, Timeout?, Elapsed?)`: wait for a time, an event or a condition."""
     agent, intention = call.agent, call.intention
@@ -65,6 +66,7 @@ def wait(call: Call, what: Term, *more: Term) -> object:
     return WAITING
 
 
+@STANDARD.add(".at", least=2, most=2)
 def at(call: Call, when: Term, event: Term) -> bool:
     """`.at("now +3 s", {+!g})`: raise an event later."""
     parsed = _AT.fullmatch(when.strip()) if isinstance(when, str) else None
@@ -97,12 +99,14 @@ def _instant(call: Call) -> datetime:
     return EPOCH + timedelta(microseconds=call.agent.clock // 1_000)
 
 
+@STANDARD.add(".date", least=3, most=3)
 def date(call: Call, year: Term, month: Term, day: Term) -> object:
     """`.date(Y, M, D)`: the date, counted from EPOCH."""
     now = _instant(call)
     return call.unify([year, month, day], [now.year, now.month, now.day])
 
 
+@STANDARD.add(".time", least=3, most=4)
 def time(call: Call, hour: Term, minute: Term, second: Term, *milliseconds: Term) -> object:
     """`.time(H, M, S, Ms?)`: the time of the day, counted from EPOCH."""
     now = _instant(call)
@@ -111,11 +115,13 @@ def time(call: Call, hour: Term, minute: Term, second: Term, *milliseconds: Term
     return call.unify(terms, values[: len(terms)])
 
 
+@STANDARD.add(".nano_time", least=1, most=1)
 def nano_time(call: Call, now: Term) -> object:
     """`.nano_time(N)`: the time in nanoseconds."""
     return call.unify(now, float(call.agent.clock))
 
 
+@STANDARD.add(".signal", least=1, most=2)
 def signal(call: Call, event: Term, *kind: Term) -> bool:
     """Raise an event as it is given: nothing is believed by it."""
     trigger = a_trigger(event)
@@ -124,13 +130,3 @@ def signal(call: Call, event: Term, *kind: Term) -> bool:
         raise wrong("signal", f"'{text(event)}' is no event")
     call.agent.circumstance.post(Event(trigger.sort, with_source(literal)))
     return True
-
-
-ACTIONS: Mapping[str, InternalAction] = {
-    ".wait": InternalAction(wait, 1, 3, in_context=False),
-    ".at": InternalAction(at, 2, 2),
-    ".signal": InternalAction(signal, 1, 2),
-    ".nano_time": InternalAction(nano_time, 1, 1),
-    ".date": InternalAction(date, 3, 3),
-    ".time": InternalAction(time, 3, 4),
-}

@@ -126,18 +126,10 @@ class Builder(Transformer_NonRecursive[Token, Any]):
             raise RefusedError(meta, "a variable cannot be a goal")
         return Goal(goal, self._place(meta))
 
-    def plan(
-        self,
-        meta: Meta,
-        label: Literal | Var | None,
-        trigger: Trigger,
-        context: Term | None,
-        until: Term | None,
-        body: Body | None,
-    ) -> Plan:
+    def plan(self, meta: Meta, label: Literal | Var | None, *parts: Any) -> Plan:
         if isinstance(label, Var):
             raise RefusedError(meta, "a label that is a variable stands in plans in braces only")
-        return self._plan(meta, label, trigger, context, until, body)
+        return self._plan(meta, label, *parts)
 
     def _plan(
         self,
