@@ -46,6 +46,7 @@ from foxglove.messages import (
 )
 
 from ..core.recorder import Event
+from ..record.figures import COSTS
 from ..record.outcome import Outcome
 from . import drawing, log, shapes, track
 from .track import nanoseconds
@@ -68,8 +69,7 @@ def write(run: Outcome, path: Path, rate: float) -> None:
 
 
 def _about(run: Outcome, rate: float) -> dict[str, str]:
-    timing = ("cpu_seconds", "realtime_factor")
-    summary = {name: value for name, value in run.summary.items() if name not in timing}
+    summary = {name: value for name, value in run.summary.items() if name not in COSTS}
     return {
         "trial": run.scene.trial,
         "floorplan": run.floorplan.name,

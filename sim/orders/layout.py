@@ -15,7 +15,6 @@ Offset = tuple[float, float]
 BIN_SLOTS = range(1, 10)
 TRAY_SLOTS = range(1, 7)
 QUADRANTS = range(1, 5)
-TRAY_IDS = range(10)
 
 TABLES = ("kit_tray_table1", "kit_tray_table2")
 """The obstacles that are the tray tables, with tray slots 1 to 3 and 4 to 6."""

@@ -13,6 +13,7 @@ from ..core.machine import MachineShape
 from ..core.recorder import rounded
 from ..core.rules import RuleSet
 from ..machines.kinds import rails_under
+from ..record.figures import COSTS
 from ..record.outcome import Outcome
 from ..safety.requirement_curve import is_plain
 from .replay import FORMAT
@@ -21,13 +22,12 @@ from .replay import FORMAT
 def replay_data(run: Outcome) -> dict[str, Any]:
     """Return the run in the format of the replay page: metres, seconds, radians."""
     plan, trial, controller = run.floorplan, run.scene.trial, run.scene.controller
-    timing = ("cpu_seconds", "realtime_factor")
     data: dict[str, Any] = rounded(
         {
             "format": FORMAT,
             "title": trial if trial == plan.name else f"{trial} · {plan.name}",
             "duration": run.duration,
-            "summary": {k: v for k, v in run.summary.items() if k not in timing},
+            "summary": {k: v for k, v in run.summary.items() if k not in COSTS},
             "floorplan": _floorplan(plan),
             "bodies": _bodies(run),
             "motions": {
