@@ -36,7 +36,14 @@ def parts(schema: FloorplanSchema) -> dict[str, Any]:
             for name, one in schema.doors.items()
         ],
         "zones": [
-            Zone(name, footprint(one), one.max_speed, one.forbidden, tuple(one.concerns))
+            Zone(
+                name,
+                footprint(one),
+                one.max_speed,
+                one.forbidden,
+                tuple(one.concerns),
+                one.one_way,
+            )
             for name, one in schema.zones.items()
         ],
         "gates": [

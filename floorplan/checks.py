@@ -14,7 +14,7 @@ from shapely.validation import explain_validity
 
 from .document import Fault, Place, refuse
 from .kinds import SOUND, require, require_fields
-from .model import Floor, Lane
+from .model import Floor, Gate, Lane, Zone
 from .problems import FloorplanError
 
 LARGEST = 1e9
@@ -204,8 +204,10 @@ def _zone_faults(plan: Floor) -> Iterator[Fault]:
         if fault := polygon_fault(zone.area):
             yield fault, place
             continue
-        if zone.forbidden == (zone.max_speed is not None):
-            yield "must either be forbidden or have a max_speed", place
+        if zone.forbidden == (zone.max_speed is not None or zone.one_way is not None):
+            yield "must either be forbidden, or have a max_speed or be one_way", place
+        if zone.one_way is not None:
+            yield from _one_way_faults(zone, (*place, "one_way"))
         if zone.max_speed is not None:
             yield from _sizes(zone, ("max_speed",), *place)
         if not zone.forbidden or "*" not in zone.concerns:
@@ -213,6 +215,16 @@ def _zone_faults(plan: Floor) -> Iterator[Fault]:
         for station in plan.stations:
             if zone.area.covers(Point(station.position)):
                 yield f"the station {station.name!r} is in it, and nobody may go there", place
+
+
+def _one_way_faults(zone: Zone, place: Place) -> Iterator[Fault]:
+    if not SMALLEST <= math.hypot(*(zone.one_way or ())) <= WIDEST:
+        yield "is no direction; give x and y, as in [1, 0]", place
+        return
+    ends = ["exit" if gate.name.endswith("(exit)") else "entry" for gate in zone.gates]
+    if sorted(ends) != ["entry", "exit"]:
+        message = "its outline must have one straight side across that direction at either end"
+        yield f"{message}, it has {ends.count('entry')} and {ends.count('exit')}", place
 
 
 def _gate_faults(plan: Floor) -> Iterator[Fault]:
@@ -235,10 +247,12 @@ def _gate_faults(plan: Floor) -> Iterator[Fault]:
 
 def _loose_gate_faults(plan: Floor) -> Iterator[Fault]:
     """Yield the ends of gates that people would walk round."""
-    if not plan.gates:
+    if not plan.one_ways:
         return
     walls = plan.free(0.0, plan.human.height).boundary
-    for gate in plan.gates:
+    places: list[tuple[Gate, Place]] = [(gate, ("gates", gate.name)) for gate in plan.gates]
+    places += [(gate, ("zones", zone.name)) for zone in plan.zones for gate in zone.gates]
+    for gate, place in places:
         for k, end in enumerate(gate.ends):
             at = Point(end)
             gap = walls.distance(at)
@@ -248,7 +262,10 @@ def _loose_gate_faults(plan: Floor) -> Iterator[Fault]:
             if gap > ENDS and not inside:
                 message = f"({end[0]:g}, {end[1]:g}) is {gap:.3f} m from the nearest wall;"
                 message += " a gate goes from wall to wall, else people walk round its end"
-                yield message, ("gates", gate.name, "between", k)
+                if place[0] == "zones":
+                    yield message.replace("a gate", "a one-way zone"), (*place, "one_way")
+                else:
+                    yield message, (*place, "between", k)
 
 
 def _sweep_faults(lane: Lane, plan: Floor) -> Iterator[Fault]:

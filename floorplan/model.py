@@ -10,6 +10,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
 from functools import cached_property
+from itertools import pairwise
 
 import shapely
 from shapely.geometry import Polygon
@@ -95,12 +96,17 @@ class Door:
         return Obstacle(self.name, self.footprint, 0.0, self.height)
 
 
+ALONG = 0.2
+"""Sine of the angle (11.5°) within which a side of a one-way zone runs along its direction."""
+
+
 @dataclass(frozen=True)
 class Zone:
     """An area with a rule for the people and AGVs whose names match one of `concerns`.
 
-    They go no faster than `max_speed` (m/s) in it, or not at all where it is `forbidden`. A pattern
-    may have * and ?.
+    They go no faster than `max_speed` (m/s) in it, or not at all where it is `forbidden`. Where it
+    is `one_way` (x, y) they enter it over the side that faces against that direction only, and
+    leave it over the opposite one. A pattern may have * and ?.
     """
 
     name: str
@@ -108,10 +114,28 @@ class Zone:
     max_speed: float | None = None
     forbidden: bool = False
     concerns: tuple[str, ...] = EVERYBODY
+    one_way: Point | None = None
 
     def is_about(self, name: str) -> bool:
         """Return whether its rule is for the person or AGV of that name."""
         return _is_one_of(name, self.concerns)
+
+    @property
+    def gates(self) -> tuple[Gate, ...]:
+        """The sides of a one-way zone that lie across its direction, as gates."""
+        if self.one_way is None or not any(self.one_way):
+            return ()
+        ring = shapely.orient_polygons(self.area).exterior.coords
+        c, s = (part / math.hypot(*self.one_way) for part in self.one_way)
+        found = []
+        for (ax, ay), (bx, by) in pairwise(at[:2] for at in ring):
+            width = math.dist((ax, ay), (bx, by))
+            outwards = (by - ay) * c - (bx - ax) * s
+            if abs(outwards) > ALONG * width:
+                towards = ((ax + bx) / 2 + c, (ay + by) / 2 + s)
+                name = f"{self.name} ({'exit' if outwards > 0 else 'entry'})"
+                found.append(Gate(name, ((ax, ay), (bx, by)), towards, self.concerns))
+        return tuple(found)
 
 
 @dataclass(frozen=True)
@@ -299,6 +323,11 @@ class Floor:
     title: str = ""
     source: str = ""
     notices: tuple[Problem, ...] = field(default=(), compare=False)
+
+    @cached_property
+    def one_ways(self) -> tuple[Gate, ...]:
+        """All that is crossed in one direction only: gates, and the ends of one-way zones."""
+        return (*self.gates, *(gate for zone in self.zones for gate in zone.gates))
 
     @classmethod
     def of_area(cls, name: str, source: str, area: Polygon) -> Self:

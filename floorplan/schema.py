@@ -113,12 +113,13 @@ class ZoneSchema(FootprintSchema):
 
     max_speed: Positive | None = None
     forbidden: Annotated[bool, Strict()] = False
+    one_way: Pair | None = None
     concerns: Annotated[list[Name], Field(min_length=1)] = [*EVERYBODY]
 
     @model_validator(mode="after")
     def _one_rule(self) -> ZoneSchema:
-        if self.forbidden == (self.max_speed is not None):
-            raise ValueError("give one of forbidden: true and max_speed (m/s)")
+        if self.forbidden == (self.max_speed is not None or self.one_way is not None):
+            raise ValueError("give forbidden: true, or max_speed (m/s) and one_way (x, y)")
         return self
 
 

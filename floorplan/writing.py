@@ -153,9 +153,11 @@ def _door(door: Door) -> Data:
 
 
 def _zone(zone: Zone) -> Data:
-    rule: Data = {"forbidden": True}
+    rule: Data = {"forbidden": True} if zone.forbidden else {}
     if zone.max_speed is not None:
-        rule = {"max_speed": float(zone.max_speed)}
+        rule["max_speed"] = float(zone.max_speed)
+    if zone.one_way is not None:
+        rule["one_way"] = _pair(zone.one_way)
     return {**_footprint(zone.area), **rule, **_concerns(zone)}
 
 

@@ -46,7 +46,7 @@ class CollisionWorld:
     ) -> None:
         check(plan)
         self.plan = plan
-        minded = [gate for gate in plan.gates if gate.is_about("")] if gates is None else gates
+        minded = [gate for gate in plan.one_ways if gate.is_about("")] if gates is None else gates
         self.gates = Gates(minded)
         """The one-way gates that are minded."""
         self.bottom = bottom

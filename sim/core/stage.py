@@ -119,7 +119,7 @@ class Stage:
         """
         rules = self._rules_for(person)
         if rules not in self._worlds:
-            gates = [gate for gate in self.floorplan.gates if gate.is_about(person)]
+            gates = [gate for gate in self.floorplan.one_ways if gate.is_about(person)]
             world = self._furnish(CollisionWorld(self.floorplan, gates=gates), person)
             for one in self.there.values():
                 world.place(one.name, one.footprint, one.bottom, one.top)
@@ -171,7 +171,7 @@ class Stage:
         """
         plan = self.floorplan
         zones = {zone.name for zone in plan.zones if zone.forbidden and zone.is_about(person)}
-        return frozenset(zones | {gate.name for gate in plan.gates if gate.is_about(person)})
+        return frozenset(zones | {gate.name for gate in plan.one_ways if gate.is_about(person)})
 
     def _furnish(self, world: CollisionWorld, person: str) -> CollisionWorld:
         for zone in self.floorplan.zones:

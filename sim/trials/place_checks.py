@@ -96,7 +96,7 @@ def closed_place_faults(trial: Scenario) -> Iterator[Fault]:
                 if part is not None and last_before(part, at_q, to) is not None:
                     message = f"leads into the zone {zone.name!r}, forbidden to {lane.name}"
                     yield message, ("agvs", lane.name, k, "to")
-            for gate in plan.gates:
+            for gate in plan.one_ways:
                 part = part_behind(lane, gate, at_q, to) if gate.is_about(lane.name) else None
                 if part is not None and last_before(part, at_q, to) is not None:
                     message = f"leads through the gate {gate.name!r} against its direction"

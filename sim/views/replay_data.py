@@ -63,7 +63,7 @@ def _floorplan(plan: Floorplan) -> dict[str, Any]:
         if gantry
         else None,
         **({"zones": [_zone(zone) for zone in plan.zones]} if plan.zones else {}),
-        **({"gates": [_gate(gate) for gate in plan.gates]} if plan.gates else {}),
+        **({"gates": [_gate(gate) for gate in plan.one_ways]} if plan.one_ways else {}),
     }
 
 

@@ -105,6 +105,62 @@ def test_whom_a_gate_does_not_bind_goes_through():
     assert len(PathPlanner(bound).plan((8, 2.75), (12, 2.75)).points) > 2
 
 
+AISLES = """\
+boundary: [[0, 0], [20, 0], [20, 10], [0, 10]]
+obstacles:
+  south: {x: [6, 14], y: [0, 2], z: [0, 3]}
+  middle: {x: [6, 14], y: [4, 6], z: [0, 3]}
+  north: {x: [6, 14], y: [8, 10], z: [0, 3]}
+zones:
+  back: {x: [7, 13], y: [2, 4], one_way: [-1, 0]}
+  there: {polygon: [[7, 6], [13.2, 6], [13, 8], [7, 8]], one_way: [2, 0], max_speed: 0.5}
+agvs:
+  size: [1.0, 0.5]
+  height: 1.0
+  max_speed: 1.0
+  max_acceleration: 1.0
+  limits: [0, 12]
+  locations: {west: 0, east: 12}
+  start: west
+  lanes: {cart: {origin: [4, 7]}}
+"""
+
+
+def test_one_way_zones_are_gone_through_in_their_direction():
+    plan = floorplan.parse(AISLES)
+    assert floorplan.parse(plan.to_yaml()) == plan
+    planner = PathPlanner(CollisionWorld(plan))
+    for start, goal, y in (((5, 5), (15, 5), 7), ((15, 5), (5, 5), 3)):
+        points = planner.plan(start, goal).points
+        crossed = LineString(points).intersection(LineString([(10, 0), (10, 10)]))
+        assert abs(crossed.y - y) < 1
+    # From within, the way back leads out at the end and round through the other aisle.
+    assert planner.plan((10, 7), (8, 7)).length == pytest.approx(2)
+    assert planner.plan((8, 7), (5, 7)).length > 12
+    one_way = AISLES.replace("[-1, 0]", "[1, 0]")
+    with pytest.raises(PlanningError, match=r"but through back \(exit\) or there \(exit\)") as why:
+        PathPlanner(CollisionWorld(floorplan.parse(one_way))).plan((15, 5), (5, 5))
+    assert why.value.reason == "unreachable"
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (("[-1, 0]", "[0, 0]"), "zones.back.one_way: is no direction"),
+        (("[-1, 0]", "[1, 1]"), "it has 2 and 2"),
+        (
+            ("x: [7, 13], y: [2, 4]", "x: [7, 13], y: [2.5, 4]"),
+            "a one-way zone goes from wall to wall",
+        ),
+        (("one_way: [-1, 0]", "one_way: [-1, 0], forbidden: true"), "zones.back: give forbidden"),
+    ],
+)
+def test_one_way_zones_that_are_none_are_refused(change, message):
+    with pytest.raises(floorplan.FloorplanError) as refused:
+        floorplan.parse(AISLES.replace(*change))
+    assert message in str(refused.value)
+
+
 def test_what_is_on_the_line_is_behind_the_gate():
     world = CollisionWorld(floorplan.parse(GATED))
     planner = PathPlanner(world)

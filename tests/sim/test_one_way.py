@@ -116,6 +116,12 @@ def test_agvs_wait_before_a_gate_that_they_may_not_go_through(run):
         run(text % "west", BACK, floor)
     other = floor.replace("towards: [5, 4]}", "towards: [5, 4], concerns: [max]}")
     assert run(text % "west", BACK, other).motions["cart"].position(60.0)[0] == pytest.approx(2.0)
+    gates = floor[floor.index("gates:") : floor.index("stations:")]
+    aisle = "zones: {aisle: {x: [4, 16], y: [3, 4.5], one_way: [1, 0]}}\n"
+    with pytest.raises(
+        sim.TrialError, match=r"agvs.cart\[1\].to: .*gate 'aisle \(entry\)' against"
+    ):
+        run(text % "west", BACK, floor.replace(gates, aisle))
 
 
 def test_a_trial_adds_gates_to_a_floor_and_its_recording_has_them(tmp_path):

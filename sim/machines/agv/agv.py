@@ -82,7 +82,7 @@ class Agv(Machine):
             for part in [part_within(lane, zone.area)]
             if part is not None
         ]
-        self._gates = [gate for gate in stage.floorplan.gates if gate.is_about(lane.name)]
+        self._gates = [gate for gate in stage.floorplan.one_ways if gate.is_about(lane.name)]
         self._blocked: tuple[str, float] | None = None
 
     def begin(self) -> None:

@@ -121,7 +121,7 @@ def draw_floor(axes: Axes, plan: Floorplan, machines: Iterable[MachineShape] = (
     for door in plan.doors:
         x, y = np.array(door.ends).T
         axes.plot(x, y, color=GREEN if door.is_open else BLACK, linewidth=1.5, zorder=2.2)
-    for gate in plan.gates:
+    for gate in plan.one_ways:
         _draw_gate(axes, gate)
     for station in plan.stations:
         axes.plot(

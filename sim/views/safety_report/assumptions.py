@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from markupsafe import Markup
 
-from floorplan import Floorplan
+from floorplan import Floorplan, Zone
 from navigation import AnyLaw
 
 from ...core.machine import MachineShape
@@ -49,13 +49,22 @@ MOST_NOTICES = 10
 """Notices of a floor that are printed."""
 
 
+def _rules(zone: Zone) -> Iterator[str]:
+    if zone.forbidden:
+        yield "forbidden"
+    if zone.max_speed is not None:
+        yield f"at most {zone.max_speed:g} m/s"
+    if zone.one_way is not None:
+        yield "one way, towards ({:g}, {:g})".format(*zone.one_way)
+
+
 def zones_table(plan: Floorplan) -> Table:
     """Return the zones of a floor with their rules."""
     rows = [
         (
             zone.name,
             f"{zone.area.area:,.1f}",
-            "forbidden" if zone.forbidden else f"at most {zone.max_speed:g} m/s",
+            ", ".join(_rules(zone)),
             "everybody" if zone.concerns == ("*",) else ", ".join(zone.concerns),
         )
         for zone in plan.zones
