@@ -18,6 +18,9 @@ from .corners import around_disc, bends, corners, edges_of_room, grown
 STEP = math.radians(3.0)
 """Radians. How finely arcs are drawn here: at most 0.04 % of the radius is lost."""
 
+_MOST_KNOWN = 1000
+"""Number of places of which the piece that they are in is kept."""
+
 _EDGE = 1e-3
 """Metres. How far outside a piece a place may be that counts as on its edge."""
 
@@ -33,16 +36,25 @@ class FreeSpace:
         self.pieces = parts[shapely.area(parts) > 0]
         """The pieces, as an array of polygons."""
         shapely.prepare(self.pieces)
+        self._known: dict[Point, int | None] = {}
 
     def __repr__(self) -> str:
         return f"<FreeSpace, pieces: {len(self.pieces)}>"
 
     def piece_of(self, point: Point) -> int | None:
         """Return the index of the piece that `point` is in, or within a millimetre of."""
+        if point in self._known:
+            return self._known[point]
+        if len(self._known) >= _MOST_KNOWN:
+            self._known.clear()
+        found = self._known[point] = self._piece_at(point)
+        return found
+
+    def _piece_at(self, point: Point) -> int | None:
         inside = np.flatnonzero(shapely.intersects_xy(self.pieces, *point))
         if len(inside):
             return int(inside[0])
-        gaps = shapely.distance(self.pieces, shapely.Point(point))
+        gaps = shapely.distance(self.pieces, shapely.points(*point))
         return int(np.argmin(gaps)) if len(gaps) and gaps.min() < _EDGE else None
 
     def together(self, one: Point, other: Point) -> bool:
@@ -52,15 +64,15 @@ class FreeSpace:
 
     def nearest(self, point: Point) -> Point | None:
         """Return the place nearest to `point`, or None where there is none at all."""
-        at = shapely.Point(point)
+        at = shapely.points(*point)
         if not len(self.pieces):
             return None
         gaps = shapely.distance(self.pieces, at)
-        closest = self.pieces[int(np.argmin(gaps))]
-        if gaps.min() == 0:
+        closest = int(gaps.argmin())
+        if gaps[closest] == 0:
             return (float(point[0]), float(point[1]))
-        found = shapely.get_coordinates(shapely.shortest_line(closest, at))[0]
-        return (float(found[0]), float(found[1]))
+        found = shapely.get_coordinates(shapely.shortest_line(self.pieces[closest], at))
+        return (float(found[0, 0]), float(found[0, 1]))
 
     def outward(self, point: Point, reach: float) -> list[list[Point]]:
         """Return places within `reach` metres of `point`, for each piece that is so near.

@@ -11,7 +11,7 @@ from floorplan import Gantry, Lane
 
 from .kernels.braking import AxisStops, LaneStops
 from .kernels.pieces import merge_axes
-from .motion import Motion, Piece, State, pieces_of
+from .motion import Motion, Piece, State, TablePieces
 from .profiles import (
     AxisLimits,
     AxisState,
@@ -78,7 +78,7 @@ def gantry_move(
 def gantry_stop(current: State, start: float, *, limits: GantryLimits = ARIAC_GANTRY) -> Motion:
     """Return the fastest stop from `current` within `limits`; it begins at `start` (seconds)."""
     state = [*current.position, *current.velocity, *current.acceleration]
-    return Motion(tuple(pieces_of(gantry_stops(limits).after(state, float(start)))))
+    return Motion(TablePieces(gantry_stops(limits).after(state, float(start))))
 
 
 @lru_cache
@@ -101,7 +101,7 @@ def agv_run(lane: Lane, current: AxisState, target: str | float, start: float = 
 def agv_stop(lane: Lane, current: AxisState, start: float = 0.0) -> Motion:
     """The fastest stop on `lane` from the lane position in `current`, begun at `start` (s)."""
     state = (current.position, current.velocity, current.acceleration)
-    return Motion(tuple(pieces_of(agv_stops(lane).after(*state, float(start)))))
+    return Motion(TablePieces(agv_stops(lane).after(*state, float(start))))
 
 
 def agv_stops(lane: Lane) -> LaneStops:
@@ -163,7 +163,7 @@ def _along_axes(axes: list[list[float]], start: float) -> Motion:
     if not (table := merge_axes(axes, start)):
         x, y, rotation = ((rows[1], rows[2], rows[3], rows[4]) for rows in axes)
         return Motion((Piece(start, start, x, y, rotation),))
-    return Motion(tuple(pieces_of(table)))
+    return Motion(TablePieces(table))
 
 
 def _longest_of_axis(limits: AxisLimits) -> Stop:

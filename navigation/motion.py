@@ -11,13 +11,13 @@ from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
+from typing import NamedTuple, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .kernels.odometer import row_at
-from .kernels.pieces import breaks, evaluate
+from .kernels.pieces import breaks, cut, evaluate
 from .polynomials import monotone_cubics
 
 Cubic = tuple[float, float, float, float]
@@ -176,21 +176,9 @@ class Motion:
 
     def cut(self, begin: float, end: float) -> Motion:
         """Return the motion from `begin` to `end` (seconds), standing included."""
-        begin, end = float(begin), float(end)
-        pieces = []
-        if begin < self.start:
-            at = self.state(begin).position
-            pieces.append(still(at, begin, min(self.start, end)))
-        pieces += [
-            piece.cut(max(begin, piece.begin), min(end, piece.end))
-            for piece in self.pieces_from(begin)
-            if piece.begin < end and begin < piece.end
-        ]
-        if end > self.end or not pieces:
-            since = max(begin, self.end) if end > self.end else begin
-            pieces.append(still(self.state(since).position, since, end))
-        jumps = frozenset(t for t in self.jumps if begin < t < end)
-        return Motion(tuple(pieces), jumps)
+        table = cut(self.table, float(begin), float(end))
+        jumps = frozenset(t for t in self.jumps if begin < t < end) if self.jumps else self.jumps
+        return Motion(TablePieces(table), jumps)
 
     def translated(self, dx: float, dy: float) -> Motion:
         """Return the same motion `dx` and `dy` metres further along x and y."""
@@ -208,7 +196,7 @@ class Motion:
 
     @cached_property
     def _begins(self) -> list[float]:
-        return [piece.begin for piece in self.pieces]
+        return self.table[::WIDTH]
 
     @cached_property
     def table(self) -> list[float]:
@@ -218,10 +206,8 @@ class Motion:
     @cached_property
     def _tables(self) -> tuple[Array, Array, Array]:
         """Begins (P,), durations (P,) and coefficients (P, 3, 4)."""
-        begins = np.array(self._begins)
-        durations = np.array([piece.end - piece.begin for piece in self.pieces])
-        coefficients = np.array([(p.x, p.y, p.rotation) for p in self.pieces])
-        return begins, durations, coefficients
+        rows = np.array(self.table).reshape(-1, WIDTH)
+        return rows[:, 0], rows[:, 1] - rows[:, 0], rows[:, 2:].reshape(-1, 3, 4)
 
     def _sample(self, t: ArrayLike, derivative: int) -> Array:
         times = np.asarray(t, dtype=np.float64)
@@ -249,6 +235,43 @@ def pieces_of(table: list[float]) -> Iterator[Piece]:
     for k in range(0, len(table), WIDTH):
         begin, end, x0, x1, x2, x3, y0, y1, y2, y3, r0, r1, r2, r3 = table[k : k + WIDTH]
         yield Piece(begin, end, (x0, x1, x2, x3), (y0, y1, y2, y3), (r0, r1, r2, r3))
+
+
+class TablePieces(Sequence[Piece]):
+    """Pieces that are made of the numbers in a motion's table as they are looked at."""
+
+    def __init__(self, table: list[float]) -> None:
+        self._numbers = table
+
+    def __len__(self) -> int:
+        return len(self._numbers) // WIDTH
+
+    def __iter__(self) -> Iterator[Piece]:
+        return pieces_of(self.flat())
+
+    @overload
+    def __getitem__(self, index: int) -> Piece: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> Sequence[Piece]: ...
+
+    def __getitem__(self, index: int | slice) -> Piece | Sequence[Piece]:
+        if isinstance(index, slice):
+            return tuple(self)[index]
+        k = range(0, len(self._numbers), WIDTH)[index]
+        return next(pieces_of(self._numbers[k : k + WIDTH]))
+
+    def flat(self) -> list[float]:
+        """Return all numbers, one piece after another."""
+        return self._numbers
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, (TablePieces, tuple)):
+            return NotImplemented
+        return tuple(self) == tuple(other)
+
+    def __hash__(self) -> int:
+        return hash(tuple(self))
 
 
 def standing(at: tuple[float, float], *, heading: float = 0.0, start: float = 0.0) -> Motion:

@@ -72,31 +72,6 @@ def rows_to_position(
     return _solve(task)
 
 
-def trapezoid(length: float, first: float, last: float, limits: AxisLimits) -> Phases:
-    """Return the fastest profile over `length` metres between two speeds (m/s), in closed form.
-
-    It speeds up, or slows down to the limit, goes on steadily, and slows down; there is no limit of
-    jerk. `first` and `last` must be so that one can be reached from the other within the length.
-    """
-    top, rate = limits.max_speed, limits.max_acceleration
-    peak = min(top, math.sqrt((first * first + last * last) / 2 + rate * length))
-    peak = max(peak, last)
-    change = math.copysign(rate, peak - first)
-    rising, falling = (peak - first) / change, (peak - last) / rate
-    steady = length - (first + peak) / 2 * rising - (peak + last) / 2 * falling
-    phases: Phases = []
-    gone = 0.0
-    for duration, speed, slope in (
-        (rising, first, change),
-        (max(steady, 0.0) / peak, peak, 0.0),
-        (falling, peak, -rate),
-    ):
-        if duration > 0.0:
-            phases.append((duration, (gone, speed, slope / 2, 0.0)))
-            gone += duration * (speed + duration * slope / 2)
-    return phases
-
-
 def straight(
     current: Sequence[float], target: Sequence[float], limits: Sequence[AxisLimits]
 ) -> list[list[float]]:

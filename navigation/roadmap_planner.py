@@ -178,9 +178,12 @@ class RoadmapPlanner(ob.Planner):  # type: ignore[misc]
     def solve(self, _: Any) -> Any:
         """Add the shortest path to the problem, if there is one."""
         information = self._information
+        here, there = information.allocState(), information.allocState()
 
         def ask(a: Point, b: Point) -> bool:
-            return bool(information.checkMotion(state_at(information, a), state_at(information, b)))
+            here[0], here[1] = a
+            there[0], there[1] = b
+            return bool(information.checkMotion(here, there))
 
         points = RoadmapSearch(*self._question, ask).path()
         if points is None:

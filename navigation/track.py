@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from array import array
-from collections.abc import Iterator, Sequence
 from typing import overload
 
 import numpy as np
 
-from .motion import JUMP_TOLERANCE, Array, Motion, Piece, gap, pieces_of
-
-_NUMBERS = 14
-"""Numbers of a piece: begin, end, and the coefficients of x, y and rotation."""
+from .kernels.pieces import breaks
+from .motion import JUMP_TOLERANCE, WIDTH, Array, Motion, Piece, TablePieces, pieces_of
 
 
 class Track:
@@ -20,10 +17,10 @@ class Track:
     def __init__(self) -> None:
         self._numbers = array("d")
         self._jumps: set[float] = set()
-        self._last: Piece | None = None
+        self._last: list[float] | None = None
 
     def __repr__(self) -> str:
-        return f"<Track of {len(self._numbers) // _NUMBERS} pieces>"
+        return f"<Track of {len(self._numbers) // WIDTH} pieces>"
 
     def __bool__(self) -> bool:
         return self._last is not None
@@ -33,23 +30,23 @@ class Track:
 
         `ValueError` if it doesn't start when the last one ended.
         """
-        first, last = motion.pieces[0], self._last
+        table, last = motion.table, self._last
         if last is not None:
-            if last.end != first.begin:
-                raise ValueError(f"a track has a gap from t = {last.end} s to {first.begin} s")
-            if gap(last, first) > JUMP_TOLERANCE:
-                self._jumps.add(first.begin)
+            if last[1] != table[0]:
+                raise ValueError(f"a track has a gap from t = {last[1]} s to {table[0]} s")
+            if breaks([*last, *table[:WIDTH]], JUMP_TOLERANCE):
+                self._jumps.add(table[0])
         self._jumps |= motion.jumps
-        self._numbers.extend(motion.table)
-        self._last = motion.pieces[-1]
+        self._numbers.extend(table)
+        self._last = table[-WIDTH:]
 
     def motion(self) -> Motion:
         """Return all of it until now as one motion."""
-        table = np.frombuffer(self._numbers.tobytes()).reshape(-1, _NUMBERS)
+        table = np.frombuffer(self._numbers.tobytes()).reshape(-1, WIDTH)
         return Motion(PackedPieces(table), frozenset(self._jumps))
 
 
-class PackedPieces(Sequence[Piece]):
+class PackedPieces(TablePieces):
     """Pieces that are made of a table (N, 14) of numbers as they are looked at."""
 
     def __init__(self, table: Array) -> None:
@@ -57,9 +54,6 @@ class PackedPieces(Sequence[Piece]):
 
     def __len__(self) -> int:
         return len(self._table)
-
-    def __iter__(self) -> Iterator[Piece]:
-        return pieces_of(self.flat())
 
     @overload
     def __getitem__(self, index: int) -> Piece: ...
@@ -75,11 +69,3 @@ class PackedPieces(Sequence[Piece]):
     def flat(self) -> list[float]:
         """Return all numbers, one piece after another."""
         return list(self._table.ravel().tolist())
-
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, (PackedPieces, tuple)):
-            return NotImplemented
-        return tuple(self) == tuple(other)
-
-    def __hash__(self) -> int:
-        return hash(tuple(self))

@@ -11,8 +11,9 @@ from typing import TypeGuard
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .motion import Motion, Piece, State, standing, value
-from .profiles import NOWHERE, AxisLimits, Phases, along_line, trapezoid
+from .kernels.pieces import along_legs
+from .motion import Motion, Piece, State, TablePieces, standing, value
+from .profiles import NOWHERE, AxisLimits, Phases, along_line
 
 MAX_SPEED = 1.0
 """m/s. A person's top speed where nothing else is said."""
@@ -53,7 +54,9 @@ def walk(
         return standing(corners[0], start=start)
     lengths = [math.dist(a, b) for a, b in itertools.pairwise(corners)]
     speeds = _corner_speeds(corners, lengths, limits, initial_speed)
-    return _along(corners, speeds, limits, float(start))
+    flat = [c for corner in corners for c in corner]
+    table = along_legs(flat, lengths, speeds, max_speed, max_acceleration, float(start))
+    return Motion(TablePieces(table))
 
 
 def stop_walking(motion: Motion, t: float, *, max_acceleration: float = MAX_ACCELERATION) -> Motion:
@@ -153,15 +156,6 @@ def _corner_speeds(
     for k, length in enumerate(lengths):
         speeds[k + 1] = min(speeds[k + 1], math.sqrt(speeds[k] ** 2 + gain * length))
     return speeds
-
-
-def _along(corners: list[Corner], speeds: list[float], limits: AxisLimits, start: float) -> Motion:
-    """Return the fastest motion through `corners` with the given speed at each of them."""
-    pieces: list[Piece] = []
-    for (a, b), (u, w) in zip(itertools.pairwise(corners), itertools.pairwise(speeds), strict=True):
-        phases = trapezoid(math.dist(a, b), u, w, limits)
-        pieces += _on_leg(a, b, phases, pieces[-1].end if pieces else start)
-    return Motion(tuple(pieces))
 
 
 def _on_leg(a: Corner, b: Corner, phases: Phases, start: float) -> list[Piece]:

@@ -13,9 +13,9 @@ else:
     from . import uncompiled as cython
 
 if not cython.compiled:
-    from math import sqrt
+    from math import atan2, copysign, sqrt
 else:
-    from cython.cimports.libc.math import sqrt
+    from cython.cimports.libc.math import atan2, copysign, sqrt
 
 Triple = tuple[float, float, float]
 
@@ -174,3 +174,143 @@ def _append_shifted(
         table.append(0.0)
         table.append(0.0)
     return 0
+
+
+def cut(table: list[float], begin: float, end: float) -> list[float]:
+    """Return the table of a motion from `begin` to `end` (seconds), standing included."""
+    found: list[float] = []
+    first: float = table[0]
+    last: float = table[len(table) - _WIDTH + 1]
+    if begin < first:
+        _append_still(found, table, 0, begin, begin, min(first, end))
+    o: cython.Py_ssize_t
+    for o in range(0, len(table), _WIDTH):
+        since: float = table[o]
+        until: float = table[o + 1]
+        if since >= end:
+            break
+        if begin >= until:
+            continue
+        if begin <= since:
+            found.extend(table[o : o + _WIDTH])
+            found[len(found) - _WIDTH + 1] = min(end, until)
+            continue
+        u: float = begin - since
+        found.append(begin)
+        found.append(min(end, until))
+        _append_later(found, table, o + 2, u)
+        _append_later(found, table, o + 6, u)
+        _append_later(found, table, o + 10, u)
+    if end > last or not found:
+        stands: float = max(begin, last) if end > last else begin
+        o = len(table) - _WIDTH
+        while o > 0 and table[o] > stands:
+            o -= _WIDTH
+        _append_still(found, table, o, stands, stands, end)
+    return found
+
+
+def _append_still(
+    found: list[float],
+    table: list[float],
+    o: cython.Py_ssize_t,
+    t: float,
+    begin: float,
+    end: float,
+) -> cython.int:
+    """Append standing from `begin` to `end` where the piece at `o` is at `t`, held within it."""
+    since: float = table[o]
+    u: float = min(max(t, since), table[o + 1]) - since
+    found.append(begin)
+    found.append(end)
+    k: cython.Py_ssize_t
+    for k in range(o + 2, o + _WIDTH, 4):
+        found.append(table[k] + u * (table[k + 1] + u * (table[k + 2] + u * table[k + 3])))
+        found.append(0.0)
+        found.append(0.0)
+        found.append(0.0)
+    return 0
+
+
+def _append_later(
+    found: list[float], table: list[float], k: cython.Py_ssize_t, u: float
+) -> cython.int:
+    """Append the cubic at `k`, counted from `u` seconds later."""
+    c1: float = table[k + 1]
+    c2: float = table[k + 2]
+    c3: float = table[k + 3]
+    found.append(table[k] + u * (c1 + u * (c2 + u * c3)))
+    found.append(c1 + u * (2 * c2 + u * 3 * c3))
+    found.append(c2 + u * 3 * c3)
+    found.append(c3)
+    return 0
+
+
+def along_legs(
+    corners: list[float],
+    lengths: list[float],
+    speeds: list[float],
+    top: float,
+    rate: float,
+    start: float,
+) -> list[float]:
+    """Return the table of the fastest walk through `corners` (x and y of each in turn).
+
+    It has the given speed at each of them (m/s), `top` at most, and speeds up and slows down at
+    `rate` (m/s²); `lengths` are those of the legs (metres), and it begins at `start` (seconds). Its
+    rotation is the heading.
+    """
+    table: list[float] = []
+    begin: float = start
+    k: cython.Py_ssize_t
+    for k in range(len(lengths)):
+        x: float = corners[2 * k]
+        y: float = corners[2 * k + 1]
+        dx: float = corners[2 * k + 2] - x
+        dy: float = corners[2 * k + 3] - y
+        length: float = lengths[k]
+        c: float = dx / length
+        s: float = dy / length
+        heading: float = atan2(dy, dx)
+        first: float = speeds[k]
+        last: float = speeds[k + 1]
+        peak: float = min(top, sqrt((first * first + last * last) / 2 + rate * length))
+        peak = max(peak, last)
+        change: float = copysign(rate, peak - first)
+        rising: float = (peak - first) / change
+        falling: float = (peak - last) / rate
+        steady: float = length - (first + peak) / 2 * rising - (peak + last) / 2 * falling
+        gone: float = 0.0
+        phase: cython.int
+        for phase in range(3):
+            duration: float = rising
+            speed: float = first
+            slope: float = change
+            if phase == 1:
+                duration = max(steady, 0.0) / peak
+                speed = peak
+                slope = 0.0
+            elif phase == 2:
+                duration = falling
+                speed = peak
+                slope = -rate
+            if duration > 0.0:
+                half: float = slope / 2
+                end: float = begin + duration
+                table.append(begin)
+                table.append(end)
+                table.append(x + gone * c)
+                table.append(speed * c)
+                table.append(half * c)
+                table.append(0.0 * c)
+                table.append(y + gone * s)
+                table.append(speed * s)
+                table.append(half * s)
+                table.append(0.0 * s)
+                table.append(heading)
+                table.append(0.0)
+                table.append(0.0)
+                table.append(0.0)
+                begin = end
+                gone += duration * (speed + duration * slope / 2)
+    return table

@@ -87,7 +87,11 @@ def recording_to(listener: Listener, now: Callable[[], float]) -> Record:
     """Return a `Record` that stamps events with the time and hands them to `listener`."""
 
     def record(event: EventKind) -> None:
-        listener.event(rounded({"t": now(), **event.recorded()}))
+        recorded: Event = {"t": now(), **event.recorded()}
+        for name, value in recorded.items():
+            if value.__class__ is not str:
+                recorded[name] = rounded(value)
+        listener.event(recorded)
 
     return record
 

@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 import floorplan
 import navigation
 from navigation import AxisLimits, AxisState, Motion, Piece, State
-from navigation.profiles import to_position, trapezoid
+from navigation.kernels.pieces import along_legs
+from navigation.profiles import to_position
 
 coordinate = st.floats(-20, 20)
 point = st.tuples(coordinate, coordinate)
@@ -357,17 +358,18 @@ def test_braking_may_be_broken_off_by_braking(seed):
 
 
 @given(st.floats(0.0, 3.0), st.floats(0.0, 1.0), st.floats(1e-6, 50.0), st.floats(0.3, 2.0))
-def test_a_trapezoid_is_ruckigs_profile_without_a_limit_of_jerk(first, share, length, top):
+def test_a_leg_is_ruckigs_profile_without_a_limit_of_jerk(first, share, length, top):
     limits = AxisLimits(top, 2.5)
     reachable = math.sqrt(max(first**2 - 2 * limits.max_acceleration * length, 0.0))
     first = first if reachable < top else math.sqrt(2 * limits.max_acceleration * length)
     reachable = math.sqrt(max(first**2 - 1.999 * limits.max_acceleration * length, 0.0))
     most = min(top, math.sqrt(first**2 + 1.999 * limits.max_acceleration * length))
     last = reachable + share * max(most - reachable, 0.0)
-    phases = trapezoid(length, first, last, limits)
+    leg = along_legs([0.0, 0.0, length, 0.0], [length], [first, last], top, 2.5, 0.0)
     (expected,) = to_position([AxisState(0.0, first)], [AxisState(length, last)], [limits])
-    duration, (begin, speed, half, _) = phases[-1]
+    since, until, begin, speed, half = leg[-14:-9]
+    duration = until - since
     assert begin + duration * (speed + duration * half) == pytest.approx(length, abs=1e-9)
     assert speed + 2 * half * duration == pytest.approx(last, abs=1e-6)
     whole = sum(duration for duration, _ in expected)
-    assert sum(duration for duration, _ in phases) == pytest.approx(whole, abs=1e-7)
+    assert until == pytest.approx(whole, abs=1e-7)
