@@ -19,7 +19,7 @@ STEP = math.radians(3.0)
 """Radians. How finely arcs are drawn here: at most 0.04 % of the radius is lost."""
 
 _MOST_KNOWN = 1000
-"""Number of places of which the piece that they are in is kept."""
+"""Number of places of which the piece that they are in, or the nearest place, is kept."""
 
 _EDGE = 1e-3
 """Metres. How far outside a piece a place may be that counts as on its edge."""
@@ -37,6 +37,7 @@ class FreeSpace:
         """The pieces, as an array of polygons."""
         shapely.prepare(self.pieces)
         self._known: dict[Point, int | None] = {}
+        self._nearest: dict[Point, Point | None] = {}
 
     def __repr__(self) -> str:
         return f"<FreeSpace, pieces: {len(self.pieces)}>"
@@ -64,6 +65,14 @@ class FreeSpace:
 
     def nearest(self, point: Point) -> Point | None:
         """Return the place nearest to `point`, or None where there is none at all."""
+        if point in self._nearest:
+            return self._nearest[point]
+        if len(self._nearest) >= _MOST_KNOWN:
+            self._nearest.clear()
+        found = self._nearest[point] = self._nearest_to(point)
+        return found
+
+    def _nearest_to(self, point: Point) -> Point | None:
         at = shapely.points(*point)
         if not len(self.pieces):
             return None

@@ -75,6 +75,8 @@ class PathPlanner:
         self._questions: RoadmapQuestions | None = None
         self._keep = keep
         self._kept: dict[Hashable, Path] = {}
+        self._footings: dict[tuple[Point, float], tuple[Point, int]] = {}
+        """Where to go first from a place, and the number of checks that this took."""
         self._kept_at = world.changes
 
     def __repr__(self) -> str:
@@ -106,6 +108,7 @@ class PathPlanner:
         if self._kept_at != self.world.changes:
             self._kept_at = self.world.changes
             self._kept.clear()
+            self._footings.clear()
         question = (a, b, choice, seed)
         path = self._kept.get(question)
         if path is None:
@@ -122,8 +125,8 @@ class PathPlanner:
             without = PathPlanner(self.world.as_if(away=away), self.radius, step=self.step)
             return without.plan(a, b, planner=choice, seed=seed, watch=watch)
         before = self.world.checks
-        leave = self._footing(a, "start", TOO_CLOSE)
-        arrive = self._footing(b, "goal", 0.0)
+        leave = self._kept_footing(a, "start", TOO_CLOSE)
+        arrive = self._kept_footing(b, "goal", 0.0)
         if choice.name == ROADMAP:
             found = self._shortest(leave, arrive)
         else:
@@ -198,6 +201,21 @@ class PathPlanner:
     def _unreachable(self, start: Point, goal: Point) -> PlanningError:
         explain = explain_cut_off(self.world, start, goal, self.radius)
         return PlanningError("unreachable", explain)
+
+    def _kept_footing(self, place: Point, end: str, tolerance: float) -> Point:
+        """Return as `_footing`, found once where paths are kept: most goals are stations."""
+        if not self._keep:
+            return self._footing(place, end, tolerance)
+        world, known = self.world, self._footings.get((place, tolerance))
+        if known is not None:
+            world.checks += known[1]  # as if asked: figures don't depend on earlier questions
+            return known[0]
+        before = world.checks
+        found = self._footing(place, end, tolerance)
+        if len(self._footings) >= self._keep:
+            self._footings.clear()
+        self._footings[place, tolerance] = found, world.checks - before
+        return found
 
     def _footing(self, place: Point, end: str, tolerance: float) -> Point:
         """Return `place`, or where to go first from there if it is a hair too close to something.

@@ -145,10 +145,11 @@ class SeparationWatch:
         if idle and self._since is None:
             self._alarm.set(None)
             return
-        coming = None if idle else self.pair.next_interval(self._condition)
         if self._since is None:
-            self._alarm.set(coming[0] if coming else None)
-        elif coming is None or coming[0] > now + 10 * RESOLUTION:
+            self._alarm.set(self.pair.first_time(self._condition))
+            return
+        coming = None if idle else self.pair.next_interval(self._condition)
+        if coming is None or coming[0] > now + 10 * RESOLUTION:
             self._alarm.set(now)
         else:
             self._alarm.set(coming[1] if coming[1] < self.pair.horizon() else None)
