@@ -238,11 +238,13 @@ class PathPlanner:
 
 def _distinct(points: list[Point]) -> list[Point]:
     """Return `points` without waypoints that are next to the one before or to the end."""
-    kept = [points[0]]
+    kept, last = [points[0]], points[-1]
     for place in points[1:-1]:
-        if math.dist(place, kept[-1]) > _STEP and math.dist(place, points[-1]) > _STEP:
+        if place not in (last, kept[-1]) and (
+            math.dist(place, kept[-1]) > _STEP and math.dist(place, last) > _STEP
+        ):
             kept.append(place)
-    return [*kept, points[-1]]
+    return [*kept, last]
 
 
 def _place(at: ArrayLike, end: str) -> Point:

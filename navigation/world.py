@@ -237,13 +237,16 @@ class CollisionWorld:
         self.checks += 1
         if self.gates and not self.gates.allow(a, b):
             return False
-        bodies = self._bodies.values() if among is None else among
         if not (self._within(a, radius) and self._within(b, radius)):
             return False
         sweep = self._sweep.between(a, b, radius)
-        return not touch(sweep, self._solid) and not any(
-            touch(sweep, body.solid) for body in bodies if body.near(a, b, radius)
-        )
+        if touch(sweep, self._solid):
+            return False
+        if among is None:
+            near = self.near(a, b, radius)
+        else:
+            near = [body for body in among if body.near(a, b, radius)]
+        return not (near and any(touch(sweep, body.solid) for body in near))
 
     def hits(self, a: Point, b: Point, radius: float) -> list[Body]:
         """Return the bodies that a disc of `radius` metres touches on the segment from a to b."""
