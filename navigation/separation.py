@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, fields
 from typing import Any, Protocol, TypeAlias, TypeGuard
 
-from .encounter import Encounter, encounters
+from .encounter import Encounter
 from .kernels import laws as kernel
 from .machines import Machine, longest_stop
 from .motion import Motion, Piece
@@ -266,9 +266,25 @@ def required_at(law: AnyLaw, person: Motion, machine: Motion, t: float) -> float
 
     Where a speed changes at once, it is what is required from then on.
     """
+    return required_along(law, person, machine)(t)
+
+
+def required_along(law: AnyLaw, person: Motion, machine: Motion) -> Callable[[float], float]:
+    """Return the function of t (seconds) that `required_at` is for `law`, `person` and `machine`.
+
+    Motions are worked out once for all instants that it is asked for.
+    """
     if is_of_speeds(law):
-        return float(law.distance(person.state(t).speed, machine.state(t).speed))
-    return float(requirement(law, next(encounters(person, machine, t, t)), t, t).value)
+        distance = law.distance
+        return lambda t: float(distance(person.state(t).speed, machine.state(t).speed))
+    encounter, asked = Encounter(person, machine), kernel_of(law)
+
+    def required(t: float) -> float:
+        encounter.come_to(t)
+        encounter.next_stretch(t)
+        return float(asked.required(encounter, t, t)[0])
+
+    return required
 
 
 def required_at_speeds(law: AnyLaw, human_speed: float, robot_speed: float) -> float:

@@ -5,14 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable
 
-from navigation import (
-    AnyLaw,
-    ApproachLaw,
-    FixedDistance,
-    Motion,
-    SeparationLaw,
-    required_at,
-)
+from navigation import AnyLaw, ApproachLaw, FixedDistance, SeparationLaw, required_along
 
 from ..core.plans import Plans
 
@@ -40,10 +33,7 @@ def requirement_curve(law: AnyLaw, person: Plans, machine: Plans, end: float) ->
     points: list[tuple[float, float]] = []
     for begin, until in itertools.pairwise(changes):
         motions = (person.at(begin), machine.at(begin))
-
-        def required(t: float, motions: tuple[Motion, Motion] = motions) -> float:
-            return required_at(law, *motions, t)
-
+        required = required_along(law, *motions)
         cuts = {begin, until}
         cuts |= {p.begin for motion in motions for p in motion.pieces if begin < p.begin < until}
         for a, b in itertools.pairwise(sorted(cuts)):
