@@ -28,10 +28,10 @@ LAW = SeparationLaw(t1=1.0, t2=1.5, stopping=0.0, intrusion=1.0)
 INTEGRAL = IntegralLaw(t1=1.0, t2=1.5, stopping=0.0, intrusion=1.0)
 
 
-def pair(changes: int, seed: int = 0) -> tuple[Motion, Motion]:
-    """A person and a gantry that change course together, every 275 s / `changes`."""
+def pair(changes: int, seed: int = 0, *, span: float = SPAN) -> tuple[Motion, Motion]:
+    """A person and a gantry that change course together, `changes` times in `span` seconds."""
     rng = random.Random(seed)
-    instants = [SPAN * k / changes for k in range(changes)]
+    instants = [span * k / changes for k in range(changes)]
     moves: list[Motion] = []
     for t in instants:
         current = moves[-1].state(t) if moves else (-7.0, 0.0, 0.0)
@@ -41,7 +41,7 @@ def pair(changes: int, seed: int = 0) -> tuple[Motion, Motion]:
     for t in instants:
         at = walks[-1].state(t).at if walks else (-15.0, -10.0)
         walks.append(navigation.walk([at, (rng.uniform(-15, 0), rng.uniform(-7, 7))], t))
-    return navigation.join(walks, end=SPAN), navigation.join(moves, end=SPAN)
+    return navigation.join(walks, end=span), navigation.join(moves, end=span)
 
 
 def sampled_arrays(person: Motion, machine: Motion) -> list[tuple[float, float]]:
