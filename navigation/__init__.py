@@ -21,7 +21,7 @@ from .encounter import Encounter
 from .gantry_planner import GantryPath, GantryPlanner
 from .kernels.braking import Stops
 from .kernels.candidates import Candidates, next_step
-from .kernels.discs import first_met, within_bounds
+from .kernels.discs import ahead_of, first_met, within_bounds
 from .kernels.edges import touches
 from .kernels.grid import block_discs, grid_path
 from .kernels.lookout import nearest_on
@@ -136,6 +136,7 @@ __all__ = [
     "agv_run",
     "agv_stop",
     "agv_stops",
+    "ahead_of",
     "block_discs",
     "can_go_on",
     "corner_speed",

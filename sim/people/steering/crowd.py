@@ -427,22 +427,23 @@ class Crowd:
             or other.body.motion.end > now
         ):
             return False
+        floor = self._whereabouts
         left = [
-            one
-            for k in self._whereabouts.near([*goal, *goal], BESIDE)
-            for one in [self._whereabouts.people[k]]
-            if one is not me and one.body.motion.end <= now
+            (one.swath.place, one.radius, one)
+            for k in floor.near([*goal, *goal], BESIDE)
+            if floor.rests[k] <= now
+            for one in [floor.people[k]]
+            if one is not me
         ]
         ring = [(goal, -me.radius)]
         while ring:
             place, radius = ring.pop()
-            for one in list(left):
-                apart = math.dist(one.swath.place, place)
-                if apart < radius + one.radius + 2 * (me.radius + GAP):
-                    if one is other:
+            for stands in list(left):
+                if math.dist(stands[0], place) < radius + stands[1] + 2 * (me.radius + GAP):
+                    if stands[2] is other:
                         return True
-                    left.remove(one)
-                    ring.append((one.swath.place, one.radius))
+                    left.remove(stands)
+                    ring.append(stands[:2])
         return False
 
     def _look_for_deadlock(self, now: float) -> None:

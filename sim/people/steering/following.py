@@ -50,7 +50,8 @@ def behind(me: Traveller, outlook: Outlook) -> Behind | None:
         return None
     t, found, speed, on = outlook.t, None, me.top_speed, 0.0
     x, y, c, s = outlook.walks.at(0.0)
-    for other in outlook.near:
+    widest = max(CLOSES_UP, me.radius + outlook.others.widest)
+    for other in outlook.others.ahead(t, (x, y), (c, s), widest):
         (ox, oy), towards = other.body.motion.state(t).at, other.direction(t)
         along, beside = (ox - x) * c + (oy - y) * s, abs((oy - y) * c - (ox - x) * s)
         if along <= 0.0 or towards is None:

@@ -220,16 +220,18 @@ class Outlook:
                 return draft
         return None
 
-    def aside(self, along: float, side: float) -> Swath | None:
+    def aside(self, along: float, side: float, others: Others) -> Swath | None:
         """Return the draft of a walk `side` metres to the left after `along` metres of the course.
 
-        None if it is not free, of walls or of others.
+        None if it is not free, of walls or of these `others`.
         """
         walks, me = self.walks, self.me
         draft = None
         if walks.draw_aside(self.reach + 0.5, me.top_speed, along, side):
             draft = self._zoned() if me.zones else _drawn(walks)
-        return draft if draft is not None and self.has_room() else None
+        if draft is None or not others.free(draft) or not self.has_room():
+            return None
+        return draft
 
     def has_room(self) -> bool:
         """Return whether there are no walls in the way of the walk that is looked at.

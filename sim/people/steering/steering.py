@@ -235,11 +235,11 @@ def both_aside(
             if width <= 0.0:
                 continue
             for share in (0.5, 0.7, 0.3):
-                ours = mine.aside(max(gone + ahead / 2, 0.1), way * share * width)
-                if ours is None or not our_others.free(ours):
+                ours = mine.aside(max(gone + ahead / 2, 0.1), way * share * width, our_others)
+                if ours is None:
                     continue
-                yours = theirs.aside(max(passed, 0.1), way * (1 - share) * width)
-                if yours is not None and their_others.free(yours):
+                yours = theirs.aside(max(passed, 0.1), way * (1 - share) * width, their_others)
+                if yours is not None:
                     yield ours, yours
 
 

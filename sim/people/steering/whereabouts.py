@@ -6,7 +6,7 @@ import math
 from collections.abc import Container, Sequence
 from typing import NamedTuple
 
-from navigation import Candidates, Swath, first_met, within_bounds
+from navigation import Candidates, Swath, ahead_of, first_met, within_bounds
 
 from .traveller import Traveller
 
@@ -51,7 +51,8 @@ class Whereabouts:
         self.changes = 0
         """Number of motions that anybody has committed themselves to."""
         self._changed: list[int] = []
-        self._widest = 0.0
+        self.widest = 0.0
+        """The radius of the widest body, metres."""
 
     def put(self, who: Traveller) -> None:
         """Take note of what somebody has committed themselves to."""
@@ -66,7 +67,7 @@ class Whereabouts:
             self.radii.append(who.radius)
             self.rests.append(rests)
             self._changed.append(self.changes)
-            self._widest = max(self._widest, who.radius)
+            self.widest = max(self.widest, who.radius)
         else:
             self.tables[k] = table
             self.boxes[4 * k : 4 * k + 4] = box
@@ -75,7 +76,7 @@ class Whereabouts:
 
     def near(self, box: Sequence[float], radius: float) -> list[int]:
         """Return who may come near the bounds of a disc of `radius` metres: their indices."""
-        margin = radius + self._widest + 2 * GAP
+        margin = radius + self.widest + 2 * GAP
         low_x, low_y, high_x, high_y = box
         return within_bounds(
             self.boxes, low_x - margin, low_y - margin, high_x + margin, high_y + margin
@@ -122,10 +123,26 @@ class Others:
         self._hit: Hit | None = None
 
     @property
+    def widest(self) -> float:
+        """The radius of the widest body, metres."""
+        return self._floor.widest
+
+    @property
     def people(self) -> list[Traveller]:
         """Those that they may meet, in the order in which they came."""
         people = self._floor.people
         return [people[k] for k in self._near]
+
+    def ahead(
+        self, t: float, at: tuple[float, float], towards: tuple[float, float], beside: float
+    ) -> list[Traveller]:
+        """Return those who are ahead of a place at `t` (seconds), or all but.
+
+        Towards a direction (a unit vector), and at most `beside` metres to either side.
+        """
+        floor = self._floor
+        found = ahead_of(self._near, floor.tables, t, *at, *towards, beside)
+        return [floor.people[k] for k in found]
 
     def without(self, some: Container[Traveller]) -> Others:
         """Return these without some of them."""
