@@ -73,6 +73,8 @@ class Agv(Machine):
         self._held = False
         self._arrival = Alarm(stage.clock, self._arrive, Turn.MOTION_ENDS)
         self._looking = Alarm(stage.clock, self._look, Turn.MOTION_ENDS)
+        self._awaited: tuple[Body, float, float] | None = None
+        """Who stands in its way while it stands, when it would look next, and how often (s)."""
         zones = stage.floorplan.zones
         self._slow = slow_parts(lane, zones)
         self._forbidden = [
@@ -136,6 +138,7 @@ class Agv(Machine):
         if self._foresight is not None:
             self._people.append((person, top_speed))
             person.on_jump.append(self._look)
+            person.on_change.append(partial(self._changed, person))
 
     def zone(self, top_speed: float) -> float:
         """Return how far (metres) from its centre somebody must stand so that it can set out.
@@ -163,7 +166,7 @@ class Agv(Machine):
         """Brake and stand until `hold(False)`, then go on: a protective stop."""
         self._held = stands
         if stands:
-            self._looking.set(None)
+            self._look_at(None)
             self._stop()
         elif self._target is not None:
             self.drive(self._target)
@@ -261,8 +264,23 @@ class Agv(Machine):
         until, who = foresight.safe_until(plan, people, now, least)
         if until == now and who is not None:
             return who
-        self._looking.set(until if who is not None else None)
+        self._look_at(until if who is not None else None)
         return None
+
+    def _look_at(self, t: float | None) -> None:
+        self._awaited = None
+        self._looking.set(t)
+
+    def _changed(self, person: Body) -> None:
+        """Take note that a person sets out: look again, if it waited for that, when it would have.
+
+        As long as both stand, every look would have the same answer.
+        """
+        if self._awaited is not None and self._awaited[0] is person:
+            _, t, every = self._awaited
+            while t < self._clock.now:
+                t += every
+            self._look_at(t)
 
     def _seen(self) -> list[Pedestrian]:
         """Return the people it looks out for, from the point at which distances are measured."""
@@ -296,7 +314,11 @@ class Agv(Machine):
             motion = self._run(lane_state(self.lane, state), self._goal(), now)
             plan = Stoppable(motion, self._stops)
             wait = max(wait, foresight.hindered_for(plan, hindered, now, RESUME))
-        self._looking.set(now + wait)
+        self._look_at(now + wait)
+        person = next((body for body, _ in self._people if body.name == hindered.name), None)
+        if state.speed == 0.0 and person is not None and person.motion.end <= now:
+            self._looking.set(None)
+            self._awaited = person, now + wait, wait
 
     def _stop(self) -> None:
         """Brake, if it drives."""
@@ -310,7 +332,7 @@ class Agv(Machine):
     def _arrive(self) -> None:
         if self._under_way_to == self._target:
             self._target = None
-            self._looking.set(None)
+            self._look_at(None)
         self._under_way_to = None
         self._stage.came_to_rest(self)
 
