@@ -12,7 +12,7 @@ import typer
 from ..core.output import replacing, writing
 from . import completion
 from .arguments import Radius
-from .consoles import plain_console, say
+from .consoles import plain_console, progress_bars, say
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -81,7 +81,6 @@ def benchmark(
     from navigation import planners
     from navigation.benchmark import benchmark as measure
     from navigation.benchmark import known, summary
-    from sim.commands.bars import progress_bars
 
     for name, figure in (("--seconds", seconds), ("--longest", longest), ("--radius", radius)):
         least = 1.0 if name == "--longest" else 0.0

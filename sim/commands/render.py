@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 import typer
 
 from .arguments import NoOwnCode, Source
-from .consoles import say
+from .consoles import progress_bars, say
 
 
 def render(
@@ -33,7 +33,6 @@ def render(
     no_own_code: NoOwnCode = False,
 ) -> None:
     """Film a run: a GIF, or an MP4."""
-    from sim.commands.bars import progress_bars
     from sim.commands.sources import run_from
     from sim.views import plots
 

@@ -10,7 +10,7 @@ import typer
 from ..core.folder_names import folder_for
 from . import completion
 from .arguments import NoOwnCode
-from .consoles import say
+from .consoles import progress_bars, say
 
 
 def report(
@@ -38,7 +38,6 @@ def report(
     no_own_code: NoOwnCode = False,
 ) -> None:
     """Write a report that can be handed to an auditor: assumptions, laws, figures, limits."""
-    from sim.commands.bars import progress_bars
     from sim.commands.sources import is_study, run_from
     from sim.commands.study import carried_out
     from sim.studies import Study, safety_report

@@ -16,7 +16,7 @@ from ..core.folder_names import folder_for
 from . import completion
 from .arguments import Duration, NoOwnCode, Personality, RecordingFolder, Rules, Seed, TrialName
 from .browser import open_in_browser, somebody_looks
-from .consoles import plain_console, say
+from .consoles import plain_console, progress_bars, say
 from .interrupts import taken_by
 from .notices import print_notices
 
@@ -240,7 +240,6 @@ def _advance(simulation: Simulation) -> None:
     if not Console(stderr=True).is_terminal:
         simulation.advance(duration)
         return
-    from .bars import progress_bars
 
     with progress_bars() as progress:
         bar = progress.add_task("simulating", total=duration)

@@ -10,7 +10,7 @@ import typer
 from ..core.folder_names import folder_for
 from . import completion
 from .arguments import NoOwnCode
-from .consoles import plain_console, say, visible
+from .consoles import plain_console, progress_bars, say, visible
 from .run import INTERRUPTED
 
 if TYPE_CHECKING:
@@ -71,7 +71,6 @@ def carried_out(chosen: Study, folder: Path, jobs: int | None, backend: str) -> 
     """Run what is left of a study, with a progress bar and an estimate on a terminal."""
     from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
 
-    from sim.commands.bars import progress_bars
     from sim.studies import run_study
 
     shown = (
