@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 from pydantic import Strict
 
@@ -13,11 +13,13 @@ Pose = tuple[Number, Number, Number]
 
 
 class Keys(Strictly):
-    """Keys that stand for a value whose fields have the same names."""
+    """Keys that stand for a value: a dataclass whose fields have the same names."""
+
+    stands_for: ClassVar[type]
 
     def value(self) -> Any:
         """Return the value."""
-        raise NotImplementedError
+        return self.stands_for(**self.fields())
 
     def fields(self) -> dict[str, Any]:
         """Return the fields of the value."""

@@ -24,10 +24,8 @@ from ..core.scenario import TrialError
 
 
 class _Keys(Keys):
+    stands_for = Command
     time: NotNegative
-
-    def value(self) -> Command:
-        return Command(**self.fields())
 
 
 class _Send(_Keys):

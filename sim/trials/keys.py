@@ -54,6 +54,7 @@ class _PartPlaced(Keys):
 
 
 class _Start(Keys):
+    stands_for = Start
     time: NotNegative | None = None
     part_placed: _PartPlaced | None = None
     order_submitted: str | None = None
@@ -70,16 +71,11 @@ class _Start(Keys):
             raise ValueError("count and person belong to an event")
         return self
 
-    def value(self) -> Start:
-        return Start(**self.fields())
-
 
 class _Change(Keys):
+    stands_for = PersonalityChange
     when: _Start
     personality: str
-
-    def value(self) -> PersonalityChange:
-        return PersonalityChange(**self.fields())
 
 
 def _as_name(value: Any) -> Any:
@@ -90,6 +86,7 @@ def _as_name(value: Any) -> Any:
 class MannersKeys(Keys):
     """Manners of people towards others: a figure, or [least, most] to draw each person's from."""
 
+    stands_for = MannersEntry
     comfort: NotNegative | Range | None = None
     time_gap: NotNegative | Range | None = None
     foresight: Positive | Range | None = None
@@ -97,10 +94,6 @@ class MannersKeys(Keys):
     patience: Positive | Range | None = None
     passing_side: Side | None = None
     steps_aside: Flag | None = None
-
-    def value(self) -> MannersEntry:
-        """Return the manners."""
-        return MannersEntry(**self.fields())
 
 
 def _form(value: Any) -> str:
@@ -120,24 +113,20 @@ Drawn = Annotated[
 
 
 class _NoticingKeys(Keys):
+    stands_for = NoticingEntry
     field_of_view: Drawn | None = None
     occlusion: Flag = False
     reaction_time: Drawn | None = None
 
-    def value(self) -> NoticingEntry:
-        return NoticingEntry(**self.fields())
-
 
 class _RecordedKeys(Keys):
+    stands_for = RecordedTrack
     file: Annotated[str, Field(min_length=1)]
     body: Annotated[str, BeforeValidator(_as_name)] | None = None
     since: Number = 0.0
     longest_gap: Positive = 1.0
     top_speed: Positive = 4.0
     frame_rate: Positive | None = None
-
-    def value(self) -> RecordedTrack:
-        return RecordedTrack(**self.fields())
 
 
 def _as_track(value: Any) -> Any:
@@ -246,12 +235,10 @@ def _begin(value: Any) -> TimeOfDay:
 
 
 class _BlackoutKeys(Keys):
+    stands_for = Blackout
     machine: str
     start: _Start = _Start(time=0.0)
     seconds: Positive
-
-    def value(self) -> Blackout:
-        return Blackout(**self.fields())
 
 
 def _as_assumed(name: str) -> str:

@@ -133,6 +133,7 @@ TaskEntry = Annotated[TaskKeys, BeforeValidator(_entry)]
 class WorkListKeys(Keys):
     """A list of tasks, or only the tasks."""
 
+    stands_for = WorkList
     tasks: Annotated[list[TaskEntry], Field(min_length=1)]
     repeat: Flag = False
 
@@ -143,10 +144,6 @@ class WorkListKeys(Keys):
                 "tasks of a list that repeats come again when they are done, not every"
             )
         return self
-
-    def value(self) -> WorkList:
-        """Return the list."""
-        return WorkList(**self.fields())
 
 
 def _as_list(value: Any) -> Any:
