@@ -15,7 +15,7 @@ FLOORS = {
     "doors: {a: {between: [[1, 1], [1, 1]]}}": "its two ends are one place",
     "doors: {a: {between: [[1, 1], [1, 3]]}, b: {between: [[0, 2], [2, 2]]}}": "overlaps the door",
     "doors: {a: {between: [[1, 1], [1, 13]]}}": "(1, 13) is outside the boundary",
-    "zones: {a: {x: [1, 2], y: [1, 2]}}": "give one of forbidden: true and max_speed",
+    "zones: {a: {x: [1, 2], y: [1, 2]}}": "give forbidden: true, or max_speed (m/s)",
     "zones: {a: {x: [1, 3], y: [1, 3], forbidden: true}}": "the station 'press' is in it",
     "zones: {a: {polygon: [[1, 1], [3, 3], [3, 1], [1, 3]], max_speed: 1}}": "not a simple polygon",
     "zones: {wall: {x: [5, 6], y: [5, 6], max_speed: 1}}": "something else is called 'wall'",
