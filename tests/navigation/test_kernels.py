@@ -45,6 +45,8 @@ for _ in range(40):
     machine = navigation.gantry_move((*place(), 0.0), (*place(), rng.uniform(-3, 3)), 1.0)
     pair = (person, machine)
     people = [c for _ in range(3) for c in (*place(), 1.5, rng.choice((-1.0, 2.0)))]
+    away = navigation.nearest_on(machine.table, people, 2.0, 2.0, 9.0, 0.5, 5.0)
+    digest.update(repr(away).encode())
     for law in laws:
         for stop in stops if hasattr(law, "distance") else ():
             found = navigation.Lookout(law, 0.01).safe_until(machine.table, stop, people, 2.0, 0.2)
