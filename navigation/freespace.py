@@ -18,7 +18,7 @@ from .corners import around_disc, bends, corners, edges_of_room, grown
 STEP = math.radians(3.0)
 """Radians. How finely arcs are drawn here: at most 0.04 % of the radius is lost."""
 
-_MOST_KNOWN = 1000
+_MOST_KNOWN = 200
 """Number of places of which the piece that they are in, or the nearest place, is kept."""
 
 _EDGE = 1e-3
