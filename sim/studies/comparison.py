@@ -46,6 +46,11 @@ class Measure:
         """Title and unit."""
         return f"{self.title}, {self.unit}" if self.unit else self.title
 
+    @property
+    def words(self) -> str:
+        """Title inside a sentence."""
+        return self.title if self.title[:2].isupper() else self.title[:1].lower() + self.title[1:]
+
     def values(self, columns: Columns) -> Floats | None:
         """The figure of every row (NaN where there is none), or None where it is left out."""
         pattern = re.compile(re.escape(self.column).replace("NAME", r"[^.]+"))

@@ -46,7 +46,7 @@ def write_report(results: StudyResults, path: Path) -> None:
     write_report_page(
         path,
         "study.html",
-        {"figure": figure},
+        {"figure": figure, "signed": signed},
         study=results.study,
         count=len(results),
         hours=sum(float(t) for t in columns.get("duration", ()) if t is not None) / 3600,
@@ -64,6 +64,11 @@ def write_report(results: StudyResults, path: Path) -> None:
         errors=list(results.failed.items())[:MOST_ERRORS],
         error_count=len(results.failed),
     )
+
+
+def signed(value: float) -> str:
+    """A difference with two digits after the point, and its sign unless it is 0."""
+    return "0.00" if round(value, 2) == 0 else f"{value:+.2f}".replace("-", "−")
 
 
 def figure(value: float | None, digits: int | None = None) -> str:
@@ -103,5 +108,5 @@ def _remarkable(
         for k in fresh[:STANDING_OUT]:
             named.add(k)
             unit = f" {measure.unit}" if measure.unit else ""
-            why = f"{measure.title.lower()}: {figure(float(values[k]))}{unit}"
+            why = f"{measure.words}: {figure(float(values[k]))}{unit}"
             yield Remarkable(int(columns["row"][k] or 0), why, compared.label_of(k))

@@ -10,7 +10,7 @@ from markupsafe import Markup
 from ..views.safety_report.parts import Chart, Facts, Part, Points, Table
 from .comparison import Comparison, Measure, Spread
 from .effects import Effect, contrasts
-from .report import digits_of, figure
+from .report import digits_of, figure, signed
 from .sensitivity import Trend, sensitivities, sensitivity_chart
 
 ACROSS = 6
@@ -34,7 +34,7 @@ def figures(compared: Comparison) -> list[Part]:
         first = len(compared.factors)
         parts.append(Table(heads, rows, figures=frozenset(range(first, len(heads)))))
     same = [
-        (measure.title[:1].lower() + measure.title[1:], f"{figure(value)} {measure.unit}".strip())
+        (measure.words, f"{figure(value)} {measure.unit}".strip())
         for measure in compared.spreads
         if (value := compared.constant(measure)) is not None
     ]
@@ -85,7 +85,7 @@ def _differences(compared: Comparison) -> Iterator[Table]:
 def _delta(effect: Effect | None) -> str:
     if effect is None:
         return "–"
-    return _above(f"{effect.delta:+.2f}", f"{effect.low:+.2f} … {effect.high:+.2f}")
+    return _above(signed(effect.delta), f"{signed(effect.low)} … {signed(effect.high)}")
 
 
 def sensitivity(compared: Comparison) -> Iterator[Part]:

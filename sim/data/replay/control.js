@@ -4,9 +4,8 @@ const BOX = 1;                 // metres of a box that a click puts down
 const SMALLEST_BOX = 0.1;      // metres that have to be drawn for another one
 const GRAIN = 100;             // places are given to a hundredth of a metre
 const HINTS = {
-  send: "Click where to, choose a place, or go there with the arrow keys and Enter. Esc ends it.",
-  block: "Draw a box on the floor, or click; click one that you put down to take it up. With the arrow keys it moves,"
-    + " with Shift it grows, Enter puts it down or takes it up. Esc ends it.",
+  send: "Click where to; or arrow keys and Enter. Esc ends it.",
+  block: "Draw a box, or click; a click on one takes it up. Or arrow keys, Shift for its size, Enter. Esc ends it.",
 };
 
 class Control {

@@ -17,9 +17,11 @@ class Placing {
   /** Begins in the middle of what is seen of the floor; `hasSize` for a box. */
   begin(replay, hasSize) {
     Object.assign(this, { replay, hasSize, size: [BOX, BOX] });
-    const { camera, canvas } = replay.views[0];
-    const { left, right, bottom, top } = replay.views[0].above.camera.bounds;
-    const [x, y] = camera.onFloor(canvas.clientWidth / 2, canvas.clientHeight / 2) ?? [(left + right) / 2, (bottom + top) / 2];
+    const { camera, above } = replay.views[0];
+    const { left, right, bottom, top } = above.camera.bounds;
+    const { screen } = camera;
+    const middle = camera.onFloor((screen.left + screen.right) / 2, (screen.top + screen.bottom) / 2);
+    const [x, y] = middle ?? [(left + right) / 2, (bottom + top) / 2];
     this.at = [Math.min(Math.max(x, left), right), Math.min(Math.max(y, bottom), top)]
       .map(metres => Math.round(metres / STRIDE_OF_KEY) * STRIDE_OF_KEY);
     this.element.hidden = false;
