@@ -98,6 +98,10 @@ class Machine(ABC):
         """Return its motion as anybody may know it now, with all that begins by `until` (s)."""
         return self.body.motion
 
+    def sets_out(self, after: float) -> float:
+        """Return when it is known to set out next, later than `after` (s); infinite if never."""
+        return math.inf
+
     def stand_in(self, world: CollisionWorld) -> None:
         """Put a vehicle into `world` where it is now; what works above the floor is not in it."""
         if self.shape.category == "vehicle":

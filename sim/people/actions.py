@@ -139,9 +139,7 @@ class Actions:
         self._stage.place_machines()
         home, radius, world = self._home.position, self._walker.human.radius, self._walker.world
         if self._crowd is not None:
-            exits = () if world.free(home, radius) else world.exits(home, radius)
-            rooms = (self._crowd.room(at, radius, self._walker.traveller) for at in (home, *exits))
-            return next((at for at in rooms if at is not None), None)
+            return self._crowd.room(home, radius, self._walker.traveller)
         if not world.hits(home, home, radius):
             return home
         return next(iter(world.exits(home, radius)), None)

@@ -4,13 +4,14 @@ A trial follows from its number alone. What must hold is worked out anew from th
 events of the finished run, with shapely and NumPy, and without the parts that made them.
 """
 
+from .contact import contact_faults
 from .floors import random_floor
 from .movement import movement_faults
 from .rules import rule_faults
 from .separation import separation_faults
 from .trials import random_trial
 
-CHECKS = (movement_faults, separation_faults, rule_faults)
+CHECKS = (movement_faults, separation_faults, contact_faults, rule_faults)
 """Each yields, of a run, all that should not be."""
 
 

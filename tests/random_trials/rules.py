@@ -312,6 +312,10 @@ def _radius(run, person):
     return run.trial.floorplan.human.radius if entry.radius is None else entry.radius
 
 
+ANNOUNCED = 10.0
+"""Seconds before an AGV sets out at which people reckon with it."""
+
+
 def _beside_home_faults(run, event, home, radius):
     """Somebody is put beside their home only if an AGV or a person is there, or may be soon."""
     plan, t = run.trial.floorplan, event["t"]
@@ -320,6 +324,11 @@ def _beside_home_faults(run, event, home, radius):
         (x, y), _ = pose_before(run, lane.name, t)
         q = math.dist(lane.origin, (x, y))
         gaps.append(lane.footprint(q).distance(shapely.Point(home)))
+        moves = run.trial.agvs.get(lane.name, ())
+        drives = pose_before(run, lane.name, t)[1] > 0.0
+        if drives or any(t <= move.time <= t + ANNOUNCED for move in moves):
+            on_lane = shapely.LineString([lane.position(q) for q in lane.limits])
+            gaps.append(on_lane.distance(shapely.Point(home)) - lane.length)
     soon = _away(run, event["person"], home, t) < SOON
     if min(gaps, default=math.inf) > radius + FIGURE and not soon:
         yield f"there is room at home: {event}"

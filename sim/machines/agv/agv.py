@@ -105,6 +105,12 @@ class Agv(Machine):
                     motion = join([motion, agv_run(self.lane, at, move.to, move.time)])
         return motion
 
+    def sets_out(self, after: float) -> float:
+        """Return when its next announced move begins, later than `after` (s); infinite if never."""
+        if self._foresight is not None or self._held:
+            return math.inf
+        return min((move.time for move in self._moves if move.time > after), default=math.inf)
+
     def stand_in(self, world: CollisionWorld) -> None:
         """Put it into `world` where it is now."""
         if self._is_on_floor:

@@ -34,6 +34,7 @@ from .outlook import Ground, Outlook
 from .requests import Request
 from .steering import Foresighted, Steering, both_aside
 from .traveller import AT_THE_DOOR, Traveller
+from .vehicles import Vehicle
 from .whereabouts import GAP, Hit, Sight, Whereabouts
 
 EARLY = 0.25
@@ -117,6 +118,11 @@ class Crowd:
         self._whereabouts = Whereabouts()
         self._grounds: dict[tuple[CollisionWorld, float], Ground] = {}
         self._met: dict[tuple[int, int], float] = {}
+        self._coming: dict[Traveller, None] = {}
+        """Parts of vehicles that have just changed what they are about to do."""
+        self._minding = Alarm(stage.clock, self._mind_vehicles, Turn.MOTION_ENDS)
+        for machine in stage.vehicles:
+            Vehicle(stage, machine, self._whereabouts, self._notice)
 
     def enter(
         self,
@@ -153,7 +159,25 @@ class Crowd:
 
         None if there is none near. The order of the places that are tried is fixed. Besides those
         of the crowd but `me`, others are about to stand where it is `taken` (place and radius).
+        Where something stands on `place`, it is one beside that.
         """
+        world = self._stage.world if me is None else me.world
+        exits = () if world.free(place, radius) else world.exits(place, radius)
+        vehicles = {machine.name for machine in self._stage.vehicles}
+        touched = [body for body in world.hits(place, place, radius) if body.name in vehicles]
+        rooms = (
+            self._room(at, radius, me, taken) for at in (*([] if touched else [place]), *exits)
+        )
+        return next((at for at in rooms if at is not None), None)
+
+    def _room(
+        self,
+        place: Point,
+        radius: float,
+        me: Traveller | None,
+        taken: Sequence[tuple[Point, float]],
+    ) -> Point | None:
+        """Return the free place nearest to `place`, where nothing but people stands."""
         ground = self._ground_in(self._stage.world if me is None else me.world, radius)
         now, people = self._clock.now, self._whereabouts.people
         for ring in range(RINGS + 1):
@@ -206,9 +230,34 @@ class Crowd:
             if who is not me:
                 self._give_way(who, draft, to=me)
 
+    def _notice(self, discs: Sequence[Traveller]) -> None:
+        """Let people mind what a vehicle is about to do, as soon as all of it is known."""
+        if self._parties:
+            self._coming.update(dict.fromkeys(discs))
+            self._minding.set(self._clock.now)
+
+    def _mind_vehicles(self) -> None:
+        """Let those decide anew, or brake, who would run into a vehicle."""
+        now, coming = self._clock.now, [*self._coming]
+        self._coming.clear()
+
+        def is_in_the_way(me: Traveller) -> bool:
+            near = self._whereabouts.others(me, me.swath.box, now).of(coming)
+            return not near.free(me.swath)
+
+        for me, party in self._parties.items():
+            if me.recorded or me.body.motion.end <= now or not is_in_the_way(me):
+                continue
+            party.sight = None
+            self._decide(me)
+            if is_in_the_way(me):
+                braking = self.braking(me)
+                if braking is not me.body.motion:
+                    self._commit(party, braking, swath(braking, now))
+
     def find(self, name: str) -> Traveller | None:
         """Return the one in the crowd who is called so."""
-        return next((one for one in self._whereabouts.people if one.name == name), None)
+        return next((one for one in self._parties if one.name == name), None)
 
     def waits_for(self, me: Traveller) -> str | None:
         """Return the name of who keeps somebody from going on now."""
@@ -315,6 +364,8 @@ class Crowd:
     def _may_go_on(self, hit: Hit, now: float, asked: tuple[Traveller, ...]) -> bool:
         """Return whether the other may look first whether they can go on: they have not of late."""
         other = hit.other
+        if other.recorded:
+            return False
         party = self._parties[other]
         return (
             hit.at_rest
@@ -417,6 +468,8 @@ class Crowd:
         """
         here, goal, other = me.swath.place, me.goal, hit.other
         assert goal is not None
+        if other.is_vehicle:
+            return False
         leaves = goal == me.leaves_at
         if math.dist(here, goal) < (AT_THE_DOOR if leaves else IN_REACH):
             return math.dist(other.body.at, goal) < IN_REACH + me.radius
@@ -513,7 +566,9 @@ class Crowd:
         party.waits_on, party.tries_again, party.pause, party.afresh = None, 0.0, 0.0, AFRESH
 
     def _wait_for(self, party: _Party, other: Traveller | None) -> None:
-        """Take note of whom somebody waits for."""
+        """Take note of whom somebody waits for; vehicles tell themselves when they move."""
+        if other is not None and other.is_vehicle:
+            other = None
         if party.waits_for is not other:
             if party.waits_for is not None:
                 del self._parties[party.waits_for].kept[party.me]
@@ -523,6 +578,8 @@ class Crowd:
 
     def _meet(self, me: Traveller, hit: Hit, now: float) -> None:
         """Record that somebody has to mind somebody else, once for each time that they meet."""
+        if hit.other.is_vehicle:
+            return
         pair = (min(me.index, hit.other.index), max(me.index, hit.other.index))
         if now - self._met.get(pair, -math.inf) > 2 * me.manners.foresight:
             self._stage.record(Met(person=me.name, other=hit.other.name))

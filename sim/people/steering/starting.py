@@ -54,6 +54,8 @@ def starting_places(trial: Scenario, world: CollisionWorld, crowd: Crowd | None)
             places[k] = home.position
             if crowd is not None:
                 places[k] = crowd.room(home.position, radii[k], taken=taken)
+            elif world.hits(home.position, home.position, radii[k]):
+                places[k] = next(iter(world.exits(home.position, radii[k])), home.position)
         if places[k] is None:
             found = "on the floor" if entry.at == "anywhere" else "at home; give at: [x, y]"
             message = f"people[{k}]: there is no room for {entry.name} {found}"

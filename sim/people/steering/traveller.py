@@ -24,7 +24,8 @@ class Traveller:
     are; `since` is when they set out (seconds), `index` their place among all people.
     `top_speed` is that of the errand they are on, in m/s; before the first it is the most they can.
     They walk in `world`, and keep to the limits of `zones`.
-    Somebody who is `recorded` walks as they were measured, and gives way to nobody.
+    Somebody who is `recorded` walks as they were measured, and gives way to nobody; the same is
+    true of a part of a vehicle.
     """
 
     index: int
@@ -34,6 +35,7 @@ class Traveller:
     world: CollisionWorld
     zones: SpeedZones
     recorded: bool = False
+    is_vehicle: bool = False
     goal: Point | None = None
     route: list[Point] = field(default_factory=list)
     goes_round: bool = False

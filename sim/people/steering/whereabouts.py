@@ -74,6 +74,14 @@ class Whereabouts:
             self.rests[k] = rests
             self._changed[k] = self.changes
 
+    def take_away(self, who: Traveller) -> None:
+        """Take note that somebody is in nobody's way for now."""
+        k = self.indices.get(who)
+        if k is not None and self.boxes[4 * k] < math.inf:
+            self.changes += 1
+            self._changed[k] = self.changes
+            self.boxes[4 * k : 4 * k + 4] = [math.inf, math.inf, -math.inf, -math.inf]
+
     def near(self, box: Sequence[float], radius: float) -> list[int]:
         """Return who may come near the bounds of a disc of `radius` metres: their indices."""
         margin = radius + self.widest + 2 * GAP
@@ -149,6 +157,13 @@ class Others:
         people = self._floor.people
         near = [k for k in self._near if people[k] not in some]
         return Others(self._floor, self._me, near, self._now)
+
+    def of(self, some: Container[Traveller]) -> Others:
+        """Return those of these who are among some."""
+        people = self._floor.people
+        return Others(
+            self._floor, self._me, [k for k in self._near if people[k] in some], self._now
+        )
 
     def first_hit(self, ahead: Swath, *, comfort: bool = False) -> Hit | None:
         """Return the first conflict of a motion of theirs from now on with any of these.
