@@ -54,7 +54,7 @@ class Commander:
         if to is not None:
             for person in stage.people:
                 if person.name == command.send:
-                    person.send(to)
+                    person.send((to[0], to[1]))
         if one is not None:
             stage.put_down(one)
         if command.clear is not None:
