@@ -124,9 +124,10 @@ def ahead_of(
     s: float,
     beside: float,
 ) -> list[int]:
-    """Return who of those `near` is ahead of a place at `t` (seconds), or all but: their indices.
+    """Return the indices of those `near` who are ahead of a place, or almost, at `t` (seconds).
 
-    That is in direction c, s from x, y, and no farther than `beside` metres to either side.
+    `tables` are everybody's motions. Ahead is in the direction with the cosine `c` and the sine `s`
+    from `x`, `y`, and no farther than `beside` metres to either side of that line.
     """
     found: list[int] = []
     i: cython.Py_ssize_t

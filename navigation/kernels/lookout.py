@@ -207,10 +207,10 @@ def nearest_on(
     step: float,
     horizon: float,
 ) -> float:
-    """Return the least distance from `begin` to `end`, looked for each `step` seconds and at `end`.
+    """Return the least distance of a `motion`, a table, to `people`; infinity without any.
 
-    Of people there are x, y and velocity at `now`; they keep that for `horizon` seconds. inf
-    without people.
+    It is looked for each `step` seconds from `begin` to `end`, and at `end`. Of each of the people
+    there are x, y (metres) and their velocity (m/s) at `now`; they keep it for `horizon` seconds.
     """
     least: float = _INFINITE
     i: cython.Py_ssize_t = 0

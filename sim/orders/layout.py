@@ -26,7 +26,7 @@ BELT = "conveyor"
 """The obstacle that is the conveyor."""
 
 BELT_SPEED = 0.2
-"""m/s."""
+"""m/s, as in the `max_velocity` of the competition's model of the conveyor belt."""
 
 BELT_REACH = 0.14
 """Metres. The farthest that a part lies from the middle of the belt."""
