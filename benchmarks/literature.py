@@ -1,8 +1,9 @@
 """People among people against the literature: figures and plot of docs/people-among-people.md.
 
 Bodies have a radius of 0.2 m and walk at up to 1.34 m/s, as in the literature; in a single file,
-through openings, all one way in a corridor, and in the tests 1, 6 and 7 of RiMEA (Richtlinie für
-Mikroskopische Entfluchtungsanalysen, version 3, 2016). PedPy measures what it has a method for.
+through openings, one way and both ways in a corridor, beside somebody who stands, and in the tests
+1, 5, 6 and 7 of RiMEA (Richtlinie für Mikroskopische Entfluchtungsanalysen, version 3, 2016). PedPy
+measures what it has a method for.
 
     python benchmarks/literature.py [--plot docs/images/literature.svg]
 """
@@ -15,11 +16,13 @@ import random
 import statistics
 import tempfile
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 import pedpy
+from numpy.typing import NDArray
 
 import sim
 from navigation import CollisionWorld
@@ -206,6 +209,90 @@ def rimea_7() -> float:
     return max(off)
 
 
+def lanes(rate: float = 0.25) -> tuple[float, float]:
+    """Return how far counterflow in a corridor of 3 m has parted into lanes: from 0 to 1.
+
+    `rate` people per second come in at each of three places at either end. It is the order
+    parameter of M. Moussaïd et al. ("Traffic instabilities in self-organized pedestrian crowds",
+    PLoS Comput. Biol. 8, 2012) over strips of a body's width: the mean, over people and time, of
+    ((n - m) / (n + m))², where n people of one's strip go one's way and m the other. The second
+    figure is what it would be if as many people were anywhere across the corridor.
+    """
+    length, width, strip, count = 20.0, 3.0, 2 * RADIUS, 15
+    lines = ["floorplan:", "  name: floor"]
+    lines += [f"  boundary: [[0, 0], [{length}, 0], [{length}, {width}], [0, {width}]]"]
+    lines += [
+        f"  safe_zone: {{at: [1, 1.5]}}\n  human: {{radius: {RADIUS}, max_speed: {FREE_SPEED}}}"
+    ]
+    lines += ["duration: 50", "people:"]
+    for way, (here, there) in enumerate(((0.5, length - 0.5), (length - 0.5, 0.5))):
+        lines += [
+            f"  - {{name: w{way}{row}, personality: visitor, sink: [{there}, {y}],"
+            f" source: {{at: [{here}, {y}], rate: {rate}, count: {count}}}}}"
+            for row, y in enumerate((0.5, 1.5, 2.5))
+        ]
+    run = sim.run(sim.Trial.parse("\n".join(lines)))
+    times = np.arange(20.0, 50.0, 0.2)
+    at = np.array([motion.position(times) for motion in run.motions.values()])
+    inside = (at[..., 0] > 4.0) & (at[..., 0] < length - 4.0)
+    east = np.array([name.startswith("w0") for name in run.motions])[:, np.newaxis]
+    chance = np.random.default_rng(1)
+
+    def order(rows: NDArray[np.float64]) -> float:
+        found = []
+        for k in range(len(rows)):
+            same = inside & (rows == rows[k])
+            n, m = (same & east).sum(axis=0), (same & ~east).sum(axis=0)
+            found += (((n - m) / np.maximum(n + m, 1)) ** 2)[inside[k]].tolist()
+        return float(np.mean(found))
+
+    anywhere = chance.uniform(RADIUS, width - RADIUS, at.shape[:2])
+    return order(np.floor(at[..., 1] / strip)), order(np.floor(anywhere / strip))
+
+
+def rimea_5() -> float:
+    """Return the greatest deviation (s) from ten reaction times of 10 to 100 s of who sets out."""
+    delays = [10.0 * (k + 1) for k in range(10)]
+    lines = ["floorplan:", "  name: floor", "  boundary: [[0, 0], [8, 0], [8, 5], [0, 5]]"]
+    lines += [
+        "  safe_zone: {at: [1, 1]}",
+        f"  human: {{radius: {RADIUS}, max_speed: {FREE_SPEED}}}",
+    ]
+    lines += ["duration: 120", "people:"]
+    for k, delay in enumerate(delays):
+        lines.append(
+            f"  - {{name: p{k}, personality: visitor, start: {{time: {delay}}},"
+            f" at: [{1.0 + k // 5}, {0.6 + 0.9 * (k % 5)}], sink: [7.5, 2.5]}}"
+        )
+    run = sim.run(sim.Trial.parse("\n".join(lines)))
+    set_out = [
+        next(piece.begin for piece in run.motions[f"p{k}"].pieces if piece.x[1:] != (0, 0, 0))
+        for k in range(10)
+    ]
+    return max(abs(t - delay) for t, delay in zip(set_out, delays, strict=True))
+
+
+def standing_still() -> tuple[float, float]:
+    """Return the seconds lost past somebody who stands, and the gap (m) where nobody gets past.
+
+    As the tests of Jülich want it: one walks on past the other where there is room for that, and
+    stops behind them, without touching, where there is none.
+    """
+    found = []
+    for width in (3.0, 0.7):
+        starts = [(1.0, width / 2), (8.0, width / 2)]
+        given = trial((16.0, width), starts, [(15.0, width / 2), starts[1]], 40.0)
+        stays = replace(given.people[1], personality="indifferent", actions=None, sink=None)
+        stays = replace(
+            stays, start=sim.Start(1e5), manners=replace(stays.manners, steps_aside=False)
+        )
+        found.append(sim.run(replace(given, people=(given.people[0], stays))))
+    past, behind = found
+    left = past.summary["people"]["p0"]["left"]
+    gap = behind.summary["nearest_people"]["distance"]
+    return float(left - 14.0 / FREE_SPEED), float(gap)
+
+
 @styled()
 def draw(
     files: Sequence[Found], flows: Sequence[Found], openings: Sequence[Found], path: Path
@@ -238,6 +325,14 @@ def main() -> None:
     print(f"RiMEA 1: {rimea_1():.1f} s")
     print("RiMEA 6: {} of 20 round the corner, nearest to a wall {:.3f} m".format(*rimea_6()))
     print(f"RiMEA 7: speeds off by {100 * rimea_7():.2f} % at most")
+    print(f"RiMEA 5: set out {rimea_5():.3f} s off at most")
+    print(
+        "somebody who stands: {:.2f} s lost past them, {:.3f} m behind them".format(
+            *standing_still()
+        )
+    )
+    for rate in (0.15, 0.25, 0.4):
+        print("lanes, {:.2f}/s: order {:.2f}, by chance {:.2f}".format(3 * rate, *lanes(rate)))
     files = list(single_file())
     for speed, length in files:
         print(f"file, {speed:.1f} m/s: {length:.2f} m ({length / seyfried(speed) - 1:+.0%})")
