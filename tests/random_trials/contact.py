@@ -5,6 +5,9 @@ from navigation import Cylinder, FixedDistance, Shapes, TooClose, first_time
 HAIR = 1e-6
 """Metres, and seconds."""
 
+SLACK = 1e-5
+"""Metres. Who stands as close as that to an AGV that stands, right beside it, does not overlap it."""
+
 STANDS = 1e-3
 """m/s. Who is no faster than this stands."""
 
@@ -14,7 +17,7 @@ def contact_faults(run):
     human = run.trial.floorplan.human
     for entry in run.trial.people:
         person = run.motions[entry.name]
-        solid = Cylinder(radius=entry.radius or human.radius, top=human.height)
+        solid = Cylinder(radius=(entry.radius or human.radius) - SLACK, top=human.height)
         for lane in run.trial.floorplan.lanes:
             agv, box = run.motions[lane.name], run.scene.machine(lane.name).box
             shapes = Shapes(person=solid, machine=(box,))
