@@ -6,7 +6,7 @@ HAIR = 1e-6
 """Metres, and seconds."""
 
 SLACK = 1e-5
-"""Metres. Who stands as close as that to an AGV that stands, right beside it, does not overlap it."""
+"""Metres. Who stands as close as that to an AGV that stands is beside it, and clear of it."""
 
 STANDS = 1e-3
 """m/s. Who is no faster than this stands."""
