@@ -21,8 +21,9 @@ from .encounter import Encounter
 from .gantry_planner import GantryPath, GantryPlanner
 from .kernels.braking import Stops
 from .kernels.candidates import Candidates, next_step
-from .kernels.discs import ahead_of, first_met, within_bounds
+from .kernels.discs import first_met, within_bounds
 from .kernels.edges import touches
+from .kernels.following import followed
 from .kernels.grid import block_discs, grid_path
 from .kernels.lookout import nearest_on
 from .lookout import Lookout
@@ -136,7 +137,6 @@ __all__ = [
     "agv_run",
     "agv_stop",
     "agv_stops",
-    "ahead_of",
     "block_discs",
     "can_go_on",
     "corner_speed",
@@ -145,6 +145,7 @@ __all__ = [
     "first_time",
     "first_violation",
     "folded_arm",
+    "followed",
     "gantry_limits",
     "gantry_move",
     "gantry_stop",

@@ -26,7 +26,6 @@ ROW = 10
 
 _R: cython.Py_ssize_t = ROW
 _RESOLUTION: float = 1e-4  # seconds; what is undecided when it is shorter counts as a conflict
-_NEARLY: float = 1e-6  # metres; whoever is so little outside is taken to be inside
 _JUST_NOW: float = 1e-3  # seconds; who is too close so soon is so already
 
 
@@ -112,36 +111,6 @@ def met(
         if apart < least + _JUST_NOW:
             t = _meeting(table, other, min(least, apart - 1e-9), begin, until, 0, 0)
     return t
-
-
-def ahead_of(
-    near: list[int],
-    tables: list[list[float]],
-    t: float,
-    x: float,
-    y: float,
-    c: float,
-    s: float,
-    beside: float,
-) -> list[int]:
-    """Return the indices of those `near` who are ahead of a place, or almost, at `t` (seconds).
-
-    `tables` are everybody's motions. Ahead is in the direction with the cosine `c` and the sine `s`
-    from `x`, `y`, and no farther than `beside` metres to either side of that line.
-    """
-    found: list[int] = []
-    i: cython.Py_ssize_t
-    for i in range(len(near)):
-        table: list[float] = tables[near[i]]
-        o: cython.Py_ssize_t = 0
-        while table[o + 1] <= t:
-            o += _R
-        u: float = max(t - table[o], 0.0)
-        dx: float = table[o + 2] + u * (table[o + 3] + u * (table[o + 4] + u * table[o + 5])) - x
-        dy: float = table[o + 6] + u * (table[o + 7] + u * (table[o + 8] + u * table[o + 9])) - y
-        if dx * c + dy * s > -_NEARLY and abs(dy * c - dx * s) < beside + _NEARLY:
-            found.append(near[i])
-    return found
 
 
 def gone(table: list[float], since: float, t: float) -> float:

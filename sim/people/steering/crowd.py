@@ -318,7 +318,7 @@ class Crowd:
         motion = self.steering.replan(me, outlook.near, outlook)
         loss = math.inf
         if motion is not None:
-            if hit is None and motion is outlook.wish:
+            if hit is None and outlook.is_wish(motion):
                 loss = 0.0
             elif outlook.free(motion):
                 loss = wished.gone(outlook.t, math.inf)
@@ -330,7 +330,7 @@ class Crowd:
             if loss > WORTH and self._both_aside(me, outlook, hit, now):
                 return
         if motion is not None:
-            wish = motion is outlook.wish
+            wish = outlook.is_wish(motion)
             self._commit(party, motion, outlook.ahead(motion), outlook, wished=wish)
         elif hit is not None:
             self._wait(party, outlook, hit)

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from navigation import followed
+
 from .outlook import Outlook
 from .traveller import Traveller
 
@@ -23,6 +25,10 @@ SAME_WAY = 0.7
 
 CLOSES_UP = 1.5
 """Metres to either side within which those who come the other way let people close up."""
+
+
+Frame = tuple[float, float, float, float]
+"""A place (x, y in metres) and the cosine and sine of the direction in which somebody walks."""
 
 
 class Behind(NamedTuple):
@@ -45,27 +51,61 @@ def behind(me: Traveller, outlook: Outlook) -> Behind | None:
     way, is not followed, and nobody keeps a gap into which somebody who comes the other way would
     step: that jams aisles.
     """
-    gap = me.manners.time_gap
+    gap, t, others = me.manners.time_gap, outlook.t, outlook.others
     if gap <= 0.0:
         return None
-    t, found, speed, on = outlook.t, None, me.top_speed, 0.0
-    x, y, c, s = outlook.walks.at(0.0)
-    widest = max(CLOSES_UP, me.radius + outlook.others.widest)
-    for other in outlook.others.ahead(t, (x, y), (c, s), widest):
-        (ox, oy), towards = other.body.motion.state(t).at, other.direction(t)
-        along, beside = (ox - x) * c + (oy - y) * s, abs((oy - y) * c - (ox - x) * s)
-        if along <= 0.0 or towards is None:
-            continue
-        same = towards[0] * c + towards[1] * s
-        if same < -SAME_WAY and beside < CLOSES_UP:
-            return None
-        touch = me.radius + other.radius
-        if same <= SAME_WAY or beside >= touch or other.body.motion.end <= t:
-            continue
-        then_x, then_y = other.body.motion.state(t + SEES).at
-        gone = (then_x - ox) * c + (then_y - oy) * s
-        room = along - math.sqrt(touch * touch - beside * beside)
-        most = (room + gone / SEES * AHEAD) / (gap * (1.0 - beside / touch) + AHEAD)
-        if most < speed:
-            found, speed, on = other, most, gone / SEES
-    return None if found is None else Behind(found, max(speed, LEAST), on)
+    frame = outlook.walks.at(0.0)
+    people, slow = others.floor.people, list[int]()
+    k = followed(
+        others.near,
+        others.floor.tables,
+        others.floor.radii,
+        t,
+        SEES,
+        *frame,
+        me.radius,
+        gap,
+        AHEAD,
+        me.top_speed,
+        SAME_WAY,
+        CLOSES_UP,
+        slow,
+    )
+    found = None if k < 0 else _behind(me, people[k], t, frame)
+    # Who has hardly set out yet may be followed too, and comes where their route leads them.
+    for other in (people[k] for k in slow):
+        if other.body.motion.end > t and _cosine(other, t, frame) > SAME_WAY:
+            one = _behind(me, other, t, frame)
+            if one is not None and one.speed < (me.top_speed if found is None else found.speed):
+                found = one
+    if found is None or any(_comes(people[k], t, frame) for k in slow):
+        return None
+    return found._replace(speed=max(found.speed, LEAST))
+
+
+def _behind(me: Traveller, other: Traveller, t: float, frame: Frame) -> Behind | None:
+    """Return what it is to follow the other; None for who is not in the way."""
+    x, y, c, s = frame
+    ox, oy = other.body.motion.state(t).at
+    along, beside = (ox - x) * c + (oy - y) * s, abs((oy - y) * c - (ox - x) * s)
+    touch = me.radius + other.radius
+    if beside >= touch:
+        return None
+    then_x, then_y = other.body.motion.state(t + SEES).at
+    gone = (then_x - ox) * c + (then_y - oy) * s
+    room = along - math.sqrt(touch * touch - beside * beside)
+    most = (room + gone / SEES * AHEAD) / (me.manners.time_gap * (1.0 - beside / touch) + AHEAD)
+    return Behind(other, most, gone / SEES)
+
+
+def _cosine(other: Traveller, t: float, frame: Frame) -> float:
+    """Return the cosine of the angle between two directions; 0 for who goes nowhere."""
+    towards = other.direction(t)
+    return 0.0 if towards is None else towards[0] * frame[2] + towards[1] * frame[3]
+
+
+def _comes(other: Traveller, t: float, frame: Frame) -> bool:
+    """Return whether the other comes the other way, so near to the path that it matters."""
+    x, y, c, s = frame
+    ox, oy = other.body.motion.state(t).at
+    return abs((oy - y) * c - (ox - x) * s) < CLOSES_UP and _cosine(other, t, frame) < -SAME_WAY

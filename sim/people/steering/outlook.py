@@ -124,6 +124,7 @@ class Outlook:
         self._others: Others | None = None
         self._seen: list[float] = []
         self._made: tuple[Motion | None, Swath | None] = (None, None)
+        self._wish: Motion | None = None
         self.lead: Motion | None = None
         self._lead: Swath | None = None
         self.at, self.t, self.speed = self._state.at, now, self._state.speed
@@ -154,10 +155,16 @@ class Outlook:
         self.reach = me.top_speed * me.manners.foresight
         self.wished = self.draft(self.course, self.stop_beyond(self.reach))
 
-    @cached_property
+    @property
     def wish(self) -> Motion | None:
         """The motion along the course as far as they look ahead, as if nobody were there."""
-        return None if self.wished is None else self.made(self.wished)
+        if self._wish is None and self.wished is not None:
+            self._wish = walked(self.wished, self._state.position[2])
+        return self._wish
+
+    def is_wish(self, motion: Motion) -> bool:
+        """Return whether a motion is the `wish`; it is not made for that."""
+        return motion is self._wish
 
     def can_turn(self, course: Sequence[Point]) -> bool:
         """Return whether they may set out on `course` from here without slowing down first."""
@@ -256,6 +263,8 @@ class Outlook:
 
     def ahead(self, motion: Motion) -> Swath:
         """Return where a motion goes from now on."""
+        if motion is self._wish and self.wished is not None:
+            return self.wished
         made, draft = self._made
         return draft if motion is made and draft is not None else swath(motion, self.now)
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Container, Sequence
 from typing import NamedTuple
 
-from navigation import Candidates, Swath, ahead_of, first_met, within_bounds
+from navigation import Candidates, Swath, first_met, within_bounds
 
 from .traveller import Traveller
 
@@ -118,12 +118,15 @@ class Whereabouts:
 
 
 class Others:
-    """People that somebody may meet, with what they have committed themselves to."""
+    """People that somebody may meet, with what they have committed themselves to.
+
+    They are those `near` (indices) of all who are on the `floor`.
+    """
 
     def __init__(self, floor: Whereabouts, me: Traveller, near: list[int], now: float) -> None:
-        self._floor = floor
+        self.floor = floor
         self._me = me
-        self._near = near
+        self.near = near
         self._now = now
         self._own = me.radius + GAP
         self._when = [math.inf]
@@ -131,39 +134,21 @@ class Others:
         self._hit: Hit | None = None
 
     @property
-    def widest(self) -> float:
-        """The radius of the widest body, metres."""
-        return self._floor.widest
-
-    @property
     def people(self) -> list[Traveller]:
         """Those that they may meet, in the order in which they came."""
-        people = self._floor.people
-        return [people[k] for k in self._near]
-
-    def ahead(
-        self, t: float, at: tuple[float, float], towards: tuple[float, float], beside: float
-    ) -> list[Traveller]:
-        """Return those who are ahead of a place at `t` (seconds), or all but.
-
-        Towards a direction (a unit vector), and at most `beside` metres to either side.
-        """
-        floor = self._floor
-        found = ahead_of(self._near, floor.tables, t, *at, *towards, beside)
-        return [floor.people[k] for k in found]
+        people = self.floor.people
+        return [people[k] for k in self.near]
 
     def without(self, some: Container[Traveller]) -> Others:
         """Return these without some of them."""
-        people = self._floor.people
-        near = [k for k in self._near if people[k] not in some]
-        return Others(self._floor, self._me, near, self._now)
+        people = self.floor.people
+        near = [k for k in self.near if people[k] not in some]
+        return Others(self.floor, self._me, near, self._now)
 
     def of(self, some: Container[Traveller]) -> Others:
         """Return those of these who are among some."""
-        people = self._floor.people
-        return Others(
-            self._floor, self._me, [k for k in self._near if people[k] in some], self._now
-        )
+        people = self.floor.people
+        return Others(self.floor, self._me, [k for k in self.near if people[k] in some], self._now)
 
     def first_hit(self, ahead: Swath, *, comfort: bool = False) -> Hit | None:
         """Return the first conflict of a motion of theirs from now on with any of these.
@@ -181,7 +166,7 @@ class Others:
         found = self._first_met(ahead, comfort)
         if found < 0:
             return None
-        t, other = self._when[0], self._floor.people[found]
+        t, other = self._when[0], self.floor.people[found]
         return Hit(t, other, t >= other.swath.rests)
 
     def free(self, ahead: Swath) -> bool:
@@ -190,15 +175,15 @@ class Others:
 
     def next_free(self, walks: Candidates) -> bool:
         """Come to the next of the `walks` that conflicts with none of these; False for none."""
-        floor = self._floor
-        return walks.next_free(self._near, floor.tables, floor.boxes, floor.radii, self._own)
+        floor = self.floor
+        return walks.next_free(self.near, floor.tables, floor.boxes, floor.radii, self._own)
 
     def _first_met(self, ahead: Swath, comfort: float) -> int:
-        floor = self._floor
+        floor = self.floor
         return first_met(
             ahead.table,
             ahead.box,
-            self._near,
+            self.near,
             floor.tables,
             floor.boxes,
             floor.radii,

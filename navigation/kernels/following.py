@@ -1,0 +1,99 @@
+"""Following: who walks ahead the same way, and keeps somebody below their top speed.
+
+For the tables see `discs`.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import cython
+else:
+    from . import uncompiled as cython
+
+if not cython.compiled:
+    from math import sqrt
+else:
+    from cython.cimports.libc.math import sqrt
+
+_R: cython.Py_ssize_t = 10  # numbers in a row of a table
+_X: cython.Py_ssize_t = 2  # where the coefficients of x begin in it
+_Y: cython.Py_ssize_t = 6
+_SLOW: float = 0.05  # m/s; the direction of whoever is slower is not that of their velocity
+
+
+def followed(
+    near: list[int],
+    tables: list[list[float]],
+    radii: list[float],
+    t: float,
+    sees: float,
+    x: float,
+    y: float,
+    c: float,
+    s: float,
+    own: float,
+    gap: float,
+    ahead: float,
+    top_speed: float,
+    same_way: float,
+    beside: float,
+    slow: list[int],
+) -> int:
+    """Return who of those `near` keeps somebody below `top_speed` (m/s) most; -1 for nobody.
+
+    That is at `t` (seconds) for somebody of radius `own` at `x`, `y` who walks in the direction
+    with the cosine `c` and the sine `s`: who walks ahead of them, the same way (the cosine between
+    the directions is above `same_way`), and leaves them no room for their time `gap` at that speed
+    once they have come to it in `ahead` seconds, by the speed over the next that one `sees`. It is
+    nobody if somebody ahead comes the other way, at most `beside` metres to either side. `tables`
+    and `radii` are everybody's; `slow` receives those ahead who hardly move: they may be among
+    those who come, or who are followed.
+    """
+    found: cython.Py_ssize_t = -1
+    least: float = top_speed
+    i: cython.Py_ssize_t
+    for i in range(len(near)):
+        k: cython.Py_ssize_t = near[i]
+        table: list[float] = tables[k]
+        o: cython.Py_ssize_t = 0
+        while table[o + 1] <= t:
+            o += _R
+        u: float = max(t - table[o], 0.0)
+        ox: float = _at(table, o + _X, u)
+        oy: float = _at(table, o + _Y, u)
+        along: float = (ox - x) * c + (oy - y) * s
+        away: float = abs((oy - y) * c - (ox - x) * s)
+        touch: float = own + radii[k]
+        if along <= 0.0 or (away >= beside and away >= touch):
+            continue
+        vx: float = table[o + 3] + u * (2 * table[o + 4] + u * 3 * table[o + 5])
+        vy: float = table[o + 7] + u * (2 * table[o + 8] + u * 3 * table[o + 9])
+        speed: float = sqrt(vx * vx + vy * vy)
+        if speed <= _SLOW or table[o] > t:
+            slow.append(near[i])
+            continue
+        same: float = (vx * c + vy * s) / speed
+        if same < -same_way and away < beside:
+            del slow[:]
+            return -1
+        if same <= same_way or away >= touch:
+            continue
+        while table[o + 1] <= t + sees:
+            o += _R
+        u = t + sees - table[o]
+        gone: float = (_at(table, o + _X, u) - ox) * c + (_at(table, o + _Y, u) - oy) * s
+        room: float = along - sqrt(touch * touch - away * away)
+        most: float = (room + gone / sees * ahead) / (gap * (1.0 - away / touch) + ahead)
+        if most < least:
+            least = most
+            found = k
+    who: int = found
+    return who
+
+
+def _at(table: list[float], o: cython.Py_ssize_t, u: float) -> float:
+    """Return a coordinate `u` seconds into a row, of the coefficients that begin at `o`."""
+    place: float = table[o] + u * (table[o + 1] + u * (table[o + 2] + u * table[o + 3]))
+    return place
