@@ -11,7 +11,7 @@ from floorplan import suggestion
 
 from ..core.events import Form
 from ..core.scenario import Scenario
-from ..machines.gantry.tasks import fixed_places
+from ..machines.gantry.worksites import fixed_places
 from ..machines.kinds import kind_name, on_floor
 
 

@@ -17,7 +17,7 @@ from ...core.stage import Stage
 from .controllers import find_controller, supervised
 from .keys import BridgeKeys
 from .robot import GantryRobot, gantry_shape
-from .tasks import fixed_places
+from .worksites import fixed_places
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from typing import Any
 
 from simpy.events import Event, Process
 
-from floorplan import Gantry, Point
+from floorplan import Gantry
 from navigation import Motion, State
 
 from ...core.clock import MOMENT, Turn
@@ -21,26 +21,14 @@ from ...safety.proximity import ProximityWatch
 from .drive import Drive, Steps
 from .gripper import Gripper
 from .interruption import Interruption, Interrupts
-from .tasks import Handling, Passing, Pose, Step, Task, Tasks, fixed_places, tasks_of
+from .tasks import Handling, Passing, Pose, Step, Task, Tasks, tasks_of
+from .worksites import Worksites
 
 GANTRY = "gantry"
 """The name of the floor's own gantry, which events leave out."""
 
 OBSERVATION_RATE = 10.0
 """Hz. Rate at which the gantry sees where people are."""
-
-AHEAD = 0.2
-"""Seconds that the gantry is to be at a place before something comes by that it picks there.
-
-Controllers that look where people are take up to two observations longer than they need.
-"""
-
-REACH = 1e-3
-"""Metres. Distance of the gantry's axis from a place within which it can handle something there."""
-
-
-GUESSES = 64
-"""Of where the gantry meets what comes along a conveyor; a few are enough."""
 
 
 @dataclass(frozen=True)
@@ -103,10 +91,8 @@ class GantryRobot(Machine):
         self._clock = stage.clock
         self._entry = entry
         self._controller = controller
-        self._places = fixed_places(stage.floorplan)
+        self._sites = Worksites(stage, gantry, self.drive)
         self._proximity: ProximityWatch | None = None
-        self._rendezvous: tuple[Passing | None, float] = (None, 0.0)
-        """What it is to pick as it goes by, and when (s)."""
         self._floor_changed = stage.clock.event()
         self._begin_round()
 
@@ -187,14 +173,14 @@ class GantryRobot(Machine):
         this one; being disabled does so unless it is to `resume` by itself afterwards.
         `ValueError` if that is outside the gantry's range.
         """
-        target = self._target(x, y, rotation)
+        target = self._sites.at(x, y, rotation)
         return self._command(self.drive.move(target, speed_share, resume=resume))
 
     def preview(
         self, x: float, y: float, rotation: float | None = None, *, speed_share: float = 1.0
     ) -> Motion:
         """Return the motion that `move_to` would make from here and now; nothing moves by it."""
-        return self.drive.preview(self._target(x, y, rotation), speed_share)
+        return self.drive.preview(self._sites.at(x, y, rotation), speed_share)
 
     def follow(self, motion: Motion) -> Process:
         """Go along `motion`, which begins here and now, to be waited for.
@@ -254,17 +240,17 @@ class GantryRobot(Machine):
         """
         _next_step(task)
         step = self._catchable(task).next_step
-        return None if step is None else self._pose(step)
+        return None if step is None else self._sites.pose_for(step)
 
     def way(self, task: Task) -> tuple[Pose, ...]:
         """Return the poses of the task's steps that are left; none if one can't be reached now."""
         rotation = self.position[2]
-        poses = [self._pose(step, rotation) for step in self._catchable(task).steps_left]
+        poses = [self._sites.pose_for(step, rotation) for step in self._catchable(task).steps_left]
         return () if None in poses else tuple(pose for pose in poses if pose is not None)
 
     def locate(self, task: Task) -> Event:
         """Begin the task, or go on with it: `where` its next step is, once it can be reached."""
-        pose = self._pose(_next_step(task))
+        pose = self._sites.pose_for(_next_step(task))
         if pose is None:
             return self._command(self._find(task))
         self._interrupts.command_given()
@@ -277,7 +263,7 @@ class GantryRobot(Machine):
         It was not if this is not the place, or if another command took the place of this one: the
         step then begins anew when it is handled again. `ValueError` if the task is done already.
         """
-        if (task.given_up and task.finished) or not self._is_at(_next_step(task)):
+        if (task.given_up and task.finished) or not self._sites.stands_at(_next_step(task)):
             return self._command(_not_done())
         return self._command(self._handle(task, self.drive.begin()))
 
@@ -341,9 +327,6 @@ class GantryRobot(Machine):
         self._interrupts.command_given()
         return self._clock.process(steps)
 
-    def _target(self, x: float, y: float, rotation: float | None) -> Pose:
-        return (x, y, self.position[2] if rotation is None else rotation)
-
     def _sightings(self) -> tuple[Sighting, ...]:
         if self._stage.blind[self.name]:
             return ()
@@ -352,63 +335,6 @@ class GantryRobot(Machine):
             for person in self._stage.people
             for state in [person.body.state]
         )
-
-    def _pose(self, step: Step, rotation: float | None = None) -> Pose | None:
-        """Return the pose of a step; None if out of reach now. `rotation` is kept if not given."""
-        if step.target is not None:
-            return step.target
-        if step.passing is not None:
-            return self._meeting(step.passing, step.seconds, rotation)
-        if step.place is None:
-            return self.position
-        at = self._locate(step.place)
-        if at is None:
-            return None
-        return self._target(at[0] + step.offset[0], at[1] + step.offset[1], rotation)
-
-    def _meeting(self, passing: Passing, seconds: float, rotation: float | None) -> Pose | None:
-        """Return the pose at which it can be picked first, after `seconds`; None if it can't be.
-
-        That is here, where it has yet to come by. Elsewhere the meeting is where the gantry and
-        what it picks come at the same time: each guess is that of the gantry's arrival at the last
-        one, which converges, as the gantry is the faster of the two.
-        """
-        track, at_rest = passing.track, self.body.motion.end <= self.now
-        comes_by = passing.at(self.position[:2], REACH) if at_rest else None
-        if comes_by is not None and comes_by >= self.now + seconds:
-            return self.position
-        # The last one stands while it can be kept: a new one for each delay would not be reached.
-        meant, meeting = self._rendezvous
-        if meant is not passing or self._ready(track, meeting, seconds, rotation) > meeting:
-            meeting = max(track.start, self.now) + seconds + AHEAD
-            for _ in range(GUESSES):
-                if meeting > track.end:
-                    return None
-                ready = self._ready(track, meeting, seconds, rotation) + AHEAD
-                if ready <= meeting + MOMENT:
-                    break
-                meeting = ready
-            self._rendezvous = passing, meeting
-        return self._target(*track.state(meeting).at, rotation)
-
-    def _ready(self, track: Motion, t: float, seconds: float, rotation: float | None) -> float:
-        """Return the instant (s) at which it could have picked what is on `track` at `t` there."""
-        pose = self._target(*track.state(t).at, rotation)
-        return self.drive.preview(pose, 1.0).end + seconds
-
-    def _locate(self, place: str) -> Point | None:
-        """Return the position of an obstacle, a station or a vehicle of that name.
-
-        None for a vehicle that drives, or stands beyond the gantry's range.
-        """
-        vehicle = self._stage.machines.get(place)
-        if vehicle is not None and vehicle.shape.category == "vehicle":
-            x, y = at = vehicle.body.at
-            within = not self.gantry.faults((x, y, 0.0))
-            return at if within and vehicle.body.motion.end <= self.now else None
-        if place not in self._places:
-            raise ValueError(f"no obstacle, station or AGV is called {place!r}")
-        return self._places[place]
 
     def _find(self, task: Task) -> Steps:
         _next_step(task)
@@ -420,7 +346,11 @@ class GantryRobot(Machine):
 
     def _catchable(self, task: Task) -> Task:
         """Return `task`, with another part in place of one that goes by and can't be met."""
-        while (step := task.next_step) is not None and step.passing and self._pose(step) is None:
+        while (
+            (step := task.next_step) is not None
+            and step.passing
+            and self._sites.pose_for(step) is None
+        ):
             self._begin_again(task)
         return task
 
@@ -429,7 +359,9 @@ class GantryRobot(Machine):
 
         None if it is not the next of its task any more.
         """
-        while (pose := self._pose(step)) is None and (task is None or task.next_step is step):
+        while (pose := self._sites.pose_for(step)) is None and (
+            task is None or task.next_step is step
+        ):
             yield self._floor_changed
         return pose
 
@@ -443,12 +375,6 @@ class GantryRobot(Machine):
 
         return self._command(steps())
 
-    def _is_at(self, step: Step) -> bool:
-        """Return True if the gantry stands where `step` can be handled."""
-        pose = self._pose(step)
-        moving = self.now < self.body.motion.end
-        return not (pose is None or moving or math.dist(pose[:2], self.position[:2]) > REACH)
-
     def _go_to(self, step: Step, command: int, task: Task | None = None) -> Steps:
         """As a part of `command`, go to where `step` is, once it can be reached."""
         pose = yield from self._reached(step, task)
@@ -459,7 +385,7 @@ class GantryRobot(Machine):
         self._begin(task)
         step = _next_step(task)
         passing, seconds = step.passing, step.seconds
-        comes_by = None if passing is None else passing.at(self.position[:2], REACH)
+        comes_by = None if passing is None else self._sites.comes_by(passing)
         if comes_by is not None:
             seconds = max(seconds, comes_by - self.now)
         done: bool = yield from self.drive.work(seconds, command)
@@ -488,7 +414,7 @@ class GantryRobot(Machine):
             self._begin(task)
             yield from self._go_to(step, command, task)
             # An AGV may have left in the meantime, or the part has dropped.
-            there = step is task.next_step and self._is_at(step)
+            there = step is task.next_step and self._sites.stands_at(step)
             if self.drive.is_under_way(command) and there:
                 yield from self._handle(task, command)
         return task.finished

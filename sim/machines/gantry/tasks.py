@@ -9,7 +9,7 @@ from typing import Any
 
 from simpy.events import Event
 
-from floorplan import Floorplan, Point
+from floorplan import Point
 from navigation import Motion
 
 from ...core.clock import Clock
@@ -247,11 +247,3 @@ def _steps(job: Job, handling: Handling) -> tuple[Step, ...]:
         Step("pick", handling.pick, place=job.pick),
         Step("place", handling.place, place=job.place),
     )
-
-
-def fixed_places(plan: Floorplan) -> dict[str, Point]:
-    """Return the places (x, y) of stations, and the middles of obstacles, by name."""
-    middles = ((o.name, o.footprint.centroid) for o in plan.obstacles)
-    return {name: (middle.x, middle.y) for name, middle in middles} | {
-        station.name: station.position for station in plan.stations
-    }

@@ -12,8 +12,9 @@ from shapely import LineString, Point
 from navigation import GantryPlanner, Motion, PlanningError, nearest_on
 
 from ..drive import Steps
-from ..robot import REACH, GantryRobot, Sighting
+from ..robot import GantryRobot, Sighting
 from ..tasks import Pose, Task
+from ..worksites import REACH
 from .caution import Caution
 
 ROOM = 0.2
