@@ -59,12 +59,25 @@ def nearest_people(value: Any, beside: Mapping[str, Any]) -> str:
     return f"{value['distance']:.2f} m ({one} and {other}) at t = {value['time']:.1f} s"
 
 
+def told_apart(distance: float, required: float) -> tuple[str, str]:
+    """Return a distance and what was required, in metres, with digits enough to tell them apart.
+
+    Up to millimetres: a violation begins where the two are equal, and a hair later is as exact as
+    a recording gets; that is just under what was required.
+    """
+    for digits in (2, 3):
+        shown = f"{distance:.{digits}f}", f"{required:.{digits}f}"
+        if shown[0] != shown[1]:
+            return shown
+    return ("just under " if distance < required else "") + f"{distance:.2f}", f"{required:.2f}"
+
+
 def nearest(value: Any, beside: Mapping[str, Any]) -> str:
     """Return a distance, when it was, and what was required then."""
     if value is None:
         return ""
-    distance, time, required = value["distance"], value["time"], value["required"]
-    return f"{distance:.2f} m at {time:.1f} s ({required:.2f} m required)"
+    distance, required = told_apart(value["distance"], value["required"])
+    return f"{distance} m at {value['time']:.1f} s ({required} m required)"
 
 
 def short_laws(value: Any, beside: Mapping[str, Any]) -> str:

@@ -15,6 +15,7 @@ from ..core.output import write_whole
 from ..machines.gantry.controllers import ControllerError
 from ..machines.kinds import MachineError
 from ..people.actions import MindError
+from ..record.words import told_apart
 from ..runs.run import Run
 from ..safety.own_law import LawError
 from ..simulation import Simulation
@@ -98,11 +99,12 @@ def _outline(run: Run) -> list[str]:
         f"penalties {summary['penalties']}, jobs done {summary['jobs_done']}",
     ]
     violations = [event for event in run.events if event["kind"] == "violation"]
-    lines += [
-        f"violation at t = {e['t']:.3f} s: {e['person']} and {e['with']} {e['distance']:.2f} m"
-        f" apart, {e['required']:.2f} m required"
-        for e in violations[:_MOST_VIOLATIONS]
-    ]
+    for event in violations[:_MOST_VIOLATIONS]:
+        distance, required = told_apart(event["distance"], event["required"])
+        lines.append(
+            f"violation at t = {event['t']:.3f} s: {event['person']} and {event['with']}"
+            f" {distance} m apart, {required} m required"
+        )
     if len(violations) > _MOST_VIOLATIONS:
         lines.append(f"and {len(violations) - _MOST_VIOLATIONS} violations more")
     return lines + run.unmet

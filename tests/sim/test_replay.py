@@ -12,6 +12,7 @@ import replay_sample
 import sim
 from sim.core.events import EVENT_KINDS
 from sim.core.recorder import rounded
+from sim.record.words import told_apart
 from sim.views import replay
 from sim.views.replay_data import replay_data
 
@@ -516,13 +517,28 @@ def test_the_current_event_is_kept_in_view(viewer):
 def test_a_violation_is_said_in_words(viewer, recording):
     violation = next(e for e in recording["events"] if e["kind"] == "violation")
     viewer.seek(violation["t"])
-    figures = f"{violation['distance']:.2f} of {violation['required']:.2f} m"
+    figures = "{} of {} m".format(*told_apart(violation["distance"], violation["required"]))
     state = viewer.text("[data-shows=state]")
     assert state == f"violation at {violation['t']:.2f} s, too close: {figures}"
     viewer.seek(69.1)
     assert viewer.text("[data-shows=state]") == "too close: violation"
     viewer.seek(0.0)
     assert viewer.text("[data-shows=state]") == "enough distance"
+
+
+@pytest.mark.parametrize(
+    ("distance", "required", "shown"),
+    [
+        (2.31, 3.5, ("2.31", "3.50")),
+        (3.4957, 3.5, ("3.496", "3.500")),
+        (3.503, 3.5, ("3.503", "3.500")),
+        (3.49999998, 3.5, ("just under 3.50", "3.50")),
+        (3.5, 3.5, ("3.50", "3.50")),
+    ],
+)
+def test_what_is_too_short_looks_shorter(viewer, distance, required, shown):
+    found = viewer.page.evaluate("([d, r]) => toldApart(d, r)", [distance, required])
+    assert (found["distance"], found["required"]) == told_apart(distance, required) == shown
 
 
 def test_the_floor_is_drawn_from_the_time_shown(viewer):

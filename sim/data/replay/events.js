@@ -147,10 +147,10 @@ function lookOf(event, bodies) {
 /** The second line of an event: distances, penalties, and the message of the simulation. */
 function detailOf(event) {
   const details = [];
-  if (Number.isFinite(event.distance)) {
-    details.push(`${metres(event.distance)} away`);
-  }
-  if (Number.isFinite(event.required)) details.push(`${metres(event.required)} required`);
+  if (Number.isFinite(event.distance) && Number.isFinite(event.required)) {
+    const { distance, required } = toldApart(event.distance, event.required);
+    details.push(`${distance} m away`, `${required} m required`);
+  } else if (Number.isFinite(event.distance)) details.push(`${metres(event.distance)} away`);
   if (event.penalty) details.push("penalty");
   if (Number.isFinite(event.score)) details.push(`${event.score} of ${event.best} points`);
   if (event.kind === "teleport") details.push(`to ${where(event)}`);
@@ -194,9 +194,23 @@ function clockTime(t, digits) {
   const [h, m] = [Math.floor(whole / 3600), Math.floor((whole % 3600) / 60)];
   return [...h ? [h, padded(m, 2)] : [m], padded(whole % 60, digits ? 3 + digits : 2)].join(":");
 }
-/** A distance that is too short, and what is required: by the words also where rounding makes them equal. */
-const comparison = (distance, required) => (
-  `too close: ${Number.isFinite(required) ? `${fixed(distance, 2)} of ${metres(required)}` : metres(distance)}`);
+/**
+ * A distance and what is required, with as many digits as tell them apart, up to millimetres: a violation begins
+ * where they are equal, so that it is recorded just under what is required.
+ */
+function toldApart(distance, required) {
+  const digits = [2, 3].find(count => fixed(distance, count) !== fixed(required, count));
+  if (digits) return { digits, distance: fixed(distance, digits), required: fixed(required, digits) };
+  const just = distance < required ? "just under " : "";
+  return { digits: 2, distance: just + fixed(distance, 2), required: fixed(required, 2) };
+}
+
+/** A distance that is too short, and what is required. */
+function comparison(distance, required) {
+  if (!Number.isFinite(required)) return `too close: ${metres(distance)}`;
+  const shown = toldApart(distance, required);
+  return `too close: ${shown.distance} of ${shown.required} m`;
+}
 
 /** The kinds of events of the runs that have a mark on the timeline: a shape each, in words. */
 function showKinds(list, runs) {

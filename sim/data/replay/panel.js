@@ -64,9 +64,8 @@ class Readout {
     this.root.classList.toggle("unpaired", !watch && pair !== "");
     if (!watch) return;
     const now = watch.at(t);
-    put("distance", metres(now.distance));
-    put("required", metres(now.required));
-    put("margin", metres(now.margin));
+    const { digits } = toldApart(now.distance, now.required);
+    for (const name of ["distance", "required", "margin"]) put(name, `${fixed(now[name], digits)} m`);
     put("person", spoken(watch.person.name));
     put("person-speed", `${fixed(now.personSpeed, 2)} m/s`);
     put("other", spoken(watch.other.name));

@@ -23,6 +23,7 @@ from ...core.machine import MachineShape
 from ...core.output import replacing, writing
 from ...machines.kinds import rails_under
 from ...record.outcome import Outcome
+from ...record.words import told_apart
 from ..chromium import find_chromium
 from ..extras import MissingExtraError
 from ..page_film import PageFilm, View
@@ -62,6 +63,9 @@ _LETTERS, _OVER = 6.0, 5.0
 
 _DISTANCE = (0, (3, 3))
 """The dashes of a line between two bodies."""
+
+_ROUNDING = 1e-6
+"""Metres."""
 
 _SAMPLES = 12
 """Pictures, spread over a film, from which the colours of a GIF are chosen."""
@@ -315,12 +319,20 @@ class _Person:
         self._line.set_data([x, to_x], [y, to_y])
         self._line.set_color(VERMILION if near else GREY)
         self._figure.xy = ((x + to_x) / 2, (y + to_y) / 2)
-        self._figure.set_text(f"too close: {distance:.2f} m" if near else f"{distance:.1f} m")
+        self._figure.set_text(_figure(distance, required, near))
         self._figure.set_color(VERMILION if near else BLACK)
         self._zone.set(
             center=(x, y), radius=required, facecolor=(colour, 0.15), edgecolor=(colour, 0.6)
         )
         return [self._zone, self._line, *parts, self._figure]
+
+
+def _figure(distance: float, required: float, near: bool) -> str:
+    """Return the words of a distance, which may be too short; `near` also to another machine."""
+    if not near or distance > required + _ROUNDING:
+        return f"{distance:.1f} m"
+    shown = told_apart(distance, required)
+    return f"too close: {shown[0]} of {shown[1]} m"
 
 
 def _name(axes: Axes, text: str, colour: str, *, above: bool = False) -> Any:

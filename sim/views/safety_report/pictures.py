@@ -9,6 +9,7 @@ from ...record.cells import Array
 from ...record.incidents import Incident
 from ...record.outcome import Outcome
 from ...record.risk import Risk
+from ...record.words import told_apart
 from ..extras import MissingExtraError
 from .parts import Part, Picture, Points, clock
 
@@ -142,9 +143,10 @@ def _instants(run: Outcome, worst: Sequence[Incident]) -> Iterator[Part]:
     film = Film(run, width=FRAME, mark=_MARKED)
     for one in worst:
         title = f"{one.person} and {one.machine} at {clock(one.begin)}"
+        distance, required = told_apart(one.distance, one.required)
         words = (
-            f"As the violation at t = {one.begin:.2f} s begins: {one.distance:.2f} m apart where"
-            f" {one.required:.2f} m are required."
+            f"As the violation at t = {one.begin:.2f} s begins: {distance} m apart where"
+            f" {required} m are required."
         )
         # An instant before, since a person may be put elsewhere at once.
         before = max(0.0, one.begin - 1e-6)
