@@ -51,6 +51,7 @@ SCRIPTS = (
     "solids",
     "renderer",
     "furniture",
+    "path_ahead",
     "figure",
     "machinery",
     "world",

@@ -181,6 +181,35 @@ def test_the_way_ahead_ends_where_the_person_next_stops(viewer, recording):
         assert first == pytest.approx(here[:2], abs=1e-9)
 
 
+def test_dashes_of_the_path_ahead_lie_still_until_the_person_is_on_them(viewer, recording):
+    goal = next(e for e in recording["events"] if e["kind"] == "goal")
+    shown, fresh = viewer.page.evaluate(
+        """([pieces, from, to]) => {
+            const motion = new Motion(pieces);
+            const person = { motion, track: new Track(motion) };
+            const rows = copies => Array.from({ length: copies.count }, (_, i) => (
+                [...copies.numbers.subarray(16 * i, 16 * i + 16)]));
+            const at = (t, person) => {
+                const pile = new Pile();
+                addPathAhead(pile, person, t, 0.02, [1, 0, 0]);
+                return rows(pile.of("square", "glow"));
+            };
+            const instants = Array.from({ length: 40 }, (_, k) => from + (to - from) * k / 40);
+            const afresh = t => dashesOf(new Track(motion).ahead(t).reverse())
+                .map(({ from, to }) => stripFrom(from, to, 0.02, DASH_WIDTH));
+            return [instants.map(t => at(t, person)), instants.map(afresh)];
+        }""",
+        [recording["motions"][goal["person"]], goal["t"], goal["t"] + 8.0],
+    )
+    assert sum(map(len, shown)) > 100
+    for drawn, expected in zip(shown, fresh, strict=True):
+        # What is shorter than a hair is rounding.
+        middles = [row[12:15] for row in drawn if math.hypot(row[0], row[1]) > 1e-4]
+        assert middles == [
+            pytest.approx(row[9:12], abs=1e-4) for row in expected if math.hypot(*row[:2]) > 1e-4
+        ]
+
+
 def test_a_stop_without_a_pause_ends_the_way_ahead(viewer):
     there_and_back = [[0, 1, [0, 2, -1], [0], [0]], [1, 2, [1, 0, -1], [0], [3]]]
     ahead = viewer.page.evaluate("p => new Track(new Motion(p)).ahead(0.5)", there_and_back)

@@ -158,7 +158,7 @@ def test_legs_step_as_far_as_the_body_goes(viewer, recording):
         const feet = t => {
             const pile = new Pile();
             addFigure(pile, person, t, [0, 0, 1], colors);
-            const { numbers } = pile.lists.get("solid trunk");
+            const { numbers } = pile.of("trunk", "solid");
             // the first two trunks are the feet: their origins
             return [0, 1].map(i => [numbers[16 * i + 12], numbers[16 * i + 14]]);
         };

@@ -88,9 +88,19 @@ function drawPlate(context, text, x, y, palette, color) {
 
 const plateWidth = (context, text) => textWidth(context, text, { size: 12, weight: 600 }) + 12;
 
+const WIDTHS = new Map();    // pixels of texts that were measured
+const MOST_WIDTHS = 2000;
+
 function textWidth(context, text, { size, weight }) {
-  context.font = `${weight} ${size}px ${FONT}`;
-  return context.measureText(text).width;
+  const key = `${weight} ${size} ${text}`;
+  let wide = WIDTHS.get(key);
+  if (wide === undefined) {
+    context.font = `${weight} ${size}px ${FONT}`;
+    wide = context.measureText(text).width;
+    if (WIDTHS.size >= MOST_WIDTHS) WIDTHS.clear();
+    WIDTHS.set(key, wide);
+  }
+  return wide;
 }
 
 const GLYPHS = {};           // the paths of shapes that were drawn

@@ -81,34 +81,73 @@ void main() {
   result = vec4(pow(base.rgb * light, vec3(1.0 / 2.2)), base.a);
 }`;
 
-/** Copies of shapes, in lists by shape and material; they can be emptied and filled anew at every frame. */
-class Pile {
-  constructor() {
-    this.lists = new Map();
+/** Copies of one shape in one material. */
+class Copies {
+  constructor(shape, material) {
+    Object.assign(this, { shape, material, count: 0, isSent: false });
+    this.numbers = new Float32Array(8 * INSTANCE);
   }
 
   clear() {
-    for (const list of this.lists.values()) list.count = 0;
+    this.count = 0;
+    this.isSent = false;
   }
 
   /** `color` is red, green and blue as light (not as the screen's numbers). */
-  add(shape, material, frame, color, opacity = 1) {
-    const key = `${material} ${shape}`;
-    let list = this.lists.get(key);
-    if (!list) this.lists.set(key, list = { shape, material, numbers: new Float32Array(8 * INSTANCE), count: 0 });
-    if ((list.count + 1) * INSTANCE > list.numbers.length) {
-      const more = new Float32Array(2 * list.numbers.length);
-      more.set(list.numbers);
-      list.numbers = more;
-    }
-    const { numbers } = list;
-    let at = INSTANCE * list.count++;
+  add(frame, color, opacity = 1) {
+    this.#reserve(1);
+    const { numbers } = this;
+    let at = INSTANCE * this.count++;
     for (let axis = 0; axis < 4; axis++) {
       numbers[at++] = frame[3 * axis];
       numbers[at++] = frame[3 * axis + 1];
       numbers[at++] = frame[3 * axis + 2];
       numbers[at++] = axis < 3 ? color[axis] : opacity;
     }
+  }
+
+  /** Adds the first `count` copies of others. */
+  append(others, count) {
+    this.#reserve(count);
+    this.numbers.set(others.numbers.subarray(0, INSTANCE * count), INSTANCE * this.count);
+    this.count += count;
+  }
+
+  #reserve(count) {
+    const wanted = (this.count + count) * INSTANCE;
+    if (wanted > this.numbers.length) {
+      const more = new Float32Array(2 * wanted);
+      more.set(this.numbers);
+      this.numbers = more;
+    }
+    this.isSent = false;
+  }
+}
+
+/** Copies of shapes, by material and shape; they can be emptied and filled anew at every frame. */
+class Pile {
+  constructor() {
+    this.lists = [];
+    this.byMaterial = new Map(Object.keys(MATERIALS).map(name => [name, new Map()]));
+  }
+
+  clear() {
+    for (const list of this.lists) list.clear();
+  }
+
+  /** The copies of a shape. */
+  of(shape, material) {
+    const byShape = this.byMaterial.get(material);
+    let list = byShape.get(shape);
+    if (!list) {
+      byShape.set(shape, list = new Copies(shape, material));
+      this.lists.push(list);
+    }
+    return list;
+  }
+
+  add(shape, material, frame, color, opacity = 1) {
+    this.of(shape, material).add(frame, color, opacity);
   }
 }
 
@@ -163,7 +202,7 @@ class Renderer {
     const around = 0.5 * Math.hypot(width, height) + 3;
     const sunView = product(parallelMatrix(around, 0, 2 * around),
       viewMatrix(middle.map((value, i) => value + SUN[i] * around), middle));
-    const lists = piles.flatMap(pile => [...pile.lists.values()]).filter(list => list.count);
+    const lists = piles.flatMap(pile => pile.lists).filter(list => list.count);
     const ofKind = isWanted => lists.filter(({ material }) => isWanted(MATERIALS[material]));
     for (const list of lists) this.#fill(list);
 
@@ -218,7 +257,7 @@ class Renderer {
     this.floor.clear();
     const [, , width, height] = this.area;
     this.floor.add("square", "solid", sized(frameAt(middle[0], middle[1]), width, height, 1), [1, 1, 1]);
-    const [list] = this.floor.lists.values();
+    const [list] = this.floor.lists;
     this.#fill(list);
     set("lit", 1);
     set("edges", 0);
@@ -243,8 +282,10 @@ class Renderer {
     return this.places.get(key);
   }
 
-  /** Sends the copies of a list to the graphics card. */
+  /** Sends the copies of a list to the graphics card, if they have changed. */
   #fill(list) {
+    if (list.isSent) return;
+    list.isSent = true;
     const { gl } = this;
     if (!this.buffers.has(list)) this.buffers.set(list, this.#wired(this.meshes.get(list.shape)));
     const { buffer } = this.buffers.get(list);
@@ -257,7 +298,6 @@ class Renderer {
     const { array, count } = this.buffers.get(list);
     gl.bindVertexArray(array);
     gl.drawElementsInstanced(gl.TRIANGLES, count, gl.UNSIGNED_SHORT, 0, list.count);
-    gl.bindVertexArray(null);
   }
 
   #loaded(mesh) {

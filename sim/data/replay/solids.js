@@ -97,6 +97,11 @@ const SOLIDS = {
   disc: () => turnedMesh([[0.5, 0], [0, 0]], LARGE),
 };
 
+/** A ring on the floor, a metre across, of a line that is `width` metres wide. */
+function ringMesh(width) {
+  return turnedMesh([[0.5 + width / 2, 0], [0.5 - width / 2, 0]], LARGE);
+}
+
 /** An upright solid of any footprint (a ring of points), from one height to another. */
 function prismMesh(footprint, bottom, top) {
   const ring = signedArea(footprint) > 0 ? footprint : [...footprint].reverse();

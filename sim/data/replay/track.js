@@ -11,6 +11,7 @@ class Track {
     this.motion = motion;
     this.begin = Infinity;     // the points hold for instants from `begin` to `end`, seconds
     this.end = -Infinity;
+    this.leg = null;           // the one that was asked for last
   }
 
   /** Works out the points from `since` to the end of the leg at t, and some more on both sides. */
@@ -48,6 +49,28 @@ class Track {
     this.legs = Int32Array.from(legs);
     this.xs = Float64Array.from(places, place => place.x);
     this.ys = Float64Array.from(places, place => place.y);
+    this.leg = null;
+  }
+
+  /**
+   * The leg at t, null where the body stands: of its points {times, xs, ys} and `rests`, the metres from each to
+   * the last one. As long as it is the same leg, it is the same object.
+   */
+  legAt(t) {
+    this.#cover(t, t);
+    const { legs } = this;
+    const at = lastUpTo(this.times, t);
+    if (at < 0 || legs[at + 1] !== legs[at]) return null;
+    if (this.leg?.number === legs[at]) return this.leg;
+    let [first, end] = [at, at + 1];
+    while (legs[first - 1] === legs[at]) first--;
+    while (legs[end] === legs[at]) end++;
+    const [times, xs, ys] = [this.times, this.xs, this.ys].map(all => all.subarray(first, end));
+    const rests = new Float64Array(times.length);
+    for (let i = rests.length - 2; i >= 0; i--) {
+      rests[i] = rests[i + 1] + Math.hypot(xs[i + 1] - xs[i], ys[i + 1] - ys[i]);
+    }
+    return this.leg = { number: legs[at], times, xs, ys, rests };
   }
 
   /**
@@ -77,12 +100,11 @@ class Track {
 
   /** The points still ahead at t until the body stops: [[x, y], …], from where it is; [] if it stands. */
   ahead(t) {
-    this.#cover(t, t);
-    const last = lastUpTo(this.times, t);
-    if (last < 0 || this.legs[last + 1] !== this.legs[last]) return [];
+    const leg = this.legAt(t);
+    if (!leg) return [];
     const here = this.motion.at(t);
     const points = [[here.x, here.y]];
-    for (let i = last + 1; this.legs[i] === this.legs[last]; i++) points.push([this.xs[i], this.ys[i]]);
+    for (let i = lastUpTo(leg.times, t) + 1; i < leg.times.length; i++) points.push([leg.xs[i], leg.ys[i]]);
     return points;
   }
 }

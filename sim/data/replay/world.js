@@ -4,12 +4,11 @@ const PAINTED = 2048;        // pixels of the longer side of the picture on the 
 const HIDING = 1.5;          // metres: what is higher than this can hide people, and is seen through then
 const VOLUME = 1.9;          // metres up to which the protective distance is shown
 const KERB = 0.08;           // metres of the floor's edge
-const DASH = 0.3;            // metres of a dash of the path ahead, and of the gap after it
 const CLOSEST = 0.2;         // metres between two points of a trail
 const MARKED = 0.02;         // metres above the floor of what is marked on it
 const FEW_WATCHED = 8;       // people, of whom each is kept in sight
 
-const RING = Array.from({ length: 65 }, (_, i) => [Math.cos((i * Math.PI) / 32), Math.sin((i * Math.PI) / 32)]);
+const RINGS = new Map();     // of which there is a shape, by how fine they are
 
 /** Fixed colours beside those of the theme. */
 const PAINTS = {
@@ -120,10 +119,9 @@ class World {
   }
 
   #addRing(x, y, radius, width, color, opacity) {
-    const points = RING.map(([c, s]) => [x + radius * c, y + radius * s]);
-    for (let i = 0; i + 1 < points.length; i++) {
-      this.moving.add("square", "glow", stripFrom(points[i], points[i + 1], MARKED, width), color, opacity);
-    }
+    if (!(radius > 0)) return;
+    const shape = this.renderer.learned(...ringShape(width / (2 * radius)));
+    this.moving.add(shape, "glow", sized(frameAt(x, y, MARKED), 2 * radius, 2 * radius, 1), color, opacity);
   }
 
   #addTrail(body, t) {
@@ -142,13 +140,11 @@ class World {
   #addPathAhead(person, t, afterglow) {
     const { moving, colors } = this;
     const color = colors[person.color];
-    for (const dash of dashesOf(person.track.ahead(t))) {
-      moving.add("square", "glow", stripFrom(...dash, MARKED, 0.045), color, 0.9);
-    }
+    addPathAhead(moving, person, t, MARKED, color);
     const jump = person.motion.lastJump(t);
     if (!jump || t - jump.t > afterglow || Math.hypot(jump.to.x - jump.from.x, jump.to.y - jump.from.y) > AWAY) return;
-    for (const dash of dashesOf([[jump.from.x, jump.from.y], [jump.to.x, jump.to.y]])) {
-      moving.add("square", "glow", stripFrom(...dash, MARKED, 0.03), color, 1 - 0.8 * ((t - jump.t) / afterglow));
+    for (const { from, to } of dashesOf([[jump.from.x, jump.from.y], [jump.to.x, jump.to.y]])) {
+      moving.add("square", "glow", stripFrom(from, to, MARKED, 0.03), color, 1 - 0.8 * ((t - jump.t) / afterglow));
     }
   }
 
@@ -161,22 +157,11 @@ class World {
   }
 }
 
-/** The dashes of a line of points, each from one point to another. */
-function dashesOf(points) {
-  const dashes = [];
-  let gone = 0;
-  for (let i = 1; i < points.length; i++) {
-    const [[ax, ay], [bx, by]] = [points[i - 1], points[i]];
-    const length = Math.hypot(bx - ax, by - ay);
-    for (let at = 0; at < length;) {
-      const next = Math.min(length, at + DASH - (gone % DASH) + 1e-9);
-      const share = metres => [ax + (metres / length) * (bx - ax), ay + (metres / length) * (by - ay)];
-      if (Math.floor(gone / DASH) % 2 === 0) dashes.push([share(at), share(next)]);
-      gone += next - at;
-      at = next;
-    }
-  }
-  return dashes;
+/** What belongs to a ring that is about so wide, of its diameter, and what makes its shape. */
+function ringShape(share) {
+  const step = Math.round(4 * Math.log2(Math.min(share, 0.25)));
+  if (!RINGS.has(step)) RINGS.set(step, {});
+  return [RINGS.get(step), () => ringMesh(2 ** (step / 4))];
 }
 
 /** What is painted on the floor: ground, lanes, stations, safe zone, and a field that lasts. */
