@@ -88,7 +88,7 @@ def answers(call: Call, term: Term, formula: Term) -> list[Term]:
 @STANDARD.add(".findall", least=3, most=3)
 def findall(call: Call, term: Term, formula: Term, result: Term) -> object:
     """`.findall(T, F, L)`: a term as it is in each answer of a formula."""
-    return call.unify(result, make_list(answers(call, term, formula)))
+    return call.unify(result, call.agent.logic.collected(term, formula, call.unifier))
 
 
 @STANDARD.add(".setof", least=3, most=3)

@@ -7,8 +7,18 @@ from collections.abc import Callable, Iterator
 from ..language.containers import Container
 from ..language.order import compare, distinct, standard_order
 from ..language.substitution import Unifier
-from ..language.terms import EMPTY, Cons, Nil, Term, Var, make_list, plain_text, text
-from ..language.unification import unified
+from ..language.terms import (
+    EMPTY,
+    Cons,
+    Nil,
+    Term,
+    Var,
+    is_ground,
+    make_list,
+    plain_text,
+    text,
+)
+from ..language.unification import unified, unify
 from ..reasoning.actions import ActionError
 from ..reasoning.calls import Call
 from .arguments import a_list, a_number, wrong
@@ -92,8 +102,12 @@ def nth(call: Call, index: Term, elements: Term, element: Term) -> object:
 
 
 def _positions(call: Call, index: Var, items: list[Term], element: Term) -> Iterator[Unifier]:
+    u = call.unifier
     for position, item in enumerate(items):
-        solution = unified(element, item, call.unifier)
+        if is_ground(element) and is_ground(item):  # nothing to bind
+            solution = u if element is item or unify(element, item, {}) else None
+        else:
+            solution = unified(element, item, u)
         if solution is not None:
             solution = unified(index, float(position), solution)
         if solution is not None:

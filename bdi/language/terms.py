@@ -311,10 +311,16 @@ class Cons:
 
     def __iter__(self) -> Iterator[Term]:
         """Iterate over the elements, without an open tail."""
-        return (cell.head for cell in self.cells())
+        cell: Term = self
+        while cell.__class__ is Cons:
+            yield cell.head
+            cell = cell.tail
 
     def __len__(self) -> int:
-        return sum(1 for _ in self.cells())
+        length, cell = 1, self.tail
+        while cell.__class__ is Cons:
+            length, cell = length + 1, cell.tail
+        return length
 
     @property
     def open_tail(self) -> Var | None:

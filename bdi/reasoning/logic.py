@@ -196,6 +196,25 @@ class Logic:
             else:
                 return
 
+    def collected(self, term: Term, formula: Term, u: Unifier) -> Term:
+        """Return the list of `term` as it is in each of the `solutions`.
+
+        That for a plain query without values is kept until a belief of its kind changes, as
+        programs ask for all stations again and again; it counts as many goals as the first time.
+        """
+        names = _unbound(term, formula, u)
+        shelf = self.shelves.get(formula.key) if names else None  # type: ignore[union-attr]
+        if shelf is None or shelf.rules or not shelf.keeps_answers:
+            return make_list([substitute(term, one) for one in self.solutions(formula, u)])
+        known = shelf.collected.get(names)
+        if known is None or self.goals_left < known[1]:
+            left = self.goals_left
+            made = make_list([substitute(term, one) for one in self.solutions(formula, u)])
+            known = shelf.collect(names, made, left - self.goals_left)
+        else:
+            self.goals_left -= known[1]
+        return known[0]
+
     def _prove(
         self, u: Unifier, goals: Goals, choices: list[State | Iterator[State]]
     ) -> Unifier | None:
@@ -374,6 +393,18 @@ class Logic:
         else:
             order = compare(left, right)
         return u if _ORDERS[symbol](order, 0) else None
+
+
+def _unbound(term: Term, formula: Term, u: Unifier) -> tuple[str, ...]:
+    """Return the names of a variable and of a plain query's arguments, if none has a value."""
+    if formula.__class__ is not Literal or formula.annots or formula.is_internal_action:
+        return ()
+    names = []
+    for part in (term, *formula.args):
+        if part.__class__ is not Var or part.name in u:
+            return ()
+        names.append(part.name)
+    return tuple(names)
 
 
 _ORDERS = MappingProxyType({"<": lt, "<=": le, ">": gt, ">=": ge})

@@ -23,7 +23,11 @@ class Shelf:
     queries with one first argument is kept until something changes.
     """
 
+    keeps_answers = True
+    """False of a shelf of which each query may get other answers."""
+
     _MANY = 2
+    _MOST_COLLECTED = 16
 
     def __init__(self) -> None:
         self.rules = 0
@@ -34,6 +38,15 @@ class Shelf:
         self._back = 0
         self._ordered: tuple[Literal | Rule, ...] | None = None
         self._known: dict[Term, tuple[Literal | Rule, ...]] = {}
+        self.collected: dict[tuple[str, ...], tuple[Term, int]] = {}
+        """Lists of all answers to a query of these names, with the goals they took, as they are."""
+
+    def collect(self, names: tuple[str, ...], answers: Term, goals: int) -> tuple[Term, int]:
+        """Keep all answers to a query of these names until something changes."""
+        if len(self.collected) >= self._MOST_COLLECTED:
+            self.collected.clear()
+        self.collected[names] = answers, goals
+        return self.collected[names]
 
     def __len__(self) -> int:
         return len(self._entries)
@@ -63,6 +76,7 @@ class Shelf:
             key = clause.args
         self._entries[key] = (rank, clause)
         self._ordered = None
+        self.collected.clear()
         if self._by_first is not None:
             self._known.clear()
             self._file(key, (rank, clause))
@@ -76,6 +90,7 @@ class Shelf:
         rank, _ = self._entries[belief.args]
         self._entries[belief.args] = (rank, belief)
         self._ordered = None
+        self.collected.clear()
         if self._by_first is not None:
             self._known.clear()
             self._file(belief.args, (rank, belief))
@@ -92,6 +107,7 @@ class Shelf:
             return None
         self._entries = {belief.args: (rank, belief)}
         self._ordered = (belief,)
+        self.collected.clear()
         if self._by_first is not None:
             self._by_first, self._loose, self._known = None, {}, {}
         return known
@@ -100,6 +116,7 @@ class Shelf:
         """Remove the belief with these arguments."""
         del self._entries[args]
         self._ordered = None
+        self.collected.clear()
         if self._by_first is None:
             return
         self._known.clear()
@@ -145,6 +162,8 @@ class Shelf:
 
 class LiveShelf(Shelf):
     """Shelf whose `source` is asked by each query; its answers come before what is kept."""
+
+    keeps_answers = False
 
     def __init__(
         self, functor: str, arity: int, source: Callable[[], Iterable[tuple[Term, ...]]]
