@@ -325,6 +325,12 @@ class Floor:
     notices: tuple[Problem, ...] = field(default=(), compare=False)
 
     @cached_property
+    def middles(self) -> dict[str, Point]:
+        """The middles of the footprints of obstacles (x, y in metres), by name."""
+        found = ((one.name, one.footprint.centroid) for one in self.obstacles)
+        return {name: (middle.x, middle.y) for name, middle in found}
+
+    @cached_property
     def one_ways(self) -> tuple[Gate, ...]:
         """All that is crossed in one direction only: gates, and the ends of one-way zones."""
         return (*self.gates, *(gate for zone in self.zones for gate in zone.gates))

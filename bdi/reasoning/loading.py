@@ -108,7 +108,7 @@ def _begin(agent: AgentState, program: Program, beliefs: Sequence[Belief] = ()) 
 
 def _believe(agent: AgentState, clause: Belief | Rule) -> None:
     if isinstance(clause, Rule):
-        agent.beliefs.add_rule(Rule(with_source(clause.head), clause.body, clause.place))
+        agent.beliefs.add_rule(_believed(clause))
         return
     literal = clause.belief
     if not literal.ground:
@@ -117,3 +117,11 @@ def _believe(agent: AgentState, clause: Belief | Rule) -> None:
         agent.believe(literal)
     else:
         agent.beliefs.add_rule(Rule(with_source(literal), TRUE, clause.place))
+
+
+def _believed(rule: Rule) -> Rule:
+    """Return a rule as agents believe it, with a source: made once, however many have it."""
+    known: Rule | None = rule.__dict__.get("believed")
+    if known is None:
+        known = rule.__dict__["believed"] = Rule(with_source(rule.head), rule.body, rule.place)
+    return known

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import partial
 from operator import attrgetter
 from typing import Any, Literal
@@ -321,7 +321,7 @@ FIGURES: dict[str, SummaryFigure] = {
         SummaryFigure(
             path="law_audit",
             form="parts",
-            of=lambda run: [asdict(short) for short in short_laws(run.trial)],
+            of=lambda run: [{**vars(short)} for short in short_laws(run.trial)],
             label="law assumes shorter stops of",
             meaning="machines whose law counts on a shorter stop than they may take",
             words=words.short_laws,

@@ -148,17 +148,15 @@ class Finished:
     def _walked_and_stood(self, person: Person) -> tuple[float, float]:
         begin, left = person.started_at, person.left_at
         walked = standing = 0.0
-        for piece in self.motions[person.name].pieces if begin is not None else ():
-            u = piece.end - piece.begin
-            x, y = piece.x[1:], piece.y[1:]
-            if any(x) or any(y):
+        for since, until, x, y, _ in self.motions[person.name].pieces if begin is not None else ():
+            (_, x1, x2, x3), (_, y1, y2, y3) = x, y
+            u = until - since
+            if x1 or x2 or x3 or y1 or y2 or y3:
                 # A person's piece is straight and never turns back: it is as long as its chord.
-                walked += math.hypot(
-                    u * (x[0] + u * (x[1] + u * x[2])), u * (y[0] + u * (y[1] + u * y[2]))
-                )
+                walked += math.hypot(u * (x1 + u * (x2 + u * x3)), u * (y1 + u * (y2 + u * y3)))
             else:
-                end = piece.end if left is None else min(piece.end, left)
-                standing += max(0.0, end - max(piece.begin, begin or 0.0))
+                end = until if left is None else min(until, left)
+                standing += max(0.0, end - max(since, begin or 0.0))
         if person.is_recorded and begin is not None:
             # The pieces of those who were measured are curved: their speed is integrated.
             walked = Odometer(self.motions[person.name]).reading(self.duration)

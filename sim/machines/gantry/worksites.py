@@ -112,7 +112,4 @@ class Worksites:
 
 def fixed_places(plan: Floorplan) -> dict[str, Point]:
     """Return the places (x, y) of stations, and the middles of obstacles, by name."""
-    middles = ((o.name, o.footprint.centroid) for o in plan.obstacles)
-    return {name: (middle.x, middle.y) for name, middle in middles} | {
-        station.name: station.position for station in plan.stations
-    }
+    return plan.middles | {station.name: station.position for station in plan.stations}
