@@ -329,3 +329,20 @@ def test_beliefs_in_front_and_gone():
         "+f(1); .asserta(f(2)); .findall(X, f(X), L); .print(L); .perceive; .abolish(f(_));"
         " .count(f(_), N); .print(N)"
     ) == ["[2,1]", "0"]
+
+
+def test_a_list_of_all_answers_follows_every_change_of_beliefs():
+    ask = ".findall(X, f(X, Y), L{0}); .print(L{0}); "
+    changes = [
+        "+f(1, a)",
+        "+f(2, a)",
+        "+f(2, a)[seen]",
+        "-f(1, a)",
+        "-+f(3, b)",
+        ".abolish(f(_, _))",
+    ]
+    steps = "".join(ask.format(k) + change + "; " for k, change in enumerate(changes))
+    # With a value of Y the same query has other answers.
+    bound = "+f(4, a); +f(5, b); " + ask.format(8) + "Y = b; " + ask.format(9)
+    lists = said(steps + ask.format(7) + bound + "true")
+    assert lists == ["[]", "[1]", "[2,1]", "[2,1]", "[2]", "[3]", "[]", "[5,4]", "[5]"]
