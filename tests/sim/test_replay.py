@@ -546,7 +546,7 @@ def test_the_current_event_is_kept_in_view(viewer):
 def test_a_violation_is_said_in_words(viewer, recording):
     violation = next(e for e in recording["events"] if e["kind"] == "violation")
     viewer.seek(violation["t"])
-    figures = "{} of {} m".format(*told_apart(violation["distance"], violation["required"]))
+    figures = " of ".join(told_apart(violation["distance"], violation["required"])) + " m"
     state = viewer.text("[data-shows=state]")
     assert state == f"violation at {violation['t']:.2f} s, too close: {figures}"
     viewer.seek(69.1)

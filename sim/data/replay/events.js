@@ -201,15 +201,15 @@ function clockTime(t, digits) {
 function toldApart(distance, required) {
   const digits = [2, 3].find(count => fixed(distance, count) !== fixed(required, count));
   if (digits) return { digits, distance: fixed(distance, digits), required: fixed(required, digits) };
-  const just = distance < required ? "just under " : "";
-  return { digits: 2, distance: just + fixed(distance, 2), required: fixed(required, 2) };
+  const isJust = distance < required;
+  return { digits: 2, isJust, distance: `${isJust ? "just under " : ""}${fixed(distance, 2)}`, required: fixed(required, 2) };
 }
 
 /** A distance that is too short, and what is required. */
 function comparison(distance, required) {
   if (!Number.isFinite(required)) return `too close: ${metres(distance)}`;
   const shown = toldApart(distance, required);
-  return `too close: ${shown.distance} of ${shown.required} m`;
+  return `too close: ${shown.distance}${shown.isJust ? "" : ` of ${shown.required}`} m`;
 }
 
 /** The kinds of events of the runs that have a mark on the timeline: a shape each, in words. */

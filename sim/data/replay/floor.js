@@ -1,5 +1,6 @@
 /* The floor: ground, lanes, obstacles, places and their names. */
 
+const SMALL_SCALE = 13;      // pixels a metre below which names are small
 const TALLEST = 2.5;      // metres: obstacles of this height are drawn darkest
 const NEIGHBOUR = 0.3;    // metres between neighbours, at most
 const PERSON_RADIUS = 0.3;
@@ -189,7 +190,7 @@ class FloorLayer {
       drawText(context, text, x, y, look);
       return true;
     };
-    const bold = { color: palette.text, halo: palette.halo, size: 12, weight: 600 };
+    const bold = { color: palette.text, halo: palette.halo, size: camera.scale < SMALL_SCALE ? 10 : 12, weight: 600 };
     const plain = { color: palette.muted, halo: palette.halo, size: 11 };
 
     for (const { at } of this.plan.stations) {

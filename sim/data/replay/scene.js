@@ -6,6 +6,7 @@ const AFTERGLOW = 2.5;       // seconds for which a violation and a teleport sta
 const GLIMPSE = 0.5;         // or, if that is longer, so many of the viewer's time
 const FILMED = 1.5;          // the same of a film's time
 const BODY_SIZE = 18;        // pixels round a body that no figure should cover
+const CROWDED = 0.2;         // of a vehicle's name, from which it is left out where more is covered
 const SLIGHT_COST = 1e-6;    // square pixels: rounding
 const AWAY = 900;            // metres: so far only those jump who come in or leave
 const MOST_MARKS = 200;      // of the violations so far, the latest are marked on the floor
@@ -135,14 +136,18 @@ function placeOfFigure(pen, [ax, ay], [bx, by], text) {
   const places = [...[0.5, 0.38, 0.62, 0.26, 0.74].map(on),
     [mx, my - 34], [mx + 72, my], [mx - 72, my], [mx, my + 34], [mx, my - 60], [mx, my + 60],
     [mx + 72, my - 34], [mx - 72, my - 34], [mx + 72, my + 34], [mx - 72, my + 34]];
-  return takePlace(pen, places, plateWidth(pen.context, text), 20);
+  const wide = plateWidth(pen.context, text);
+  const { left, right, top, bottom } = pen.camera.screen;
+  const kept = places.map(([x, y]) => [
+    Math.max(left + wide / 2 + 2, Math.min(x, right - wide / 2 - 2)), Math.max(top + 12, Math.min(y, bottom - 12))]);
+  return takePlace(pen, kept, wide, 20);
 }
 
 /**
  * The first of the `places` at which a box of that size covers the least that is taken, and is cut off
- * the least at the edge of the screen; takes it.
+ * the least at the edge of the screen; takes it. None (null) if at all of them more than a share of it is.
  */
-function takePlace({ taken, camera }, places, wide, high) {
+function takePlace({ taken, camera }, places, wide, high, share = Infinity) {
   const { screen } = camera;
   let [best, bestBox, least] = [null, null, Infinity];
   for (const place of places) {
@@ -153,6 +158,7 @@ function takePlace({ taken, camera }, places, wide, high) {
     if (cost < least) [best, bestBox, least] = [place, box, cost];
     if (least < SLIGHT_COST) break;        // most are free at once
   }
+  if (least > share * wide * high) return null;
   taken.push(bestBox);
   return best;
 }
@@ -197,7 +203,7 @@ function drawName(pen, run, body, t) {
       return;
     }
     const look = { size: 10, weight: 600, color: palette.muted, halo: palette.halo };
-    drawNameBeside(pen, words, px, py, 0.5 * Math.hypot(body.length, body.width) * camera.scale + 6, look);
+    drawNameBeside(pen, words, px, py, 0.5 * Math.hypot(body.length, body.width) * camera.scale + 6, look, { share: CROWDED });
     return;
   }
   const isRobot = body.category === "robot";
@@ -205,11 +211,14 @@ function drawName(pen, run, body, t) {
   const look = { halo: palette.halo, size: 12, weight: 600, color: palette[isRobot ? "robot-ink" : body.color] };
   const round = body.reach ?? Math.hypot(body.length, body.width) / 2;
   const away = isRobot ? round * camera.scale + 10 : Math.max(6, body.radius * camera.scale) + 11;
-  drawNameBeside(pen, name, px, py, away, look, isRobot);
+  drawNameBeside(pen, name, px, py, away, look, { isBelow: isRobot });
 }
 
-/** Writes a name where it covers least: above, below, beside or at a slant, `away` pixels from the middle. */
-function drawNameBeside(pen, name, px, py, away, look, isBelow = false) {
+/**
+ * Writes a name where it covers least: above, below, beside or at a slant, `away` pixels from the middle; not
+ * where it would be covered by more than a `share`.
+ */
+function drawNameBeside(pen, name, px, py, away, look, { isBelow = false, share = Infinity } = {}) {
   const wide = textWidth(pen.context, name, look);
   const up = isBelow ? 1 : -1;
   const [beside, slant] = [away + wide / 2, 0.7 * away + wide / 2];
@@ -218,5 +227,6 @@ function drawNameBeside(pen, name, px, py, away, look, isBelow = false) {
     [px + slant, py - 0.7 * away], [px - slant, py - 0.7 * away], [px + slant, py + 0.7 * away],
     [px - slant, py + 0.7 * away], [px, py - away - 14], [px, py + away + 14],
   ];
-  drawText(pen.context, name, ...takePlace(pen, places, wide, look.size + 2), look);
+  const place = takePlace(pen, places, wide, look.size + 2, share);
+  if (place) drawText(pen.context, name, ...place, look);
 }

@@ -332,7 +332,8 @@ def _figure(distance: float, required: float, near: bool) -> str:
     if not near or distance > required + _ROUNDING:
         return f"{distance:.1f} m"
     shown = told_apart(distance, required)
-    return f"too close: {shown[0]} of {shown[1]} m"
+    is_just = shown[0].endswith(shown[1])
+    return f"too close: {shown[0] if is_just else ' of '.join(shown)} m"
 
 
 def _name(axes: Axes, text: str, colour: str, *, above: bool = False) -> Any:
