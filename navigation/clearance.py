@@ -10,7 +10,8 @@ import math
 from typing import NamedTuple
 
 from .kernels.discs import ROW, gone, meeting
-from .motion import Motion, Piece, value
+from .kernels.pacing import turned
+from .motion import Motion, TablePieces, value
 
 
 class Swath(NamedTuple):
@@ -72,16 +73,7 @@ def swath(motion: Motion, begin: float) -> Swath:
 
 def walked(swath: Swath, heading: float) -> Motion:
     """Return the motion along a `swath`: turned to where it goes, at first by `heading` (rad)."""
-    table = swath.table
-    pieces = []
-    for k in range(0, len(table) - ROW, ROW):
-        begin, end, x, vx, ax, jx, y, vy, ay, jy = table[k : k + ROW]
-        if vx or vy:
-            heading = math.atan2(vy, vx)
-        elif ax or ay:
-            heading = math.atan2(ay, ax)
-        pieces.append(Piece(begin, end, (x, vx, ax, jx), (y, vy, ay, jy), (heading, 0.0, 0.0, 0.0)))
-    return Motion(tuple(pieces))
+    return Motion(TablePieces(turned(swath.table, heading)))
 
 
 def first_conflict(one: Swath, other: Swath, least: float, begin: float) -> float | None:

@@ -16,11 +16,11 @@ else:
     from . import uncompiled as cython
 
 if not cython.compiled:
-    from math import inf, sqrt
+    from math import atan2, inf, sqrt
 
     INFINITY = inf
 else:
-    from cython.cimports.libc.math import INFINITY, sqrt
+    from cython.cimports.libc.math import INFINITY, atan2, sqrt
 
 _SHORT: float = 1e-9  # metres; legs shorter than this are left out
 _DEVIATION: float = 0.05  # metres; how far a rounded corner may leave the path, as in `walk`
@@ -121,6 +121,26 @@ def walk_table(
     y = corners[len(corners) - 1]
     _add(table, t, INFINITY, x, 0.0, 0.0, y, 0.0, 0.0)
     return True
+
+
+def turned(table: list[float], heading: float) -> list[float]:
+    """Return the table of the motion along a walk: turned to where it goes, standing left out.
+
+    Its rows are those of `pieces`; until it goes anywhere it is turned by `heading` (radians).
+    """
+    found: list[float] = []
+    o: cython.Py_ssize_t
+    for o in range(0, len(table) - 10, 10):
+        if table[o + 3] != 0.0 or table[o + 7] != 0.0:
+            heading = atan2(table[o + 7], table[o + 3])
+        elif table[o + 4] != 0.0 or table[o + 8] != 0.0:
+            heading = atan2(table[o + 8], table[o + 4])
+        found.extend(table[o : o + 10])
+        found.append(heading)
+        found.append(0.0)
+        found.append(0.0)
+        found.append(0.0)
+    return found
 
 
 def bend_speed(cosine: float, shorter: float, acceleration: float) -> float:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 
 from floorplan import Point
@@ -391,16 +392,13 @@ class Crowd:
         ours, theirs = me.direction(now), other.direction(now)
         if ours is None or theirs is None or ours[0] * theirs[0] + ours[1] * theirs[1] > -0.3:
             return False
-        try:
-            outlook = self._outlook(other)
-        except PlanningError:
-            return False
-        for one, two in both_aside(me, mine, hit, outlook):
-            if _conflict(me, one, other, two, now):
-                continue
-            self._commit(self._parties[me], mine.made(one), one, mine)
-            self._commit(self._parties[other], outlook.made(two), two, outlook)
-            return True
+        with suppress(PlanningError):
+            for one, two, outlook in both_aside(me, mine, hit, lambda: self._outlook(other)):
+                if _conflict(me, one, other, two, now):
+                    continue
+                self._commit(self._parties[me], mine.made(one), one, mine)
+                self._commit(self._parties[other], outlook.made(two), two, outlook)
+                return True
         return False
 
     def _wait(self, party: _Party, outlook: Outlook, hit: Hit, *, ask: bool = True) -> None:
@@ -482,11 +480,9 @@ class Crowd:
             return False
         floor = self._whereabouts
         left = [
-            (one.swath.place, one.radius, one)
+            (floor.places[k], floor.radii[k], floor.people[k])
             for k in floor.near([*goal, *goal], BESIDE)
-            if floor.rests[k] <= now
-            for one in [floor.people[k]]
-            if one is not me
+            if floor.rests[k] <= now and floor.people[k] is not me
         ]
         ring = [(goal, -me.radius)]
         while ring:

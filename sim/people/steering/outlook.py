@@ -101,9 +101,10 @@ class Outlook:
 
     `at`, `t` and `speed` are where, when and how fast a new course begins: now, or once they have
     come to rest, where they are too fast to turn (`lead` is the motion until then). `course` is
-    their path from there to the goal, `whole` its length and `reach` how far along it they look
-    ahead (metres); `wished` is where the `wish` goes. `walks` along the course and beside it are
-    to be weighed against each other.
+    their path from there to the goal, `whole` its length, `reach` how far along it they look
+    ahead and `stop` after how much of it they stop if nobody is in the way (metres); `wished` is
+    where the `wish` goes. `walks` along the course and beside it are to be weighed against each
+    other.
     """
 
     def __init__(
@@ -153,7 +154,8 @@ class Outlook:
         )
         self.whole = self.walks.whole
         self.reach = me.top_speed * me.manners.foresight
-        self.wished = self.draft(self.course, self.stop_beyond(self.reach))
+        self.stop = self.stop_beyond(self.reach)
+        self.wished = self.draft(self.course, self.stop)
 
     @property
     def wish(self) -> Motion | None:
@@ -381,11 +383,9 @@ class Outlook:
         xs, ys = zip(*places, strict=True)
         near = floor.near([min(xs), min(ys), max(xs), max(ys)], ALL_AROUND)
         return [
-            (one.swath.place, me.radius + one.radius + GAP)
+            (floor.places[k], me.radius + floor.radii[k] + GAP)
             for k in near
-            if floor.rests[k] <= self.now
-            for one in [floor.people[k]]
-            if one is not me
+            if floor.rests[k] <= self.now and floor.people[k] is not me
         ]
 
 

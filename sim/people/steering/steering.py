@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise
 from typing import Protocol
 
@@ -17,6 +17,9 @@ from .whereabouts import GAP, Hit
 
 SIDEWAYS = (0.45, 0.9, 1.35)
 """Metres. Shifts to the side that are tried besides the one that just gets past."""
+
+TO_EITHER_SIDE = [side for width in SIDEWAYS for side in (-width, width)]
+"""Metres to the left. The same to the right first, then to the left."""
 
 DETOURS = (2.0, 2.8, 3.6)
 """Metres. Shifts that somebody tries who stands before others who don't go the same way."""
@@ -111,7 +114,7 @@ class Foresighted:
         self, me: Traveller, outlook: Outlook, near: Hit | None, ahead: Behind | None
     ) -> Motion | None:
         """Return the wish, where nobody is in its way, or a walk farther from others than it is."""
-        walks, stop = outlook.walks, outlook.stop_beyond(outlook.reach)
+        walks, stop = outlook.walks, outlook.stop
         brush = 0.0 if near is None else BRUSH
         if ahead is None:
             walks.add(brush, stop, me.top_speed, 0.0)
@@ -132,7 +135,7 @@ class Foresighted:
 
         Who `follows` goes the same way as the other; `ahead` is whom they walk behind.
         """
-        walks, stop = outlook.walks, outlook.stop_beyond(outlook.reach)
+        walks, stop = outlook.walks, outlook.stop
         top = me.top_speed if ahead is None else ahead.speed
         whole = min(outlook.reach, outlook.whole)
         if not hit.at_rest:  # else it would be as much in the way later on
@@ -187,8 +190,10 @@ def _add_asides(me: Traveller, outlook: Outlook, hit: Hit, widths: Sequence[floa
     """
     gone, ahead, beside = _relative(outlook, hit)
     needed = me.radius + hit.other.radius + GAP
-    sides = [side for width in widths or SIDEWAYS for side in (-width, width)]
-    if not widths:
+    sides = TO_EITHER_SIDE
+    if widths:
+        sides = [side for width in widths for side in (-width, width)]
+    else:
         wide = needed + me.manners.comfort
         sides = [
             beside - wide,
@@ -214,18 +219,17 @@ def _relative(outlook: Outlook, hit: Hit) -> tuple[float, float, float]:
 
 
 def both_aside(
-    me: Traveller, mine: Outlook, hit: Hit, theirs: Outlook
-) -> Iterator[tuple[Swath, Swath]]:
+    me: Traveller, mine: Outlook, hit: Hit, look: Callable[[], Outlook]
+) -> Iterator[tuple[Swath, Swath, Outlook]]:
     """Yield drafts in which two who meet head-on both shift to their side, the usual one first.
 
+    And the outlook of the other, who comes to `look` only where there is room on this side.
     Neither meets anybody else.
     """
-    if mine.wished is None or theirs.wished is None:
-        return
-    our_others, their_others = mine.others.without([hit.other]), theirs.others.without([me])
+    theirs: Outlook | None = None
+    our_others = mine.others.without([hit.other])
     gone, ahead, beside = _relative(mine, hit)
     x, y, _, _ = mine.walks.at(gone + max(ahead, 0.0) / 2)
-    passed = _nearest_length(theirs.course, (x, y))
     needed = me.radius + hit.other.radius + GAP + 1e-3
     comfort = min(me.manners.comfort, 0.1)
     usual = -1.0 if me.manners.passing_side == "right" else 1.0
@@ -238,9 +242,15 @@ def both_aside(
                 ours = mine.aside(max(gone + ahead / 2, 0.1), way * share * width, our_others)
                 if ours is None:
                     continue
+                if theirs is None:
+                    theirs = look()
+                    their_others = theirs.others.without([me])
+                    passed = _nearest_length(theirs.course, (x, y))
+                if theirs.wished is None:
+                    return
                 yours = theirs.aside(max(passed, 0.1), way * (1 - share) * width, their_others)
                 if yours is not None:
-                    yield ours, yours
+                    yield ours, yours, theirs
 
 
 def _nearest_length(course: Sequence[Point], place: Point) -> float:

@@ -6,6 +6,7 @@ import math
 from collections.abc import Container, Sequence
 from typing import NamedTuple
 
+from floorplan import Point
 from navigation import Candidates, Swath, first_met, within_bounds
 
 from .traveller import Traveller
@@ -47,6 +48,8 @@ class Whereabouts:
         self.boxes: list[float] = []
         self.radii: list[float] = []
         self.rests: list[float] = []
+        self.places: list[Point] = []
+        """Where they come to stand."""
         self.indices: dict[Traveller, int] = {}
         self.changes = 0
         """Number of motions that anybody has committed themselves to."""
@@ -66,12 +69,14 @@ class Whereabouts:
             self.boxes += box
             self.radii.append(who.radius)
             self.rests.append(rests)
+            self.places.append(who.swath.place)
             self._changed.append(self.changes)
             self.widest = max(self.widest, who.radius)
         else:
             self.tables[k] = table
             self.boxes[4 * k : 4 * k + 4] = box
             self.rests[k] = rests
+            self.places[k] = who.swath.place
             self._changed[k] = self.changes
 
     def take_away(self, who: Traveller) -> None:
