@@ -11,7 +11,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
 
 from floorplan import Point
 from navigation import (
@@ -21,7 +20,6 @@ from navigation import (
     Swath,
     first_conflict,
     join,
-    standing,
     stop_walking,
     swath,
     walked,
@@ -30,30 +28,20 @@ from navigation import (
 from ...core.clock import Alarm, Turn
 from ...core.events import Blocked, Deadlock, GaveWay, Met
 from ...core.stage import Stage
-from .course import length_of
 from .outlook import Ground, Outlook
 from .requests import Request
+from .room import Place, places_at, room_near
 from .steering import Foresighted, Steering, both_aside
-from .traveller import AT_THE_DOOR, Traveller
+from .traveller import Traveller
 from .vehicles import Vehicle
-from .whereabouts import GAP, Hit, Sight, Whereabouts
+from .waiting import APART, LONGEST, Party, is_beside_goal, takes_way_round
+from .whereabouts import GAP, Hit, Whereabouts
 
 EARLY = 0.25
 """Seconds before braking would begin at which people decide anew."""
 
-APART = 0.5
-"""Seconds between two decisions of a person, so that they change course twice in one at most."""
-
 ANEW = 1.5
 """Seconds until somebody who is not on the course that they wish for looks again."""
-
-PAUSE, LONGEST = 1.0, 4.0
-"""Seconds until somebody who waits looks again for a way round what has not changed: at first, and
-at most, as each pause is twice as long as the one before."""
-
-AFRESH = 8.0
-"""Seconds until somebody looks anew though everybody around stands where they stood: at first, as
-each time is twice as long as the one before."""
 
 ALL_AROUND = 4.0
 """Metres. So far from the course ahead of somebody who waits, others matter."""
@@ -61,49 +49,8 @@ ALL_AROUND = 4.0
 WORTH = 0.6
 """Metres. Who would lose more than this on their own looks whether both could shift aside."""
 
-IN_REACH = 1.25
-"""Metres. Whoever is kept from a goal so near by somebody who is at it has arrived."""
-
-BESIDE = 6.0
-"""Metres. Whoever is kept from a goal so near by those who stand around it has arrived."""
-
 LOOK = 0.5
 """Seconds from point to point of a recorded course that others step off."""
-
-RINGS, ANGLES = 24, 24
-"""Places that are looked at around one that is taken: so many circles, and places on each."""
-
-
-@dataclass
-class _Party:
-    """A traveller in the crowd: how their path is planned, and whom they wait for."""
-
-    me: Traveller
-    reroute: Callable[[Point], list[Point]]
-    arrive: Callable[[], None]
-    blocked: Callable[[], None]
-    deciding: Alarm
-    arriving: Alarm
-    waits_for: Traveller | None = None
-    kept: dict[Traveller, None] = field(default_factory=dict)
-    """Those who wait for them."""
-    looked: float = -math.inf
-    """When they last looked whether they can go on, seconds."""
-    rounded: float = -math.inf
-    """When they last looked for a path round those who stand, seconds."""
-    weighed: float = -math.inf
-    """When they last weighed other courses, seconds."""
-    waits_on: Motion | None = None
-    """The motion of whom they wait for, when they last looked for a way round it."""
-    tries_again: float = 0.0
-    """When they look again though it is still the same, seconds."""
-    pause: float = 0.0
-    """How long they have paused until then, seconds."""
-    sight: Sight | None = None
-    """All that they saw when they last looked for a way round, where all of it stood."""
-    afresh: float = AFRESH
-    """How long they go on waiting without a look while it is still the same, seconds."""
-    said: bool = False
 
 
 class Crowd:
@@ -115,7 +62,7 @@ class Crowd:
         """Number of times that nobody under way could go on."""
         self._stage = stage
         self._clock = stage.clock
-        self._parties: dict[Traveller, _Party] = {}
+        self._parties: dict[Traveller, Party] = {}
         self._whereabouts = Whereabouts()
         self._grounds: dict[tuple[CollisionWorld, float], Ground] = {}
         self._met: dict[tuple[int, int], float] = {}
@@ -140,7 +87,7 @@ class Crowd:
         """
         self._whereabouts.put(me)
         me.body.on_change.append(lambda: self._whereabouts.put(me))
-        self._parties[me] = _Party(
+        self._parties[me] = Party(
             me,
             reroute,
             arrive,
@@ -154,53 +101,19 @@ class Crowd:
         place: Point,
         radius: float,
         me: Traveller | None = None,
-        taken: Sequence[tuple[Point, float]] = (),
+        taken: Sequence[Place] = (),
     ) -> Point | None:
         """Return the free place nearest to `place` for somebody to stand at for good.
 
-        None if there is none near. The order of the places that are tried is fixed. Besides those
-        of the crowd but `me`, others are about to stand where it is `taken` (place and radius).
-        Where something stands on `place`, it is one beside that.
+        None if there is none near. Besides those of the crowd but `me`, others are about to stand
+        where it is `taken`. Where something stands on `place`, it is one beside that.
         """
         world = self._stage.world if me is None else me.world
-        exits = () if world.free(place, radius) else world.exits(place, radius)
         vehicles = {machine.name for machine in self._stage.vehicles}
-        touched = [body for body in world.hits(place, place, radius) if body.name in vehicles]
-        rooms = (
-            self._room(at, radius, me, taken) for at in (*([] if touched else [place]), *exits)
-        )
+        places = places_at(world, place, radius, vehicles)
+        ground, floor = self._ground_in(world, radius), self._whereabouts
+        rooms = (room_near(at, ground, floor, self._clock.now, me, taken) for at in places)
         return next((at for at in rooms if at is not None), None)
-
-    def _room(
-        self,
-        place: Point,
-        radius: float,
-        me: Traveller | None,
-        taken: Sequence[tuple[Point, float]],
-    ) -> Point | None:
-        """Return the free place nearest to `place`, where nothing but people stands."""
-        ground = self._ground_in(self._stage.world if me is None else me.world, radius)
-        now, people = self._clock.now, self._whereabouts.people
-        for ring in range(RINGS + 1):
-            away = 0.5 * ring * (radius + GAP)
-            for k in range(ANGLES if ring else 1):
-                angle = 2 * math.pi * k / ANGLES
-                at = (place[0] + away * math.cos(angle), place[1] + away * math.sin(angle))
-                stand = swath(standing(at, start=now), now)
-                near = [people[k] for k in self._whereabouts.near(stand.box, radius)]
-                # The place itself was found fit by whoever chose it, however close to a wall.
-                if (
-                    (ring == 0 or ground.free_and_back(place, at))
-                    and all(math.dist(at, other) >= radius + r + GAP for other, r in taken)
-                    and not any(
-                        first_conflict(stand, other.swath, radius + other.radius + GAP, now)
-                        is not None
-                        for other in near
-                        if other is not me
-                    )
-                ):
-                    return at
-        return None
 
     def set_out(self, me: Traveller, goal: Point, route: list[Point], top_speed: float) -> None:
         """Let somebody walk to `goal` by `route` (the points after where they are) from now on."""
@@ -263,13 +176,13 @@ class Crowd:
     def waits_for(self, me: Traveller) -> str | None:
         """Return the name of who keeps somebody from going on now."""
         other = self._parties[me].waits_for
-        return None if other is None or me.stands_since is None else other.name
+        return None if other is None or me.stands_since is None else other.me.name
 
     def rest(self, me: Traveller) -> None:
         """Let somebody have no goal any more; their motion goes on."""
         party = self._parties[me]
         me.goal, me.route = None, []
-        self._goes_on(party)
+        party.goes_on(self._clock.now)
         party.deciding.set(None)
         party.arriving.set(None)
 
@@ -312,7 +225,7 @@ class Crowd:
             self._decide(hit.other, (*asked, me))
             outlook.look_again()
             hit = outlook.others.first_hit(wished)
-        if hit is not None and self._waits_on(party, hit, now):
+        if hit is not None and party.waits_on_the_same(hit, now):
             self._wait(party, outlook, hit, ask=now >= party.tries_again)
             return
         party.weighed = now
@@ -338,7 +251,7 @@ class Crowd:
         else:
             self._again(party, now + APART)
 
-    def _sees_the_same(self, party: _Party, now: float) -> bool:
+    def _sees_the_same(self, party: Party, now: float) -> bool:
         """Let somebody wait on who stands among those who stand, as they did at the last look."""
         me, sight = party.me, party.sight
         if sight is None or me.stands_since is None or self._whereabouts.changed(me, sight):
@@ -352,15 +265,6 @@ class Crowd:
             return False
         self._again(party, min(due, now + LONGEST))
         return True
-
-    def _waits_on(self, party: _Party, hit: Hit, now: float) -> bool:
-        """Return whether nothing has changed for somebody who waits since they last looked."""
-        return (
-            hit.other is party.waits_for
-            and hit.other.body.motion is party.waits_on
-            and party.me.body.motion.end <= now
-            and now < max(party.tries_again, party.weighed + APART)
-        )
 
     def _may_go_on(self, hit: Hit, now: float, asked: tuple[Traveller, ...]) -> bool:
         """Return whether the other may look first whether they can go on: they have not of late."""
@@ -377,11 +281,7 @@ class Crowd:
             and now - party.looked >= APART
             and party.arriving.time is None
             and party.sight is None
-            and not (
-                party.waits_for is not None
-                and party.waits_for.body.motion is party.waits_on
-                and now < party.tries_again
-            )
+            and not party.waits_unchanged(now)
         )
 
     def _both_aside(self, me: Traveller, mine: Outlook, hit: Hit, now: float) -> bool:
@@ -401,7 +301,7 @@ class Crowd:
                 return True
         return False
 
-    def _wait(self, party: _Party, outlook: Outlook, hit: Hit, *, ask: bool = True) -> None:
+    def _wait(self, party: Party, outlook: Outlook, hit: Hit, *, ask: bool = True) -> None:
         """Let somebody wait who can't go on; after a while they ask to be let past."""
         me, now = party.me, self._clock.now
         if me.body.motion.end > now:
@@ -411,20 +311,20 @@ class Crowd:
             me.stands_since = now
         stood = now - me.stands_since
         if ask:
-            self._wait_for(party, hit.other)
+            # Vehicles tell themselves when they move.
+            party.wait_for(None if hit.other.is_vehicle else self._parties[hit.other])
             party.waits_on = hit.other.body.motion
         assert me.goal is not None
-        if stood >= me.manners.reaction_time and self._is_beside_goal(me, hit, now):
-            self._goes_on(party)
+        if stood >= me.manners.reaction_time and is_beside_goal(me, hit, self._whereabouts, now):
+            party.goes_on(self._clock.now)
             party.arriving.set(now)
             return
         stands = hit.at_rest and hit.other.body.motion.end <= now
         if ask and stands and stood >= me.manners.reaction_time:
-            party.pause = min(2 * party.pause, LONGEST) if party.pause else PAUSE
-            party.tries_again = now + party.pause
+            party.pause_longer(now)
             if me.rank < hit.other.rank and self._ask(me, outlook, hit):
                 return
-            if party.rounded < now and self._finds_way_round(me, outlook, stood):
+            if party.rounded < now and takes_way_round(me, outlook, stood):
                 party.rounded = now
                 self._decide(me, (me,))
                 return
@@ -443,57 +343,6 @@ class Crowd:
         if not party.said:
             due = min(due, me.stands_since + me.manners.patience)
         self._again(party, due)
-
-    def _finds_way_round(self, me: Traveller, outlook: Outlook, stood: float) -> bool:
-        """Take a path round those who stand, if it is worth the wait; return whether it is."""
-        goal = me.goal
-        assert goal is not None
-        ground = outlook.ground
-        path = ground.detours.path(
-            outlook.at, goal, outlook.standing(outlook.at, goal), ground.free
-        )
-        if path is None or length_of(path) > outlook.whole + me.top_speed * (stood + LONGEST):
-            return False
-        me.route, me.goes_round = path[1:], True
-        return True
-
-    def _is_beside_goal(self, me: Traveller, hit: Hit, now: float) -> bool:
-        """Return whether who keeps somebody from their goal is one of those around it.
-
-        These are who is on the goal, or about to be; who is as near to it as `me`, who stands in
-        reach of it; and farther away who stands so close to one of them that nobody gets through
-        between the two.
-        """
-        here, goal, other = me.swath.place, me.goal, hit.other
-        assert goal is not None
-        if other.is_vehicle:
-            return False
-        leaves = goal == me.leaves_at
-        if math.dist(here, goal) < (AT_THE_DOOR if leaves else IN_REACH):
-            return math.dist(other.body.at, goal) < IN_REACH + me.radius
-        if (
-            leaves
-            or math.dist(here, goal) >= BESIDE
-            or not hit.at_rest
-            or other.body.motion.end > now
-        ):
-            return False
-        floor = self._whereabouts
-        left = [
-            (floor.places[k], floor.radii[k], floor.people[k])
-            for k in floor.near([*goal, *goal], BESIDE)
-            if floor.rests[k] <= now and floor.people[k] is not me
-        ]
-        ring = [(goal, -me.radius)]
-        while ring:
-            place, radius = ring.pop()
-            for stands in list(left):
-                if math.dist(stands[0], place) < radius + stands[1] + 2 * (me.radius + GAP):
-                    if stands[2] is other:
-                        return True
-                    left.remove(stands)
-                    ring.append(stands[:2])
-        return False
 
     def _look_for_deadlock(self, now: float) -> None:
         """Record it if everybody under way has lost patience."""
@@ -521,7 +370,7 @@ class Crowd:
 
     def _commit(
         self,
-        party: _Party,
+        party: Party,
         motion: Motion,
         ahead: Swath,
         outlook: Outlook | None = None,
@@ -532,7 +381,7 @@ class Crowd:
         me, now = party.me, self._clock.now
         if outlook is not None:
             me.route = outlook.course[1:]
-            self._goes_on(party)
+            party.goes_on(self._clock.now)
         me.decided = now
         me.follow(motion, ahead)
         at_goal = me.goal is not None and math.dist(ahead.place, me.goal) < 1e-6
@@ -543,34 +392,14 @@ class Crowd:
             due = motion.pieces[-1].begin - EARLY
             self._again(party, due if wished else min(due, now + ANEW))
         for other in party.kept:
-            self._again(self._parties[other], now + EARLY, sooner=True)
+            self._again(other, now + EARLY, sooner=True)
 
-    def _again(self, party: _Party, t: float, *, sooner: bool = False) -> None:
+    def _again(self, party: Party, t: float, *, sooner: bool = False) -> None:
         t = max(t, party.looked + APART if sooner else party.me.decided + APART)
         t = max(t, self._clock.now + EARLY)
         if sooner and party.deciding.time is not None:
             t = min(t, party.deciding.time)
         party.deciding.set(t)
-
-    def _goes_on(self, party: _Party) -> None:
-        """Take note that somebody is not kept from going on any more."""
-        me = party.me
-        if me.stands_since is not None:
-            me.lost += self._clock.now - me.stands_since
-        self._wait_for(party, None)
-        me.stands_since, party.said, party.sight = None, False, None
-        party.waits_on, party.tries_again, party.pause, party.afresh = None, 0.0, 0.0, AFRESH
-
-    def _wait_for(self, party: _Party, other: Traveller | None) -> None:
-        """Take note of whom somebody waits for; vehicles tell themselves when they move."""
-        if other is not None and other.is_vehicle:
-            other = None
-        if party.waits_for is not other:
-            if party.waits_for is not None:
-                del self._parties[party.waits_for].kept[party.me]
-            party.waits_for = other
-            if other is not None:
-                self._parties[other].kept[party.me] = None
 
     def _meet(self, me: Traveller, hit: Hit, now: float) -> None:
         """Record that somebody has to mind somebody else, once for each time that they meet."""

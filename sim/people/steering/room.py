@@ -1,0 +1,66 @@
+"""Room: free places for somebody to stand at for good, among those who are on the floor."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Sequence
+
+from floorplan import Point
+from navigation import CollisionWorld, first_conflict, standing, swath
+
+from .outlook import Ground
+from .traveller import Traveller
+from .whereabouts import GAP, Whereabouts
+
+RINGS, ANGLES = 24, 24
+"""Places that are looked at around one that is taken: so many circles, and places on each."""
+
+Place = tuple[Point, float]
+"""Where somebody stands, and their radius (metres)."""
+
+
+def places_at(
+    world: CollisionWorld, place: Point, radius: float, vehicles: Collection[str]
+) -> list[Point]:
+    """Return `place` and those beside what stands there, for a body of `radius` metres.
+
+    Without `place` itself where one of these `vehicles` stands on it.
+    """
+    exits = [] if world.free(place, radius) else [*world.exits(place, radius)]
+    touched = any(body.name in vehicles for body in world.hits(place, place, radius))
+    return exits if touched else [place, *exits]
+
+
+def room_near(
+    place: Point,
+    ground: Ground,
+    floor: Whereabouts,
+    now: float,
+    me: Traveller | None,
+    taken: Sequence[Place],
+) -> Point | None:
+    """Return the free place nearest to `place`, where nothing but people stands; None for none.
+
+    Those on the `floor` but `me` are minded, and those who are about to stand where it is `taken`.
+    The order of the places that are tried is fixed.
+    """
+    radius = ground.radius
+    for ring in range(RINGS + 1):
+        away = 0.5 * ring * (radius + GAP)
+        for k in range(ANGLES if ring else 1):
+            angle = 2 * math.pi * k / ANGLES
+            at = (place[0] + away * math.cos(angle), place[1] + away * math.sin(angle))
+            stand = swath(standing(at, start=now), now)
+            near = [floor.people[k] for k in floor.near(stand.box, radius)]
+            # The place itself was found fit by whoever chose it, however close to a wall.
+            if (
+                (ring == 0 or ground.free_and_back(place, at))
+                and all(math.dist(at, other) >= radius + r + GAP for other, r in taken)
+                and not any(
+                    first_conflict(stand, other.swath, radius + other.radius + GAP, now) is not None
+                    for other in near
+                    if other is not me
+                )
+            ):
+                return at
+    return None
