@@ -343,7 +343,7 @@ def test_looking_back_while_it_goes_on(open_address):
 
 @pytest.mark.slow
 def test_the_page_interferes_with_the_run(open_address):
-    trial = sim.Trial.parse(TRIAL.replace("duration: 40", "duration: 400"))
+    trial = sim.Trial.parse(TRIAL.replace("duration: 40", "duration: 4000"))
     live = sim.LiveRun(trial.duration, speed=2.0)
     with live.server as server:
         simulation = sim.Simulation(trial, live)
