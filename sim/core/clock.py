@@ -33,6 +33,9 @@ class Turn(IntEnum):
     COMMAND = 5
 
 
+_PRIORITY = [EventPriority(turn) for turn in Turn]
+"""The turns as SimPy's priorities."""
+
 MOMENT = 1e-3
 """Seconds. Nothing on a factory floor happens more than a few times within one."""
 
@@ -95,7 +98,8 @@ class Clock(simpy.Environment):
         event = Event(self)
         event._ok = True
         event._value = None
-        entry = (max(t, self.now), EventPriority(turn), next(self._eid), event)
+        now = self._now
+        entry = (now if now > t else t, _PRIORITY[turn], next(self._eid), event)
         heappush(self._queue, entry)
         return event
 
@@ -158,7 +162,9 @@ class Alarm:
         self._time = t
         self._pending = None
         if t is not None:
-            self._pending = event = self._clock.call_at(t, lambda: self._ring(event), self._turn)
+            self._pending = event = self._clock.at(t, self._turn)
+            assert event.callbacks is not None  # it has not happened yet
+            event.callbacks.append(self._ring)
 
     def _ring(self, event: Event) -> None:
         if event is self._pending:

@@ -167,8 +167,11 @@ class EventKind:
     def fields(self) -> dict[str, Any]:
         """The fields as recordings name them; optional ones without a value are left out."""
         values, optional = vars(self), self.optional
-        named = ((name, values[here]) for name, here in self._here.items())
-        return {name: one for name, one in named if one is not None or name not in optional}
+        return {
+            name: values[here]
+            for name, here in self._here.items()
+            if values[here] is not None or name not in optional
+        }
 
     def recorded(self) -> dict[str, Any]:
         """Return the event as a recording has it, but for its time."""

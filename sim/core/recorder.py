@@ -111,5 +111,7 @@ def rounded(value: Any) -> Any:
     if isinstance(value, dict):
         return {key: rounded(inner) for key, inner in value.items()}
     if isinstance(value, list | tuple):
+        if len(value) == 2:  # a point, as most are: a list of just that size
+            return [rounded(value[0]), rounded(value[1])]
         return list(map(rounded, value))
     return value
