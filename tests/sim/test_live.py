@@ -430,6 +430,25 @@ def test_the_page_interferes_with_the_run(open_address):
     assert viewer.complaints == []
 
 
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_a_page_with_control_can_be_used_by_everybody(open_address, axe, scheme):
+    """By the rules of axe-core, with a box that is put down by keyboard."""
+    trial = sim.Trial.parse(TRIAL)
+    live = sim.LiveRun(trial.duration)
+    with live.server as server:
+        sim.Simulation(trial, live).start()
+        viewer = open_address(server.url, color_scheme=scheme, reduced_motion="reduce")
+        viewer.page.add_script_tag(content=axe)
+        viewer.wait_until(lambda: viewer.page.locator("#control").is_visible())
+        for name in ("send", "block"):
+            viewer.page.locator(f"#{name}").focus()
+            viewer.page.keyboard.press("Enter")
+            viewer.page.locator("#placing").focus()
+            viewer.page.keyboard.press("ArrowLeft")
+            found = viewer.page.evaluate("axe.run(document, { resultTypes: ['violations'] })")
+            assert [(v["id"], [n["html"] for n in v["nodes"]]) for v in found["violations"]] == []
+
+
 @pytest.mark.parametrize("speed", [20.0, 0.0])
 def test_a_run_on_the_bridge_has_a_page_too(speed):
     trial = sim.Trial.parse(

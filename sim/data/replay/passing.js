@@ -34,8 +34,10 @@ function thereAt({ comings: { turns } }, t) {
   return [...there.values()].filter(Boolean);
 }
 
-/** Metres. The side of a part on the conveyor, and its height. */
-const PART_SIZE = 0.14, PART_HEIGHT = 0.06;
+/** Metres. The side of a part on the conveyor, and its height; and pixels of it, at least. */
+const PART_SIZE = 0.14, PART_HEIGHT = 0.06, PART_PIXELS = 5;
+/** The side with which a part is drawn at so many pixels a metre, metres. */
+const partSize = scale => Math.min(0.5, Math.max(PART_SIZE, PART_PIXELS / scale));
 const PART_PAINTS = { blue: "#2f6fb5", green: "#3a9d5d", orange: "#d9822b", purple: "#7d4fa8", red: "#c0392b" };
 
 /** The parts that come along the conveyor: {part, t, falls, at, to}, and `end`, when they are gone. */
@@ -103,9 +105,12 @@ function drawPassing({ context, camera, palette }, run, t) {
     context.stroke();
   }
   for (const { x, y, paint } of conveyedAt(run, t)) {
-    const half = PART_SIZE / 2;
+    const half = partSize(camera.scale) / 2;
     context.fillStyle = paint;
+    context.strokeStyle = palette.halo;
+    context.lineWidth = 1;
     outline(context, camera, [[x - half, y - half], [x + half, y - half], [x + half, y + half], [x - half, y + half]]);
     context.fill();
+    context.stroke();
   }
 }

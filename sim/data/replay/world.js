@@ -76,8 +76,9 @@ class World {
       addObstacle(moving, this.renderer, obstacle, colors, hides ? "pane" : "edged");
     }
     const belt = this.lasting.find(({ name }) => name === "conveyor")?.top ?? 0;
+    const side = eye.inside ? PART_SIZE : partSize(eye.scale);
     for (const { x, y, paint } of conveyedAt(run, t)) {
-      moving.add("box", "edged", sized(frameAt(x, y, belt, 0), PART_SIZE, PART_SIZE, PART_HEIGHT), lightOf(paint));
+      moving.add("box", "edged", sized(frameAt(x, y, belt, 0), side, side, PART_HEIGHT * side / PART_SIZE), lightOf(paint));
     }
     for (const body of bodies) {
       if (body === hidden) continue;
