@@ -61,6 +61,9 @@ _EXPLAINED = 480
 _LETTERS, _OVER = 6.0, 5.0
 """Points: the size of a name that moves, and how far above a person's centre it stands."""
 
+_SHARES = (0.5, 0.36, 0.64)
+"""Where on the line between two bodies the figure of their distance stands."""
+
 _DISTANCE = (0, (3, 3))
 """The dashes of a line between two bodies."""
 
@@ -219,7 +222,7 @@ class Film:
             )
             self._names[machine.name] = _name(axes, machine.name, BLACK)
         self._people = {
-            person.name: _Person(axes, person.name, person.radius, person_colour(index))
+            person.name: _Person(axes, person.name, person.radius, person_colour(index), index)
             for index, person in enumerate(run.scene.people)
         }
         (self._marks,) = axes.plot(
@@ -282,12 +285,14 @@ class Film:
 class _Person:
     """A disc with a nose and a name, the required distance around it, and the path behind it."""
 
-    def __init__(self, axes: Axes, name: str, radius: float, colour: str) -> None:
-        self._name = _name(axes, name, colour, above=True)
+    def __init__(self, axes: Axes, name: str, radius: float, colour: str, index: int) -> None:
+        # Two who stand together have their names on two sides, and figures at two places.
+        self._name = _name(axes, name, colour, side=-1 if index % 2 else 1)
+        self._share = _SHARES[index % len(_SHARES)]
         (self._line,) = axes.plot(
             [], [], color=GREY, linestyle=_DISTANCE, linewidth=0.8, animated=True, zorder=3
         )
-        self._figure = _name(axes, "", BLACK)
+        self._figure = _name(axes, "", colour)
         self._radius = radius
         self._colour = colour
         self._zone = axes.add_patch(Circle((0, 0), 1.0, linewidth=0.8, animated=True, zorder=2))
@@ -318,9 +323,9 @@ class _Person:
         distance, (to_x, to_y) = line
         self._line.set_data([x, to_x], [y, to_y])
         self._line.set_color(VERMILION if near else GREY)
-        self._figure.xy = ((x + to_x) / 2, (y + to_y) / 2)
+        self._figure.xy = (x + self._share * (to_x - x), y + self._share * (to_y - y))
         self._figure.set_text(_figure(distance, required, near))
-        self._figure.set_color(VERMILION if near else BLACK)
+        self._figure.set_color(colour)
         self._zone.set(
             center=(x, y), radius=required, facecolor=(colour, 0.15), edgecolor=(colour, 0.6)
         )
@@ -336,15 +341,15 @@ def _figure(distance: float, required: float, near: bool) -> str:
     return f"too close: {shown[0] if is_just else ' of '.join(shown)} m"
 
 
-def _name(axes: Axes, text: str, colour: str, *, above: bool = False) -> Any:
-    """Return a text that moves with a point of the floor, its `xy`, in it or `above` it."""
+def _name(axes: Axes, text: str, colour: str, *, side: int = 0) -> Any:
+    """Return a text that moves with a point of the floor, its `xy`: above (1), in or below it."""
     return axes.annotate(
         text,
         (0.0, 0.0),
-        (0.0, _OVER if above else 0.0),
+        (0.0, side * _OVER),
         textcoords="offset points",
         ha="center",
-        va="bottom" if above else "center",
+        va=("center", "bottom", "top")[side],
         size=_LETTERS,
         color=colour,
         animated=True,
