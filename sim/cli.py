@@ -30,7 +30,7 @@ from .commands.report import report
 from .commands.run import run
 from .commands.study import study
 
-GARBAGE = 20_000
+GARBAGE = 100_000
 """Number of new objects at which those among them that nobody has any more are looked for."""
 
 app = typer.Typer(
