@@ -1,11 +1,12 @@
 """People among people against the literature: figures and plot of docs/people-among-people.md.
 
-Bodies have a radius of 0.2 m and walk at up to 1.34 m/s, as in the literature; in a single file,
-through openings, one way and both ways in a corridor, beside somebody who stands, and in the tests
-1, 5, 6 and 7 of RiMEA (Richtlinie für Mikroskopische Entfluchtungsanalysen, version 3, 2016). PedPy
+Bodies have a radius of 0.2 m and walk at up to 1.34 m/s, as in the literature: in a single file,
+through openings, one way and both ways in a corridor; in the tests 1, 4, 5, 6, 7, 9 and 12 of RiMEA
+(Richtlinie für Mikroskopische Entfluchtungsanalysen, version 3, 2016); and in the verification
+tests 1 to 6 of Jülich (JuPedSim 0.9, 2020). JuPedSim walks the same scenes beside, and PedPy
 measures what it has a method for.
 
-    python benchmarks/literature.py [--plot docs/images/literature.svg]
+    python benchmarks/literature.py [--plot docs/images/literature.svg] [--people 250]
 """
 
 from __future__ import annotations
@@ -14,27 +15,45 @@ import argparse
 import math
 import random
 import statistics
-import tempfile
-from collections.abc import Iterator, Sequence
-from dataclasses import replace
+import time
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 import pedpy
+import shapely
+from crowd_scenes import (
+    FREE_SPEED,
+    RADIUS,
+    RATE,
+    SPREAD,
+    Point,
+    Program,
+    Scene,
+    Walker,
+    floorwalker,
+    jupedsims,
+    rectangle,
+)
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+from shapely import affinity
 
-import sim
-from navigation import CollisionWorld
 from sim.views import plots
-from sim.views.plots.style import BLACK, BLUE, GREY, PALE, new_figure, styled
+from sim.views.plots.style import BLACK, BLUE, GREY, PALE, VERMILION, new_figure, styled
 
-RADIUS, FREE_SPEED, SPREAD = 0.2, 1.34, 0.26
-"""Metres, and m/s with their standard deviation: U. Weidmann, "Transporttechnik der Fussgänger",
-ETH Zürich, 1993."""
+SPEEDS = (0.1, 0.2, 0.4, 0.6, 0.8, 1.0)
+"""m/s. Of who leads a single file."""
 
-RATE = 10.0
-"""Hz. Frames for PedPy."""
+WIDTHS = (0.8, 1.0, 1.2, 1.6, 2.0)
+"""Metres. Of openings."""
+
+DENSITIES = (0.5, 1.0, 1.5, 2.0)
+"""People per square metre, at the start."""
+
+RATES = (0.15, 0.25, 0.4)
+"""People per second who come in at each of three places at either end."""
 
 
 class Found(NamedTuple):
@@ -58,85 +77,210 @@ def seyfried(speed: float) -> float:
     return 0.36 + 1.06 * speed
 
 
-def trial(
-    size: tuple[float, float],
-    starts: Sequence[tuple[float, float]],
-    sinks: Sequence[tuple[float, float]],
-    duration: float,
-    *,
-    walls: Sequence[tuple[float, float, float, float]] = (),
-    speeds: Sequence[float] = (),
-) -> sim.Trial:
-    """People who walk on a floor with walls (x0, y0, x1, y1) from their starts to their sinks."""
-    width, depth = size
-    lines = [
-        "floorplan:",
-        "  name: floor",
-        f"  boundary: [[0, 0], [{width}, 0], [{width}, {depth}], [0, {depth}]]",
-        f"  safe_zone: {{at: [{starts[0][0]}, {starts[0][1]}]}}",
-        f"  human: {{radius: {RADIUS}, max_speed: {FREE_SPEED}}}",
+def drawn(count: int) -> list[float]:
+    """Return speeds (m/s) of their own for so many people: Weidmann's, always the same."""
+    chance = random.Random(1)
+    return [min(max(chance.gauss(FREE_SPEED, SPREAD), 0.6), 2.0) for _ in range(count)]
+
+
+def filled(low: Point, high: Point, count: int) -> list[Point]:
+    """Return `count` places, even over a rectangle: the corners of equilateral triangles."""
+    (x0, y0), (x1, y1) = low, high
+    step = math.sqrt((x1 - x0) * (y1 - y0) / count * 2 / math.sqrt(3))
+    rows = max(round((y1 - y0) / (step * math.sqrt(3) / 2)), 1)
+    columns = math.ceil(count / rows)
+    pitch = (x1 - x0) / (columns + 0.5)
+    places = [
+        (x0 + (c + 0.25 + 0.5 * (r % 2)) * pitch, y0 + (r + 0.5) * (y1 - y0) / rows)
+        for c in range(columns)
+        for r in range(rows)
     ]
-    if walls:
-        lines.append("  obstacles:")
-    for k, (x0, y0, x1, y1) in enumerate(walls):
-        lines.append(f"    wall{k}: {{x: [{x0}, {x1}], y: [{y0}, {y1}], z: [0, 2]}}")
-    lines += [f"duration: {duration}", "people:"]
-    for k, (start, sink) in enumerate(zip(starts, sinks, strict=True)):
-        speed = f", max_speed: {speeds[k]}" if speeds else ""
-        lines.append(
-            f"  - {{name: p{k}, personality: visitor, at: [{start[0]}, {start[1]}],"
-            f" sink: [{sink[0]}, {sink[1]}]{speed}}}"
-        )
-    return sim.Trial.parse("\n".join(lines))
+    return places[:count]
 
 
-def trajectories(run: sim.Run) -> pedpy.TrajectoryData:
-    """Return a run as PedPy reads it."""
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "run.sqlite"
-        sim.export(run, path, rate=RATE)
-        return pedpy.load_trajectory_from_jupedsim_sqlite(trajectory_file=path)
+def durations(data: pedpy.TrajectoryData) -> NDArray[np.float64]:
+    """Return how long (s) each walker is on the floor."""
+    frames = data.data.groupby("id").frame
+    return ((frames.max() - frames.min()) / RATE).to_numpy()
 
 
-def single_file(speeds: Sequence[float] = (0.1, 0.2, 0.4, 0.6, 0.8, 1.0)) -> Iterator[Found]:
+def positions(data: pedpy.TrajectoryData, k: int) -> NDArray[np.float64]:
+    """Return where a walker is, frame by frame. Shape (n, 2)."""
+    return data.data[data.data.id == k][["x", "y"]].to_numpy()
+
+
+def nearest(data: pedpy.TrajectoryData) -> float:
+    """Return the least distance (m) between two bodies in any frame; below 0 they overlap."""
+    least = math.inf
+    for _, frame in data.data.groupby("frame"):
+        if len(frame) > 1:
+            at = frame[["x", "y"]].to_numpy()
+            least = min(least, float(cKDTree(at).query(at, k=2)[0][:, 1].min()))
+    return least - 2 * RADIUS
+
+
+# ---- tests that pass or fail, as published
+
+
+def rimea_1(walk: Program) -> str:
+    """One person walks 40 m at 1.33 m/s."""
+    one = Walker((1.0, 1.0), ((41.0, 1.0),), 1.33)
+    return f"{durations(walk(Scene(rectangle(42.0, 2.0), [one], 60.0)))[0]:.1f} s"
+
+
+def rimea_5(walk: Program) -> str:
+    """Ten people set out after 10, 20, …, 100 s."""
+    walkers = [
+        Walker((1.0 + k // 5, 0.6 + 0.9 * (k % 5)), ((7.5, 2.5),), sets_out=10.0 * (k + 1))
+        for k in range(10)
+    ]
+    data = walk(Scene(rectangle(8.0, 5.0), walkers, 120.0))
+    off = []
+    for k, one in enumerate(walkers):
+        moved = np.hypot(*(positions(data, k) - one.at).T) > 1e-6
+        off.append(abs((int(np.argmax(moved)) - 1) / RATE - one.sets_out))
+    return f"off by {max(off):.1f} s at most"
+
+
+def rimea_6(walk: Program) -> str:
+    """Twenty people go round a corner."""
+    starts = [(0.5 + 0.6 * c, 0.3 + 0.45 * r) for c in range(5) for r in range(4)]
+    sinks = [(10.4 + 0.3 * (k % 5), 10.2 + 0.4 * (k // 5)) for k in range(20)]
+    walkers = [Walker(start, (sink,)) for start, sink in zip(starts, sinks, strict=True)]
+    floor = rectangle(12.0, 12.0, (0.0, 2.0, 10.0, 12.0))
+    data = walk(Scene(floor, walkers, 90.0))
+    at = shapely.points(data.data[["x", "y"]].to_numpy())
+    wall = shapely.distance(floor.exterior, at)
+    through = int((~shapely.covers(floor, at)).sum())
+    left = int((durations(data) < 90.0).sum())
+    return f"{left} of 20, {through} through a wall, {wall.min():.2f} m from one"
+
+
+def rimea_7(walk: Program) -> str:
+    """Twenty people of the speeds of Weidmann's ages walk 20 m side by side."""
+    speeds = [round(0.6 + 0.055 * k, 3) for k in range(20)]
+    walkers = [Walker((1.0, 0.5 + k), ((22.0, 0.5 + k),), v) for k, v in enumerate(speeds)]
+    data = walk(Scene(rectangle(24.0, 20.0), walkers, 60.0))
+    off = []
+    for k, speed in enumerate(speeds):
+        steps = np.hypot(*np.diff(positions(data, k)[30:110], axis=0).T) * RATE
+        off.append(abs(statistics.mean(steps.tolist()) / speed - 1))
+    return f"off by {100 * max(off):.2f} % at most"
+
+
+def juelich_1(walk: Program, turned: float = 0.0) -> str:
+    """One person walks 10 m at 1 m/s along the middle of a corridor, which may be turned."""
+    floor = affinity.rotate(rectangle(12.0, 2.0), turned, origin=(0.0, 0.0))
+    c, s = math.cos(math.radians(turned)), math.sin(math.radians(turned))
+    start, goal = ((x * c - s, x * s + c) for x in (1.0, 11.0))
+    return f"{durations(walk(Scene(floor, [Walker(start, (goal,), 1.0)], 30.0)))[0]:.1f} s"
+
+
+def juelich_2(walk: Program) -> str:
+    """The same, turned by 45 degrees."""
+    return juelich_1(walk, 45.0)
+
+
+def juelich_3(walk: Program) -> str:
+    """One person walks to a goal from each of a hundred places, drawn at random."""
+    chance, there = random.Random(3), 0
+    for _ in range(100):
+        start = (chance.uniform(0.3, 4.7), chance.uniform(0.3, 4.7))
+        floor = rectangle(12.0, 5.0, (5.0, 0.0, 5.2, 2.0), (5.0, 3.0, 5.2, 5.0))
+        data = walk(Scene(floor, [Walker(start, ((11.0, 2.5),), 1.0)], 30.0))
+        there += bool(durations(data)[0] < 30.0)
+    return f"{there} of 100"
+
+
+def _past_somebody(walk: Program, width: float) -> pedpy.TrajectoryData:
+    walkers = [Walker((1.0, width / 2), ((15.0, width / 2),), 1.0), Walker((8.0, width / 2))]
+    return walk(Scene(rectangle(16.0, width), walkers, 40.0))
+
+
+def juelich_4(walk: Program) -> str:
+    """One person comes up behind somebody who stands, where there is room to get past."""
+    data = _past_somebody(walk, 3.0)
+    return f"{durations(data)[0] - 14.0:+.1f} s, {nearest(data):.2f} m past them"
+
+
+def juelich_5(walk: Program) -> str:
+    """One person comes up behind somebody who stands, where there is none."""
+    data = _past_somebody(walk, 0.7)
+    at = positions(data, 0)
+    past = "gets past" if at[-1, 0] > 8.0 or len(at) < 40 * RATE else "stops"
+    return f"{past}, nearest {nearest(data):.2f} m"
+
+
+def juelich_6(walk: Program) -> str:
+    """One person walks 10 m at 1 m/s by three goals in between."""
+    goals = tuple((x, 1.0) for x in (3.5, 6.0, 8.5, 11.0))
+    data = walk(Scene(rectangle(12.0, 2.0), [Walker((1.0, 1.0), goals, 1.0)], 30.0))
+    return f"{durations(data)[0]:.1f} s"
+
+
+ROWS: tuple[tuple[str, str, Callable[[Program], str]], ...] = (
+    ("one person, 40 m at 1.33 m/s (RiMEA 1)", "26 to 34 s", rimea_1),
+    ("ten set out after 10 to 100 s (RiMEA 5)", "as given", rimea_5),
+    ("twenty round a corner (RiMEA 6)", "all, nobody through a wall", rimea_6),
+    ("speeds of twenty, 0.60 to 1.65 m/s (RiMEA 7)", "as given", rimea_7),
+    ("one person, 10 m at 1 m/s (Jülich 1)", "10 s", juelich_1),
+    ("the same, turned by 45° (Jülich 2)", "10 s", juelich_2),
+    ("to a goal from a hundred places (Jülich 3)", "all", juelich_3),
+    ("past somebody who stands, in 3 m (Jülich 4)", "gets past", juelich_4),
+    ("behind somebody who stands, in 0.7 m (Jülich 5)", "stops without overlap", juelich_5),
+    ("10 m at 1 m/s by three goals (Jülich 6)", "10 s", juelich_6),
+)
+"""Scene, the figure as published, and the measurement."""
+
+
+# ---- diagrams
+
+
+def single_file(walk: Program) -> Iterator[Found]:
     """Yield the distances in a file of six behind somebody who walks at a speed."""
-    for speed in speeds:
+    for speed in SPEEDS:
         count, length = 6, 12.0 + 12.0 * speed
-        starts = [(7.0 - 1.2 * k, 0.35) for k in range(count)]
         duration = (length - 8.0) / speed
-        one = trial(
-            (length + 3.0, 0.7),
-            starts,
-            [(length + 2.0, 0.35)] * count,
-            duration,
-            speeds=[speed, *[FREE_SPEED] * (count - 1)],
-        )
-        run = sim.run(one)
-        times = np.linspace(duration / 2, duration, 100)
-        x = np.array([run.motions[f"p{k}"].position(times)[:, 0] for k in range(count)])
-        yield Found(speed, float(np.mean(-np.diff(x, axis=0))))
-
-
-def corridor(densities: Sequence[float] = (0.25, 0.5, 1.0, 1.5, 2.0)) -> Iterator[Found]:
-    """Yield densities and speeds in the middle of a corridor of 4 m, all one way, by PedPy.
-
-    Everybody has a speed of their own, as far as others let them.
-    """
-    width, block = 4.0, 6.0
-    for density in densities:
-        step = 1 / math.sqrt(density)
-        rows, columns = max(int(width / step), 1), max(int(block / step), 1)
-        starts = [
-            (0.5 + step * (c + 0.5), (r + 0.5) * width / rows)
-            for c in range(columns)
-            for r in range(rows)
+        walkers = [
+            Walker((7.0 - 1.2 * k, 0.35), ((length + 2.0, 0.35),), FREE_SPEED if k else speed)
+            for k in range(count)
         ]
-        sinks = [(26.0, y) for _, y in starts]
-        chance = random.Random(1)
-        speeds = [min(max(chance.gauss(FREE_SPEED, SPREAD), 0.6), 2.0) for _ in starts]
-        run = sim.run(trial((27.0, width), starts, sinks, 30.0, speeds=speeds))
-        data = trajectories(run)
-        area = pedpy.MeasurementArea([(10.0, 0.5), (14.0, 0.5), (14.0, 3.5), (10.0, 3.5)])
+        data = walk(Scene(rectangle(length + 3.0, 0.7), walkers, duration))
+        late = data.data[data.data.frame >= duration / 2 * RATE]
+        table = late.pivot_table(index="frame", columns="id", values="x")
+        yield Found(speed, float(-np.nanmean(np.diff(table.to_numpy(), axis=1))))
+
+
+def bottleneck(walk: Program) -> Iterator[Found]:
+    """Yield the specific flows (1/(m s)) of twenty through openings."""
+    for width in WIDTHS:
+        low, high = 2.6 - width / 2, 2.6 + width / 2
+        starts = [(1.0 + 0.7 * c, 1.0 + 0.8 * r) for c in range(4) for r in range(5)]
+        walkers = [Walker(at, ((11.4, 0.5 + 0.21 * k),)) for k, at in enumerate(starts)]
+        floor = rectangle(12.0, 5.2, (5.5, 0.0, 6.0, low), (5.5, high, 6.0, 5.2))
+        data = walk(Scene(floor, walkers, 90.0))
+        line = pedpy.MeasurementLine([(6.0, 0.0), (6.0, 5.2)])
+        passed, _ = pedpy.compute_n_t(traj_data=data, measurement_line=line)
+        times = passed[passed["cumulative_pedestrians"].diff() > 0]["time"].to_numpy()
+        if len(times) < 10:
+            raise ValueError(f"only {len(times)} have passed an opening of {width} m")
+        yield Found(width, float((len(times) - 1) / (times[-1] - times[0])) / width)
+
+
+def rimea_4(walk: Program) -> Iterator[Found]:
+    """Yield densities (1/m²) and speeds (m/s) in a corridor that is full at first.
+
+    RiMEA's is 1,000 m by 10 m; this one is full for 36 m of its length of 60 m and 4 m wide. PedPy
+    measures in 2 m by 2 m, 3 to 10 s after all set out, which is before either end of the crowd is
+    felt there.
+    """
+    floor, length = rectangle(60.0, 4.0), 36.0
+    area = pedpy.MeasurementArea([(18.0, 1.0), (20.0, 1.0), (20.0, 3.0), (18.0, 3.0)])
+    for density in DENSITIES:
+        starts = filled((0.3, 0.25), (length, 3.75), round(density * length * 4.0))
+        speeds = drawn(len(starts))
+        walkers = [Walker(at, ((59.5, at[1]),), v) for at, v in zip(starts, speeds, strict=True)]
+        data = walk(Scene(floor, walkers, 10.0))
         dense = pedpy.compute_classic_density(traj_data=data, measurement_area=area)
         individual = pedpy.compute_individual_speed(
             traj_data=data,
@@ -146,70 +290,14 @@ def corridor(densities: Sequence[float] = (0.25, 0.5, 1.0, 1.5, 2.0)) -> Iterato
         speed = pedpy.compute_mean_speed_per_frame(
             traj_data=data, individual_speed=individual, measurement_area=area
         )
-        densities_then, speeds_then = dense["density"].to_numpy(), speed["speed"].to_numpy()
-        full = densities_then >= 0.8 * densities_then.max()
-        yield Found(float(densities_then[full].mean()), float(np.nanmean(speeds_then[full])))
-
-
-def bottleneck(widths: Sequence[float] = (0.8, 1.0, 1.2, 1.6, 2.0)) -> Iterator[Found]:
-    """Yield the flows (1/s) of twenty through openings."""
-    for width in widths:
-        starts = [(1.0 + 0.7 * c, 1.0 + 0.8 * r) for c in range(4) for r in range(5)]
-        low, high = 2.6 - width / 2, 2.6 + width / 2
-        run = sim.run(
-            trial(
-                (12.0, 5.2),
-                starts,
-                [(11.5, 0.5 + 0.21 * k) for k in range(20)],
-                90.0,
-                walls=[(5.5, 0.0, 6.0, low), (5.5, high, 6.0, 5.2)],
-            )
+        steady = slice(3 * RATE, None)
+        yield Found(
+            float(dense["density"].to_numpy()[steady].mean()),
+            float(np.nanmean(speed["speed"].to_numpy()[steady])),
         )
-        line = pedpy.MeasurementLine([(6.0, 0.0), (6.0, 5.2)])
-        passed, _ = pedpy.compute_n_t(traj_data=trajectories(run), measurement_line=line)
-        passed = passed[passed["cumulative_pedestrians"].diff() > 0]
-        times = passed["time"].to_numpy()
-        if len(times) < 10:
-            raise ValueError(f"only {len(times)} have passed an opening of {width} m")
-        yield Found(width, float((len(times) - 1) / (times[-1] - times[0])))
 
 
-def rimea_1() -> float:
-    """Return the seconds that one person takes for 40 m at 1.33 m/s; RiMEA wants 26 to 34."""
-    run = sim.run(trial((42.0, 2.0), [(1.0, 1.0)], [(41.0, 1.0)], 60.0, speeds=[1.33]))
-    return float(run.summary["people"]["p0"]["left"])
-
-
-def rimea_6() -> tuple[int, float]:
-    """Return how many of twenty got round a corner, and the least distance to a wall (m)."""
-    starts = [(0.5 + 0.6 * c, 0.3 + 0.45 * r) for c in range(5) for r in range(4)]
-    sinks = [(10.4 + 0.3 * (k % 5), 10.2 + 0.4 * (k // 5)) for k in range(20)]
-    run = sim.run(trial((12.0, 12.0), starts, sinks, 90.0, walls=[(0.0, 2.0, 10.0, 12.0)]))
-    world = CollisionWorld(run.trial.floorplan)
-    least = math.inf
-    for name, (begin, end) in run.presence.items():
-        times = np.arange(begin, end - 1e-6, 0.02)
-        least = min(least, float(world.clearance(run.motions[name].position(times))))
-    return int(run.summary["left"]), least
-
-
-def rimea_7() -> float:
-    """Return the greatest deviation of a speed from what it should be, as a share of it.
-
-    Twenty people of the speeds of Weidmann's ages walk 20 m side by side.
-    """
-    speeds = [round(0.6 + 0.055 * k, 3) for k in range(20)]
-    starts = [(1.0, 0.5 + k) for k in range(20)]
-    run = sim.run(trial((24.0, 20.0), starts, [(22.0, y) for _, y in starts], 60.0, speeds=speeds))
-    off = []
-    for k, speed in enumerate(speeds):
-        times = np.linspace(3.0, 12.0, 200)
-        found = np.hypot(*run.motions[f"p{k}"].velocity(times).T)
-        off.append(abs(statistics.mean(found.tolist()) / speed - 1))
-    return max(off)
-
-
-def lanes(rate: float = 0.25) -> tuple[float, float]:
+def lanes(walk: Program, rate: float) -> tuple[float, float]:
     """Return how far counterflow in a corridor of 3 m has parted into lanes: from 0 to 1.
 
     `rate` people per second come in at each of three places at either end. It is the order
@@ -219,130 +307,170 @@ def lanes(rate: float = 0.25) -> tuple[float, float]:
     figure is what it would be if as many people were anywhere across the corridor.
     """
     length, width, strip, count = 20.0, 3.0, 2 * RADIUS, 15
-    lines = ["floorplan:", "  name: floor"]
-    lines += [f"  boundary: [[0, 0], [{length}, 0], [{length}, {width}], [0, {width}]]"]
-    lines += [
-        f"  safe_zone: {{at: [1, 1.5]}}\n  human: {{radius: {RADIUS}, max_speed: {FREE_SPEED}}}"
-    ]
-    lines += ["duration: 50", "people:"]
-    for way, (here, there) in enumerate(((0.5, length - 0.5), (length - 0.5, 0.5))):
-        lines += [
-            f"  - {{name: w{way}{row}, personality: visitor, sink: [{there}, {y}],"
-            f" source: {{at: [{here}, {y}], rate: {rate}, count: {count}}}}}"
-            for row, y in enumerate((0.5, 1.5, 2.5))
-        ]
-    run = sim.run(sim.Trial.parse("\n".join(lines)))
-    times = np.arange(20.0, 50.0, 0.2)
-    at = np.array([motion.position(times) for motion in run.motions.values()])
-    inside = (at[..., 0] > 4.0) & (at[..., 0] < length - 4.0)
-    east = np.array([name.startswith("w0") for name in run.motions])[:, np.newaxis]
-    chance = np.random.default_rng(1)
+    chance, walkers = random.Random(2), []
+    for here, there in ((0.5, length - 0.5), (length - 0.5, 0.5)):
+        for y in (0.5, 1.5, 2.5):
+            t = 0.0
+            for _ in range(count):
+                t += chance.expovariate(rate)
+                walkers.append(Walker((here, y), ((there, y),), enters=t))
+    data = walk(Scene(rectangle(length, width), walkers, 50.0)).data
+    rows = data[(data.frame >= 20 * RATE) & (data.frame % 2 == 0) & data.x.between(4.0, 16.0)]
+    across = np.random.default_rng(1).uniform(RADIUS, width - RADIUS, len(rows))
 
-    def order(rows: NDArray[np.float64]) -> float:
-        found = []
-        for k in range(len(rows)):
-            same = inside & (rows == rows[k])
-            n, m = (same & east).sum(axis=0), (same & ~east).sum(axis=0)
-            found += (((n - m) / np.maximum(n + m, 1)) ** 2)[inside[k]].tolist()
-        return float(np.mean(found))
+    def order(y: NDArray[np.float64]) -> float:
+        frame = rows.assign(strip=np.floor(y / strip), way=np.where(rows.id < 3 * count, 1, -1))
+        parted = frame.groupby(["frame", "strip"])["way"].agg(["sum", "count"])
+        return float(((parted["sum"] / parted["count"]) ** 2 * parted["count"]).sum() / len(rows))
 
-    anywhere = chance.uniform(RADIUS, width - RADIUS, at.shape[:2])
-    return order(np.floor(at[..., 1] / strip)), order(np.floor(anywhere / strip))
+    return order(rows.y.to_numpy()), order(across)
 
 
-def rimea_5() -> float:
-    """Return the greatest deviation (s) from ten reaction times of 10 to 100 s of who sets out."""
-    delays = [10.0 * (k + 1) for k in range(10)]
-    lines = ["floorplan:", "  name: floor", "  boundary: [[0, 0], [8, 0], [8, 5], [0, 5]]"]
-    lines += [
-        "  safe_zone: {at: [1, 1]}",
-        f"  human: {{radius: {RADIUS}, max_speed: {FREE_SPEED}}}",
-    ]
-    lines += ["duration: 120", "people:"]
-    for k, delay in enumerate(delays):
-        lines.append(
-            f"  - {{name: p{k}, personality: visitor, start: {{time: {delay}}},"
-            f" at: [{1.0 + k // 5}, {0.6 + 0.9 * (k % 5)}], sink: [7.5, 2.5]}}"
-        )
-    run = sim.run(sim.Trial.parse("\n".join(lines)))
-    set_out = [
-        next(piece.begin for piece in run.motions[f"p{k}"].pieces if piece.x[1:] != (0, 0, 0))
-        for k in range(10)
-    ]
-    return max(abs(t - delay) for t, delay in zip(set_out, delays, strict=True))
+def rimea_9(walk: Program, people: int, doors: int) -> NDArray[np.float64]:
+    """Return when each of many people leaves a hall (s) by four doors or by two.
 
-
-def standing_still() -> tuple[float, float]:
-    """Return the seconds lost past somebody who stands, and the gap (m) where nobody gets past.
-
-    As the tests of Jülich want it: one walks on past the other where there is room for that, and
-    stops behind them, without touching, where there is none.
+    The hall is 30 m by 20 m, with doors of 1 m. Everybody takes the nearest. RiMEA's are 1,000.
     """
-    found = []
-    for width in (3.0, 0.7):
-        starts = [(1.0, width / 2), (8.0, width / 2)]
-        given = trial((16.0, width), starts, [(15.0, width / 2), starts[1]], 40.0)
-        stays = replace(given.people[1], personality="indifferent", actions=None, sink=None)
-        stays = replace(
-            stays, start=sim.Start(1e5), manners=replace(stays.manners, steps_aside=False)
-        )
-        found.append(sim.run(replace(given, people=(given.people[0], stays))))
-    past, behind = found
-    left = past.summary["people"]["p0"]["left"]
-    gap = behind.summary["nearest_people"]["distance"]
-    return float(left - 14.0 / FREE_SPEED), float(gap)
+    low = [(7.5, -1.0, 8.5, 0.0), (21.5, -1.0, 22.5, 0.0)]
+    every = [*low, *((x0, 20.0, x1, 21.0) for x0, _, x1, _ in low)]
+    floor = shapely.union_all([rectangle(30.0, 20.0), *(shapely.box(*one) for one in every)])
+    ways = [((x0 + x1) / 2, (y0 + y1) / 2) for x0, y0, x1, y1 in every[-doors:]]
+    starts = filled((0.5, 0.5), (29.5, 19.5), people)
+    walkers = [
+        Walker(at, (min(ways, key=lambda way, at=at: math.dist(way, at)),), v)
+        for at, v in zip(starts, drawn(people), strict=True)
+    ]
+    duration = 4.0 * people / doors + 60.0
+    left = np.sort(durations(walk(Scene(floor, walkers, duration))))
+    return np.where(left < duration, left, np.inf)
+
+
+def rimea_12(walk: Program, people: int = 150) -> tuple[float, float, float]:
+    """Return the greatest densities (1/m²) before a corridor and before the way out behind it.
+
+    150 people leave a room of 10 m by 10 m by a corridor of 1 m by 5 m, and the room behind it, as
+    large, by a door of 1 m. The third figure is when the last has left (s), or infinity.
+    """
+    walls = [(10.0, 0.0, 15.0, 4.5), (10.0, 5.5, 15.0, 10.0)]
+    walls += [(25.0, 0.0, 26.5, 4.5), (25.0, 5.5, 26.5, 10.0)]
+    starts = filled((0.3, 0.3), (9.5, 9.7), people)
+    walkers = [Walker(at, ((26.0, 5.0),), v) for at, v in zip(starts, drawn(people), strict=True)]
+    duration = 400.0
+    data = walk(Scene(rectangle(26.5, 10.0, *walls), walkers, duration))
+    before = []
+    for x in (10.0, 25.0):
+        area = pedpy.MeasurementArea([(x - 2, 4.0), (x, 4.0), (x, 6.0), (x - 2, 6.0)])
+        dense = pedpy.compute_classic_density(traj_data=data, measurement_area=area)
+        before.append(float(dense["density"].rolling(5 * RATE, min_periods=1).mean().max()))
+    last = float(durations(data).max())
+    return before[0], before[1], last if last < duration else math.inf
+
+
+class Diagrams(NamedTuple):
+    """What one program comes to in the scenes with a diagram."""
+
+    files: list[Found]
+    openings: list[Found]
+    full: list[Found]
+    lanes: list[tuple[float, float]]
+    four: NDArray[np.float64]
+    two: NDArray[np.float64]
+    rooms: tuple[float, float, float]
+
+
+def measured(walk: Program, people: int) -> Diagrams:
+    """Walk all scenes with a diagram."""
+    return Diagrams(
+        list(single_file(walk)),
+        list(bottleneck(walk)),
+        list(rimea_4(walk)),
+        [lanes(walk, rate) for rate in RATES],
+        rimea_9(walk, people, 4),
+        rimea_9(walk, people, 2),
+        rimea_12(walk),
+    )
 
 
 @styled()
-def draw(
-    files: Sequence[Found], flows: Sequence[Found], openings: Sequence[Found], path: Path
-) -> None:
-    """Draw the three diagrams beside the literature's."""
-    figure = new_figure("double", 2.4)
-    left, middle, right = figure.subplots(1, 3)
+def draw(ours: Diagrams, theirs: Diagrams, path: Path) -> None:
+    """Draw both programs' diagrams beside the literature's."""
+    figure = new_figure("double", 4.6)
+    (file, full, opening), (parted, halls, rooms) = figure.subplots(2, 3)
     v = np.linspace(0.0, 1.1, 50)
-    left.plot(v, [seyfried(one) for one in v], color=BLACK, label="Seyfried et al. 2005")
-    left.plot(*zip(*files, strict=True), "o", color=BLUE, label="Floorwalker")
-    left.set(xlabel="speed (m/s)", ylabel="length per person (m)", ylim=(0.0, None))
+    file.plot(v, [seyfried(one) for one in v], color=BLACK, label="Seyfried et al. 2005")
+    file.set(xlabel="speed (m/s)", ylabel="length per person (m)", ylim=(0.0, None))
     rho = np.linspace(0.05, 3.0, 100)
-    middle.plot(rho, [weidmann(one) for one in rho], color=BLACK, label="Weidmann 1993")
-    middle.plot(*zip(*flows, strict=True), "o", color=BLUE)
-    middle.set(xlabel="density (1/m²)", ylabel="speed (m/s)", ylim=(0.0, 1.5))
-    right.axhspan(1.2, 2.2, facecolor=PALE, label="experiments")
-    right.plot(*zip(*((w, f / w) for w, f in openings), strict=True), "o", color=BLUE)
-    right.set(xlabel="width (m)", ylabel="specific flow (1/(m s))", ylim=(0.0, 2.4))
-    for axes in (left, middle, right):
+    full.plot(rho, [weidmann(one) for one in rho], color=BLACK, label="Weidmann 1993")
+    full.set(xlabel="density (1/m²)", ylabel="speed (m/s)", ylim=(0.0, 1.7))
+    opening.axhspan(1.2, 2.2, facecolor=PALE, label="experiments")
+    opening.set(xlabel="width (m)", ylabel="specific flow (1/(m s))", ylim=(0.0, 3.0))
+    inflow = [3 * rate for rate in RATES]
+    chance = [one for _, one in ours.lanes]
+    parted.plot(inflow, chance, color=BLACK, label="by chance")
+    parted.set(xlabel="people each way (1/s)", ylabel="order of lanes", ylim=(0.0, 1.05))
+    halls.set(xlabel="time (s)", ylabel="people in the hall")
+    rooms.set(ylabel="greatest density (1/m²)", xticks=(0, 1), xlim=(-0.5, 1.5))
+    rooms.set_xticklabels(["before the\ncorridor", "before the\nway out"])
+    for k, (name, color, found) in enumerate(
+        (("Floorwalker", BLUE, ours), ("JuPedSim", VERMILION, theirs))
+    ):
+        marks = {"color": color, "marker": "os"[k], "linestyle": "", "label": name}
+        marks |= {"markersize": 4 + 2 * k, "markerfacecolor": "none" if k else color}
+        for axes, points in ((file, found.files), (full, found.full), (opening, found.openings)):
+            axes.plot(*zip(*points, strict=True), **marks)
+        parted.plot(inflow, [one for one, _ in found.lanes], **marks)
+        for times, style, doors in ((found.four, "-", "four doors"), (found.two, "--", "two")):
+            gone = np.sort(times[np.isfinite(times)])[:: max(len(times) // 60, 1)]
+            left = len(times) - np.searchsorted(np.sort(times), gone, side="right")
+            halls.plot(gone, left, style, color=color, label=f"{name}, {doors}")
+        rooms.bar(np.arange(2) + 0.3 * k - 0.15, found.rooms[:2], 0.28, color=color, label=name)
+    for axes in (file, full, opening, parted, halls, rooms):
         axes.legend(loc="best", frameon=False, fontsize=6)
         axes.grid(color=GREY, alpha=0.2, linewidth=0.5)
     plots.save(figure, path)
+
+
+def table(ours: Diagrams, theirs: Diagrams) -> Iterator[str]:
+    """Yield the diagrams' rows of the table of `docs/people-among-people.md`, in Markdown."""
+
+    def each(figures: Callable[[Diagrams], Sequence[float]], digits: int = 2) -> str:
+        cells = [
+            ", ".join(f"{one:.{digits}f}" for one in figures(found)) for found in (ours, theirs)
+        ]
+        return " | ".join(cells)
+
+    yield f"single file at {SPEEDS} m/s, m | {each(lambda d: [f for _, f in d.files])}"
+    yield f"openings of {WIDTHS} m, 1/(m s) | {each(lambda d: [f for _, f in d.openings])}"
+    yield f"full corridor (RiMEA 4), densities | {each(lambda d: [one.at for one in d.full])}"
+    yield f"full corridor (RiMEA 4), speeds | {each(lambda d: [f for _, f in d.full])}"
+    yield f"against Weidmann | {each(lambda d: [v / weidmann(at) - 1 for at, v in d.full])}"
+    yield f"lanes at {RATES}/s | {each(lambda d: [one for one, _ in d.lanes])}"
+    yield f"lanes by chance | {each(lambda d: [one for _, one in d.lanes])}"
+    for name, doors in (("four", lambda d: d.four), ("two", lambda d: d.two)):
+        last = each(lambda d, doors=doors: [doors(d).max(), np.isfinite(doors(d)).sum()], 0)
+        yield f"hall with {name} doors (RiMEA 9): last, who left | {last}"
+    yield f"two rooms (RiMEA 12): densities, last | {each(lambda d: d.rooms)}"
 
 
 def main() -> None:
     """Measure, print tables in Markdown, and draw."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n\n")[0])
     parser.add_argument("--plot", type=Path, default=Path("docs/images/literature.svg"))
+    parser.add_argument("--people", type=int, default=250, help="in the hall of RiMEA 9")
     asked = parser.parse_args()
-    print(f"RiMEA 1: {rimea_1():.1f} s")
-    print("RiMEA 6: {} of 20 round the corner, nearest to a wall {:.3f} m".format(*rimea_6()))
-    print(f"RiMEA 7: speeds off by {100 * rimea_7():.2f} % at most")
-    print(f"RiMEA 5: set out {rimea_5():.3f} s off at most")
-    print(
-        "somebody who stands: {:.2f} s lost past them, {:.3f} m behind them".format(
-            *standing_still()
+    for scene, published, measure in ROWS:
+        print(
+            f"| {scene} | {published} | {measure(floorwalker)} | {measure(jupedsims)} |",
+            flush=True,
         )
-    )
-    for rate in (0.15, 0.25, 0.4):
-        print("lanes, {:.2f}/s: order {:.2f}, by chance {:.2f}".format(3 * rate, *lanes(rate)))
-    files = list(single_file())
-    for speed, length in files:
-        print(f"file, {speed:.1f} m/s: {length:.2f} m ({length / seyfried(speed) - 1:+.0%})")
-    openings = list(bottleneck())
-    for width, flow in openings:
-        print(f"opening, {width:.1f} m: {flow:.2f}/s, {flow / width:.2f}/(m s)")
-    flows = list(corridor())
-    for density, speed in flows:
-        print(f"corridor, {density:.2f}/m²: {speed:.2f} m/s ({speed / weidmann(density) - 1:+.0%})")
-    draw(files, flows, openings, asked.plot)
+    found = []
+    for program in (floorwalker, jupedsims):
+        begin = time.process_time()
+        found.append(measured(program, asked.people))
+        print(f"{program.__name__}: {time.process_time() - begin:.0f} s of CPU", flush=True)
+    for row in table(*found):
+        print(f"| {row} |")
+    draw(*found, asked.plot)
 
 
 if __name__ == "__main__":
