@@ -5,6 +5,7 @@ import os
 import signal
 from contextlib import suppress
 from importlib.metadata import entry_points
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
@@ -26,9 +27,9 @@ with suppress(ImportError):
 
     providers._get_local_constants = lambda: providers._local_constants
 
-# Processes that tests start find the sources, wherever they are.
-ROOT = str(Path(__file__).resolve().parents[1])
-os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [ROOT, os.environ.get("PYTHONPATH")]))
+# Processes that tests start find the packages that are tested, installed or not, wherever they are.
+TESTED = str(Path(str(find_spec("navigation").origin)).parents[1])
+os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [TESTED, os.environ.get("PYTHONPATH")]))
 
 pytest_plugins = ["pytester"]
 if "floorwalker" not in entry_points(group="pytest11").names:
