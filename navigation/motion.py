@@ -163,7 +163,7 @@ class Motion:
         known: tuple[float, State] | None = kept.get("known")  # asked often of one instant
         if known is not None and known[0] == t:
             return known[1]
-        table = self.table
+        t, table = float(t), self.table
         row = max(0, row_at(table, WIDTH, t))
         found = State(*evaluate(table, row, t, table[0] <= t < table[1 - WIDTH]))
         kept["known"] = (t, found)
@@ -171,6 +171,7 @@ class Motion:
 
     def state_before(self, t: float) -> State:
         """Return the state just before `t`, before a change or a jump at that instant."""
+        t = float(t)
         row = max(0, bisect_left(self._begins, t) - 1)
         return State(*evaluate(self.table, row, t, self.start < t <= self.end))
 
