@@ -260,6 +260,17 @@ def test_a_crowd_around_a_goal_dissolves(walks):
     assert least(run) >= 0.6
 
 
+def test_a_crowd_gets_through_a_door(walks):
+    """Those who gave up a path round others are not led by its bends to where somebody stands."""
+    rng = random.Random(2)
+    starts = places(rng, 24, (0.4, 0.4), (7.0, 7.6), 0.65)
+    goals = places(rng, 24, (9.2, 0.4), (15.8, 7.6), 0.65)
+    floor = hall(16.2, 8, (8, 0, 8.2, 3.5), (8, 4.5, 8.2, 8))
+    run = walks(floor, [(a, [b]) for a, b in zip(starts, goals, strict=True)])
+    assert least(run) >= 0.6
+    assert arrived(run) == set(run.summary["people"])
+
+
 def test_the_same_people_walk_the_same_again(walks):
     floor, ways = scene(3)
     one, again = walks(floor, ways, 40.0), walks(floor, ways, 40.0)

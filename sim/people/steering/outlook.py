@@ -118,6 +118,7 @@ class Outlook:
         self.me = me
         self.now = now
         self.ground = ground
+        self.reroute = reroute
         self._whereabouts = whereabouts
         self._state = me.body.motion.state(now)
         self._narrow: dict[int, bool] = {}

@@ -115,7 +115,10 @@ def takes_way_round(me: Traveller, outlook: Outlook, stood: float) -> bool:
     ground = outlook.ground
     path = ground.detours.path(outlook.at, goal, outlook.standing(outlook.at, goal), ground.free)
     if path is None or length_of(path) > outlook.whole + me.top_speed * (stood + LONGEST):
-        return False
+        # The bends of an earlier way round may be left, past others who have walked on since.
+        before = me.route
+        me.route, me.goes_round = outlook.reroute(outlook.at), False
+        return me.route != before
     me.route, me.goes_round = path[1:], True
     return True
 
