@@ -93,8 +93,8 @@ def test_a_wheel_installs_and_runs_in_an_empty_environment(built, tmp_path):
     venv.create(environment, with_pip=True)
     python = environment / ("Scripts" if os.name == "nt" else "bin") / "python"
     pip = [str(python), "-m", "pip", "--quiet", "--disable-pip-version-check"]
-    subprocess.run([*pip, "install", str(wheel)], check=True)
     clean = {k: v for k, v in os.environ.items() if k != "PYTHONPATH"}
+    subprocess.run([*pip, "install", str(wheel)], check=True, env=clean)
     command = str(python.parent / "floorwalker")
     for arguments in (["run", "--out", str(tmp_path / "out")], ["list"], ["--version"]):
         done = subprocess.run(
@@ -110,7 +110,8 @@ def test_the_sdist_installs_without_a_compiler(built, tmp_path):
     venv.create(environment, with_pip=True)
     python = environment / ("Scripts" if os.name == "nt" else "bin") / "python"
     pip = [str(python), "-m", "pip", "--quiet", "--disable-pip-version-check"]
-    nothing = {**os.environ, "CC": str(tmp_path / "nothing")}
+    clean = {k: v for k, v in os.environ.items() if k != "PYTHONPATH"}
+    nothing = {**clean, "CC": str(tmp_path / "nothing")}
     subprocess.run([*pip, "install", "--no-deps", str(sdist)], check=True, env=nothing)
     found = [path for path in environment.rglob("kernels/[a-z]*") if path.is_file()]
     assert {path.suffix for path in found} == {".py", ".pxd"}
