@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import TypeVar
 
 import numpy as np
 import shapely
@@ -14,6 +15,8 @@ from floorplan import Point
 
 from .bodies import Body, Disc
 from .corners import around_disc, bends, corners, edges_of_room, grown
+
+_Found = TypeVar("_Found")
 
 STEP = math.radians(3.0)
 """Radians. How finely arcs are drawn here: at most 0.04 % of the radius is lost."""
@@ -44,12 +47,7 @@ class FreeSpace:
 
     def piece_of(self, point: Point) -> int | None:
         """Return the index of the piece that `point` is in, or within a millimetre of."""
-        if point in self._known:
-            return self._known[point]
-        if len(self._known) >= _MOST_KNOWN:
-            self._known.clear()
-        found = self._known[point] = self._piece_at(point)
-        return found
+        return _once(self._known, point, self._piece_at)
 
     def _piece_at(self, point: Point) -> int | None:
         inside = np.flatnonzero(shapely.intersects_xy(self.pieces, *point))
@@ -65,12 +63,7 @@ class FreeSpace:
 
     def nearest(self, point: Point) -> Point | None:
         """Return the place nearest to `point`, or None where there is none at all."""
-        if point in self._nearest:
-            return self._nearest[point]
-        if len(self._nearest) >= _MOST_KNOWN:
-            self._nearest.clear()
-        found = self._nearest[point] = self._nearest_to(point)
-        return found
+        return _once(self._nearest, point, self._nearest_to)
 
     def _nearest_to(self, point: Point) -> Point | None:
         at = shapely.points(*point)
@@ -103,6 +96,16 @@ class FreeSpace:
             order = np.argsort(np.hypot(*(places - point).T), kind="stable")
             found.append([(float(x), float(y)) for x, y in places[order]])
         return found
+
+
+def _once(known: dict[Point, _Found], point: Point, find: Callable[[Point], _Found]) -> _Found:
+    """Return what `find` finds for a point, or what is `known` of it since it was asked before."""
+    if point in known:
+        return known[point]
+    if len(known) >= _MOST_KNOWN:
+        known.clear()
+    found = known[point] = find(point)
+    return found
 
 
 def shrunk(room: shapely.Geometry, radius: float) -> shapely.Geometry:

@@ -108,14 +108,11 @@ class Clock(simpy.Environment):
 
         It is what a process would be that waits for the instant, in a third of the events.
         """
-        event = Event(self)
-        assert event.callbacks is not None  # it has not happened yet
 
-        def answered(_: Event) -> None:
-            event._ok, event._value = True, answer()
+        def answered() -> None:
+            event._value = answer()
 
-        event.callbacks.append(answered)
-        heappush(self._queue, (max(t, self.now), EventPriority(turn), next(self._eid), event))
+        event = self.call_at(t, answered, turn)
         return event
 
     def happened(self, value: Any) -> Event:

@@ -130,7 +130,7 @@ class Outlook:
         self.lead: Motion | None = None
         self._lead: Swath | None = None
         self.at, self.t, self.speed = self._state.at, now, self._state.speed
-        self.course = [self.at, *self._taut(self.at, reroute)]
+        self.course = [self.at, *self._taut(self.at)]
         if self.speed > 1e-6 and not self.can_turn(self.course):
             self.lead = stop_walking(
                 me.body.motion, now, max_acceleration=me.human.max_acceleration
@@ -138,7 +138,7 @@ class Outlook:
             self._lead = swath(self.lead, now)
             end = self.lead.state(self.lead.end)
             self.at, self.t, self.speed = end.at, self.lead.end, 0.0
-            self.course = [self.at, *self._taut(self.at, reroute)]
+            self.course = [self.at, *self._taut(self.at)]
         human, lead = me.human, self._lead
         vx, vy, _ = self._state.velocity
         self.walks = Candidates(
@@ -355,7 +355,7 @@ class Outlook:
         """Return the metres along the course that they would have gone at `t` (seconds)."""
         return 0.0 if self.wished is None else self.wished.gone(self.t, t)
 
-    def _taut(self, at: Point, reroute: Callable[[Point], list[Point]]) -> list[Point]:
+    def _taut(self, at: Point) -> list[Point]:
         """Return the route from `at`: without the points that can be left out, or a new one."""
         me = self.me
         route = me.route
@@ -376,7 +376,7 @@ class Outlook:
         for k in range(min(len(route), 4) - 1, -1, -1):
             if self.ground.free(at, route[k]):
                 return route[k:]
-        return reroute(at)
+        return self.reroute(at)
 
     def standing(self, *places: Point) -> list[tuple[Point, float]]:
         """Return who stands around these places: where, and how far to stay from there (m)."""
