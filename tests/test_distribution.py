@@ -87,13 +87,18 @@ def test_the_readme_can_be_shown(built):
     assert done.returncode == 0, done.stdout + done.stderr
 
 
-def test_a_wheel_installs_and_runs_in_an_empty_environment(built, tmp_path):
+@pytest.fixture
+def clean():
+    """The environment of somebody for whom the tested packages are nowhere in sight."""
+    return {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+
+
+def test_a_wheel_installs_and_runs_in_an_empty_environment(built, clean, tmp_path):
     (wheel,) = built.glob("floorwalker-*.whl")
     environment = tmp_path / "environment"
     venv.create(environment, with_pip=True)
     python = environment / ("Scripts" if os.name == "nt" else "bin") / "python"
     pip = [str(python), "-m", "pip", "--quiet", "--disable-pip-version-check"]
-    clean = {k: v for k, v in os.environ.items() if k != "PYTHONPATH"}
     subprocess.run([*pip, "install", str(wheel)], check=True, env=clean)
     command = str(python.parent / "floorwalker")
     for arguments in (["run", "--out", str(tmp_path / "out")], ["list"], ["--version"]):
@@ -104,13 +109,12 @@ def test_a_wheel_installs_and_runs_in_an_empty_environment(built, tmp_path):
     assert (tmp_path / "out" / "replay.html").stat().st_size > 50_000
 
 
-def test_the_sdist_installs_without_a_compiler(built, tmp_path):
+def test_the_sdist_installs_without_a_compiler(built, clean, tmp_path):
     (sdist,) = built.glob("floorwalker-*.tar.gz")
     environment = tmp_path / "environment"
     venv.create(environment, with_pip=True)
     python = environment / ("Scripts" if os.name == "nt" else "bin") / "python"
     pip = [str(python), "-m", "pip", "--quiet", "--disable-pip-version-check"]
-    clean = {k: v for k, v in os.environ.items() if k != "PYTHONPATH"}
     nothing = {**clean, "CC": str(tmp_path / "nothing")}
     subprocess.run([*pip, "install", "--no-deps", str(sdist)], check=True, env=nothing)
     found = [path for path in environment.rglob("kernels/[a-z]*") if path.is_file()]
