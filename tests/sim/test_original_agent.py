@@ -160,7 +160,6 @@ def require_same_goals(across, within):
         pytest.param("antagonistic", 60.0, marks=pytest.mark.slow),
         pytest.param("helpful", 40.0, marks=pytest.mark.slow),
         pytest.param("indifferent", 275.0, marks=pytest.mark.slow),
-        pytest.param("antagonistic", 275.0, marks=pytest.mark.slow),
     ],
 )
 def test_the_original_agent_goes_on_to_the_end(personality, duration):
@@ -188,6 +187,17 @@ def require_rounds(run):
     assert min(after - before for before, after in itertools.pairwise(turns)) > LOOKS / 2
     assert goals[-1][0] > run.trial.duration - 20.0
     return len(goals)
+
+
+@pytest.mark.slow
+def test_an_antagonistic_original_meets_the_gantry_to_the_end():
+    # Where a teleport leaves it may be a goal that it already had, by the wall's clock, so what is
+    # compared is how often it meets the gantry.
+    across, within, _ = driven(replace(trial("antagonistic", 275.0), rules=sim.ARIAC2023))
+    violations, expected = times(across, "violation"), times(within, "violation")
+    assert times(across, "teleport") == violations
+    assert abs(len(violations) - len(expected)) <= 0.25 * len(expected)
+    assert times(across, "goal")[-1] > times(within, "goal")[-1] - 30.0
 
 
 @pytest.mark.slow
