@@ -71,8 +71,7 @@ def gantry_move(
         return _along_axes(straight(_plain(current), target, limits), start)
     if not (any(current.velocity) or any(current.acceleration)):
         return _along_axes(straight(current.position, target, limits), start)
-    targets = [AxisState(c) for c in target]
-    return _along_axes(rows_to_position(_axis_states(current), targets, limits), start)
+    return _along_axes(rows_to_position(current, (target, _STILL, _STILL), limits), start)
 
 
 def gantry_stop(current: State, start: float, *, limits: GantryLimits = ARIAC_GANTRY) -> Motion:
@@ -153,8 +152,8 @@ def _along_lane(lane: Lane, phases: Phases, start: float) -> Motion:
     return Motion(tuple(pieces))
 
 
-def _axis_states(current: State) -> list[AxisState]:
-    return [AxisState(*axis) for axis in zip(*current, strict=True)]
+_STILL = (0.0, 0.0, 0.0)
+"""Velocity, or acceleration, of all axes at rest."""
 
 
 def _along_axes(axes: list[list[float]], start: float) -> Motion:

@@ -7,6 +7,7 @@ Arbitrary Target States", Robotics: Science and Systems 2021.
 from __future__ import annotations
 
 import math
+import threading
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -49,6 +50,10 @@ Phases = list[tuple[float, Cubic]]
 """The duration of each phase of one axis (seconds), and its cubic."""
 
 
+States = tuple[Sequence[float], Sequence[float], Sequence[float]]
+"""Positions, velocities and accelerations of some axes."""
+
+
 def to_position(
     current: Sequence[AxisState], target: Sequence[AxisState], limits: Sequence[AxisLimits]
 ) -> list[Phases]:
@@ -56,20 +61,24 @@ def to_position(
 
     `ValueError` if there are none.
     """
-    return [_phases(rows) for rows in rows_to_position(current, target, limits)]
+    rows = rows_to_position(_columns(current), _columns(target), limits)
+    return [_phases(axis) for axis in rows]
 
 
 def rows_to_position(
-    current: Sequence[AxisState], target: Sequence[AxisState], limits: Sequence[AxisLimits]
+    current: States, target: States, limits: Sequence[AxisLimits]
 ) -> list[list[float]]:
     """Return `to_position`'s profiles: for each phase of an axis its duration and coefficients."""
-    if not any(map(_is_under_way, (*current, *target))) and current == target:
-        return [[0.0, state.position, 0.0, 0.0, 0.0] for state in current]  # as Ruckig has it
-    task = _task(current, limits)
-    task.target_position = [state.position for state in target]
-    task.target_velocity = [state.velocity for state in target]
-    task.target_acceleration = [state.acceleration for state in target]
-    return _solve(task)
+    place, velocity, acceleration = current
+    under_way = any(velocity) or any(acceleration) or any(target[1]) or any(target[2])
+    if not under_way and [*place] == [*target[0]]:
+        return [[0.0, at, 0.0, 0.0, 0.0] for at in place]  # as Ruckig has it
+    states = [
+        # An axis at rest but for rounding is taken for one in motion by Ruckig.
+        [at, 0.0, 0.0] if stands(v, a) else [at, v, a]
+        for at, v, a in zip(place, velocity, acceleration, strict=True)
+    ]
+    return _solve(states, target, limits)
 
 
 def straight(
@@ -93,7 +102,7 @@ def straight(
         min(axis.max_acceleration / share for share, axis in moving),
         min(axis.max_jerk / share for share, axis in moving),
     )
-    (along,) = rows_to_position([AxisState(0.0)], [AxisState(length)], [shared])
+    (along,) = rows_to_position(((0.0,), _REST, _REST), ((length,), _REST, _REST), [shared])
     return [_scaled(along, a, share) for a, share in zip(current, shares, strict=True)]
 
 
@@ -133,44 +142,70 @@ def along_line(
     return pieces
 
 
-def _is_under_way(state: AxisState) -> bool:
-    return state.velocity != 0.0 or state.acceleration != 0.0
+_REST = (0.0,)
+"""Velocity, or acceleration, of one axis at rest."""
 
 
-def _task(current: Sequence[AxisState], limits: Sequence[AxisLimits]) -> Any:
-    task = ruckig.InputParameter(len(current))
-    task.current_position = [state.position for state in current]
-    # An axis at rest but for rounding is taken for one in motion by Ruckig.
-    current = [
-        AxisState(state.position) if stands(state.velocity, state.acceleration) else state
-        for state in current
-    ]
-    task.current_velocity = [state.velocity for state in current]
-    task.current_acceleration = [state.acceleration for state in current]
+class _Ruckig(threading.local):
+    """Ruckig and what it is asked, by the number of axes, kept for each thread.
+
+    To make them takes longer than an answer.
+    """
+
+    def __init__(self) -> None:
+        self.kept: dict[int, tuple[Any, Any]] = {}
+
+    def of(self, axes: int) -> tuple[Any, Any]:
+        """Return both for so many axes."""
+        known = self.kept.get(axes)
+        if known is None:
+            known = self.kept[axes] = ruckig.Ruckig(axes), ruckig.InputParameter(axes)
+        return known
+
+
+_RUCKIG = _Ruckig()
+
+
+def _solve(
+    states: list[list[float]], target: States, limits: Sequence[AxisLimits]
+) -> list[list[float]]:
+    """Return Ruckig's answer: of each axis, in one of `states`, the rows of `merge_axes`."""
+    solver, task = _RUCKIG.of(len(states))
+    task.current_position = [state[0] for state in states]
+    task.current_velocity = [state[1] for state in states]
+    task.current_acceleration = [state[2] for state in states]
+    task.target_position, task.target_velocity, task.target_acceleration = target
     task.max_velocity = [axis.max_speed for axis in limits]
     task.max_acceleration = [axis.max_acceleration for axis in limits]
     task.max_jerk = [axis.max_jerk for axis in limits]
-    return task
-
-
-def _solve(task: Any) -> list[list[float]]:
-    """Return Ruckig's answer: of each axis the rows of `merge_axes`."""
-    trajectory = ruckig.Trajectory(task.degrees_of_freedom)
+    trajectory = ruckig.Trajectory(len(states))  # one used before keeps figures of its brakes
     try:
-        result = ruckig.Ruckig(task.degrees_of_freedom).calculate(task, trajectory)
+        result = solver.calculate(task, trajectory)
     except ruckig.RuckigError as why:
         raise ValueError(f"no motion within these limits: {why}") from None
-    if result not in (ruckig.Result.Working, ruckig.Result.Finished):
+    if result not in _FOUND:
         raise ValueError(f"no motion within these limits ({result.name})")
-    states = zip(
-        task.current_position, task.current_velocity, task.current_acceleration, strict=True
-    )
     rows = []
     for profile, state in zip(trajectory.profiles[0], states, strict=True):
-        brake = profile.brake  # its phases come before the seven of the profile
-        durations, jerks = [*brake.t, *profile.t], [*brake.j, *profile.j]
-        rows.append(phases_of([*state], durations, [*brake.a, *profile.a], jerks))
+        brake = profile.brake
+        if brake.duration > 0.0:  # its phases come before the seven of the profile
+            durations, jerks = brake.t + profile.t, brake.j + profile.j
+            rows.append(phases_of(state, durations, brake.a + profile.a, jerks))
+        else:
+            rows.append(phases_of(state, profile.t, profile.a, profile.j))
     return rows
+
+
+_FOUND = (ruckig.Result.Working, ruckig.Result.Finished)
+
+
+def _columns(states: Sequence[AxisState]) -> States:
+    """Return the states of axes as columns."""
+    return (
+        [state.position for state in states],
+        [state.velocity for state in states],
+        [state.acceleration for state in states],
+    )
 
 
 def _phases(rows: list[float]) -> Phases:

@@ -80,10 +80,11 @@ class Drive:
         """
         if faults := self._gantry.faults(target):
             raise ValueError("; ".join(faults))
-        limits = tuple(_slower(axis, speed_share) for axis in self._limits)
-        return gantry_move(
-            self.body.state, target, self._clock.now, limits=(limits[0], limits[1], limits[2])
-        )
+        limits = self._limits
+        if speed_share != 1:
+            x, y, rotation = (_slower(axis, speed_share) for axis in limits)
+            limits = (x, y, rotation)
+        return gantry_move(self.body.state, target, self._clock.now, limits=limits)
 
     def stopping(self, state: State, t: float) -> Motion:
         """Return the fastest stop from `state` at `t` (seconds)."""
@@ -238,4 +239,4 @@ class Drive:
 def _slower(axis: AxisLimits, share: float) -> AxisLimits:
     if not 0 < share <= 1:
         raise ValueError(f"speed_share must be more than 0 and at most 1, not {share}")
-    return axis if share == 1 else replace(axis, max_speed=axis.max_speed * share)
+    return replace(axis, max_speed=axis.max_speed * share)
