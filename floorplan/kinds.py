@@ -119,7 +119,8 @@ def _faults(value: object, hint: Any) -> Iterator[Fault]:
         for key, one in value.items():
             for message, rest in _faults(one, get_args(hint)[1]):
                 yield message, (str(key), *rest)
-    elif isinstance(hint, type) and not getattr(hint, "_is_protocol", False):
+    # Python 3.10 takes list[str] for a type, which it then can't look for; its origin tells.
+    elif origin is None and isinstance(hint, type) and not getattr(hint, "_is_protocol", False):
         if not isinstance(value, hint):
             yield _misfit(value, hint)
         elif dataclasses.is_dataclass(hint):
