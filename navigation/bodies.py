@@ -121,6 +121,7 @@ class Body:
 
 def region(geometry: shapely.Geometry) -> Any:
     """Return the FCL object of a polygon or several, holes left out."""
+    # Triangles of the region's own edges: a mesh without slivers over its holes.
     triangles = shapely.get_parts(shapely.constrained_delaunay_triangles(geometry))
     corners = shapely.get_coordinates(shapely.get_exterior_ring(triangles)).reshape(-1, 4, 2)
     flat = corners[:, :3].reshape(-1, 2)

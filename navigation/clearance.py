@@ -58,6 +58,7 @@ def swath(motion: Motion, begin: float) -> Swath:
         for axis, cubic in ((xs, piece.x), (ys, piece.y)):
             ends = cubic[0], value(cubic, duration)
             axis += ends
+            # A quadratic turns back where its velocity changes sign between the two ends.
             if cubic[3] or (cubic[2] and cubic[1] * (cubic[1] + 2 * cubic[2] * duration) < 0):
                 # It may turn back within the piece: no farther out than its control points.
                 third = duration * cubic[1] / 3

@@ -86,6 +86,8 @@ class Bends:
 
         A shortest path bends only where it grazes; all others would enter the grown corner.
         """
+        # A line grazes where it lies between the directions before and after the bend, or between
+        # their opposites for who goes round the other way.
         slack = 1e-9 * (1 + np.abs(dx) + np.abs(dy))
         entering = self.before[:, 0] * dy - self.before[:, 1] * dx
         leaving = self.after[:, 0] * dy - self.after[:, 1] * dx
@@ -119,6 +121,7 @@ def corners(edges: list[Floats]) -> Corners:
     count = np.array([len(ring) - 1 for ring in edges], dtype=int)
     before[np.cumsum(count) - count] = np.cumsum(count) - 1
     arriving, leaving = heading[before], heading
+    # The room is on the left, so where a ring turns right something solid sticks out into it.
     turn = (arriving - leaving + math.pi) % (2 * math.pi) - math.pi
     bent = turn > _STRAIGHT
     return Corners(
@@ -128,6 +131,7 @@ def corners(edges: list[Floats]) -> Corners:
 
 def round_corner(centre: tuple[float, float], radius: float) -> Corners:
     """Return a disc as one corner, to be gone round in a full circle."""
+    # Where that begins does not matter.
     return Corners(
         np.array([centre]), np.array([radius]), np.array([math.pi]), np.array([2 * math.pi])
     )
@@ -139,6 +143,7 @@ def bends(around: Corners, radius: float, step: float) -> Bends:
     of = np.repeat(np.arange(len(count)), count)
     place = np.arange(len(of)) - np.repeat(np.cumsum(count) - count, count)
     share = around.turn[of] / count[of]
+    # The polygon's sides touch the arc in their middles, so its corners are farther out.
     out = (radius + around.radius[of]) / np.cos(share / 2)
     middle = around.begin[of] - (place + 0.5) * share
     point = around.centre[of] + out[:, None] * _unit(middle)
@@ -191,6 +196,7 @@ def _strips(edges: list[Floats], radius: float) -> NDArray[np.object_]:
 def _sectors(around: Corners, radius: float, step: float) -> NDArray[np.object_]:
     count = len(around.turn)
     arc = bends(Corners(around.centre, np.zeros(count), around.begin, around.turn), radius, step)
+    # A sector is the centre, the bends of the arc, and both ends of it, a little beyond the strips.
     first = around.centre + radius * _unit(around.begin + _OVERLAP)
     last = around.centre + radius * _unit(around.begin - around.turn - _OVERLAP)
     points = np.concatenate([around.centre, first, arc.point, last])

@@ -54,6 +54,7 @@ def nearest_pair(
     x, y = np.ascontiguousarray(at[..., 0]), np.ascontiguousarray(at[..., 1])
     radius, tops = np.array(radii), np.array(top_speeds)
     best = (math.inf, begin, (0, 1))
+    # First a good upper bound: the nearest that any pair is at an instant that is looked at.
     seen = []
     for i in range(len(motions) - 1):
         dx, dy = x[i + 1 :] - x[i], y[i + 1 :] - y[i]
@@ -69,6 +70,9 @@ def nearest_pair(
     jumps = [np.searchsorted(t, sorted(motion.jumps), side="right") - 1 for motion in motions]
     overlapping: set[tuple[int, int]] = set()
     for i in range(len(motions) - 1):
+        # Between two instants at distances p and q a pair that comes closer by v at most is never
+        # nearer than (p + q − v Δt) / 2; near half a step of its least instant is the same with p =
+        # q.
         reach = (tops[i + 1 :] + tops[i]) * (t[1] - t[0])
         jumped = [bool(len(jumps[i])) or bool(len(some)) for some in jumps[i + 1 :]]
         near = np.flatnonzero((seen[i] - reach / 2 < max(best[0], 0.0) + _HAIR) | jumped)
@@ -78,6 +82,7 @@ def nearest_pair(
         apart = np.hypot(x[others] - x[i], y[others] - y[i]) - (radius[others] + radius[i])[:, None]
         lower = (apart[:, :-1] + apart[:, 1:] - reach[near, None]) / 2
         for row, j in enumerate(others.tolist()):
+            # No speed bounds a jump: the intervals in which one falls are always solved.
             lower[row, np.clip([*jumps[i], *jumps[j]], 0, count - 1).astype(int)] = -math.inf
         for row, k in np.argwhere(lower < max(best[0], 0.0)).tolist():
             pair = (i, int(others[row]))

@@ -84,14 +84,17 @@ class FreeSpace:
         """
         at = shapely.Point(point)
         near = self.pieces[shapely.dwithin(self.pieces, at, reach)]
+        # The nearest place of a piece, and along each ray from the point the first place in it.
         angle = np.arange(0.0, 2 * math.pi, STEP)
         ends = np.column_stack([np.cos(angle), np.sin(angle)]) * reach + point
         rays = shapely.linestrings([[point, end] for end in ends])
+        # Rays are cut with what is near only: a piece of a big floor has thousands of edges.
         around = shapely.box(*(c - reach for c in point), *(c + reach for c in point))
         found = []
         for piece in shapely.intersection(near, around):
             met = shapely.intersection(rays, piece)
             ends = shapely.shortest_line([piece, *met[~shapely.is_empty(met)]], at)
+            # Each shortest line ends at the point itself; its first end is the place.
             places = shapely.get_coordinates(ends)[::2]
             order = np.argsort(np.hypot(*(places - point).T), kind="stable")
             found.append([(float(x), float(y)) for x, y in places[order]])
@@ -118,6 +121,7 @@ def without(space: FreeSpace, bodies: Sequence[Body], radius: float) -> FreeSpac
     if not bodies:
         return space
     taken = shapely.union_all([_grown_body(body, radius) for body in bodies])
+    # Pieces that the bodies don't touch stay the same objects, with what is prepared for them.
     touched = shapely.intersects(space.pieces, taken)
     left = [shapely.difference(piece, taken) for piece in space.pieces[touched]]
     parts = shapely.get_parts(np.array(left, dtype=object))

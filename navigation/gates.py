@@ -88,6 +88,7 @@ class _Parted:
     def __init__(self, space: FreeSpace, gates: tuple[Gate, ...]) -> None:
         self._gates = gates
         lines = shapely.linestrings([gate.ends for gate in gates])
+        # A strip along each gate cuts the space: parts then are connected by passages alone.
         strips = shapely.union_all(shapely.buffer(lines, _THIN, cap_style="flat"))
         self._parts = FreeSpace(shapely.difference(space.pieces, strips))
         self.passages: list[tuple[int, int | None, int | None]] = []
@@ -108,6 +109,7 @@ class _Parted:
         for gate in self._gates:
             (nx, ny), (ax, ay) = gate.normal, gate.ends[0]
             ahead = (x - ax) * nx + (y - ay) * ny
+            # Within the strip there is no part: such a place counts for the side that it is on.
             if abs(ahead) < 2 * _THIN:
                 side = 2 * _THIN if ahead >= 0 else -2 * _THIN
                 x, y = x + side * nx, y + side * ny
@@ -117,6 +119,7 @@ class _Parted:
         """Return the parts to which paths lead from `start`."""
         found = {self.face_of(start)}
         while True:
+            # Reachability of a directed graph, one step in every direction at a time.
             fresh = {behind for _, before, behind in self.passages if before in found} - found
             if not fresh:
                 return found

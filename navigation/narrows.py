@@ -25,9 +25,13 @@ def narrows(space: FreeSpace, radius: float) -> shapely.Geometry:
     found = []
     half = radius + SPARE / 2
     for piece in space.pieces:
+        # The opening of mathematical morphology (J. Serra, "Image Analysis and Mathematical
+        # Morphology", 1982): what a disc of this width can cover. A millimetre more hides what
+        # rounding leaves.
         wide = piece.buffer(-half).buffer(half + 1e-3)
         for part in shapely.get_parts(piece.difference(wide)):
             mouths = part.buffer(2e-3).intersection(wide)
+            # What is left of every corner has one mouth as well, but is small.
             if part.area > _NICHE or len(shapely.get_parts(mouths)) > 1:
                 found.append(part)
     around = shapely.union_all(found).buffer(APRON)

@@ -80,6 +80,8 @@ def time_negative(polynomials: Array, durations: Array) -> Array:
     rows, width = np.arange(len(durations)), durations
     while len(rows):
         inside = (polynomials.max(-1) < 0.0).any(-1)
+        # One of A is negative throughout: its greatest coefficient is. None is anywhere: the least
+        # are not.
         decided = inside | (polynomials.min(-1) >= NEGATIVE).all(-1)
         short = ~decided & (width <= SHORTEST)
         inside |= short & (polynomials.mean(-1) < 0.0).any(-1)
@@ -94,9 +96,13 @@ def least(polynomials: Array, groups: Index, count: int) -> Array:
     """The least value (count,) of the polynomials of each group: Bernstein (M, n), groups (M,)."""
     best = np.full(count, np.inf)
     for _ in range(20):
+        # The first and the last Bernstein coefficients are values of the polynomial, at its two
+        # ends.
         np.minimum.at(best, groups, polynomials[:, 0])
         np.minimum.at(best, groups, polynomials[:, -1])
         bound = best[groups]
+        # No value is less than the least coefficient: only where that is below the best, cut
+        # further.
         hopeful = polynomials.min(-1) < bound - 1e-15 * (1.0 + np.abs(bound))
         if not hopeful.any():
             break
@@ -152,6 +158,8 @@ def _parts(n: int) -> Array:
     """Matrices from n Bernstein coefficients to those of each part: de Casteljau's algorithm."""
     left = np.zeros((n, n))
     for i in range(n):
+        # Halving at the middle: coefficient i of the left half is the mean of the first i + 1,
+        # weighted by binomial coefficients; the right half is its mirror image.
         left[: i + 1, i] = [math.comb(i, k) / 2**i for k in range(i + 1)]
     parts = [np.eye(n)]
     while len(parts) < _PARTS:

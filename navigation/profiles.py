@@ -95,6 +95,7 @@ def straight(
     length = max(abs(span) for span in spans)
     if length < NOWHERE:
         return [[0.0, a, 0.0, 0.0, 0.0] for a in current]
+    # Of metres along the longest axis each other axis goes a share; so do speed and the rest.
     shares = [span / length for span in spans]
     moving = [(abs(share), axis) for share, axis in zip(shares, limits, strict=True) if share]
     shared = AxisLimits(

@@ -82,6 +82,8 @@ class Roadmap:
 
     def visible(self, a: Floats, b: Floats) -> NDArray[np.bool_]:
         """Return whether the disc can go straight from a to b (N, 2), without regard to bodies."""
+        # Bends are `HAIR` farther out than the radius and links half of that: rounding blocks no
+        # link along the side that both its bends belong to.
         lines = shapely.linestrings(np.stack([a, b], axis=1))
         near: NDArray[np.bool_] = shapely.dwithin(self._edges, lines, self.radius + HAIR / 2)
         return ~near
@@ -136,6 +138,8 @@ class Roadmap:
         """Return the links of all bends."""
         place = self.bends.point
         there = self.bends.graze(*self.bends.beyond(place))
+        # `there` is whether the line from i only grazes the corner at j; it must do so at both
+        # ends.
         one, other = np.nonzero(np.triu(there & there.T, 1))
         seen = self.visible(place[one], place[other])
         links: list[list[Link]] = [[] for _ in place]

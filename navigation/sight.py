@@ -68,6 +68,7 @@ class Wedges:
         corners = [self.place]
         for side in (self.middle - self.half, self.middle, self.middle + self.half):
             along = np.column_stack([np.cos(side), np.sin(side)])
+            # 1 / cos: the chord between two directions then lies outside of the arc.
             corners.append(self.place + reach / np.cos(self.half)[:, None] * along)
         around = np.stack(corners)
         ends = np.stack([around.min(axis=0) - margin, around.max(axis=0) + margin], axis=1)
@@ -125,9 +126,12 @@ class Sight:
         while len(wedges):
             of, screen = self._screens_in(wedges, reach)
             hidden = self._hidden(wedges, of, screen)
+            # All bins are hidden from within what was searched: nothing farther off can be seen.
             done = (hidden.max(axis=1) <= reach) | (reach >= self._end)
             kept = done[of]
             found.append(self._in_front(wedges, hidden, of[kept], screen[kept]))
+            # A gap is narrow: half the wedge, twice the reach, so that about as much is looked at
+            # again.
             wedges = wedges.take(~done).halves()
             reach *= 2
         source, bend = np.concatenate(found, axis=1)
@@ -138,6 +142,7 @@ class Sight:
         of, screen = self._tree.query(wedges.drawn(reach, self._margin))
         away = self._centre[screen] - wedges.place[of]
         distance, wide = np.hypot(away[:, 0], away[:, 1]), self._wide[screen]
+        # The angle under which half of the screen's circle is seen; from inside it is everywhere.
         beside = np.arcsin(np.minimum(wide / np.maximum(distance, 1e-9), 1.0))
         beside[distance <= wide] = math.pi
         turned = np.abs(_turned(away, wedges.middle[of]))
@@ -148,6 +153,7 @@ class Sight:
         """Return the distances (metres) beyond which screens hide everything: (W, bins)."""
         low, high, far = self._cover(wedges.take(of), self._screens[screen])
         bins = np.arange(_BINS)
+        # Only bins that a screen hides from border to border: fewer than it does, never more.
         pair, place = np.nonzero((low[:, None] <= bins) & (bins + 1 <= high[:, None]))
         hidden = np.full((len(wedges), _BINS), self._end)
         np.minimum.at(hidden, (of[pair], place), far[pair])
@@ -185,6 +191,8 @@ class Sight:
             [np.zeros(len(turns)), np.cumsum(turns, axis=1)]
         )
         distance = np.hypot(away[..., 0], away[..., 1])
+        # A disc's centre can't pass a point nearer than its radius: each end of a screen hides this
+        # angle more, and the whole is behind its farthest end.
         beside = np.arcsin(self._radius / np.maximum(distance, self._radius))
         low, high = (angle - beside).min(axis=1), (angle + beside).max(axis=1)
         far = distance.max(axis=1) + self._radius

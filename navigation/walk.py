@@ -66,12 +66,14 @@ def stop_walking(motion: Motion, t: float, *, max_acceleration: float = MAX_ACCE
     """
     t = float(t)
     state = motion.state(t)
+    # v² / (2 a): on a straight line that is all it takes, and corners ahead were taken slower.
     braking = state.speed**2 / (2 * max_acceleration * (1 - _HAIR))
     corners = _first(remaining_path(motion, t), braking)
     if braking < NOWHERE or len(corners) < 2:
         x, y, heading = state.position
         return standing((x, y), heading=heading, start=t)
     lengths = [math.dist(a, b) for a, b in itertools.pairwise(corners)]
+    # What the legs' rounded lengths leave: it comes to rest at their end, neither before nor after.
     deceleration = state.speed**2 / (2 * sum(lengths))
     pieces: list[Piece] = []
     speed, left = state.speed, sum(lengths)
@@ -118,6 +120,8 @@ def corner_speed(
     if turn > math.pi - 1e-9:
         return 0.0
     half = math.cos(turn / 2)
+    # An arc of radius r inside a corner leaves it by r (1 / cos(turn / 2) − 1), and takes r
+    # tan(turn / 2) of both legs; 1 − cos φ is 2 sin² (φ / 2), which loses nothing for small φ.
     by_deviation = CORNER_DEVIATION * half / (2 * math.sin(turn / 4) ** 2)
     by_length = min(math.hypot(ux, uy), math.hypot(wx, wy)) / 2 / math.tan(turn / 2)
     return math.sqrt(max_acceleration * min(by_deviation, by_length))
@@ -146,6 +150,7 @@ def _corner_speeds(
         speeds.append(min(top, limits.max_speed))
     speeds.append(0.0)
     gain = 2 * acceleration * (1 - _HAIR)
+    # Backwards for slowing down, forwards for speeding up; together the fastest that is feasible.
     for k in range(len(lengths) - 1, -1, -1):
         speeds[k] = min(speeds[k], math.sqrt(speeds[k + 1] ** 2 + gain * lengths[k]))
     if speeds[0] < initial_speed * (1 - _HAIR):

@@ -60,6 +60,8 @@ def braking(
     sign = -1.0 if left > 0.0 else 1.0
     speed: float = sign * velocity  # counted so that the acceleration has to go up
     slope: float = sign * acceleration
+    # From b up to p and down to none the velocity changes by (p² − b²) / (2 j) + p² / (2 j), which
+    # is to be what there is of it: p² = b² / 2 − v j.
     square: float = slope * slope / 2 - speed * jerk
     peak: float = sqrt(square) if square > 0.0 else 0.0
     steady: float = 0.0
@@ -67,6 +69,8 @@ def braking(
     rising: float
     if peak > top:
         peak = top
+        # On the way to the limit, and the same again less the slope on the way down; what is left
+        # takes its time at the limit.
         gained: float = (top * top - slope * slope) / (2 * jerk)
         if slope > top:  # beyond its limit: that comes first
             gained = -gained
@@ -79,6 +83,7 @@ def braking(
     for k in range(3):
         duration: float = rising if k == 0 else steady if k == 1 else peak / jerk
         if duration > 0.0:
+            # Coefficients of the cubic of a phase: a / 2 and j / 6.
             bend: float = sign * (slope if k == 0 else peak) / 2
             twist: float = sign * (change if k == 0 else 0.0 if k == 1 else -jerk) / 6
             _add(rows, duration, at, pace, 2 * bend, 6 * twist)
@@ -135,6 +140,7 @@ class AxisStops(Stops):
             for k in range(3)
         ]
         table: list[float] = merge_axes(axes, t)
+        # All axes stand: a motion has one piece at least, here of no length.
         if not table:
             table += [t, t]
             for c in state[:3]:

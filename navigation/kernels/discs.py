@@ -107,6 +107,7 @@ def met(
     other: list[float] = tables[k]
     t: float = _meeting(table, other, least, begin, until, 0, 0)
     if t <= begin + _JUST_NOW:
+        # They are too close to begin with: then what counts is coming closer than they are.
         apart: float = _distance(table, other, begin)
         if apart < least + _JUST_NOW:
             t = _meeting(table, other, min(least, apart - 1e-9), begin, until, 0, 0)
@@ -151,6 +152,7 @@ def _distance(a: list[float], b: list[float], t: float) -> float:
     """Return the distance of two centres at `t` (seconds), metres."""
     i: cython.Py_ssize_t = 0
     j: cython.Py_ssize_t = 0
+    # No end of the table is looked for: its last row never ends.
     while a[i + 1] <= t:
         i += _R
     while b[j + 1] <= t:
@@ -223,6 +225,7 @@ def _meeting(
             y3 -= by3
         end: float = a_end if a_end < b_end else b_end
         duration: float = end - t
+        # Cheapest first: most stretches are decided by these corners alone.
         apart: cython.bint = False
         if x3 == 0.0 and y3 == 0.0:
             # A quadratic stays between its control points.
@@ -293,11 +296,13 @@ def _within(
             near -= half * half * bend
         if near >= least:
             k += 1
+            # The next stretch to the right of the halving: as wide as it may be again.
             while k % 2 == 0:
                 k //= 2
                 width *= 2
             if width >= duration:
                 return -1.0
+        # A straight line enters the disc within the stretch: when, is known in closed form.
         elif not curved:
             return _entered(x0, x1, y0, y1, duration, least)
         elif width <= _RESOLUTION:
@@ -309,6 +314,8 @@ def _within(
 
 def _entered(x: float, vx: float, y: float, vy: float, duration: float, least: float) -> float:
     """Return the first u from 0 to `duration` at which x + vx u, y + vy u is within `least`."""
+    # The roots of a u² + 2 b u + c; the first is c / (√(b² − a c) − b), with b < 0 where the two
+    # come closer: a sum of what is positive, so that nothing cancels.
     c: float = x * x + y * y - least * least
     if c <= 0.0:
         return 0.0

@@ -64,6 +64,8 @@ class Grid:
         for row in range(self._row(min(ay, by) - margin), self._row(max(ay, by) + margin) + 1):
             self._span(row, ax, ay, bx, by, margin)
             for column in range(self.first, self.last + 1):
+                # An edge stands in all the cells that it comes into: to look at one twice does no
+                # harm.
                 edges = self.cells[row * self.columns + column]
                 if len(edges) > 0:
                     k = _first_near(edges, ax, ay, dx, dy, length, radius)
@@ -146,6 +148,8 @@ class Room:
         o: cython.Py_ssize_t = 0
         for k in range(len(self.bodies)):
             if (
+                # A segment whose ends are both beyond one side of the bounds is beyond it as a
+                # whole.
                 (ax > self.bounds[o] or bx > self.bounds[o])
                 and (ay > self.bounds[o + 1] or by > self.bounds[o + 1])
                 and (ax < self.bounds[o + 2] or bx < self.bounds[o + 2])
@@ -166,6 +170,7 @@ def back_through(line: list[float], ax: float, ay: float, bx: float, by: float) 
     ny: float = line[5]
     here: float = (ax - line[0]) * nx + (ay - line[1]) * ny
     there: float = (bx - line[0]) * nx + (by - line[1]) * ny
+    # The line itself is its far side, as `Gates` has it: to end on it is to have passed.
     if here < 0.0 or there >= 0.0:
         return False
     share: float = here / (here - there)
@@ -214,11 +219,13 @@ def _first_near(
             continue
         h: float = py * c - px * s
         i: float = qy * c - qx * s
+        # Both ends are on the same side, and too far from the line: so is all that is between them.
         if length > 0.0 and ((h >= radius and i >= radius) or (h <= -radius and i <= -radius)):
             continue
         # The nearest two points are an end of one of them and a point of the other, but where the
         # two cross.
         if h * i < 0.0:
+            # Where the edge crosses the line on which the segment lies, in metres along it.
             crossing: float = p + (q - p) * h / (h - i)
             if 0.0 <= crossing <= length:
                 return k

@@ -86,6 +86,7 @@ class Encounter:
         self.until = min(person.end, machine.end, end)
         person.enter(t)
         machine.enter(t)
+        # Both count from the same instant now, so the relative position is one cubic as well.
         self.x0 = machine.x0 - person.x0
         self.x1 = machine.x1 - person.x1
         self.x2 = machine.x2 - person.x2
@@ -143,15 +144,21 @@ class Encounter:
         square: float = vx * vx + vy * vy
         offset: float = 0.0
         if square > slope * slope:
+            # With d the distance of the line r + v u from 0, √(d² + v² (u − u₀)²) − slope u is
+            # least where v² (u − u₀) is slope times the root: u − u₀ = d slope / (v √(v² −
+            # slope²)).
             offset = -(x * vx + y * vy) / square
             if slope:
                 offset += abs(x * vy - y * vx) / square * (slope / sqrt(square - slope * slope))
             offset = min(max(offset, -half), half)
         elif slope:
+            # No speed along the line makes up for the slope: the figure falls, or rises, all the
+            # time.
             offset = copysign(half, slope)
         px: float = x + vx * offset
         py: float = y + vy * offset
         near: float = sqrt(px * px + py * py)
+        # A convex function is greatest at an end.
         px = x - vx * half
         py = y - vy * half
         before: float = sqrt(px * px + py * py)
@@ -186,14 +193,20 @@ class Encounter:
         With n the direction of r, that is (n·a − curve) u² / 2 + (n·j/6) u³, and in addition what
         is due to n turning, and to the part of the bend across n. `bend` is the length of it all.
         """
+        # Moving the end of a vector by `bend` changes its length by no more than that.
         whole: float = bend + abs(curve) / 2 * half * half
         away: float = sqrt(x * x + y * y)
+        # On the line r + v u nothing is nearer than this, so n turns by |r × v| h / nearest² at
+        # most: r × v is the same for all u, and the rate at which n turns is r × v over the
+        # distance's square.
         nearest: float = away - sqrt(vx * vx + vy * vy) * half
         if nearest < _NEAR:
             return whole
         along: float = abs((x * ax + y * ay) / away - curve / 2)
         along += abs(x * self.x3 + y * self.y3) / away * half
         turn: float = abs(x * vy - y * vx) * half / (nearest * nearest)
+        # √(p² + q²) exceeds p by q² / (2 p) at most: that is the share of a displacement q across
+        # n.
         return min(along * half * half + bend * (turn + bend / (2 * nearest)), whole)
 
     def measure_surfaces(
@@ -207,6 +220,7 @@ class Encounter:
         cosine: float = cos(turn)
         sine: float = sin(turn)
         u: float = middle
+        # The person as the machine sees them at the middle: the world turned back by its rotation.
         px: float = -(self.x0 + u * (self.x1 + u * (self.x2 + u * self.x3)))
         py: float = -(self.y0 + u * (self.y1 + u * (self.y2 + u * self.y3)))
         x: float = cosine * px + sine * py
@@ -225,6 +239,8 @@ class Encounter:
         ay: float = self.y2 + u * 3 * self.y3
         spin_up: float = machine.r2 + u * 3 * machine.r3
         c: Course = self.course
+        # x₂ and x₃ are a / 2 and j / 6, so these are the lengths of the terms of second and third
+        # order.
         c.jolt = half * half * half * sqrt(self.x3 * self.x3 + self.y3 * self.y3)
         c.twist = half * half * (abs(spin_up) + half * abs(machine.r3))
         c.x = x

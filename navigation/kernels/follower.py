@@ -58,6 +58,8 @@ class Follower:
                 k: cython.Py_ssize_t
                 for k in range(_WIDTH):
                     total += table[o + k]
+                # Not 0 for inf and for NaN, and for these alone; one of them among the numbers
+                # makes the sum one.
                 if total - total != 0.0:
                     raise ValueError(
                         f"a motion is not finite from t = {self.begin} s to {self.end} s"
@@ -85,6 +87,7 @@ class Follower:
         self.r1 = table[o + 11]
         self.r2 = table[o + 12]
         self.r3 = table[o + 13]
+        # Each polynomial about the later instant: its Taylor coefficients there, by Horner's rule.
         if u != 0.0:
             self.x0 = self.x0 + u * (self.x1 + u * (self.x2 + u * self.x3))
             self.x1 = self.x1 + u * (2 * self.x2 + u * 3 * self.x3)
@@ -113,6 +116,7 @@ class Follower:
         vx: float = self.x1 + middle * (2 * x2 + middle * 3 * x3)
         vy: float = self.y1 + middle * (2 * y2 + middle * 3 * y3)
         speed: float = sqrt(vx * vx + vy * vy)
+        # Half the acceleration at the middle; x₃ is a sixth of the jerk.
         ax: float = x2 + 3 * x3 * middle
         ay: float = y2 + 3 * y3 * middle
         slack: float = half * 2 * sqrt(ax * ax + ay * ay)

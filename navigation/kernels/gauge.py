@@ -63,6 +63,8 @@ class Gauge:
         gap: float = sqrt(dx * dx + dy * dy)
         self.away = max(gap - self.rounding, 0.0)
         if gap > 0.0:
+            # The nearest point of the rounded footprint is on the same line, farther out by the
+            # rounding.
             self.at_x += dx * (self.rounding / gap)
             self.at_y += dy * (self.rounding / gap)
         return self.over(self.away)
@@ -85,20 +87,27 @@ class Gauge:
         distance: float = self.look(c.x, c.y)
         away: float = self.away
         farthest: float = self.reach + self.rounding
+        # |exp(iθ) − 1 − iθ| ≤ θ² / 2: a point that turns by θ leaves its tangent by so much of its
+        # radius; `twist` is the part of θ that the steady spin leaves out.
         turned: float = c.twist + c.swing * c.swing / 2
         moved: float = sqrt(c.vx * c.vx + c.vy * c.vy) * half + c.bend
         if away == 0.0:
+            # Within the footprint there is no plane between the two; only the heights keep them
+            # apart.
             around: float = (abs(slope) + abs(curve) / 2 * half) * half
             self.low = self.height - around
             self.high = self.over(moved + farthest * c.swing) + around
             return 0
         dx: float = c.x - self.at_x
         dy: float = c.y - self.at_y
+        # How far the person gets from the part's point in half the interval: the point itself goes
+        # at spin × (−y, x).
         wx: float = (c.vx + c.spin * self.at_y) * half
         wy: float = (c.vy - c.spin * self.at_x) * half
         rise: float = slope * half
         bow: float = abs(curve) / 2 * half * half
         bent: float = c.bend + farthest * turned
+        # `over` is convex and does not fall, so along a straight line it is greatest at an end.
         px: float = dx + wx
         py: float = dy + wy
         after: float = self.over(sqrt(px * px + py * py) + bent) - rise
@@ -107,10 +116,14 @@ class Gauge:
         before: float = self.over(sqrt(px * px + py * py) + bent) + rise
         self.high = max(after, before) + bow
         if away <= self.radius:
+            # One is above the other: the distance is the height, which never changes.
             self.low = distance - abs(rise) - bow
             if not (slope or curve):
                 self.low = max(self.low, self.height)
             return 0
+        # The plane's normal leans: `level` is its share along the floor, height / distance the
+        # rest. What lies along it is counted without the height and the two radii, which are added
+        # below.
         level: float = (away - self.radius) / distance
         nx: float = dx / away * level
         ny: float = dy / away * level
@@ -118,6 +131,7 @@ class Gauge:
         low: float = _INFINITE
         nearest: float = _INFINITE
         corner: cython.Py_ssize_t
+        # A rectangle reaches farthest along a normal at one of its corners, whichever way it turns.
         for corner in range(4):
             cx: float = self.along if corner % 2 == 0 else -self.along
             cy: float = self.across if corner < 2 else -self.across
@@ -127,6 +141,8 @@ class Gauge:
         low -= abs(nx * c.ax + ny * c.ay - curve / 2) * half * half
         low -= level * (c.jolt + self.reach * turned)
         if c.swing > 0.0 and self.reach > 0.0:
+            # The same with a normal that turns along: then the corners rest, and it is the person
+            # who is carried round, with what they move meanwhile.
             turning: float = nearest - bow
             turning -= abs(towards + c.spin * (nx * c.y - ny * c.x)) * half
             turning -= level * (

@@ -9,6 +9,7 @@ if TYPE_CHECKING:
 else:
     from . import uncompiled as cython
 
+# Whole numbers, so that costs go into buckets; 7 / 5 is √2 but for 1 %.
 _STRAIGHT: cython.Py_ssize_t = 5  # cost of a step to a neighbour, and of one across a corner
 _ACROSS: cython.Py_ssize_t = 7
 _BUCKETS: cython.Py_ssize_t = 15  # a step changes cost and estimate together by less than this
@@ -75,6 +76,7 @@ def grid_path(
             empty += 1
             continue
         empty = 0
+        # Of equal estimates the last one found: towards the goal, not across all that are as good.
         cell: cython.Py_ssize_t = bucket.pop()
         cost: cython.Py_ssize_t = costs[cell]
         if cost + _estimate(cell, goal, columns) != level:
@@ -116,6 +118,8 @@ def _estimate(
     cell: cython.Py_ssize_t, goal: cython.Py_ssize_t, columns: cython.Py_ssize_t
 ) -> cython.Py_ssize_t:
     """Return the cost from a cell to the goal, were nothing blocked."""
+    # Diagonal until level with the goal, then straight: never more than the true cost, and a step
+    # changes it by no more than the step's cost, so no cell is opened twice.
     dx: cython.Py_ssize_t = cell % columns - goal % columns
     dy: cython.Py_ssize_t = cell // columns - goal // columns
     if dx < 0:

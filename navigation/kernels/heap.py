@@ -64,6 +64,7 @@ def _rise(
     heap[place] = entry
 
 
+# Tuples compare as `heapq` has them compared, so that the order is the same without a compiler.
 def _before(one: Entry, other: Entry) -> bool:
     """Return whether one entry is less than another."""
     a: float = one[0]

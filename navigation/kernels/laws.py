@@ -87,6 +87,7 @@ class IntegralLaw(Law):
         human, robot = encounter.paths()
         human.look_ahead(begin, end, self.t1 + self.t2)
         robot.look_ahead(begin, end, self.t1)
+        # Enclosures of two figures add up term by term: value, slope, slack and curve.
         value: float = human.out.value + robot.out.value
         slope: float = human.out.slope + robot.out.slope
         slack: float = human.out.slack + robot.out.slack
@@ -120,6 +121,8 @@ class ScaledLaw(Law):
         whole: Figure = self.law.out
         half: float = (end - begin) / 2
         around: float = (abs(whole.slope) + abs(whole.curve) * half / 2) * half + whole.slack
+        # The cap bends the figure. Where it is out of reach nothing changes; else two bounds
+        # remain.
         if whole.value + around <= self.cap:
             return self.out.set(
                 whole.value * self.factor,
@@ -147,6 +150,8 @@ class OwnLaw(Law):
             required = self.source.required(encounter, begin, end)
             return self.out.set(required.value, required.slope, required.slack, required.curve)
         encounter.look(begin, end)
+        # A law of two speeds must not ask for less when they grow (`TooClose` checks it), so its
+        # bounds are those of the speeds.
         low: float = self.distance(encounter.person.low, encounter.machine.low)
         high: float = self.distance(encounter.person.high, encounter.machine.high)
         return self.out.set((low + high) / 2, 0.0, (high - low) / 2, 0.0)

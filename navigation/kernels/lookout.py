@@ -58,6 +58,8 @@ class Towards(Law):
     def require(self, encounter: Encounter, begin: float, end: float) -> cython.int:
         half: float = (end - begin) / 2
         walked: float = self.speed * (begin + half - self.since)
+        # Straight towards the machine the distance shrinks by the top speed, which is the same as a
+        # person who stands and a requirement that grows by it.
         if self.fixed >= 0.0:
             return self.out.set(walked + self.fixed, self.speed, 0.0, 0.0)
         pace: Figure = encounter.speed_of_other
@@ -118,6 +120,7 @@ class Lookout:
         k: cython.Py_ssize_t
         if not people or now >= finish:
             return finish, -1
+        # Mostly everybody is far away, and one bound for the whole motion says so.
         whole: Part = Part(motion, now, finish)
         near: cython.bint = False
         for k in range(len(people) // _PERSON):
@@ -129,6 +132,9 @@ class Lookout:
         while until < finish:
             then: float = min(now + ahead, finish)
             on: Part = Part(motion, until, then)
+            # Safe until `then` and safe through the stop from there: one may decide anew at that
+            # time. Doubling asks for as many stops as the logarithm of the time, and finds at least
+            # half of it.
             stop: list[float] = stops.table(motion, then)
             stopping: Part = Part(stop, then, stop[len(stop) - _WIDTH + 1])
             for k in range(len(people) // _PERSON):
@@ -162,6 +168,8 @@ class Lookout:
         self, people: list[float], k: cython.Py_ssize_t, on: Part, since: float
     ) -> cython.bint:
         """Return whether somebody, seen at `since`, may come too close on a part."""
+        # Two cheap answers first: too close at the end, or out of reach all the while. Only what
+        # lies between is searched for in continuous time.
         if self.room(people, k, on, since) < 0.0:
             return True
         if not self.in_reach(people, k, on, since):
@@ -169,6 +177,7 @@ class Lookout:
         o: cython.Py_ssize_t = k * _PERSON
         x: float = people[o]
         y: float = people[o + 1]
+        # A motion of no length stands for ever where it is.
         still: list[float] = [0.0, 0.0, x, 0.0, 0.0, 0.0, y, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
         law: Towards = Towards(self.law, people[o + 2], since, people[o + 3], self.margin)
         encounter: Encounter = Encounter(still, on.table, [], 0.0)
@@ -221,6 +230,7 @@ def nearest_on(
         if t >= end:
             t = end
             over = True
+        # Before the motion begins its first row is held at its beginning.
         at, _, _ = evaluate(motion, max(row_at(motion, _WIDTH, t), 0), t, False)
         x: float = at[0]
         y: float = at[1]

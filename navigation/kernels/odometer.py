@@ -29,6 +29,7 @@ STRETCH = 8
 _STRETCH: cython.Py_ssize_t = STRETCH
 _WIDTH: cython.Py_ssize_t = 14  # numbers of a piece: begin, end, and the coefficients
 
+# Nodes from 0 to 2, so that half a length times a node is a place from 0 to that length.
 _NODES = [1.0 + node for node in np.polynomial.legendre.leggauss(8)[0].tolist()]
 _WEIGHTS = np.polynomial.legendre.leggauss(8)[1].tolist()
 
@@ -97,10 +98,13 @@ def speed_along(
     change: float = (sqrt(ax * ax + ay * ay) + jerk * half) * half
     least: float = speed - change
     if least > 0.0:
+        # v × a at u seconds from the middle is v × a + (v × j) u + (a × j) u² / 2, as a × a is 0.
+        # Over |v| it is the acceleration across the velocity.
         across: float = abs(vx * ay - vy * ax) + half * abs(vx * jy - vy * jx)
         across += half * half / 2 * abs(ax * jy - ay * jx)
         ratio: float = across / least
         bend: float = (ratio * ratio / least + jerk) * half * half / 2
+        # Near a standstill the second derivative has no useful bound; the first has one.
         if bend < change:
             return figure.set(speed, (vx * ax + vy * ay) / speed, bend, 0.0)
     return figure.set(speed, 0.0, change, 0.0)
@@ -140,6 +144,8 @@ class Odometer:
         """Find the path length within `seconds` of each instant of an interval: in `out`."""
         half: float = (end - begin) / 2
         middle: float = begin + half
+        # Its second derivative, then, is the difference of the two slopes, and what both are
+        # uncertain of adds up over half the interval.
         ahead: float = self.reading(middle + seconds) - self.reading(middle)
         if half == 0.0:
             return self.out.set(ahead, 0.0, 0.0, 0.0)
@@ -164,6 +170,7 @@ class Odometer:
         k: cython.Py_ssize_t = row_at(table, _WIDTH, begin)
         if k >= 0 and end <= table[k * _WIDTH + 1]:
             return speed_along(table, k, begin, end, self.out)
+        # Over several pieces the speed may jump: its least and its most are all that holds.
         low: float = _INFINITE
         high: float = 0.0
         if begin < self.start or end > self.finish:

@@ -75,6 +75,8 @@ def walk_table(
         if len(caps) == 0:
             caps.append(initial_speed)
         else:
+            # One who sets out too fast for a leg can't be asked for less than what braking leaves
+            # there.
             slowed = sqrt(max(initial_speed * initial_speed - gain * gone, 0.0))
             cap = tops[k // 2]
             cap = min(max_speed, max(min(top, cap), slowed))
@@ -95,6 +97,7 @@ def walk_table(
         return False
     caps.append(0.0)
     speed: float
+    # Backwards: nowhere faster than what lets one slow down for all that comes.
     for k in range(count - 1, -1, -1):
         speed = caps[k + 1]
         length = legs[6 * k + 4]
@@ -109,6 +112,7 @@ def walk_table(
     for k in range(count):
         length = legs[6 * k + 4]
         cap = caps[k + 1]
+        # Forwards: nor faster than one can have become. Both together are the fastest.
         w = min(cap, sqrt(u * u + gain * length))
         x = legs[6 * k]
         y = legs[6 * k + 1]
@@ -181,6 +185,7 @@ def _leg(
     if level > top:
         top = level
     left: float = max(length - gone, 0.0)
+    # Up to the peak and down again on what is left of the leg, if its top speed allows.
     peak: float = sqrt(max((2 * acceleration * left + u * u + w * w) / 2, 0.0))
     peak = max(max(min(peak, top), u), w)
     rising: float = (peak - u) / acceleration

@@ -135,6 +135,8 @@ def merge_axes(axes: list[list[float]], start: float) -> list[float]:
     for k in range(len(cuts) - 1):
         lower: float = cuts[k]
         upper: float = cuts[k + 1]
+        # Axes that end together do so but for rounding: the sliver goes to the next piece, which
+        # begins where the last one ended.
         if upper - lower < _SHORTEST and table:
             continue
         table.append(begin)
@@ -202,6 +204,7 @@ def cut(table: list[float], begin: float, end: float) -> list[float]:
         _append_later(found, table, o + 6, u)
         _append_later(found, table, o + 10, u)
     if end > last or not found:
+        # After its end a motion stands; the last piece that has begun says where.
         stands: float = max(begin, last) if end > last else begin
         o = len(table) - _WIDTH
         while o > 0 and table[o] > stands:
@@ -274,6 +277,8 @@ def along_legs(
         heading: float = atan2(dy, dx)
         first: float = speeds[k]
         last: float = speeds[k + 1]
+        # Speed squared changes by 2 · rate · metres: up to the peak and down to the last speed take
+        # the leg whole where (2 p² − first² − last²) / (2 · rate) is its length.
         peak: float = min(top, sqrt((first * first + last * last) / 2 + rate * length))
         peak = max(peak, last)
         change: float = copysign(rate, peak - first)
@@ -302,6 +307,8 @@ def along_legs(
                 table.append(x + gone * c)
                 table.append(speed * c)
                 table.append(half * c)
+                # No jerk; the product gives the zero the sign that it has where pieces are made one
+                # by one.
                 table.append(0.0 * c)
                 table.append(y + gone * s)
                 table.append(speed * s)

@@ -91,6 +91,8 @@ class Search:
         self.goal = self.start + 1
         self.left: list[float] = [-1.0] * (self.goal + 1)
         self.best: list[float] = [INFINITY] * (self.goal + 1)
+        # The shortest length by which each place is known to be reached, though not yet taken from
+        # the queue. Nothing longer need be queued for it.
         self.sure: list[float] = [INFINITY] * (self.goal + 1)
         self.queue: list[Entry] = []
         self.lines: dict[tuple[int, int, int], list[list[Link]]] = {}
@@ -120,11 +122,15 @@ class Search:
                 so_far = entry[1]
                 here = entry[2]
                 there = entry[3]
+                # Straight distance never falls by more than a link is long, so the first to reach a
+                # place is the shortest, and later ones to it are left where they lie in the queue.
                 if so_far >= self.best[there] or so_far > self.sure[there]:
                     continue
                 taken += 1
                 if taken == patience and hopeless():
                     return None
+                # Most links are never taken: only one that is, is looked at (the laziness of R.
+                # Bohlin and L. E. Kavraki, "Path planning using lazy PRM", ICRA 2000).
                 if (here < self.fixed and there < self.fixed) or self._clear(here, there, True):
                     break
             self.best[there] = so_far
@@ -198,6 +204,7 @@ class Search:
         if here == self.start:
             if self.straight:
                 self._push(here, self.goal, so_far, length)
+        # Nearer than where the path touches the arc, the direction from a bend says nothing yet.
         elif length <= turns.columns[6, at] * _BESIDE or _grazes(
             turns.columns[2, at],
             turns.columns[3, at],
@@ -226,6 +233,7 @@ class Search:
         """
         k: cython.Py_ssize_t
         length: float
+        # In Python all bends at once in numpy are faster; in C one at a time, without arrays.
         if not cython.compiled:
             for k, length in self._lines(x, y, turns, at, onto):
                 self._push(here, first + k, so_far, length)
@@ -257,6 +265,7 @@ class Search:
 
     def _lines(self, x: float, y: float, turns: Turns, at: int, onto: Turns) -> list[Link]:
         """Return the same lines, where this is not compiled: those of all bends at once."""
+        # All pairs in one go, if these are not too many to keep.
         few = turns.count * onto.count <= _AT_ONCE
         key = (id(turns) if at >= 0 else 0, id(onto), -1 if few else at)
         if key not in self.lines:

@@ -63,6 +63,7 @@ class TooClose(Judge):
         least: float = law.distance(person.low, machine.low)
         if far + encounter.slack / 2 < least:
             return 1
+        # Written so that NaN, which compares with nothing, is refused as well.
         if not least <= most:
             raise ValueError(
                 f"{law.source} requires {least} m at speeds of {person.low:g} and"
@@ -209,6 +210,7 @@ class Watch:
         if self.over:
             return None
         while True:
+            # Left halves come first, and stretches in turn, so what is found first is the earliest.
             if undecided:
                 lower = undecided.pop()
                 upper = undecided.pop()
@@ -227,6 +229,8 @@ class Watch:
                     undecided.append(middle)
                     undecided.append(lower)
                     continue
+                # Too short to cut: its two ends stand for it. What holds at neither, and for less
+                # than the resolution, is let pass; `RESOLUTION` in `monitor` says so.
                 holds = judge.holds(encounter, lower, lower)
                 if holds != 1:
                     holds = 0
@@ -258,6 +262,8 @@ def least(
     undecided: list[float] = []
     encounter.start(begin)
     while True:
+        # Branch and bound: what can't be better than the best so far by the tolerance is not
+        # halved.
         if undecided:
             lower = undecided.pop()
             upper = undecided.pop()
@@ -272,12 +278,14 @@ def least(
         candidate = encounter.offset
         if low >= best - tolerance:
             continue
+        # Only NaN differs from itself, and no comparison with it would ever end the search.
         if (low + high) != (low + high):
             raise ValueError(f"the law asks for no finite distance from {lower} s to {upper} s")
         k: cython.Py_ssize_t
         for k in range(3):
             t: float = lower if k == 0 else candidate if k == 1 else upper
             margin_over(law, encounter, t, t)
+            # The first of several that are equal but for rounding is kept.
             if encounter.near < best - 1e-12:
                 when = t
                 best = encounter.near
