@@ -72,7 +72,7 @@ class Clock(simpy.Environment):
 
     def begin_moment(self) -> None:
         """Count events anew, because something has come from outside the simulation."""
-        self._moment_ends = self.now + MOMENT
+        self._moment_ends = self._now + MOMENT
         self._happened = 0
 
     def stop(self) -> None:
@@ -84,7 +84,7 @@ class Clock(simpy.Environment):
         if self.stopped:
             raise StopSimulation(None)
         super().step()
-        if self.now >= self._moment_ends:
+        if self._now >= self._moment_ends:
             self.begin_moment()
         self._happened += 1
         if self._happened > self.most:
@@ -125,16 +125,20 @@ class Clock(simpy.Environment):
     def call_at(self, t: float, action: Callable[[], None], turn: Turn = Turn.MOTION_ENDS) -> Event:
         """Call `action` at `t` (seconds); return the event of that instant."""
         event = self.at(t, turn)
-        assert event.callbacks is not None  # it has not happened yet
-        event.callbacks.append(lambda _: action())
+        then(event, lambda _: action())
         return event
 
     def end(self) -> Event:
         """Return an event that stops the clock when it happens."""
         event = Event(self)
-        assert event.callbacks is not None  # it has not happened yet
-        event.callbacks.append(StopSimulation.callback)
+        then(event, StopSimulation.callback)
         return event
+
+
+def then(event: Event, action: Callable[[Event], None]) -> None:
+    """Call `action` when `event`, which has not happened yet, does."""
+    assert event.callbacks is not None
+    event.callbacks.append(action)
 
 
 class Alarm:
@@ -159,9 +163,8 @@ class Alarm:
         self._time = t
         self._pending = None
         if t is not None:
-            self._pending = event = self._clock.at(t, self._turn)
-            assert event.callbacks is not None  # it has not happened yet
-            event.callbacks.append(self._ring)
+            self._pending = self._clock.at(t, self._turn)
+            then(self._pending, self._ring)
 
     def _ring(self, event: Event) -> None:
         if event is self._pending:

@@ -22,7 +22,7 @@ from navigation import (
 )
 
 from ...core.body import Body
-from ...core.clock import Alarm, Clock, Turn
+from ...core.clock import Alarm, Clock, Turn, then
 from ...core.events import GantryDisabled, GantryEnabled, RobotMalfunction
 from ...core.recorder import Record
 from .tasks import Pose
@@ -64,6 +64,7 @@ class Drive:
         self._stands_since = 0.0
         self._held = False
         self._commands = 0
+        self._moves: dict[Move, None] = {}
         self._replaced = clock.event()
         self._braking = clock.event()
         self._ready = Alarm(clock, self._enable, Turn.MOTION_ENDS)
@@ -72,6 +73,11 @@ class Drive:
     def disabled(self) -> bool:
         """True while it is made to stand."""
         return self._enabled is not None
+
+    @property
+    def enabled(self) -> Event | None:
+        """The event that it is made to stand no longer; None while it isn't."""
+        return self._enabled
 
     def preview(self, target: Pose, speed_share: float) -> Motion:
         """Return the motion from here and now to `target`, at that share of the top speeds.
@@ -93,8 +99,9 @@ class Drive:
     def begin(self) -> int:
         """Begin a command, which takes the place of the one under way; return its number."""
         self._commands += 1
-        replaced, self._replaced = self._replaced, self._clock.event()
-        replaced.succeed()
+        if self._replaced.callbacks:
+            replaced, self._replaced = self._replaced, self._clock.event()
+            replaced.succeed()
         return self._commands
 
     def is_under_way(self, command: int) -> bool:
@@ -108,8 +115,8 @@ class Drive:
         *,
         resume: bool = True,
         command: int | None = None,
-    ) -> Steps:
-        """Set out for `target`, as a part of `command` or as one of its own, and wait for the end.
+    ) -> Event:
+        """Set out for `target`, as a part of `command` or as one of its own; return its end.
 
         See `GantryRobot.move_to`.
         """
@@ -121,15 +128,21 @@ class Drive:
         def set_out() -> None:
             self.body.follow(self.preview(target, speed_share))
 
-        return self._move(number, set_out, resume)
+        move = Move(self, number, set_out if resume else None)
+        if command is None:
+            self._begin_soon(move)
+        else:
+            move.begin()
+        return move
 
-    def follow(self, motion: Motion) -> Steps:
+    def follow(self, motion: Motion) -> Event:
         """Go along `motion`, which begins here and now; see `GantryRobot.follow`."""
         if self.disabled:
             raise ValueError("the gantry is disabled")
-        number = self.begin()
+        move = Move(self, self.begin(), None)
         self.body.follow(motion)
-        return self._move(number, lambda: None, resume=False)
+        self._begin_soon(move)
+        return move
 
     def stop(self) -> Steps:
         """Brake, and wait for the end; the command under way is forgotten."""
@@ -201,21 +214,27 @@ class Drive:
 
     def _brake(self) -> None:
         self.body.follow(self.stopping(self.body.state, self._clock.now))
-        braking, self._braking = self._braking, self._clock.event()
-        braking.succeed()
+        moves, self._moves = self._moves, {}
+        if moves or self._braking.callbacks:
+            braking, self._braking = self._braking, self._clock.event()
+            braking.succeed()
+            for move in moves:
+                then(braking, move.broken_off)
 
-    def _move(self, command: int, set_out: Callable[[], None], resume: bool) -> Steps:
-        """Wait for the end of a move, resumed after it was interrupted if it is to `resume`."""
-        while command == self._commands:
-            if self._enabled is not None:
-                yield self._enabled
-                if command != self._commands or not resume:
-                    return
-                set_out()
-            arrival = self._clock.at(self.body.motion.end)
-            yield arrival | self._braking
-            if arrival.processed or not resume:
-                return
+    def _begin_soon(self, move: Move) -> None:
+        """Let a command of its own begin, once its controller has said all it says at once."""
+        self._clock.call_at(self._clock.now, move.begin, Turn.VIOLATION)
+
+    def await_arrival(self, move: Move) -> Event:
+        """Return the arrival of the motion under way; `move` is broken off if it brakes before."""
+        self._moves[move] = None
+        arrival = self._clock.at(self.body.motion.end)
+        then(arrival, move.arrived)
+        return arrival
+
+    def ended(self, move: Move) -> None:
+        """Take note that a move is over."""
+        self._moves.pop(move, None)
 
     def _rest(self) -> Steps:
         yield self._clock.at(self.body.motion.end)
@@ -234,6 +253,61 @@ class Drive:
                 self.working_time += elapsed
             seconds = 0.0 if done.processed else seconds - elapsed
         return command in (None, self._commands)
+
+
+class Move(Event):
+    """The end of a move: it happens at the arrival, or where the move is given up.
+
+    Broken off where the gantry is made to stand, it sets out again by `set_out` afterwards; without
+    that it is over. Nor does it go on once another command has taken the place of its `command`.
+    """
+
+    def __init__(self, drive: Drive, command: int, set_out: Callable[[], None] | None) -> None:
+        super().__init__(drive.body.clock)
+        self._drive = drive
+        self._command = command
+        self._set_out = set_out
+        self._arrival: Event | None = None
+
+    def begin(self) -> None:
+        """Wait for the arrival, once the gantry is free to move."""
+        drive = self._drive
+        if not drive.is_under_way(self._command):
+            self._end()
+        elif drive.enabled is not None:
+            then(drive.enabled, self._go_on)
+        else:
+            self._arrival = drive.await_arrival(self)
+
+    def arrived(self, arrival: Event) -> None:
+        """Be over, if this is the arrival that it waits for."""
+        if arrival is self._arrival:
+            self._end()
+
+    def broken_off(self, _: Event) -> None:
+        """Wait to go on, if it may."""
+        if self._arrival is not None:
+            self._arrival = None
+            if self._set_out is None:
+                self._end()
+            else:
+                self.begin()
+
+    def _go_on(self, _: Event) -> None:
+        if self._set_out is None or not self._drive.is_under_way(self._command):
+            self._end()
+        else:
+            self._set_out()
+            self._arrival = self._drive.await_arrival(self)
+
+    def _end(self) -> None:
+        self._arrival = None
+        self._drive.ended(self)
+        if self.callbacks:
+            self.succeed()
+        else:  # nobody waits for it: it has happened
+            self._ok, self._value = True, None
+            self.callbacks = None  # type: ignore[assignment]
 
 
 def _slower(axis: AxisLimits, share: float) -> AxisLimits:

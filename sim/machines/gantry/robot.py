@@ -166,7 +166,7 @@ class GantryRobot(Machine):
         *,
         speed_share: float = 1.0,
         resume: bool = True,
-    ) -> Process:
+    ) -> Event:
         """Go to x, y (metres) and `rotation` (radians; None keeps it), to be waited for.
 
         It makes use of `speed_share` of its top speeds. A new move or a stop takes the place of
@@ -174,7 +174,9 @@ class GantryRobot(Machine):
         `ValueError` if that is outside the gantry's range.
         """
         target = self._sites.at(x, y, rotation)
-        return self._command(self.drive.move(target, speed_share, resume=resume))
+        move = self.drive.move(target, speed_share, resume=resume)
+        self._interrupts.command_given()
+        return move
 
     def preview(
         self, x: float, y: float, rotation: float | None = None, *, speed_share: float = 1.0
@@ -182,13 +184,15 @@ class GantryRobot(Machine):
         """Return the motion that `move_to` would make from here and now; nothing moves by it."""
         return self.drive.preview(self._sites.at(x, y, rotation), speed_share)
 
-    def follow(self, motion: Motion) -> Process:
+    def follow(self, motion: Motion) -> Event:
         """Go along `motion`, which begins here and now, to be waited for.
 
         A move or a stop takes its place; so does being disabled, and it isn't gone on with.
         `ValueError` while disabled.
         """
-        return self._command(self.drive.follow(motion))
+        move = self.drive.follow(motion)
+        self._interrupts.command_given()
+        return move
 
     def stop(self) -> Process:
         """Stop as fast as it can, to be waited for; the move under way is forgotten."""
@@ -379,7 +383,7 @@ class GantryRobot(Machine):
         """As a part of `command`, go to where `step` is, once it can be reached."""
         pose = yield from self._reached(step, task)
         if pose is not None and self.drive.is_under_way(command):
-            yield from self.drive.move(pose, command=command)
+            yield self.drive.move(pose, command=command)
 
     def _handle(self, task: Task, command: int) -> Steps:
         self._begin(task)
