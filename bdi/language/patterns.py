@@ -64,6 +64,7 @@ def _tests(plan: Plan) -> BodyFormula:
 def _declarative(directive: Directive, inner: Sequence[Clause]) -> Clauses:
     """dg(g): g is achieved when it is believed, which every plan for it has to bring about."""
     goal, place = _goal(directive), directive.place
+    # First in the program, so that a goal that is believed is achieved without any of its plans.
     plans: Clauses = [_plan(f"+!{goal} : {goal}", place)]
     for clause in inner:
         if isinstance(clause, Plan) and _achieves(clause, goal):
@@ -86,6 +87,8 @@ def _exclusive(directive: Directive, inner: Sequence[Clause]) -> Clauses:
     for clause in inner:
         if isinstance(clause, Plan) and _achieves(clause, goal):
             number += 1
+            # The plan notes that it has been tried before its first step, so its failure can't come
+            # before.
             tried = Literal("p__f", (float(number), goal))
             context: Term = Not(tried)
             if clause.context != TRUE:

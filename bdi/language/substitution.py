@@ -70,6 +70,7 @@ def substitute(term: Term, u: Unifier) -> Term:
         if value.__class__ is float:
             return value
         value = walk(value, u)
+        # The unifier is triangular: a value with variables has them replaced in turn.
         return value if isinstance(value, Var) or is_ground(value) else substitute(value, u)
     if term.__class__ is Literal:
         return term if term.ground else substitute_literal(term, u)
@@ -123,6 +124,7 @@ def _substitute_other(term: Term, u: Unifier) -> Term:
     if isinstance(term, Cons):
         return term if term.ground else _substitute_list(term, u)
     if isinstance(term, Function):
+        # `.count` and its like look at the formula itself, whose variables must stay as they are.
         if term.counts and term.calculate is not None:
             return term.calculate(term.operands[0], u)
         args = tuple(substitute(arg, u) for arg in term.operands)

@@ -53,6 +53,7 @@ def unify(one: Term, other: Term, u: Unifier) -> bool:
         return _bind(other, one, u)
     if one.__class__ is Literal and other.__class__ is Literal:
         return unify_literals(one, other, u)
+    # Compared by class, not by isinstance: almost every call ends here, and that is quicker.
     if one.__class__ is float or one.__class__ is str:
         if other.__class__ is Arithmetic or other.__class__ is Function:
             other = substitute(other, u)
@@ -109,6 +110,7 @@ def unify_annots(mine: tuple[Term, ...], theirs: tuple[Term, ...], u: Unifier) -
     # a pairing whenever there is one is NP-complete (D. Kapur and P. Narendran, "NP-completeness of
     # the set unification and matching problems", CADE 1986). Queries try every choice of a belief's
     # annotations instead (`Logic._with_annots`).
+    # Annotations are a set: `p[a]` unifies with `p[b, a]`, but not the other way round.
     remaining = [annot for annot in theirs if not isinstance(annot, RestVar)]
     tail = theirs[-1] if len(remaining) < len(theirs) else None
     missing: list[Term] = []
@@ -146,6 +148,7 @@ def _unify_others(one: Term, other: Term, u: Unifier) -> bool:
     if isinstance(one, Var) or isinstance(other, Var):
         return unify(_plain(one), _plain(other), u)
     if isinstance(one, Operation) and isinstance(other, Operation):
+        # Operations, as terms, are the same if their operators are; nothing is computed.
         pairs = zip(one.operands, other.operands)  # noqa: B905 - equal with equal symbols
         return one.symbol == other.symbol and all(unify(*pair, u) for pair in pairs)
     if isinstance(one, TriggerTerm) and isinstance(other, TriggerTerm):
@@ -249,6 +252,8 @@ def _unify_lists(one: Cons, other: Cons, u: Unifier) -> bool:
             return True
         if not unify(mine.head, theirs.head, u):
             return False
+        # A loop over the cells, since lists are long and recursion is not: the tails may be
+        # variables whose value goes on.
         mine, theirs = walk(mine.tail, u), walk(theirs.tail, u)
     return unify(mine, theirs, u)
 
@@ -264,6 +269,8 @@ def _unify_annotated(one: Term, other: Term, u: Unifier) -> bool:
         if mine and not unify_annots(mine, other.annots, u):
             return False
     elif isinstance(one, AnnotatedVar) and isinstance(other, Var):
+        # X[a] asks for an annotation that a variable without a value does not have; X[|R] asks for
+        # none.
         only_rest = len(one.annots) == 1 and isinstance(one.annots[0], RestVar)
         if not (only_rest and unify_annots(one.annots, (), u)):
             return False
@@ -285,6 +292,7 @@ def _unify_qualified(one: Term, other: Term, u: Unifier) -> bool:
         )
     qualified, literal = (one, other) if isinstance(one, Qualified) else (other, one)
     assert isinstance(qualified, Qualified)  # one of the two is
+    # With its namespace known it is a plain literal; until then the parts are unified one by one.
     value = substitute(qualified, u)
     if not isinstance(value, Qualified):
         return unify(value, other, u) if qualified is one else unify(one, value, u)
@@ -309,6 +317,7 @@ def matched(pattern: Literal, belief: Literal, u: Unifier) -> Unifier | None:
     Most of a program's time is spent here, so the frequent arguments, numbers, strings and atoms,
     are compared in place, and `u` is copied only when there is something to bind.
     """
+    # A belief with variables of its own may bind them, which the short cuts below don't look for.
     if not belief.ground:
         return unified(pattern, belief, u)
     result = u

@@ -87,6 +87,7 @@ class Finish:
         if intention.is_finished:
             clear(self._agent, intention)
             return _IS_OVER
+        # The step that called the goal is done; the caller's own is moved on after this action.
         if intention is not self._caller and intention.top.step is not None:
             intention.top.step = intention.top.step.next
         clear(self._agent, intention)
@@ -181,6 +182,7 @@ def set_deadline(agent: AgentState, event: Event, milliseconds: float) -> None:
     def check() -> None:
         if intention is None:
             circumstance = agent.circumstance
+            # `!!g` has an intention of its own, unknown here: any that pursues such a goal counts.
             wanted = any(one.wants(goal, {}) for one in circumstance.intentions()) or any(
                 one.is_for(goal, {}) for one in circumstance.all_events()
             )

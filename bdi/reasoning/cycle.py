@@ -41,6 +41,7 @@ class ReasoningCycle:
         clock = nanoseconds(time)
         if clock < state.clock:
             raise ValueError(f"time goes forward: {time} s comes before {state.now} s")
+        # Most calls find nothing to do: time passes, and that is all.
         if self._has_begun and not (
             state.percepts.coming
             or state.alarms.heap
@@ -53,6 +54,7 @@ class ReasoningCycle:
         percepts.at_once = True
         try:
             if not self._has_begun:
+                # Its initial goals come first, at the time it was made, before any percept.
                 self._has_begun = True
                 self._run_instant()
             if state.alarms.heap:
@@ -93,10 +95,12 @@ class ReasoningCycle:
         tasks, mailbox, alarms = state.tasks, state.mailbox, state.alarms.heap
         running, feedback = circumstance.running, circumstance.feedback
         logic.begin_instant()
+        # At one instant nothing from outside comes, so an agent that is never done is a loop.
         for _ in range(self._max_cycles):
             has_work = circumstance.atomic is None and (running or circumstance.events)
             if not has_work and not self._goes_on():
                 return
+            # Each cycle has a budget of goals; one that has tried none needs no new one.
             if logic.goals_left != logic.max_goals:
                 logic.begin_cycle()
             circumstance.selected_event = circumstance.selected = None
@@ -196,6 +200,7 @@ class ReasoningCycle:
         while circumstance.feedback:
             pending, success = circumstance.feedback.popleft()
             intention = pending.intention
+            # The intention was dropped, or has gone on without this outcome.
             if circumstance.pending_actions.get(intention.number) is not pending:
                 continue
             circumstance.take_action(intention)

@@ -168,6 +168,7 @@ def adopt(agent: AgentState, plan: LoadedPlan, event: Event, u: Unifier) -> None
         intention = Intention(agent.next_intention_number())
     elif intention.stack:
         top = intention.stack[-1]
+        # The calling plan has nothing left to do: it need not wait for the one it calls.
         if top.step is not None and top.step.next is None and top.literal.key == literal.key:
             _forget_tail_call(agent, intention, means)
         if len(intention.stack) >= agent.max_depth:
@@ -234,6 +235,7 @@ def clear(agent: AgentState, intention: Intention) -> bool:
         if states is not None and top.is_goal:
             states.note("achieved", top.sort, top.literal)
             states.note("finished", top.sort, top.literal)
+        # A failure plan is done: what it replaced is still on the stack, below it.
         if top.sort in ("-!", "-?") and stack:
             clear_failed(intention, top.literal)
         if not stack:

@@ -61,6 +61,7 @@ def _achieve(agent: AgentState, intention: Intention, means: Means, step: Step) 
     event = Event("+!", goal, intention)
     agent.circumstance.post(event)
     if goal.annots is not ONLY_SELF:
+        # Without annotations but its source there is no deadline.
         _check_deadline(agent, event)
 
 
@@ -238,6 +239,7 @@ def _call(agent: AgentState, intention: Intention, means: Means, action: Literal
     try:
         answer = call(agent, action, means.u, intention)
         if answer is not None and not isinstance(answer, bool | dict | Waiting):
+            # A step of a plan takes the first answer, and never comes back for another.
             answer = next(answer, None)
     except ActionError as error:
         fail(agent, intention, error.annots)
@@ -267,16 +269,19 @@ def _choose(agent: AgentState, intention: Intention, means: Means, step: Step) -
 
 
 def _begin_while(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:
+    # Loops are kept in the plan, not in Python: between two rounds other intentions run.
     means.loops = (*means.loops, (means.u, iter(())))
     _repeat_while(agent, intention, means, step)
 
 
 def _repeat_while(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:
+    # The condition is asked with the bindings from before the loop: those of a round end with it.
     before, _ = means.loops[-1]
     _iterate(agent, intention, means, step, step.check(agent.logic, before))
 
 
 def _begin_for(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:
+    # All of them before the first: the body may change what is asked.
     solutions = list(agent.logic.solutions(step.term, means.u))
     if not solutions:
         move_on(agent, intention, means)

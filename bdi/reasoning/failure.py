@@ -26,6 +26,7 @@ def find_failure_event(agent: AgentState, intention: Intention, event: Event) ->
     that reaches below the fork ends the other branches (`|&|`) or only its own (`|||`).
     """
     found, height = _search(agent, intention, event.sort, event.literal)
+    # Nested forks are left one after another, from the inside out.
     while intention.fork is not None and height <= intention.fork_point:
         if not intention.fork.all_of:
             return None
@@ -55,13 +56,19 @@ def _search(
         while position < len(below) and not found:
             means = below[position]
             position += 1
+            # Down to the goal that the failure plan was for, and through all in a row that are the
+            # same.
             while position < len(below) and unify(means.literal, literal, dict(means.u)):
+                # Counted, as a search down thousands of goals at each failure adds up to a run
+                # without end.
                 agent.logic.spend(DEAR, literal)
                 means = below[position]
                 position += 1
                 found = True
         means = below[position - 1]
         sort, literal = means.sort, means.literal
+    # A relevant plan is enough. Where its context then does not hold, the intention ends
+    # (`fail_event`).
     while not agent.plans.candidates("-" + sort[1:], literal) and position < len(below):
         means = below[position]
         sort, literal = means.sort, means.literal
@@ -178,6 +185,7 @@ def annotated(
     if place is not None:
         added.append(Literal("code_src", (place.name,)))
         added.append(Literal("code_line", (float(place.line),)))
+    # The step's variables are the failed plan's; with fresh names they can't bind those of another.
     added.append(Literal("code", (rename(code, agent.names, {}),)))
     return literal.with_annots(sorted_annots(tuple(added)))
 
@@ -198,6 +206,7 @@ def clear_failed(intention: Intention, literal: Literal) -> None:
     if called(-1):
         return
     means = intention.pop()
+    # The failure plan stands for the goal: what is above the step that called it goes too.
     while intention.stack and not (means.is_goal and unify(means.literal, literal, dict(means.u))):
         step = means.step
         if step is not None and step.goal is not None and unify(step.goal, literal, dict(means.u)):

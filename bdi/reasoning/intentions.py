@@ -76,6 +76,8 @@ class Means:
         self.step = step
         self.awaited: tuple[str, ...] = ()
         self.loops: tuple[tuple[Unifier, Iterator[Unifier]], ...] = ()
+        # The unifier changes as the plan goes on; only plans with plans inside need the one from
+        # before.
         self.first: Unifier = u if plan.inner is None else dict(u)
 
     @property
@@ -209,6 +211,7 @@ class Intention:
     def branch(self, number: int, fork: Fork) -> Intention:
         """Return a copy for a branch of a fork: its own plan on top, those below shared."""
         copy = Intention(number)
+        # Below the fork the plans are the same objects: only one branch ever goes on with them.
         copy.stack = [*self.stack[:-1], self.top.branch()]
         copy.atomic = self.atomic
         copy.fork = fork
@@ -227,6 +230,8 @@ class Intention:
             while len(self.stack) > position:
                 dropped = self.pop()
             position = self._highest(goals, u)
+        # Below the fork there is one intention again: the branch that comes here first. The others
+        # end.
         while dropped is not None and len(self.stack) < self.fork_point:
             if not self._leaves_first():
                 self.stack.clear()

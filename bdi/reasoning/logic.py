@@ -230,6 +230,8 @@ class Logic:
                     return None
                 u = solution
             elif cls is And:
+                # Goals are a linked list, shared by all choice points: to go back to one copies
+                # nothing.
                 left, right = goal.operands
                 goals = (left, (right, goals))
             elif cls is _Question:
@@ -244,6 +246,9 @@ class Logic:
                 choices.append((u, (right, goals)))
                 goals = (left, goals)
             elif cls is Not:
+                # Negation as failure (K. L. Clark, "Negation as failure", 1978): the choice point
+                # goes on as if the formula failed. If it holds, `_Commit` takes that away, and all
+                # that was opened since.
                 choices.append((u, goals))
                 goals = (goal.operands[0], (_Commit(len(choices) - 1), None))
             elif cls is _Commit:
@@ -281,6 +286,7 @@ class Logic:
         if shelf is None:
             return u if literal.functor == "true" and literal == TRUE else None
         candidates = shelf.candidates(literal, u)
+        # The one belief there may be: no choice point, so that a chain of facts needs no memory.
         if len(candidates) == 1 and candidates[0].__class__ is Literal and not literal.annots:
             return matched(literal, candidates[0], u)
         if len(choices) > MAX_CHOICES:
@@ -328,6 +334,7 @@ class Logic:
             asked.append(arg.name)
         else:
             if not literal.annots:
+                # In the order that `variable_names` has them, as bindings are made in it.
                 names = tuple(dict.fromkeys(reversed(asked))) if len(asked) > 1 else tuple(asked)
                 return _Question(literal, tuple(args), names, renamed, u)
         query = rename(substitute_literal(literal, u), self.names, renamed)
@@ -341,6 +348,7 @@ class Logic:
             if solution is not None:
                 yield solution
             return
+        # Every choice of as many as the query has; in each, `unify_annots` takes the first pairing.
         for annots in combinations(belief.annots, len(literal.annots)):
             solution = unified(literal, belief.with_annots(annots), u)
             if solution is not None:
@@ -367,6 +375,7 @@ class Logic:
     def _return(self, question: _Question, scope: Unifier) -> Unifier:
         if not question.asked:
             return question.caller
+        # Back in the caller: of the rule's own variables, only what the query asked for is kept.
         result = {**question.caller, **question.renamed}
         others: dict[str, Var] = {}
         for name in question.asked:

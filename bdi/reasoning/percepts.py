@@ -56,6 +56,7 @@ class Percepts:
                 now[key] = percept
             else:
                 del now[key]
+            # Last in order is last in time: what comes again after it went counts from then.
             if changed:
                 changed.pop(key, None)
             changed[key] = change

@@ -70,6 +70,7 @@ class Shelf:
             self._front = rank = self._front - 1
         key: object
         if isinstance(clause, Rule):
+            # Rules may be equal and still be two; a belief is kept once, under its arguments.
             key = (None, rank)
             self.rules += 1
         else:
@@ -80,6 +81,7 @@ class Shelf:
         if self._by_first is not None:
             self._known.clear()
             self._file(key, (rank, clause))
+        # An index costs more than it saves until there are a few to choose from.
         elif len(self._entries) > self._MANY:
             self._by_first = {}
             for known, entry in self._entries.items():

@@ -84,6 +84,8 @@ class ActiveWait:
     def _end(self, *, timed_out: bool) -> None:
         self.cancel()
         ended = self._agent.clock
+        # Not at once: an event ends the wait in the middle of a cycle, and Jason puts the intention
+        # back at the beginning of the next deliberation, before it takes that event.
         self._agent.tasks.append(lambda: self._resume(timed_out, ended))
 
     def _resume(self, timed_out: bool, ended: int) -> None:
