@@ -107,6 +107,7 @@ class Pair:
     def horizon(self) -> float:
         """Return the instant from which on both stand, or the trial's end (seconds)."""
         last = max(self.clock.now, self.person.body.motion.end, self.machine.body.motion.end)
+        # When both stand nothing changes any more: a condition that does not hold then never will.
         return min(last, self.end)
 
 
@@ -149,9 +150,12 @@ class SeparationWatch:
             self._alarm.set(self.pair.first_time(self._condition))
             return
         coming = None if idle else self.pair.next_interval(self._condition)
+        # It held until now, so an interval that goes on begins now, but for what instants are exact
+        # to; one that begins later is another, and this one is over.
         if coming is None or coming[0] > now + 10 * RESOLUTION:
             self._alarm.set(now)
         else:
+            # One that lasts to the horizon lasts for good, unless somebody changes course.
             self._alarm.set(coming[1] if coming[1] < self.pair.horizon() else None)
 
     def required_before(self, t: float, person: Motion, machine: Motion) -> float:
@@ -171,6 +175,7 @@ class SeparationWatch:
 
     def recheck(self) -> None:
         """Call `violated` again if they are still too close now."""
+        # Once an instant: a watch may be rechecked for several reasons at the same time.
         if self._since is not None and self._notified_at < self.pair.clock.now:
             self._notify()
 
@@ -315,6 +320,7 @@ class Hold:
         """Compute anew when the machine may go on; called whenever a motion changes."""
         if self._holds:
             stands = self._pair.machine.body.motion.end
+            # Not before the machine stands: while it brakes it may only come nearer.
             self._alarm.set(self._pair.first_time(self._clear, since=stands))
 
     def _end(self) -> None:

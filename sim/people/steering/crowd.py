@@ -195,6 +195,8 @@ class Crowd:
             stop = stop_walking(motion, t, max_acceleration=me.human.max_acceleration)
             if t > now:
                 stop = join([motion.cut(now, t), stop])
+            # Braking at once may end where somebody else is to pass; the motion they follow is free
+            # all along, so that a later stop on it is found, or its own end.
             if others.free(swath(stop, now)):
                 return stop
             t += EARLY
@@ -221,6 +223,8 @@ class Crowd:
             return
         party.looked = now
         hit = outlook.others.first_hit(wished)
+        # Whoever stands in the way may be about to walk on: asked first, they are gone before
+        # anybody shifts round them. `asked` ends the chain where people wait for each other.
         if hit is not None and self._may_go_on(hit, now, (*asked, me)):
             self._decide(hit.other, (*asked, me))
             outlook.look_again()
@@ -230,6 +234,7 @@ class Crowd:
             return
         party.weighed = now
         motion = self.steering.replan(me, outlook.near, outlook)
+        # In metres by which the place they come to falls short of the one wished for.
         loss = math.inf
         if motion is not None:
             if hit is None and outlook.is_wish(motion):
@@ -389,6 +394,8 @@ class Crowd:
         if me.goal is None or (wished and at_goal):
             party.deciding.set(None)
         else:
+            # Before they begin to brake for the stop at the end of what they look ahead: who
+            # decides by then walks on at full speed.
             due = motion.pieces[-1].begin - EARLY
             self._again(party, due if wished else min(due, now + ANEW))
         for other in party.kept:

@@ -60,6 +60,8 @@ class Detours:
         discs = [number for place, _ in standing for number in (*place, *place)]
         kept, k = [at], 0
         while k < len(cells) - 1:
+            # Cells zigzag: leave out as many as a straight line can, by halving leaps from the
+            # farthest.
             ends = dict.fromkeys(min(k + step, len(cells) - 1) for step in LEAPS)
             for end in ends:
                 a, b = cells[k], cells[end]
@@ -105,11 +107,14 @@ class Detours:
         pieces = self._world.free_space(self._radius).pieces
         if pieces is not self._pieces:
             self._pieces, self._chunks = pieces, {}
+        # All blocked around the edge, so that the search need not ask whether a cell has
+        # neighbours.
         blocked = np.ones((rows, columns), dtype=np.uint8)
         for j, below, above in _parts(low_row + 1, low_row + rows - 1):
             for i, left, right in _parts(low_column + 1, low_column + columns - 1):
                 if (i, j) not in self._chunks:
                     self._chunks[i, j] = _chunk(pieces, i, j)
+                # Of a chunk only what the window covers.
                 some = self._chunks[i, j][below - j * CHUNK :, left - i * CHUNK :]
                 row, column = below - low_row, left - low_column
                 some = some[: above - below, : right - left]

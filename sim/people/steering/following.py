@@ -54,6 +54,8 @@ def behind(me: Traveller, outlook: Outlook) -> Behind | None:
     gap, t, others = me.manners.time_gap, outlook.t, outlook.others
     if gap <= 0.0:
         return None
+    # The kernel decides among all who are near; `_behind` below says for the one it finds what the
+    # formula gives, and for those who set out only now, who have no velocity yet.
     frame = outlook.walks.at(0.0)
     people, slow = others.floor.people, list[int]()
     k = followed(
@@ -93,7 +95,13 @@ def _behind(me: Traveller, other: Traveller, t: float, frame: Frame) -> Behind |
         return None
     then_x, then_y = other.body.motion.state(t + SEES).at
     gone = (then_x - ox) * c + (then_y - oy) * s
+    # Metres until the two discs touch, if this one goes straight on: they are `beside` each other.
     room = along - math.sqrt(touch * touch - beside * beside)
+    # At speed v, `AHEAD` from now, the room is to be v times the time gap: room + u · AHEAD − v ·
+    # AHEAD = v · gap, with u the other's speed along this path. That is the collision-free speed
+    # model's v = s / T (A. Tordeux, M. Chraibi and A. Seyfried, "Collision-free speed model for
+    # pedestrian dynamics", 2016), for the room that there will be; who is only half in the way
+    # needs less of the gap.
     most = (room + gone / SEES * AHEAD) / (me.manners.time_gap * (1.0 - beside / touch) + AHEAD)
     return Behind(other, most, gone / SEES)
 

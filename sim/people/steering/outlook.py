@@ -131,6 +131,8 @@ class Outlook:
         self._lead: Swath | None = None
         self.at, self.t, self.speed = self._state.at, now, self._state.speed
         self.course = [self.at, *self._taut(self.at)]
+        # Too fast for the bend: what is decided begins where they come to rest; until then they
+        # brake along their old course.
         if self.speed > 1e-6 and not self.can_turn(self.course):
             self.lead = stop_walking(
                 me.body.motion, now, max_acceleration=me.human.max_acceleration
@@ -249,6 +251,7 @@ class Outlook:
         To be asked after others were looked at: that is quicker.
         """
         walks, free = self.walks, self.ground.free
+        # The shift is in the first three legs; all that comes after is the course, which is free.
         return walks.side == 0.0 or all(free(a, b) for a, b in pairwise(_points(walks.corners)[:4]))
 
     def _zoned(self) -> Swath | None:
@@ -290,6 +293,8 @@ class Outlook:
 
     def is_narrow(self, length: float) -> bool:
         """Return whether the course is in a narrow place after `length` metres."""
+        # On a grid of lengths, so that the same place is asked for once and not once for each
+        # candidate.
         k = math.ceil(length / STEP)
         if k * STEP > min(self.whole, FARTHEST) + STEP:
             return False
@@ -366,6 +371,8 @@ class Outlook:
             def clear(a: Point, b: Point) -> bool:
                 return not touches(discs, *a, *b, width) and self.ground.free(a, b)
 
+            # The farthest that can be seen: a straight line to it is shorter than the bends before
+            # it.
             for k in range(min(len(route), 4) - 1, -1, -1):
                 if clear(at, route[k]):
                     # Who has passed a bend must not go back to it because of somebody beyond it.

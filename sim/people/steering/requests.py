@@ -72,6 +72,8 @@ class Request:
 
     def succeeds(self, outlook: Outlook, passed: float) -> bool:
         """Return whether all can move so that the asker gets past `passed` metres of its course."""
+        # Just past the one in the way, or as far as they look ahead: to get anywhere at all comes
+        # first.
         near = min(outlook.stop_beyond(passed + PASSED), outlook.whole)
         far = outlook.stop_beyond(outlook.reach)
         for length in dict.fromkeys((near, far)):
@@ -109,6 +111,8 @@ class Request:
 
     def _clear(self, mover: Traveller, course: Sequence[Point], depth: int) -> bool:
         """Let all step aside who stand in the way of `mover`; return whether they can."""
+        # All of a chain is checked against what everybody else is committed to, and the chain's own
+        # drafts against each other, so that all can be committed to at once.
         draft = self.drafts[mover]
         others = self._near(mover, draft)
         while True:
@@ -132,6 +136,7 @@ class Request:
 
     def _step(self, who: Traveller, course: Sequence[Point], depth: int) -> bool:
         """Let `who` step off `course`, and whoever is in the way of that; else leave all as is."""
+        # Depth first: a step that leads nowhere takes all those back that were made for it.
         before = dict(self.drafts)
         for retreat, draft in islice(self._retreats(who, course), WIDE):
             self._left -= 1
@@ -151,13 +156,17 @@ class Request:
         And what comes of them; none meets anybody who moves.
         """
         at, ground = who.swath.place, self._ground_of(who)
+        # With `who`'s own radius for the other's: a sieve, as `Moving` checks each step exactly.
         needed = 2 * who.radius + GAP
         legs = [number for a, b in pairwise(course) for number in (*a, *b)]
         moving = Moving(self.drafts, self._now)
+        # Off the course first. Only where it fills the aisle do they walk ahead along it, to its
+        # next wide place.
         yield from moving.steps(who, [at], AROUND, legs, needed, ground)
         gone, near = 0.0, math.inf
         whole = length_of(course)
         steps = [k * STEP for k in range(math.ceil(whole / STEP) + 1)]
+        # The place on the course that is nearest to them: all before that is behind them.
         for s in steps:
             away = math.dist(place_after(course, s), at)
             if away < near:

@@ -89,6 +89,8 @@ class Foresighted:
         hit = None if near is None else outlook.others.first_hit(wished)
         if near is None or hit is None:
             return self._keep_apart(body, outlook, near, ahead)
+        # Who walks the same way leaves the place where they would be met: slowing down is enough.
+        # Past who comes the other way, or stands, one has to get.
         follows = _same_way(body, hit, outlook.now)
         if not follows:
             ahead = None
@@ -103,6 +105,7 @@ class Foresighted:
         if near.other is not hit.other:
             _add_asides(body, outlook, hit)
         draft = _first_free(outlook)
+        # Only who stands, and before nobody who walks on, tries wide detours: they cost the most.
         if draft is None and outlook.speed < STANDS and not follows:
             outlook.look_around(DETOURS[-1])
             walks.clear()
@@ -147,6 +150,7 @@ class Foresighted:
         # In a single file all come as near as their time gap lets them, and then slow down.
         in_file = ahead is not None and outlook.is_narrow(0.0)
         share = PHANTOM if follows and (hit.at_rest or in_file) else 1.0
+        # A stop behind somebody who is about to walk on loses less than it seems: they soon go on.
         for length in self._stops(me, outlook, outlook.gone(hit.t), follows):
             walks.add(share * max(whole - length, 0.0), length, top, 0.0)
 
@@ -158,6 +162,7 @@ class Foresighted:
         Not in a narrow place, but behind somebody who leaves it the same way.
         """
         stands = outlook.speed < STANDS
+        # v² / (2 a), the shortest stop there is, and a little more against rounding.
         braking = outlook.speed**2 / (2 * me.human.max_acceleration) * 1.001
         for part in PARTS:
             length = part * gone if follows else outlook.stop_before(part * gone)
@@ -196,6 +201,8 @@ def _add_asides(me: Traveller, outlook: Outlook, hit: Hit, widths: Sequence[floa
     else:
         wide = needed + me.manners.comfort
         sides = [
+            # Just past them at the comfort distance, then at the least one, then by set widths; to
+            # either side. Which is free, and loses least, is found out when they are drawn up.
             beside - wide,
             beside + wide,
             beside - needed - 1e-3,

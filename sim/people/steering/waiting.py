@@ -114,6 +114,8 @@ def takes_way_round(me: Traveller, outlook: Outlook, stood: float) -> bool:
     assert goal is not None
     ground = outlook.ground
     path = ground.detours.path(outlook.at, goal, outlook.standing(outlook.at, goal), ground.free)
+    # Worth it if it is longer by no more than they would have walked while they stood, and in a
+    # pause more: the longer they stand, the longer a way round they take.
     if path is None or length_of(path) > outlook.whole + me.top_speed * (stood + LONGEST):
         # The bends of an earlier way round may be left, past others who have walked on since.
         before = me.route
@@ -139,6 +141,8 @@ def is_beside_goal(me: Traveller, hit: Hit, floor: Whereabouts, now: float) -> b
         return math.dist(other.body.at, goal) < IN_REACH + me.radius
     if leaves or math.dist(here, goal) >= BESIDE or not hit.at_rest or other.body.motion.end > now:
         return False
+    # Around the goal, a ring grows from neighbour to neighbour through gaps that are too narrow;
+    # who is reached by it belongs to those around the goal.
     left = [
         (floor.places[k], floor.radii[k], floor.people[k])
         for k in floor.near([*goal, *goal], BESIDE)

@@ -85,10 +85,12 @@ class Whereabouts:
         if k is not None and self.boxes[4 * k] < math.inf:
             self.changes += 1
             self._changed[k] = self.changes
+            # Bounds that nothing comes into; the row stays, as indices are kept.
             self.boxes[4 * k : 4 * k + 4] = [math.inf, math.inf, -math.inf, -math.inf]
 
     def near(self, box: Sequence[float], radius: float) -> list[int]:
         """Return who may come near the bounds of a disc of `radius` metres: their indices."""
+        # As wide as the widest there is: bounds are those of centres.
         margin = radius + self.widest + 2 * GAP
         low_x, low_y, high_x, high_y = box
         return within_bounds(
