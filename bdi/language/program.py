@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -14,7 +14,21 @@ from typing import Any, TypeAlias, TypeVar
 from .arithmetic import RUN_FUNCTIONS, is_function
 from .body import NOWHERE, Body, BodyTerm, Place, body_text
 from .changes import has_variables, transformed
-from .terms import TRUE, Function, Literal, Qualified, Quoted, Term, TriggerTerm, Var, text
+from .terms import (
+    TRUE,
+    And,
+    Function,
+    Literal,
+    Not,
+    Or,
+    Qualified,
+    Quoted,
+    Term,
+    TriggerTerm,
+    Var,
+    is_ground,
+    text,
+)
 
 
 @dataclass(frozen=True)
@@ -40,6 +54,25 @@ class Trigger:
 _ATOMIC = Literal("atomic")
 #: Formula by which a goal is achieved, if there is one.
 Condition: TypeAlias = "Term | None"
+
+
+Key: TypeAlias = tuple[str, int, bool]
+"""Functor, arity and negation of a literal."""
+
+
+LASTING = frozenset({".findall", ".length", ".nth", ".member"})
+"""Internal actions of which the answers follow from their arguments, and from what they ask."""
+
+
+def are_apart(args: Iterable[Term]) -> bool:
+    """Return whether arguments are values without variables, or variables, each another one."""
+    names: list[str] = []
+    for arg in args:
+        if arg.__class__ is Var:
+            names.append(arg.name)
+        elif not is_ground(arg):
+            return False
+    return len(set(names)) == len(names)
 
 
 # ---- clauses
@@ -89,6 +122,35 @@ class Rule(Clause):
         """The names of the head's arguments, if they are variables and no two are the same."""
         names = tuple(arg.name for arg in self.head.args if arg.__class__ is Var)
         return names if len(set(names)) == len(self.head.args) else None
+
+    @cached_property
+    def asks(self) -> frozenset[Key]:
+        """Keys of the literals that its body asks, and `.findall` in it."""
+        return frozenset(part.key for part in self._formulas if isinstance(part, Literal))
+
+    @cached_property
+    def lasts(self) -> bool:
+        """True if it says the same until the answers change to what it asks.
+
+        So it calls nothing but `LASTING` actions, and no formula is a variable.
+        """
+        is_open = any(isinstance(part, Var | Qualified) for part in self._formulas)
+        return self.functions <= LASTING and not is_open
+
+    @property
+    def _formulas(self) -> list[Term]:
+        """The formulas of its body, and of `.findall` in it, taken apart."""
+        found: list[Term] = []
+        pending = [self.body]
+        while pending:
+            part = pending.pop()
+            if isinstance(part, And | Or | Not):
+                pending.extend(part.operands)
+                continue
+            found.append(part)
+            if isinstance(part, Literal) and part.functor == ".findall":
+                pending.extend(part.args[1:2])
+        return found
 
     def __str__(self) -> str:
         return f"{self.head} :- {text(self.body)}"

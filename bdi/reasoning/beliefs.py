@@ -10,7 +10,7 @@ from types import MappingProxyType
 from typing import TypeAlias
 
 from ..language.order import sorted_annots
-from ..language.program import Rule
+from ..language.program import Key, Rule
 from ..language.substitution import Unifier, substitute_literal
 from ..language.terms import (
     FROM_PERCEPT,
@@ -22,9 +22,8 @@ from ..language.terms import (
     Var,
 )
 from ..language.unification import matched, unified, unify
+from .basis import Basis, basis_of
 from .shelves import LiveShelf, Shelf
-
-Key: TypeAlias = tuple[str, int, bool]
 
 LiveBeliefs: TypeAlias = "Mapping[tuple[str, int], Callable[[], Iterable[tuple[Term, ...]]]]"
 """By functor and arity: a function that returns the arguments of each belief that holds now."""
@@ -63,6 +62,8 @@ class BeliefBase:
             for (functor, arity), source in live.items()
         }
         self.lost_percepts: dict[object, Literal] = {}
+        self._bases: dict[Key, Basis | None] = {}
+        self._read: list[Shelf] = []
 
     def __iter__(self) -> Iterator[Literal]:
         """Iterate over the beliefs, without the rules."""
@@ -86,6 +87,29 @@ class BeliefBase:
     def add_rule(self, rule: Rule, *, at_end: bool = False) -> None:
         """Add a rule before the clauses of its functor and arity, or after them."""
         self.shelves.setdefault(rule.head.key, Shelf()).add(rule, at_end=at_end)
+        self._find_out_anew()
+
+    def has_plain_rules(self, key: Key) -> bool:
+        """Return whether the rules of that key are plain, and those that they ask (`basis_of`)."""
+        if key not in self._bases:
+            basis = self._bases[key] = basis_of(self.shelves, key)
+            if basis is not None and basis.lasts:
+                read = [self.shelves[one] for one in basis.keys if one in self.shelves]
+                self.shelves[key].keep_answers(read)
+                self._read += read
+        return self._bases[key] is not None
+
+    def _find_out_anew(self) -> None:
+        """Forget what rules go back to: there is another shelf, or another rule."""
+        self._bases.clear()
+        for shelf in self._read:
+            shelf.answers, shelf.readers = None, []
+        self._read.clear()
+
+    def _new_shelf(self, key: Key) -> Shelf:
+        shelf = self.shelves[key] = Shelf()
+        self._find_out_anew()
+        return shelf
 
     def rules(self) -> list[Rule]:
         """Return the rules."""
@@ -96,7 +120,7 @@ class BeliefBase:
         """Add a belief, or annotations to one. Return what is new of it, or None."""
         shelf = self.shelves.get(literal.key)
         if shelf is None:
-            shelf = self.shelves[literal.key] = Shelf()
+            shelf = self._new_shelf(literal.key)
         known = shelf.find(literal.args)
         if known is None:
             shelf.add(literal, at_end=at_end)
@@ -111,7 +135,7 @@ class BeliefBase:
         """Believe a percept. Return what is new, as `add`; None if it is believed as one."""
         shelf = self.shelves.get(percept.key)
         if shelf is None:
-            shelf = self.shelves[percept.key] = Shelf()
+            shelf = self._new_shelf(percept.key)
         known = shelf.find(percept.args)
         if known is not None and FROM_PERCEPT in known.annots:
             return None

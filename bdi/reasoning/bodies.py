@@ -18,7 +18,8 @@ from ..language.body import (
 from ..language.substitution import Unifier
 from ..language.terms import TRUE, Literal, Term
 from .beliefs import with_source
-from .compiled import Build, Condition, builder, condition
+from .builders import Build, builder
+from .compiled import Condition, condition
 
 
 class Step:

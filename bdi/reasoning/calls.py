@@ -77,6 +77,7 @@ def call_in_query(agent: AgentState, action: Literal, u: Unifier) -> Answer:
     try:
         answer = call(agent, action, u, None)
     except ActionError as error:
+        agent.logic.failures += 1
         agent.warn(f"{action.functor}: {error}")
         return False
     return True if isinstance(answer, Waiting) else answer

@@ -1,37 +1,32 @@
-"""Terms, conditions and triggers of plans, compiled to Python closures.
+"""Formulas of contexts and rules, compiled to Python closures.
 
-What `substitute`, `Logic.first` and `unify` find out about a term each time they meet it is found
-out here once, when a plan is loaded: which arguments are constants, which are plain variables,
-which comparison it is. Forms that are not frequent are left to them.
+What `Logic.first` and `Logic.solutions` find out about a formula each time they meet it is found
+out here once: which comparison it is, and which query. Forms that are not frequent are left to
+them; so are rules that may lead back to themselves, for which they keep a stack of their own.
 """
 
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from types import MappingProxyType
 from typing import TypeAlias
 
-from ..language.arithmetic import OPERATORS
-from ..language.substitution import Unifier, substitute
-from ..language.terms import (
-    TRUE,
-    And,
-    Arithmetic,
-    Literal,
-    Not,
-    Qualified,
-    Relation,
-    Term,
-    Var,
-    is_ground,
-)
+from ..language.program import Rule, are_apart
+from ..language.substitution import Unifier, rename, value_of
+from ..language.terms import TRUE, And, Literal, Not, Relation, Term, Var, is_ground
 from ..language.unification import matched, unify
+from .builders import builder
+from .lasting import KeptAnswers, Values
 from .logic import Logic
+from .matching import belief_matcher
 
-Build: TypeAlias = "Callable[[Unifier], Term]"
 Condition: TypeAlias = "Callable[[Logic, Unifier], Unifier | None]"
-Match: TypeAlias = "Callable[[Literal], Unifier | None]"
+Answers: TypeAlias = "Callable[[Logic, Unifier], Iterable[Unifier]]"
+"""All solutions, in order: a tuple if it is known that there is at most one."""
+
+MOST_KEPT = 64
+"""Largest number of questions of which the answers by rules are kept."""
 
 _COMPARISONS: Mapping[str, Callable[[float, float], bool]] = MappingProxyType(
     {
@@ -45,75 +40,7 @@ _COMPARISONS: Mapping[str, Callable[[float, float], bool]] = MappingProxyType(
 )
 
 
-# ---- terms
-
-
-def builder(term: Term) -> Build:
-    """Return a function equal to `lambda u: substitute(term, u)`, but faster."""
-    if is_ground(term):
-        return lambda u: term
-    if term.__class__ is Var:
-        return _build_variable(term)
-    if isinstance(term, Arithmetic):
-        return _build_arithmetic(term)
-    if isinstance(term, Literal) and all(map(is_ground, term.annots)):
-        return _build_literal(term)
-    return lambda u: substitute(term, u)
-
-
-def _build_variable(variable: Var) -> Build:
-    name = variable.name
-
-    def build(u: Unifier) -> Term:
-        value = u.get(name)
-        if value is None:
-            return variable
-        if value.__class__ is Literal:
-            return value if value.ground else substitute(value, u)
-        return value if value.__class__ is float else substitute(value, u)
-
-    return build
-
-
-def _build_arithmetic(term: Arithmetic) -> Build:
-    left, right = term.operands
-    calculate = OPERATORS[term.symbol]
-    left_of = builder(left)
-    if right.__class__ is float:
-
-        def build_with_constant(u: Unifier) -> Term:
-            left = left_of(u)
-            if left.__class__ is float:
-                return calculate(left, right)
-            return substitute(term, u)
-
-        return build_with_constant
-    right_of = builder(right)
-
-    def build(u: Unifier) -> Term:
-        left, right = left_of(u), right_of(u)
-        if left.__class__ is float and right.__class__ is float:
-            return calculate(left, right)
-        return substitute(term, u)
-
-    return build
-
-
-def _build_literal(literal: Literal) -> Build:
-    build_args = [builder(arg) for arg in literal.args]
-    if len(build_args) == 1:
-        (only,) = build_args
-        return lambda u: literal.with_args((only(u),))
-    if len(build_args) == 2:
-        first, second = build_args
-        return lambda u: literal.with_args((first(u), second(u)))
-    if len(build_args) == 3:
-        first, second, third = build_args
-        return lambda u: literal.with_args((first(u), second(u), third(u)))
-    return lambda u: literal.with_args(tuple([build(u) for build in build_args]))
-
-
-# ---- conditions
+# ---- the first solution
 
 
 def condition(formula: Term) -> Condition:
@@ -185,14 +112,22 @@ def _query(query: Term, following: Term | None = None) -> Condition:
     key = query.key
     formula: Term = query if following is None else And(query, following)
     rest = None if following is None else condition(following)
-    match = _answer(query)
+    match = belief_matcher(query)
+    by_rules = _asked(query)
 
     def check(logic: Logic, u: Unifier) -> Unifier | None:
         shelf = logic.shelves.get(key)
         if shelf is None:
             return None
+        solution: Unifier | None
         if shelf.rules:
-            return logic.first(formula, u)
+            for solution in by_rules(logic, u):
+                if rest is None:
+                    return solution
+                solution = rest(logic, solution)
+                if solution is not None:
+                    return solution
+            return None
         for belief in shelf.candidates(query, u):
             solution = match(belief, u)  # type: ignore[arg-type]
             if solution is None:
@@ -210,72 +145,151 @@ def _query(query: Term, following: Term | None = None) -> Condition:
     return check
 
 
-def _answer(query: Literal) -> Callable[[Literal, Unifier], Unifier | None]:
-    """Return a function equal to `lambda belief, u: matched(query, belief, u)`, but faster.
+# ---- all solutions
 
-    Most queries have up to three arguments, variables of which the first may have a value.
+
+def answers(formula: Term) -> Answers:
+    """Return a function equal to `lambda logic, u: logic.solutions(formula, u)`, but faster."""
+    if isinstance(formula, And):
+        return _join(*map(answers, formula.operands))
+    if isinstance(formula, Relation | Not) or formula == TRUE:
+        return _once(condition(formula))
+    if _is_plain_query(formula):
+        return _asked(formula)
+    if isinstance(formula, Literal) and formula.is_internal_action:
+        return _called(formula)
+    return lambda logic, u: logic.solutions(formula, u)
+
+
+def _once(holds: Condition) -> Answers:
+    def found(logic: Logic, u: Unifier) -> Iterable[Unifier]:
+        solution = holds(logic, u)
+        return () if solution is None else (solution,)
+
+    return found
+
+
+def _join(one: Answers, other: Answers) -> Answers:
+    def both(logic: Logic, u: Unifier) -> Iterable[Unifier]:
+        found = one(logic, u)
+        if found.__class__ is not tuple:
+            return (solution for first in found for solution in other(logic, first))
+        return other(logic, found[0]) if found else found
+
+    return both
+
+
+def _called(action: Literal) -> Answers:
+    """Compile the call of an internal action."""
+
+    def counted(logic: Logic, found: Iterator[Unifier]) -> Iterator[Unifier]:
+        for solution in found:
+            logic.spend(1, action)  # there may be answers without end
+            yield solution
+
+    def found(logic: Logic, u: Unifier) -> Iterable[Unifier]:
+        answer = logic.call(action, u)
+        if answer is None or answer is False:
+            return ()
+        if answer is True:
+            return (u,)
+        return (answer,) if isinstance(answer, dict) else counted(logic, answer)
+
+    return found
+
+
+def _asked(query: Term) -> Answers:
+    """Compile a query that beliefs and rules may answer."""
+    assert isinstance(query, Literal)  # a plain query is one
+    key = query.key
+    match = belief_matcher(query)
+    build_args = [builder(arg) for arg in query.args]
+
+    def believed(clauses: tuple[Literal | Rule, ...], u: Unifier) -> Iterator[Unifier]:
+        for belief in clauses:
+            solution = match(belief, u)  # type: ignore[arg-type]
+            if solution is not None:
+                yield solution
+
+    def found(logic: Logic, u: Unifier) -> Iterable[Unifier]:
+        shelf = logic.shelves.get(key)
+        if shelf is None:
+            return ()
+        if not shelf.rules:
+            clauses = shelf.candidates(query, u)
+            if len(clauses) != 1:
+                return believed(clauses, u)
+            solution = match(clauses[0], u)  # type: ignore[arg-type]
+            return () if solution is None else (solution,)
+        args = [build(u) for build in build_args]
+        if not (are_apart(args) and logic.beliefs.has_plain_rules(key)):
+            return logic.solutions(query, u)
+        names = [arg.name for arg in args if arg.__class__ is Var]
+        values: Iterable[Values]
+        if shelf.answers is None:
+            values = _proved(logic, query, args, u)
+        else:
+            values = _kept(logic, query, args, u, shelf.answers)
+        return ({**u, **dict(zip(names, one))} for one in values)  # noqa: B905 - equal lengths
+
+    return found
+
+
+def _kept(
+    logic: Logic,
+    query: Literal,
+    args: list[Term],
+    u: Unifier,
+    kept: dict[tuple[Term | None, ...], KeptAnswers],
+) -> Iterable[Values]:
+    """Return the answers to a query with these arguments, as far as possible those known."""
+    question = tuple([None if arg.__class__ is Var else arg for arg in args])
+    known = kept.get(question)
+    if known is None or not known.lasts:
+        if len(kept) >= MOST_KEPT:
+            kept.clear()
+        known = kept[question] = KeptAnswers(_proved(logic, query, args, u), lambda: logic.failures)
+    return known
+
+
+def _proved(logic: Logic, query: Literal, args: list[Term], u: Unifier) -> Iterator[Values]:
+    """Yield the values of the variables among a query's arguments for each of its answers.
+
+    A rule is proved in a unifier of its own, in which the variables of its head have the values of
+    the query's arguments. Those that the query asks for get theirs as the body is proved.
     """
-    names = [arg.name for arg in query.args if arg.__class__ is Var]
-    if len(set(names)) < len(query.args) or not 1 <= len(names) <= 3:
-        return lambda belief, u: matched(query, belief, u)
-    first, others = names[0], names[1:]
-    if not others:
-
-        def match_one(belief: Literal, u: Unifier) -> Unifier | None:
-            if belief.ground and first not in u:
-                return {**u, first: belief.args[0]}
-            return matched(query, belief, u)
-
-        return match_one
-    if len(others) == 1:
-        (second,) = others
-
-        def match_two(belief: Literal, u: Unifier) -> Unifier | None:
-            if belief.ground and second not in u:
-                value, (one, two) = u.get(first), belief.args
-                if value is one:
-                    return {**u, second: two}
-                if value is None:
-                    return {**u, first: one, second: two}
-            return matched(query, belief, u)
-
-        return match_two
-    second, third = others
-
-    def match_three(belief: Literal, u: Unifier) -> Unifier | None:
-        if belief.ground and second not in u and third not in u:
-            value, (one, two, three) = u.get(first), belief.args
-            if value is one:
-                return {**u, second: two, third: three}
-            if value is None:
-                return {**u, first: one, second: two, third: three}
-        return matched(query, belief, u)
-
-    return match_three
+    variables: list[Term] = [arg for arg in args if arg.__class__ is Var]
+    for clause in logic.shelves[query.key].candidates(query, u):
+        logic.spend(1, query)
+        if isinstance(clause, Literal):
+            solution = matched(query, clause, u)
+            if solution is not None:
+                yield _values(logic, variables, solution)
+            continue
+        scope: Unifier = {}
+        asked: list[Term] = []
+        for inside, arg in zip(clause.head.args, args, strict=True):
+            if arg.__class__ is Var:
+                asked.append(inside)
+            elif inside.__class__ is Var:
+                scope[inside.name] = arg
+            elif not unify(inside, arg, scope):
+                break
+        else:
+            for found in _answers_of(clause)(logic, scope):
+                yield _values(logic, asked, found)
 
 
-# ---- triggers
+def _values(logic: Logic, variables: list[Term], u: Unifier) -> Values:
+    """Return what variables have become, with fresh ones in place of any that are left."""
+    others: dict[str, Var] = {}
+    found = [value_of(variable, u) for variable in variables]
+    return tuple([v if is_ground(v) else rename(v, logic.names, others) for v in found])
 
 
-def matcher(pattern: Literal | Var | Qualified) -> Match:
-    """Return a function that unifies a trigger with the literal of an event.
-
-    The two are known to have the same functor and arity.
-    """
-    if pattern.__class__ is not Literal or pattern.annots:
-        return lambda literal: _unified(pattern, literal)
-    args = pattern.args
-    if not args:
-        return lambda literal: {}
-    names = [arg.name for arg in args if arg.__class__ is Var]
-    if len(names) == len(args) == len(set(names)):
-        if len(names) == 1:
-            name = names[0]
-            return lambda literal: {name: literal.args[0]}
-        return lambda literal: dict(zip(names, literal.args))  # noqa: B905 - equal lengths
-    return lambda literal: matched(pattern, literal, {})
-
-
-def _unified(pattern: Term, literal: Literal) -> Unifier | None:
-    u: Unifier = {}
-    return u if unify(pattern, literal, u) else None
+def _answers_of(rule: Rule) -> Answers:
+    """Return the body of a rule compiled: once, however many agents have it."""
+    known: Answers | None = rule.__dict__.get("answers")
+    if known is None:
+        known = rule.__dict__["answers"] = answers(rule.body)
+    return known

@@ -121,7 +121,9 @@ class Logic:
         self.beliefs = beliefs
         self.shelves = beliefs.shelves
         self.names = names
-        self._call = call
+        self.call = call
+        self.failures = 0
+        """Number of internal actions that have failed in queries."""
         self.max_goals = max_goals
         self._left_at_this_instant = CYCLES * max_goals
         self._allowed = self.goals_left = max_goals
@@ -273,7 +275,7 @@ class Logic:
     ) -> Unifier | None:
         """Return the one answer of a query; else None, with the answers as a choice point."""
         if "." in literal.functor and literal.is_internal_action:
-            answer = self._call(literal, u)
+            answer = self.call(literal, u)
             if answer is True:
                 return u
             if answer is None or answer is False:

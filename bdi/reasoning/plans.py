@@ -7,11 +7,12 @@ from copy import copy
 
 from ..language.body import Place
 from ..language.order import sorted_annots
-from ..language.program import Plan
+from ..language.program import Key, Plan
 from ..language.terms import FROM_SELF, TRUE, Literal, Qualified, Var
-from .beliefs import Key, has_source
+from .beliefs import has_source
 from .bodies import Step, compile_body
-from .compiled import condition, matcher
+from .compiled import condition
+from .matching import matcher
 
 PROTOCOL = "<messages>"
 """Name of the program that has the plans for messages."""

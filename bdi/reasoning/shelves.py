@@ -8,6 +8,7 @@ from operator import itemgetter
 from ..language.program import Rule
 from ..language.substitution import Unifier, substitute
 from ..language.terms import ONLY_PERCEPT, Literal, Term, Var, is_ground
+from .lasting import KeptAnswers
 
 #: A rank and a belief or rule: the lower the rank, the earlier it is tried.
 _Entry = tuple[int, "Literal | Rule"]
@@ -40,6 +41,10 @@ class Shelf:
         self._known: dict[Term, tuple[Literal | Rule, ...]] = {}
         self.collected: dict[tuple[str, ...], tuple[Term, int]] = {}
         """Lists of all answers to a query of these names, with the goals they took, as they are."""
+        self.answers: dict[tuple[Term | None, ...], KeptAnswers] | None = None
+        """Answers of the rules to queries with these values, where they last; None: not kept."""
+        self.readers: list[Shelf] = []
+        """Shelves with rules of which the answers follow from what is here."""
 
     def collect(self, names: tuple[str, ...], answers: Term, goals: int) -> tuple[Term, int]:
         """Keep all answers to a query of these names until something changes."""
@@ -47,6 +52,19 @@ class Shelf:
             self.collected.clear()
         self.collected[names] = answers, goals
         return self.collected[names]
+
+    def keep_answers(self, basis: Iterable[Shelf]) -> None:
+        """Keep the answers of the rules until something on the shelves of their `basis` changes."""
+        self.answers = {}
+        for shelf in basis:
+            shelf.readers.append(self)
+
+    def _changed(self) -> None:
+        """Forget what followed from what was here."""
+        self._ordered = None
+        self.collected.clear()
+        for shelf in self.readers:
+            shelf.answers = {}
 
     def __len__(self) -> int:
         return len(self._entries)
@@ -76,8 +94,7 @@ class Shelf:
         else:
             key = clause.args
         self._entries[key] = (rank, clause)
-        self._ordered = None
-        self.collected.clear()
+        self._changed()
         if self._by_first is not None:
             self._known.clear()
             self._file(key, (rank, clause))
@@ -91,8 +108,7 @@ class Shelf:
         """Put a belief with other annotations in its old place."""
         rank, _ = self._entries[belief.args]
         self._entries[belief.args] = (rank, belief)
-        self._ordered = None
-        self.collected.clear()
+        self._changed()
         if self._by_first is not None:
             self._known.clear()
             self._file(belief.args, (rank, belief))
@@ -108,8 +124,8 @@ class Shelf:
         if isinstance(known, Rule) or known.annots is not belief.annots:
             return None
         self._entries = {belief.args: (rank, belief)}
+        self._changed()
         self._ordered = (belief,)
-        self.collected.clear()
         if self._by_first is not None:
             self._by_first, self._loose, self._known = None, {}, {}
         return known
@@ -117,8 +133,7 @@ class Shelf:
     def remove(self, args: tuple[Term, ...]) -> None:
         """Remove the belief with these arguments."""
         del self._entries[args]
-        self._ordered = None
-        self.collected.clear()
+        self._changed()
         if self._by_first is None:
             return
         self._known.clear()
