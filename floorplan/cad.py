@@ -145,6 +145,7 @@ class Reader:
             elif block.at is None:
                 yield from self._drawn_as(entity, kind, layer, place())
             elif (corners := self._straight(entity, kind)) is not None:
+                # ezdxf's matrices act on rows from the right, with the translation in the last row.
                 corners = corners @ block.at[:3, :3] + block.at[3, :3]
                 yield self._outline(entity, kind, layer, place(), corners)
             else:
@@ -219,6 +220,8 @@ class Reader:
             outline = path.make_path(entity)
             if not len(outline):
                 return refuse(why="has no length")
+            # ezdxf flattens arcs, bulges and splines to within this distance, in units of the
+            # drawing.
             flat = outline.flattening(SAGITTA / self._metre)
             corners = np.array([(v.x, v.y, v.z) for v in flat])
         return self._outline(entity, kind, layer, place, corners)
@@ -264,6 +267,7 @@ class Reader:
             if len(corners) >= 3:
                 scaled = np.array(corners) * self._metre
                 bottom = float(scaled[:, 2].min())
+                # Exclusive or of all boundaries is the even-odd rule, in whatever order they come.
                 area = area.symmetric_difference(shapely.make_valid(shapely.Polygon(scaled[:, :2])))
         parts = [part for part in shapely.get_parts(area) if part.geom_type == "Polygon"]
         if not parts:
@@ -294,6 +298,7 @@ def _straight(entity: Any, kind: str) -> NDArray[np.float64] | None:
         return np.array([(v.x, v.y, v.z) for v in (entity.dxf.start, entity.dxf.end)])
     if entity.dxf.hasattr("extrusion") and tuple(entity.dxf.extrusion) != (0.0, 0.0, 1.0):
         return None
+    # x, y and bulge; where any of these is not 0 the side is an arc.
     points = np.array(entity.get_points("xyb"), float).reshape(-1, 3)
     if points[:, 2].any():
         return None

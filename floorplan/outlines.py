@@ -45,6 +45,8 @@ def enclosed(lines: Sequence[Floats], snap: float) -> tuple[list[Polygon], list[
         if line.length > 0:
             first.setdefault(shapely.normalize(line).wkb, k)
     kept = [met[k] for k in first.values()]
+    # Cuts are lines with the same area on both sides, dangles those with a loose end: both enclose
+    # nothing.
     faces, cuts, dangles, _ = shapely.polygonize_full(kept)
     areas = sorted((Polygon(face.exterior) for face in faces.geoms), key=lambda area: area.bounds)
     loose = [first[shapely.normalize(line).wkb] for line in (*cuts.geoms, *dangles.geoms)]
@@ -58,6 +60,7 @@ def opened(areas: Sequence[Polygon]) -> list[Polygon]:
     """
     distinct = [*{shapely.normalize(area).wkb: area for area in areas}.values()]
     tree = shapely.STRtree(distinct)
+    # How many others each area is inside of is its depth; one just inside another is one deeper.
     inner, outer = tree.query(distinct, predicate="within")
     depth = np.bincount(inner[inner != outer], minlength=len(distinct))
     # The even-odd rule: inside an odd number of others it is an opening of the one just around it.
@@ -81,6 +84,7 @@ def pieces_of(area: shapely.Geometry) -> list[Polygon]:
             continue
         west, south, east, north = part.bounds
         _, low, _, high = part.interiors[0].bounds
+        # Through the middle of a hole: each half has a hole less, so this ends.
         cut = (low + high) / 2
         for half in (
             shapely.box(west - 1, south - 1, east + 1, cut),

@@ -91,6 +91,7 @@ def _free_cells(image: GreyImage, schema: RosMapSchema) -> NDArray[np.bool_]:
         # Values up to 100 are percentages of being occupied, others mean unknown.
         is_free = (levels <= 100) & (levels < schema.free_thresh * 100)
     else:
+        # Dark is occupied, unless negated: map_server's own formula.
         occupied = (levels if schema.negate else image.top - levels) / image.top
         is_free = occupied < schema.free_thresh
     free: NDArray[np.bool_] = is_free[image.levels]
@@ -103,6 +104,7 @@ def _in_metres(area: Polygon, rows: int, schema: RosMapSchema) -> Polygon:
     c, s = math.cos(yaw), math.sin(yaw)
 
     def place(cells: NDArray[np.float64]) -> NDArray[np.float64]:
+        # Rows count from the top, metres from the bottom.
         right = cells[:, 0] * schema.resolution
         up = (rows - cells[:, 1]) * schema.resolution
         return np.column_stack([x + c * right - s * up, y + s * right + c * up])

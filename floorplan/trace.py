@@ -37,6 +37,8 @@ def trace(cells: NDArray[np.bool_], tolerance: float) -> shapely.Geometry:
     shells, holes = _rings(np.pad(cells, 1))
     if (count := len(shells) + len(holes)) > MOST_OUTLINES:
         raise IntricateError(f"{count:,} outlines, of at most {MOST_OUTLINES:,}")
+    # Rings lie on the borders of cells and keep apart at diagonal corners, so what they make up is
+    # valid by construction and is not checked.
     area = shapely.MultiPolygon(_polygons(shells, holes))
     return shapely.simplify(area, tolerance, preserve_topology=True)
 
@@ -48,6 +50,7 @@ def _polygons(shells: list[Ring], holes: list[Ring]) -> list[shapely.Geometry]:
     filled = shapely.polygons(shells)
     tree = shapely.STRtree(shapely.get_point(holes, 0))
     around, inside = tree.query(filled, predicate="contains")
+    # The smallest shell around a hole comes first, and `unique` keeps the first of each hole.
     inner_first = np.argsort(shapely.area(filled)[around], kind="stable")
     _, first = np.unique(inside[inner_first], return_index=True)
     owner = around[inner_first][first].tolist()
@@ -67,6 +70,7 @@ def _rings(cells: NDArray[np.bool_]) -> tuple[list[Ring], list[Ring]]:
     count = len(row)
     if not count:
         return [], []
+    # Sorted by row, then column: every other corner begins a side, and the next one ends it.
     across = _pairs(count, np.lexsort((np.arange(count), column, row)))
     # At a diagonal corner the first of two copies ends the side on the left, the second begins
     # the one on the right.
@@ -107,6 +111,7 @@ def _corners(
     below_left, below_right = cells[1:, :-1], cells[1:, 1:]
     diagonal = (above_left == below_right) & (above_right == below_left)
     diagonal &= above_left != above_right
+    # An outline turns where one or three of the four cells around a corner are set.
     odd = above_left ^ above_right ^ below_left ^ below_right
     odd |= diagonal
     if (count := np.count_nonzero(odd)) > MOST_CORNERS:

@@ -122,6 +122,8 @@ class _Watch:
     def leaves(self, place: Point, t: float) -> float:
         """Return when it leaves a place free that it touches at `t`; infinity if it stays."""
         moves = _moves_on(self.mover.motion, t)
+        # It stands here, and leaves only when it sets out: until then there is nothing to solve
+        # for.
         if moves > t:
             return math.inf if moves == math.inf else max(self.leaves(place, moves), moves)
         until = max(self.mover.motion.end, t) + 1.0
@@ -190,10 +192,12 @@ def _watch(
     if least < _THIN:
         # Surfaces that overlap are 0 apart, however deep: only the part of the person that is still
         # beside the body tells whether they come any nearer.
+        # The distance of the axis alone is known however deep the surfaces overlap.
         beside = begins(_THIN)[1]
         if beside < _THIN:
             raise PlanningError("start_blocked", f"the start {x:g}, {y:g} is inside {mover.name}")
         shapes, least = begins(beside)
+    # Nobody is asked to keep more than they have at first, or no motion at all would be free.
     room = least - 1e-6
     kept = min(gap, room)
     condition, still, clear = (
@@ -226,6 +230,8 @@ def _paths(
     last = max([mover.motion.end for mover in moving], default=at)
     sweep = np.linspace(at, max(last, at), _SAMPLES).tolist()
     seen: list[list[list[float]]] = []
+    # Without what moves, round it where it stands now, round where it comes to rest, and round all
+    # that it covers on its way: what is best among them depends on who is where when.
     for times in ([], *stand, sweep):
         covered = shapely.union_all([_footprint(mover, t) for mover in moving for t in times])
         parts = enumerate(part for part in shapely.get_parts(covered) if not part.is_empty)
@@ -270,6 +276,7 @@ def _passages(
     straight = walk(points, at, max_speed=speed, max_acceleration=acceleration)
     touched = [watch.touched(straight, at, straight.end) for watch in watches]
     first = min((t for t in touched if t is not None), default=None)
+    # No wait makes a path quicker: one that is too slow without is given up at once.
     if straight.end >= latest:
         return
     if first is None:
@@ -298,6 +305,7 @@ def _splits(points: list[Point], touched: Point) -> Iterator[tuple[list[Point], 
         share = _share(a, b, touched)
         if share is None:
             continue
+        # So many waypoints back at most: each of them is a search of its own.
         for waits in range(max(k - _PLACES, 0) + 1, k + 1):
             yield points[: waits + 1], points[waits:]
         length = math.dist(a, b)
@@ -350,5 +358,6 @@ def _delayed(
         if t < waits_from + delay:
             return None  # on the way there or while waiting: waiting longer does not help
         delay += max(watches[k].leaves(motion.state(t).at, t) - t, least)
+        # Geometric growth ends a search in which each step gains next to nothing.
         least *= _GROWTH
     return None

@@ -148,6 +148,7 @@ class Courses:
         for motion in self._motions:
             pieces = motion.pieces
             times.append(np.array([pieces[0].begin, *(piece.end for piece in pieces)]))
+        # Cut wherever any motion changes: between two cuts all of them are one cubic each.
         cuts = np.unique(np.concatenate(times))
         return np.asarray(cuts[(ends[0] <= cuts) & (cuts <= ends[1])])
 
@@ -168,6 +169,7 @@ class Courses:
             rotation[..., 1] + u * (rotation[..., 2] + u * rotation[..., 3])
         )
         turns = rotation[:, 1:, 0] - ends[:, :-1]
+        # The short way round: headings that differ by a whole turn are the same.
         turns = np.abs(turns - math.tau * np.round(turns / math.tau))
         counts = self._there[:, 1:] & self._there[:, :-1]
         for k, motion in enumerate(self._motions):
@@ -189,6 +191,7 @@ class _Meetings:
         self.within = within
         most = max(len(others) for _, others in bodies)
         # Bodies with fewer others than the most have their first one several times.
+        # Arrays need as many for each; one that comes twice changes neither least nor most.
         others = np.array([[*o, *[o[0]] * (most - len(o))] for _, o in bodies])
         own = np.array([body for body, _ in bodies])
         there, pieces = courses._there, courses._pieces
@@ -274,7 +277,11 @@ def _totals(groups: Index, figures: Array, count: int) -> Array:
 
 def _variation(cubics: Array, durations: Array) -> Array:
     """∫ |derivative| dt of cubics (..., 4) on 0 … duration (...)."""
+    # Between the zeros of its derivative a cubic is monotone, so its variation is the sum of what
+    # it changes from one to the next. Zeros by the form that does not cancel (q, then q / a and c /
+    # q).
     a, b, c = 3 * cubics[..., 3], 2 * cubics[..., 2], cubics[..., 1]
+    # Without a real zero the root is 0 and what comes out is no turn: as a cut it changes nothing.
     root = np.sqrt(np.maximum(b * b - 4 * a * c, 0.0))
     q = -(b + np.copysign(root, b)) / 2
     with np.errstate(divide="ignore", over="ignore", invalid="ignore"):

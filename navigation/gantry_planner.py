@@ -88,7 +88,9 @@ class GantryPlanner:
             self._check_range(pose, end)
         discs = {}
         for k, (x, y, radius) in enumerate(keep_out):
+            # Who stands in a disc plans with one that ends just before where they stand.
             away = math.dist((x, y), start[:2]) - 2 * HAIR
+            # The planner adds its own radius to everything, which is taken off here.
             solid = max(min(radius, away) - self.radius, _LEAST)
             discs[f"keep out {k}"] = Disc((x, y), solid)
         paths = PathPlanner(self._world.as_if(discs), self.radius, step=BEND)

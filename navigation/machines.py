@@ -176,7 +176,9 @@ def _longest_of_axis(limits: AxisLimits) -> Stop:
     top speed v: it reaches it a₀ / j later and v a₀ / j - a₀³ / (6 j²) farther on.
     """
     v, a, j = limits.max_speed, limits.max_acceleration, limits.max_jerk
+    # v j < a²: the acceleration is let off again before it has come to its limit.
     braking = v / a + a / j if v * j >= a * a else 2 * math.sqrt(v / j)
+    # a₀² / (2 j) is gained while an acceleration a₀ ends at jerk j: more than v can't be.
     accelerating = min(a, math.sqrt(2 * j * v))
     easing = accelerating / j
     return Stop(easing + braking, v * (easing + braking / 2) - accelerating * easing**2 / 6)

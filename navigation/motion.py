@@ -166,12 +166,14 @@ class Motion:
         t, table = float(t), self.table
         row = max(0, row_at(table, WIDTH, t))
         found = State(*evaluate(table, row, t, table[0] <= t < table[1 - WIDTH]))
+        # A motion never changes, so an answer of its is right for ever.
         kept["known"] = (t, found)
         return found
 
     def state_before(self, t: float) -> State:
         """Return the state just before `t`, before a change or a jump at that instant."""
         t = float(t)
+        # The last piece that began before t, not at it: the one that ends there.
         row = max(0, bisect_left(self._begins, t) - 1)
         return State(*evaluate(self.table, row, t, self.start < t <= self.end))
 
@@ -213,6 +215,7 @@ class Motion:
     def _sample(self, t: ArrayLike, derivative: int) -> Array:
         times = np.asarray(t, dtype=np.float64)
         begins, durations, table = self._tables
+        # Of pieces that begin at one instant the last: at a change, what comes after it.
         index = np.searchsorted(begins, times, side="right") - 1
         index = np.maximum(index, 0)
         u = np.clip(times - begins[index], 0.0, durations[index])[..., None]
@@ -317,6 +320,7 @@ def _stand_until(pieces: list[Piece], t: float) -> None:
     elif last.end < t:
         u = last.end - last.begin
         at = (value(last.x, u), value(last.y, u), value(last.rotation, u))
+        # A piece of no length gives way to the standing that begins at the same instant.
         if u == 0.0:
             pieces.pop()
         pieces.append(still(at, last.end, t))

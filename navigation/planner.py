@@ -173,6 +173,7 @@ class PathPlanner:
             return self.world.segment_free(a, b, keep) and not (closed and closed.apart(a, b))
 
         question = Question(start, goal, (low_x, low_y), (high_x, high_y), free)
+        # Each round closes a gate more, so there are no more rounds than gates.
         while (points := sample_path(question, choice, seed, watch)) is not None:
             # Most of OMPL's planners take a motion that is free to be free in both directions.
             # They are asked again with a wall for each gate that they went through backwards.

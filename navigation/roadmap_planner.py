@@ -99,6 +99,8 @@ class RoadmapSearch:
         world, room = links.world, links.radius + HAIR
         if not world.gates.reach(world.fixed_space(room), start, goal):
             return None
+        # Wide bends may close a narrow gap. Where they lead nowhere, and nothing proves that
+        # nothing does, fine ones decide.
         for step in (self._step, STEP):
             points = self._around_bodies(world.roadmap(links.radius, step), straight)
             if points is not None or self._hopeless():
@@ -116,6 +118,7 @@ class RoadmapSearch:
         met: list[Body] = []
         points: list[Point] | None = [start, goal] if straight else None
         while True:
+            # Only asked anew where a body was met, or FCL has refused a link of the answer.
             if points is None or not self._refused.isdisjoint(itertools.pairwise(points)):
                 room, refused = links.room(met), self._refused
                 points = shortest_path(

@@ -202,6 +202,7 @@ def _over_samples(
             while chain[-1] != start:
                 chain.append(before[chain[-1]])
             return [places[k] for k in reversed(chain)]
+        # Reached on a shorter path since it was queued: `heapq` can't take entries back.
         if so_far > best[here]:
             continue
         nexts = near[start] if here == start else links[here]

@@ -24,6 +24,7 @@ def _divide(x: float, y: float) -> float:
 def _to_int32(x: float) -> int:
     if math.isnan(x):
         return 0
+    # Java's conversion to int: beyond its range the nearest there is, and towards zero.
     return int(max(-(2.0**31), min(2.0**31 - 1, x)))
 
 
@@ -31,11 +32,13 @@ def _integer_divide(x: float, y: float) -> float:
     divisor = _to_int32(y)
     if divisor == 0:
         return NAN
+    # Towards zero, as Java divides; Python would round down.
     quotient = abs(_to_int32(x)) // abs(divisor)
     return float(quotient if (x < 0) == (y < 0) else -quotient)
 
 
 def _modulo(x: float, y: float) -> float:
+    # Java's % has the sign of the first operand, as `fmod` has; Python's that of the second.
     return NAN if y == 0.0 or math.isinf(x) else math.fmod(x, y)
 
 

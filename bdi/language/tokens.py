@@ -60,6 +60,7 @@ def _with_semicolons(tokens: Iterator[Token]) -> Iterator[Token]:
         if token.type == "DOT":
             in_body = False
         in_body = in_body or token.type == "_ARROW"
+        # A goal can't follow a term but as the next step, so the semicolon is clear.
         if in_body and token.value in _GOAL_SIGNS and previous in _ENDS_A_TERM:
             yield Token.new_borrow_pos("SEMICOLON", ";", token)
         yield token
@@ -97,6 +98,7 @@ def _is_compared(tokens: Sequence[Token], index: int) -> bool:
     """Return True if the step that begins with the sign at `index` is a comparison, `-X < 3`."""
     depth = 0
     for token in islice(tokens, index + 1, None):
+        # The end of the step came before any comparison: the sign was an update.
         if depth == 0 and token.value in _AFTER_A_SIGNED_LITERAL:
             return False
         if depth == 0 and token.type == "RELATION" and token is not tokens[index + 1]:

@@ -57,6 +57,7 @@ class Step:
 
 def compile_body(body: Body, following: Step | None = None) -> Step | None:
     """Return the first step of a body that continues with `following`."""
+    # From the last on, as each step knows the one after it.
     for formula in reversed(body):
         following = _compile(formula, following)
     return following
@@ -95,6 +96,7 @@ def _compile_loop(name: str, formula: While | For, term: Term, following: Step |
     """Return the step that begins a loop; the last of its body leads to one that repeats it."""
     first = Step(name, formula, following, term)
     again = Step(f"{name} again", formula, following, term)
+    # The body leads back to a step of its own kind: a loop begins in another way than it goes on.
     first.branches = again.branches = (compile_body(formula.body, again) or again,)
     return first
 

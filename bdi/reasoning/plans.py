@@ -187,6 +187,7 @@ class PlanLibrary:
         changed = copy(plan)
         changed.label = label
         filed = self._by_trigger[plan.sort].values()
+        # A plan for any event is in the list of every kind.
         for plans in (self._plans, self._for_any[plan.sort], *filed):
             if plan in plans:
                 plans[plans.index(plan)] = changed
@@ -216,6 +217,8 @@ class PlanLibrary:
         plans = filed.get(plan.literal.key, [])
         if not plans:
             filed[plan.literal.key] = plans
+            # The plans for any event are candidates of each kind of event, in the order of the
+            # program.
             plans.extend(self._for_any[plan.sort])
         plans.insert(0 if first else len(plans), plan)
 

@@ -99,6 +99,7 @@ class Clock(simpy.Environment):
         event._ok = True
         event._value = None
         now = self._now
+        # As SimPy's `schedule` does, but with the instant itself: now + (t - now) need not be t.
         entry = (now if now > t else t, _PRIORITY[turn], next(self._eid), event)
         heappush(self._queue, entry)
         return event
@@ -167,6 +168,7 @@ class Alarm:
             then(self._pending, self._ring)
 
     def _ring(self, event: Event) -> None:
+        # SimPy can't take an event back: one that was set before is let pass.
         if event is self._pending:
             self._pending = None
             self._time = None

@@ -221,6 +221,7 @@ class Attention:
     def _up_to(self, other: Traveller) -> Point | None:
         (x, y), (ox, oy), heading = self._walker.body.at, *_bound(other)
         away, reach = math.dist((x, y), (ox, oy)), self._reach(other, TALKING)
+        # Near enough: who talks to somebody need not come closer.
         if away <= reach:
             return (x, y)
         c, s = ((x - ox) / away, (y - oy) / away)

@@ -35,6 +35,8 @@ def spread(
     joined = np.full_like(cells, nothing)
     for i in range(-reach, reach + 1):
         for j in range(-reach, reach + 1):
+            # One shift of the whole array for each cell of the disc: a dilation, or a sum, by its
+            # mask.
             if math.hypot(i, j) * side < radius + _HAIR:
                 joined = join(joined, padded[reach + i :, reach + j :][:rows, :columns])
     return joined

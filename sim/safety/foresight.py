@@ -48,6 +48,7 @@ class Foresight:
 
     def required(self, human_speed: float, robot_speed: float) -> float:
         """Return the distance (metres) to keep from somebody at these speeds (m/s)."""
+        # A law that looks ahead is asked for the top speed: it may be reached by then.
         speed = robot_speed if is_of_speeds(self.law) else self.top_speed
         return required_at_speeds(self.law, human_speed, speed) + MARGIN
 

@@ -88,6 +88,7 @@ def _packed(pieces: Sequence[Any]) -> tuple[_Integers, _Integers] | None:
     if not np.abs(numbers * UNIT).max() < LARGEST:
         return None
     integers = np.rint(numbers * UNIT).astype(np.int64)
+    # Each number must come back to the last bit, or the page would not show what was recorded.
     if not (integers / UNIT == numbers).all():
         return None
     table = np.zeros((len(pieces), 14), dtype=np.int64)
@@ -138,6 +139,7 @@ def _path_lengths(table: _Integers) -> _Floats:
     """Return how far the body goes in each piece, by Gauss's rule with three points."""
     numbers = table / UNIT
     half = (numbers[:, 1] - numbers[:, 0]) / 2
+    # Its nodes are 0 and ± √(3 / 5), its weights 8 / 9 and 5 / 9.
     aside = half * np.sqrt(0.6)
 
     def speed(u: _Floats) -> _Floats:
@@ -158,6 +160,7 @@ def _written(lengths: _Integers, table: _Integers) -> bytes:
 
 
 def _bytes_of(integers: _Integers) -> bytes:
+    # Zigzag: 0, -1, 1, -2 … become 0, 1, 2, 3 …, so that small ones of either sign are short.
     coded = ((integers << 1) ^ (integers >> 63)).astype(np.uint64)
     groups = np.ones(len(coded), dtype=np.int64)
     for bits in range(7, 64, 7):
@@ -222,6 +225,7 @@ def _integers_in(written: NDArray[np.uint8]) -> _Integers:
         return np.zeros(0, dtype=np.int64)
     begins = np.concatenate([[0], ends[:-1] + 1])
     place = np.arange(len(written)) - np.repeat(begins, ends - begins + 1)
+    # Nine groups of seven bits are all of 63; more would be a damaged file.
     if place.max() > 8:
         return np.zeros(0, dtype=np.int64)
     parts = (written & 127).astype(np.int64) << (7 * place)

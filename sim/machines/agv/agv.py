@@ -154,6 +154,7 @@ class Agv(Machine):
         fastest = self.lane.max_speed
         if self._foresight is None:
             return required_at_speeds(self._law, 0.0, fastest) + self._offset
+        # While it drives for `RESUME` and then brakes, somebody may walk towards it.
         stopping = fastest / self.lane.max_acceleration
         kept = required_at_speeds(self._law, top_speed, fastest) + self._offset
         return kept + top_speed * (RESUME + stopping)
@@ -220,6 +221,8 @@ class Agv(Machine):
         if self._blocked is not None:
             stop = agv_stop(self.lane, state, now)
             reached = lane_state(self.lane, stop.state(stop.end)).position
+            # Its stop ends beyond the last place before what is closed: nothing but braking is
+            # left.
             if (reached - self._blocked[1]) * state.velocity > 0:
                 return stop
         return motion
@@ -268,6 +271,7 @@ class Agv(Machine):
         now = self._clock.now
         plan, people = Stoppable(motion, self._stops), self._seen()
         until, who = foresight.safe_until(plan, people, now, least)
+        # Not even the least time is safe.
         if until == now and who is not None:
             return who
         self._look_at(until if who is not None else None)
@@ -284,6 +288,7 @@ class Agv(Machine):
         """
         if self._awaited is not None and self._awaited[0] is person:
             _, t, every = self._awaited
+            # At one of the instants at which it would have looked, as if it had looked all along.
             while t < self._clock.now:
                 t += every
             self._look_at(t)

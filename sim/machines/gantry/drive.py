@@ -100,6 +100,8 @@ class Drive:
         """Begin a command, which takes the place of the one under way; return its number."""
         self._commands += 1
         if self._replaced.callbacks:
+            # A new event first: who is woken by the old one may wait for the next replacement at
+            # once.
             replaced, self._replaced = self._replaced, self._clock.event()
             replaced.succeed()
         return self._commands
@@ -169,6 +171,7 @@ class Drive:
         It is recorded as an event of that `kind`.
         """
         self._record(kind(seconds=seconds))
+        # Two malfunctions at a time: the later end counts.
         self._ready.set(max(self._clock.now + seconds, self._ready.time or 0.0))
         if self._disabled_at is None:
             self._disabled_at = self._clock.now
@@ -247,6 +250,7 @@ class Drive:
                 continue
             begun = self._clock.now
             done = self._clock.at(begun + seconds)
+            # Until it is done, or something breaks it off: time goes on counting from what is left.
             yield done | (self._braking if command is None else self._braking | self._replaced)
             elapsed = self._clock.now - begun
             if command is not None:

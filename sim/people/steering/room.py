@@ -50,6 +50,8 @@ def room_near(
         for k in range(ANGLES if ring else 1):
             angle = 2 * math.pi * k / ANGLES
             at = (place[0] + away * math.cos(angle), place[1] + away * math.sin(angle))
+            # Standing there for ever must conflict with nobody's motion, as everything that is
+            # agreed to.
             stand = swath(standing(at, start=now), now)
             near = [floor.people[k] for k in floor.near(stand.box, radius)]
             # The place itself was found fit by whoever chose it, however close to a wall.

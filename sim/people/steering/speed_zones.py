@@ -62,6 +62,7 @@ class SpeedZones:
                 if ends and max(ends) - min(ends) > SLIGHT:
                     inside.append((min(ends), max(ends), limit))
         cuts = {e for low, high, _ in inside for e in (low, high)}
+        # Between two cuts the limit is that of all zones around the middle.
         cuts = {e for e in cuts if SLIGHT < e < length - SLIGHT}
         parts = []
         for begin, end in pairwise([0.0, *sorted(cuts), length]):

@@ -66,6 +66,8 @@ class Vehicle:
     def _look(self) -> None:
         """Take note of what the vehicle does from now on, as far as that is known."""
         now = self._clock.now
+        # What is announced, as people know the plan; one that yields to them counts as it drives
+        # now.
         motion = self._machine.foreseen(now + KNOWN)
         announced = self._machine.sets_out(now + KNOWN) - KNOWN
         if motion.end > now:
@@ -88,6 +90,7 @@ def cover(machine: Machine) -> tuple[list[Point], float]:
     shape = machine.shape
     if shape.direction is None:
         return [(0.0, 0.0)], math.hypot(shape.length, shape.width) / 2
+    # Parts half as long as wide: discs then stick out to the sides by 12 % of half the width.
     count = max(1, math.ceil(2 * shape.length / shape.width))
     part, (c, s) = shape.length / count, shape.direction
     along = [(k + 0.5) * part - shape.length / 2 for k in range(count)]

@@ -76,6 +76,7 @@ class Outlook:
         """Return the task to go on with (None if none can be done now), and the pose to go to."""
         gantry = self._gantry
         tasks = gantry.open_tasks
+        # What is begun is finished first.
         tasks = tuple(task for task in tasks if task.begun) or tasks
         paths = [(task, path) for task in tasks for path in [gantry.way(task)] if path]
         groups = list(dict.fromkeys(task.group for task, _ in paths))
@@ -95,6 +96,7 @@ class Outlook:
         tried: set[Pose] = set()
         for task, (pose, *_) in sorted(paths, key=lambda entry: _length((here, *entry[1]))):
             step = task.next_step
+            # Several tasks may begin at one place, which need be looked at once.
             if pose in tried or step is None:
                 continue
             tried.add(pose)
@@ -117,6 +119,7 @@ class Outlook:
             self._gantry.gantry.x.max_speed,
             self._gantry.gantry.x.max_acceleration,
         )
+        # Speeding up evenly to v costs v / (2 a) seconds against having had it from the start.
         lag = speed / acceleration / 2
 
         def nearest(place: tuple[float, float]) -> float:

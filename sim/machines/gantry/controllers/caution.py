@@ -63,6 +63,7 @@ class Caution:
         end = gantry.now + seconds
         people = yield from self.look()
         while math.dist(gantry.position, pose) > ARRIVED or gantry.now < gantry.body.motion.end:
+            # Less than this is what rounding leaves of the time it was given.
             if end - gantry.now < INSTANT:
                 return False
             share = self._share_to(pose)
@@ -73,6 +74,7 @@ class Caution:
             elif found != share:
                 self._move = gantry.move_to(*pose, speed_share=found, resume=False)
                 self._under_way = (gantry.body.motion, pose, found)
+            # For `safe` seconds nobody can matter, so it looks no sooner.
             look = gantry.look(min(safe, end - gantry.now))
             yield look | self._move if found > 0.0 else look
             if look.processed:
@@ -97,6 +99,8 @@ class Caution:
     def room_to_move(self, speed: float) -> float:
         """Return the distance (metres) from people at which it may move on at this speed (m/s)."""
         moving = State(self._gantry.position, (speed, 0.0, 0.0), (0.0, 0.0, 0.0))
+        # What the stop from that speed takes, in metres and in seconds, in which people come
+        # nearer.
         stop = self._gantry.stopping(moving, 0.0)
         metres = math.dist(stop.state(0.0).at, stop.state(stop.end).at)
         return self.required(speed) + metres + self._human_speed * (stop.end + LEAST)
@@ -125,6 +129,7 @@ class Caution:
         """
         gantry = self._gantry
         if not gantry.disabled:
+            # From the fastest on: the first that is safe is taken.
             for candidate in SHARES:
                 motion = self.preview(pose, candidate)
                 seconds = self.safe_for(motion, people)
