@@ -19,6 +19,8 @@ from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 from PIL import Image
 
+from floorplan import Point
+
 from ...core.machine import MachineShape
 from ...core.output import replacing, writing
 from ...machines.kinds import rails_under
@@ -30,6 +32,7 @@ from ..page_film import PageFilm, View
 from .curves import Span, instants, span_of
 from .floor import draw_floor, floor_axes
 from .incidents import breaches, disabled_spans
+from .moving_names import MovingNames
 from .names import draw_names
 from .style import BLACK, GREY, MACHINES, PALE, VERMILION, person_colour, require_place, styled
 
@@ -58,11 +61,14 @@ _ABOVE = 0.25
 _EXPLAINED = 480
 """Pixels of width from which a film has a legend."""
 
-_LETTERS, _OVER = 6.0, 5.0
-"""Points: the size of a name that moves, and how far above a person's centre it stands."""
+_LETTERS = 6.0
+"""Points. The size of a name that moves."""
 
-_SHARES = (0.5, 0.36, 0.64)
-"""Where on the line between two bodies the figure of their distance stands."""
+_SIDES = ((0.0, 5.0), (0.0, -5.0), (5.0, 0.0), (-5.0, 0.0))
+"""Points from a person's centre to their name; the best first."""
+
+_SHARES = (0.5, 0.36, 0.64, 0.25, 0.75)
+"""Where on the line between two bodies the figure of their distance stands; the best first."""
 
 _DISTANCE = (0, (3, 3))
 """The dashes of a line between two bodies."""
@@ -165,13 +171,15 @@ class Film:
                 layout=ConstrainedLayoutEngine(rect=(0.0, 0.0, 1.0, 1.0 - above)),
             )
             self._canvas = FigureCanvasAgg(self._figure)
-            self._draw(floor_axes(self._figure.add_subplot(), run.floorplan))
+            self._axes = floor_axes(self._figure.add_subplot(), run.floorplan)
+            self._draw(self._axes)
             middle = 1.0 - above / 2
             self._time = self._figure.text(0.99, middle, "", ha="right", va="center")
             if wide >= _EXPLAINED:
                 self._explain(middle)
             self._time.set_animated(True)
             self._canvas.draw()
+            self._written = MovingNames(self._axes)
         self._floor = self._canvas.copy_from_bbox(self._figure.bbox)
 
     def at(self, t: float) -> Picture:
@@ -222,7 +230,7 @@ class Film:
             )
             self._names[machine.name] = _name(axes, machine.name, BLACK)
         self._people = {
-            person.name: _Person(axes, person.name, person.radius, person_colour(index), index)
+            person.name: _Person(axes, person.name, person.radius, person_colour(index))
             for index, person in enumerate(run.scene.people)
         }
         (self._marks,) = axes.plot(
@@ -230,20 +238,22 @@ class Film:
         )
         draw_names(axes, run.floorplan)
 
-    def _moved(self, t: float) -> Iterator[Artist]:
-        """Everything that moves, put where it is at `t`, in order of drawing."""
+    def _moved(self, t: float) -> list[Artist]:
+        """Return everything that moves, put where it is at `t`, in order of drawing."""
         run = self._run
-        for name, person in self._people.items():
-            begin, end = run.presence[name]
-            if not begin <= t <= end or begin >= end:
-                continue
-            yield from self._move_person(name, person, t)
-        for machine in run.scene.machines:
-            yield from self._move_machine(machine, t)
+        self._written.clear()
+        machines = [
+            part for machine in run.scene.machines for part in self._move_machine(machine, t)
+        ]
+        spans = {name: run.presence[name] for name in self._people}
+        present = [name for name, (begin, end) in spans.items() if begin <= t <= end > begin]
+        people = [part for name in present for part in self._move_person(name, t)]
+        for name in present:
+            self._people[name].write(self._written)
         places = [at for _, at in breaches(run, (t - self._mark, t))]
         self._marks.set_data([x for x, _ in places], [y for _, y in places])
         self._time.set_text(f"{t:.1f} s")
-        yield from (self._marks, self._time)
+        return [*people, *machines, self._marks, self._time]
 
     def _move_machine(self, machine: MachineShape, t: float) -> Iterator[Artist]:
         x, y, rotation = self._run.motions[machine.name].state(t).position
@@ -258,9 +268,10 @@ class Film:
             box.set_facecolor(GREY if disabled else MACHINES["robot"])
         yield box
         self._names[machine.name].xy = (x, y)
+        self._written.keep_off(self._names[machine.name])
         yield self._names[machine.name]
 
-    def _move_person(self, name: str, person: _Person, t: float) -> list[Artist]:
+    def _move_person(self, name: str, t: float) -> list[Artist]:
         run, since = self._run, max(0.0, t - TRAIL)
         motion = run.motions[name]
         trail = motion.position(instants([motion], since, t)) if t > since else np.empty((0, 2))
@@ -279,16 +290,16 @@ class Film:
             if who == name
         )
         largest = max(required, default=None)
+        person = self._people[name]
+        self._written.keep_off(person.body)
         return person.moved(motion.state(t).position, trail, largest, line, near)
 
 
 class _Person:
     """A disc with a nose and a name, the required distance around it, and the path behind it."""
 
-    def __init__(self, axes: Axes, name: str, radius: float, colour: str, index: int) -> None:
-        # Two who stand together have their names on two sides, and figures at two places.
-        self._name = _name(axes, name, colour, side=-1 if index % 2 else 1)
-        self._share = _SHARES[index % len(_SHARES)]
+    def __init__(self, axes: Axes, name: str, radius: float, colour: str) -> None:
+        self._name = _name(axes, name, colour)
         (self._line,) = axes.plot(
             [], [], color=GREY, linestyle=_DISTANCE, linewidth=0.8, animated=True, zorder=3
         )
@@ -296,40 +307,50 @@ class _Person:
         self._radius = radius
         self._colour = colour
         self._zone = axes.add_patch(Circle((0, 0), 1.0, linewidth=0.8, animated=True, zorder=2))
-        self._body = Circle((0, 0), radius, facecolor=colour, linewidth=0, animated=True, zorder=5)
-        axes.add_patch(self._body)
+        self.body = Circle((0, 0), radius, facecolor=colour, linewidth=0, animated=True, zorder=5)
+        axes.add_patch(self.body)
         (self._nose,) = axes.plot([], [], color=BLACK, linewidth=1.2, animated=True, zorder=5)
         (self._trail,) = axes.plot([], [], color=colour, linewidth=1.2, alpha=0.6, animated=True)
+        self._at: Point = (0.0, 0.0)
+        self._to: Point | None = None
 
     def moved(
         self,
         pose: tuple[float, float, float],
         trail: NDArray[np.float64],
         required: float | None,
-        line: tuple[float, tuple[float, float]] | None,
+        line: tuple[float, Point] | None,
         near: bool,
     ) -> list[Artist]:
         """The artists of the person, put where they are; `line` is a distance, and to where."""
         x, y, rotation = pose
         nose = 1.5 * self._radius
         self._trail.set_data(*trail.T)
-        self._body.set_center((x, y))
+        self.body.set_center((x, y))
         self._nose.set_data([x, x + nose * math.cos(rotation)], [y, y + nose * math.sin(rotation)])
-        self._name.xy = (x, y)
-        parts: list[Artist] = [self._trail, self._body, self._nose, self._name]
+        self._at, self._to = (x, y), None
+        parts: list[Artist] = [self._trail, self.body, self._nose, self._name]
         if required is None or line is None:
             return parts
         colour = VERMILION if near else self._colour
-        distance, (to_x, to_y) = line
+        distance, self._to = line
+        to_x, to_y = self._to
         self._line.set_data([x, to_x], [y, to_y])
         self._line.set_color(VERMILION if near else GREY)
-        self._figure.xy = (x + self._share * (to_x - x), y + self._share * (to_y - y))
         self._figure.set_text(_figure(distance, required, near))
         self._figure.set_color(colour)
         self._zone.set(
             center=(x, y), radius=required, facecolor=(colour, 0.15), edgecolor=(colour, 0.6)
         )
         return [self._zone, self._line, *parts, self._figure]
+
+    def write(self, written: MovingNames) -> None:
+        """Put the name beside the person, and the figure on the line to the nearest machine."""
+        written.put(self._name, [(self._at, side) for side in _SIDES])
+        if self._to is not None:
+            line = np.subtract(self._to, self._at)
+            spots = [tuple(self._at + share * line) for share in _SHARES]
+            written.put(self._figure, [(spot, (0.0, 0.0)) for spot in spots])
 
 
 def _figure(distance: float, required: float, near: bool) -> str:
@@ -341,15 +362,15 @@ def _figure(distance: float, required: float, near: bool) -> str:
     return f"too close: {shown[0] if is_just else ' of '.join(shown)} m"
 
 
-def _name(axes: Axes, text: str, colour: str, *, side: int = 0) -> Any:
-    """Return a text that moves with a point of the floor, its `xy`: above (1), in or below it."""
+def _name(axes: Axes, text: str, colour: str) -> Any:
+    """Return a text that moves with a point of the floor, its `xy`, and stands on it."""
     return axes.annotate(
         text,
         (0.0, 0.0),
-        (0.0, side * _OVER),
+        (0.0, 0.0),
         textcoords="offset points",
         ha="center",
-        va=("center", "bottom", "top")[side],
+        va="center",
         size=_LETTERS,
         color=colour,
         animated=True,

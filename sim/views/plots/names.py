@@ -91,6 +91,16 @@ def draw_names(
                     free = _write_if_free(axes, spot, name, GREY, free, point)
 
 
+def stand_beside(name: Any, side: Point) -> None:
+    """Put an annotation so many points from what it names, on that side of it."""
+    x, y = side
+    name.set(
+        position=side,
+        ha="left" if x > 0 else "right" if x < 0 else "center",
+        va="bottom" if y > 0 else "top" if y < 0 else "center",
+    )
+
+
 def _unbroken(path: Array) -> Iterator[LineString]:
     """The parts of a path between NaNs."""
     for part in np.split(path, np.flatnonzero(np.isnan(path[:, 0]))):
@@ -151,12 +161,8 @@ def _write_beside(
     def covered(side: tuple[Point, bool]) -> float:
         """Put the name there; return which share of it covers something, from 0 to 1."""
         (x, y), upright = side
-        name.set(
-            position=(x + np.sign(x) * half[0], y + np.sign(y) * half[1]),
-            ha="left" if x > 0 else "right" if x < 0 else "center",
-            va="bottom" if y > 0 else "top" if y < 0 else "center",
-            rotation=90 if upright else 0,
-        )
+        stand_beside(name, (x + np.sign(x) * half[0], y + np.sign(y) * half[1]))
+        name.set_rotation(90 if upright else 0)
         area = _extent(axes, name)
         return round(float(1.0 - area.intersection(free).area / area.area), 6)
 
