@@ -65,6 +65,9 @@ class Drive:
         self._held = False
         self._commands = 0
         self._moves: dict[Move, None] = {}
+        self._previewed_at, self._previewed_on = clock.now, self.body.motion
+        self._previews: dict[tuple[Pose, float], Motion] = {}
+        """The motions from here and now, by target and share: a controller asks before it moves."""
         self._replaced = clock.event()
         self._braking = clock.event()
         self._ready = Alarm(clock, self._enable, Turn.MOTION_ENDS)
@@ -84,13 +87,24 @@ class Drive:
 
         `ValueError` if the target is out of range, or the share not in 0 … 1.
         """
+        now, motion = self._clock.now, self.body.motion
+        if self._previewed_at != now or self._previewed_on is not motion:
+            self._previewed_at, self._previewed_on = now, motion
+            self._previews.clear()
+        x, y, rotation = target
+        target = float(x), float(y), float(rotation)
+        known = self._previews.get((target, speed_share))
+        if known is not None:
+            return known
         if faults := self._gantry.faults(target):
             raise ValueError("; ".join(faults))
         limits = self._limits
         if speed_share != 1:
-            x, y, rotation = (_slower(axis, speed_share) for axis in limits)
-            limits = (x, y, rotation)
-        return gantry_move(self.body.state, target, self._clock.now, limits=limits)
+            slower = [_slower(axis, speed_share) for axis in limits]
+            limits = (slower[0], slower[1], slower[2])
+        found = gantry_move(self.body.state, target, now, limits=limits)
+        self._previews[target, speed_share] = found
+        return found
 
     def stopping(self, state: State, t: float) -> Motion:
         """Return the fastest stop from `state` at `t` (seconds)."""
