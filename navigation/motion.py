@@ -80,11 +80,11 @@ class Motion:
     jumps: frozenset[float] = frozenset()
 
     def __post_init__(self) -> None:
-        if not self.pieces:
-            raise ValueError("a motion needs at least one piece")
         # Kept at once: a cached property takes a lock, and crowds make thousands of motions.
         kept = vars(self)
         table = kept["table"] = _table(self.pieces)
+        if not table:
+            raise ValueError("a motion needs at least one piece")
         kept["start"], kept["end"] = table[0], table[1 - WIDTH]
         for k in breaks(table, JUMP_TOLERANCE):
             piece, before = self.pieces[k], self.pieces[max(k - 1, 0)]
@@ -280,7 +280,9 @@ class TablePieces(Sequence[Piece]):
 
 def standing(at: tuple[float, float], *, heading: float = 0.0, start: float = 0.0) -> Motion:
     """Standing `at` (x, y in metres), turned by `heading` (radians), from `start` (s) for ever."""
-    return Motion((still((*at, heading), start, start),))
+    start, x, y, rotation = float(start), float(at[0]), float(at[1]), float(heading)
+    table = [start, start, x, 0.0, 0.0, 0.0, y, 0.0, 0.0, 0.0, rotation, 0.0, 0.0, 0.0]
+    return Motion(TablePieces(table))
 
 
 def still(at: tuple[float, float, float], begin: float, end: float) -> Piece:

@@ -1,0 +1,3 @@
+cpdef bint is_place(object point) except -1
+cdef bint _straight(tuple a, tuple b, tuple c) except -1
+cpdef double corner_speed(tuple before, tuple corner, tuple after, double acceleration) except? -1

@@ -1,0 +1,199 @@
+"""Walks along corners in plain numbers: bends, the speeds at them, and braking on the path.
+
+For the tables see `pieces`.
+"""
+
+from __future__ import annotations
+
+from math import dist, hypot, pow
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import cython
+else:
+    from . import uncompiled as cython
+
+if not cython.compiled:
+    from math import atan2, cos, inf, isfinite, pi, sin, sqrt, tan
+
+    INFINITY = inf
+    M_PI = pi
+else:
+    from cython.cimports.libc.math import (
+        INFINITY,
+        M_PI,
+        atan2,
+        cos,
+        isfinite,
+        sin,
+        sqrt,
+        tan,
+    )
+
+# Of `dist`, `hypot` and `pow`, Python's are taken: compilers' may have other last bits.
+
+_WIDTH: cython.Py_ssize_t = 14  # numbers of a piece: begin, end, and the coefficients
+_NOWHERE: float = 1e-9  # metres; shorter legs are none
+_DEVIATION: float = 0.05  # metres; how far a rounded corner may leave the path, as in `walk`
+_HAIR: float = 1e-6  # share of the acceleration that is left for rounding, as in `walk`
+
+Corner = tuple[float, float]
+
+
+def bends(points: list[Corner]) -> list[Corner] | None:
+    """Return `points` without repetitions and without those on the straight line between others.
+
+    None where they are not tuples of two finite floats throughout.
+    """
+    corners: list[Corner] = []
+    n: cython.Py_ssize_t = 0
+    for point in points:
+        if not is_place(point):
+            return None
+        if n > 0 and dist(corners[n - 1], point) < _NOWHERE:
+            continue
+        if n > 1 and _straight(corners[n - 2], corners[n - 1], point):
+            corners.pop()
+            n -= 1
+        corners.append(point)
+        n += 1
+    return corners
+
+
+def is_place(point: object) -> bool:
+    """Return whether `point` is a tuple of two finite floats, as most places are."""
+    if not isinstance(point, tuple) or len(point) != 2:
+        return False
+    x, y = point
+    return x.__class__ is y.__class__ is float and bool(isfinite(x)) and bool(isfinite(y))
+
+
+def _straight(a: Corner, b: Corner, c: Corner) -> bool:
+    ux: float = b[0] - a[0]
+    uy: float = b[1] - a[1]
+    wx: float = c[0] - b[0]
+    wy: float = c[1] - b[1]
+    return ux * wx + uy * wy > 0 and abs(ux * wy - uy * wx) < 1e-9 * hypot(wx, wy)
+
+
+def lengths_of(corners: list[Corner]) -> list[float]:
+    """Return the lengths of the legs between corners (metres)."""
+    return [dist(corners[k], corners[k + 1]) for k in range(len(corners) - 1)]
+
+
+def corner_speed(before: Corner, corner: Corner, after: Corner, acceleration: float) -> float:
+    """Return the speed (m/s) of a turn; see `navigation.corner_speed`."""
+    ux: float = corner[0] - before[0]
+    uy: float = corner[1] - before[1]
+    wx: float = after[0] - corner[0]
+    wy: float = after[1] - corner[1]
+    turn: float = abs(atan2(ux * wy - uy * wx, ux * wx + uy * wy))
+    if turn < 1e-9:
+        return INFINITY
+    if turn > M_PI - 1e-9:
+        return 0.0
+    by_deviation: float = _DEVIATION * cos(turn / 2) / (2 * pow(sin(turn / 4), 2))
+    by_length: float = min(hypot(ux, uy), hypot(wx, wy)) / 2 / tan(turn / 2)
+    return sqrt(acceleration * min(by_deviation, by_length))
+
+
+def corner_speeds(
+    corners: list[Corner],
+    lengths: list[float],
+    max_speed: float,
+    acceleration: float,
+    initial_speed: float,
+) -> list[float]:
+    """Return the speed at every corner: as fast as its own limit and the acceleration allow.
+
+    None at all where the path is too short to slow down from the initial speed.
+    """
+    speeds: list[float] = [initial_speed]
+    k: cython.Py_ssize_t
+    for k in range(1, len(lengths)):
+        top: float = corner_speed(corners[k - 1], corners[k], corners[k + 1], acceleration)
+        speeds.append(min(top, max_speed))
+    speeds.append(0.0)
+    gain: float = 2 * acceleration * (1 - _HAIR)
+    for k in range(len(lengths) - 1, -1, -1):
+        speeds[k] = min(speeds[k], sqrt(pow(speeds[k + 1], 2) + gain * lengths[k]))
+    if speeds[0] < initial_speed * (1 - _HAIR):
+        return []
+    for k in range(len(lengths)):
+        speeds[k + 1] = min(speeds[k + 1], sqrt(pow(speeds[k], 2) + gain * lengths[k]))
+    return speeds
+
+
+def ends_after(table: list[float], t: float) -> list[Corner]:
+    """Return where the pieces of a motion end that are not over at `t` (seconds)."""
+    ends: list[Corner] = []
+    o: cython.Py_ssize_t
+    for o in range(0, len(table), _WIDTH):
+        u: float = table[o + 1] - table[o]
+        if table[o + 1] > t:
+            x: float = table[o + 2] + u * (table[o + 3] + u * (table[o + 4] + u * table[o + 5]))
+            y: float = table[o + 6] + u * (table[o + 7] + u * (table[o + 8] + u * table[o + 9]))
+            ends.append((x, y))
+    return ends
+
+
+def first_metres(corners: list[Corner], length: float) -> list[Corner]:
+    """Return the first `length` metres of a path, or all of it; right to a billionth."""
+    kept: list[Corner] = [corners[0]]
+    k: cython.Py_ssize_t
+    for k in range(len(corners) - 1):
+        a: Corner = corners[k]
+        b: Corner = corners[k + 1]
+        leg: float = dist(a, b)
+        if leg >= length + _NOWHERE:
+            share: float = length / leg
+            kept.append((a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])))
+            break
+        kept.append(b)
+        length -= leg
+        if length <= _NOWHERE:
+            break
+    return kept
+
+
+def braking(corners: list[Corner], lengths: list[float], speed: float, start: float) -> list[float]:
+    """Return the table of braking from `speed` (m/s) at `start` (s), all along `corners`.
+
+    At one deceleration, from the first to a rest at the last. `lengths` are those of the legs.
+    """
+    table: list[float] = []
+    left: float = sum(lengths)
+    deceleration: float = pow(speed, 2) / (2 * left)
+    k: cython.Py_ssize_t
+    for k in range(len(lengths)):
+        a: Corner = corners[k]
+        b: Corner = corners[k + 1]
+        x: float = a[0]
+        y: float = a[1]
+        dx: float = b[0] - x
+        dy: float = b[1] - y
+        left -= lengths[k]
+        slower: float = 0.0
+        if k + 1 < len(lengths):
+            slower = sqrt(max(2 * deceleration * left, 0.0))
+        end: float = start + (speed - slower) / deceleration
+        half: float = -deceleration / 2
+        c: float = dx / lengths[k]
+        s: float = dy / lengths[k]
+        table.append(start)
+        table.append(end)
+        table.append(x + 0.0 * c)
+        table.append(speed * c)
+        table.append(half * c)
+        table.append(0.0 * c)
+        table.append(y + 0.0 * s)
+        table.append(speed * s)
+        table.append(half * s)
+        table.append(0.0 * s)
+        table.append(atan2(dy, dx))
+        table.append(0.0)
+        table.append(0.0)
+        table.append(0.0)
+        start = end
+        speed = slower
+    return table
