@@ -8,11 +8,9 @@ what is no shape (texts, dimensions, points), are left out.
 
 from __future__ import annotations
 
-import io
 import itertools
 from collections import Counter
 from collections.abc import Iterator
-from contextlib import redirect_stdout
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -20,26 +18,21 @@ from typing import TYPE_CHECKING
 import shapely
 from shapely.geometry import Polygon
 
-from .cad import Reader, Shape, Unread
+from .cad import Reader
 from .checks import polygon_fault
+from .dxf_file import DAMAGED, open_drawing
 from .layers import AS_IT_IS, BOUNDARY, Drawn
 from .model import DEFAULT_HEIGHT, Obstacle
-from .outlines import Loose, enclosed, opened, pieces_of
+from .outlines import Loose, enclosed, opened, pieces_of, polygons_of
 from .plan import Floorplan
 from .problems import FloorplanError, Problem
-from .reading import no_garbage, require_readable
+from .reading import no_garbage
+from .strokes import Shape, Unread
 
 if TYPE_CHECKING:
     from ezdxf.document import Drawing
 
-LARGEST_FILE = 64_000_000
-"""Bytes: a hall that is drawn in all detail takes a few million."""
-
-DAMAGED = (
-    *(ArithmeticError, AttributeError, LookupError, RuntimeError, StopIteration),
-    *(TypeError, ValueError),
-)
-"""Exceptions that ezdxf raises, besides its own, at a drawing that is damaged."""
+_Heights = tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -54,7 +47,7 @@ class _Area:
 def load_dxf(path: Path, drawn: Drawn = AS_IT_IS) -> Floorplan:
     """The floorplan in the DXF file at `path`; `FloorplanError` with all that is wrong with it."""
     file = str(path)
-    drawing = _drawing(path)
+    drawing = open_drawing(path)
     notices: list[Problem] = []
     metre = _metre(drawing, drawn, file, notices)
     reader = Reader(drawing, metre, drawn)
@@ -91,26 +84,6 @@ def load_dxf(path: Path, drawn: Drawn = AS_IT_IS) -> Floorplan:
     )
 
 
-def _drawing(path: Path) -> Drawing:
-    try:
-        from ezdxf.filemanagement import readfile
-        from ezdxf.lldxf.const import DXFError
-    except ImportError:
-        message = "DXF drawings can't be read without ezdxf; pip install 'floorwalker[floorplans]'"
-        raise FloorplanError.of(path, message) from None
-    require_readable(path, FloorplanError, LARGEST_FILE)
-    try:
-        with redirect_stdout(io.StringIO()):  # ezdxf prints some of its warnings
-            return readfile(path)
-    except (DXFError, *DAMAGED) as why:
-        message = f"is not a DXF drawing: {str(why) or 'it ends too early'}"
-        raise FloorplanError.of(path, message) from None
-    except OSError as why:
-        # ezdxf says this without a system's reason of a file that it does not recognise.
-        message = f"can't be read: {why.strerror}" if why.strerror else "is not a DXF drawing"
-        raise FloorplanError.of(path, message) from None
-
-
 def _metre(drawing: Drawing, drawn: Drawn, file: str, notices: list[Problem]) -> float:
     """Return the length of a unit of the drawing in metres; notice where there is a doubt."""
     from ezdxf.enums import InsertUnits
@@ -137,49 +110,53 @@ def _metre(drawing: Drawing, drawn: Drawn, file: str, notices: list[Problem]) ->
 
 
 def _place(found: Shape | Unread) -> str:
-    return f"layer {found.layer!r}, {found.place}"
+    return f"layer {found.layer!r}, {found.name()}"
 
 
 def _areas(name: str, shapes: list[Shape], drawn: Drawn) -> Iterator[_Area | Problem]:
     """Yield the areas of a group, closed outlines first, in the order of the drawing."""
     group = drawn.group(name)
-    levels: dict[tuple[float, float], list[Polygon]] = {}
-    lines: dict[tuple[float, float], list[Shape]] = {}
-    filled: list[tuple[tuple[float, float], Polygon]] = []
+    levels: dict[_Heights, list[Polygon]] = {}
+    lines: dict[_Heights, list[Shape]] = {}
+    filled: list[tuple[_Heights, shapely.Geometry]] = []
+    closed = [shape for shape in shapes if shape.closed]
+    polygons = polygons_of([shape.corners for shape in closed])
+    sound = shapely.is_valid(polygons) & (shapely.area(polygons) > 0)
+    bounded = zip(polygons, sound.tolist(), strict=True)
     for shape in shapes:
         at = group.z or _heights(shape)
+        polygon, whole = next(bounded) if shape.closed else (None, False)
         if group.line_width is not None and not shape.filled:
-            ring = [*shape.corners, shape.corners[0]] if shape.closed else shape.corners
+            ring = shape.corners if polygon is None else polygon.exterior
             wall = shapely.LineString(ring).buffer(
                 group.line_width / 2, cap_style="square", join_style="mitre"
             )
-            filled += [(at, piece) for piece in pieces_of(wall)]
-        elif not shape.closed:
+            filled.append((at, wall))
+        elif polygon is None:
             lines.setdefault(at, []).append(shape)
+        elif not whole:
+            yield Problem(polygon_fault(polygon), _place(shape))
+        elif shape.filled:
+            hatched = polygon if shape.holes is None else polygon.difference(shape.holes)
+            filled.append((at, hatched))
+        elif group.hollow:
+            levels.setdefault(at, []).append(polygon)
         else:
-            polygon = Polygon(shape.corners)
-            if fault := polygon_fault(polygon):
-                yield Problem(fault, _place(shape))
-            elif shape.filled:
-                hatched = polygon if shape.holes is None else polygon.difference(shape.holes)
-                filled += [(at, piece) for piece in pieces_of(hatched)]
-            elif group.hollow:
-                levels.setdefault(at, []).append(polygon)
-            else:
-                yield _Area(name, polygon, *at)
+            yield _Area(name, polygon, *at)
     for at, loose_lines in lines.items():
-        polygons, loose = enclosed([shape.corners for shape in loose_lines], drawn.snap)
-        levels.setdefault(at, []).extend(polygons)
+        found, loose = enclosed([shape.corners for shape in loose_lines], drawn.snap)
+        levels.setdefault(at, []).extend(found)
         for one in loose:
             yield Problem(_open(one, drawn), _place(loose_lines[one.index]))
-    for at, polygons in levels.items():
-        for polygon in opened(polygons) if group.hollow else polygons:
+    for at, found in levels.items():
+        for polygon in opened(found) if group.hollow else found:
             yield _Area(name, polygon, *at)
-    for at, polygon in filled:
-        yield _Area(name, polygon, *at)
+    pieces, of = pieces_of([area for _, area in filled])
+    for piece, k in zip(pieces, of.tolist(), strict=True):
+        yield _Area(name, piece, *filled[k][0])
 
 
-def _heights(shape: Shape) -> tuple[float, float]:
+def _heights(shape: Shape) -> _Heights:
     low, high = sorted((shape.bottom, shape.bottom + (shape.thickness or DEFAULT_HEIGHT)))
     return low, high
 

@@ -177,7 +177,7 @@ def _feature(
     heights = drawn.group(group).z if group is not None else None
     bottom, top = heights or (bottom, top)
     # A hollow obstacle is of several pieces, which share no name.
-    pieces = pieces_of(shape)
+    pieces, _ = pieces_of([shape])
     own = properties.name if len(pieces) == 1 else None
     label = group or properties.name or "obstacle"
     parts.obstacles += [(label, own, piece, bottom, top) for piece in pieces]

@@ -27,30 +27,51 @@ class Loose:
     gap: float | None
 
 
+def polygons_of(outlines: Sequence[Floats]) -> NDArray[np.object_]:
+    """Return the polygons with these outlines, each of (N, 2) with N of 3 or more, in metres."""
+    if not outlines:
+        return np.empty(0, object)
+    corners, of = _joined(outlines)
+    polygons: NDArray[np.object_] = shapely.polygons(shapely.linearrings(corners, indices=of))
+    return polygons
+
+
+def paths_of(lines: Sequence[Floats]) -> NDArray[np.object_]:
+    """Return `lines`, each of (N, 2) with N of 2 or more, in metres, as line strings."""
+    corners, of = _joined(lines)
+    paths: NDArray[np.object_] = shapely.linestrings(corners, indices=of)
+    return paths
+
+
+def _joined(lines: Sequence[Floats]) -> tuple[Floats, NDArray[np.intp]]:
+    """Return the corners of all `lines` (N, 2), and of which line each is (N,)."""
+    return np.concatenate(lines), np.repeat(np.arange(len(lines)), [len(line) for line in lines])
+
+
 def enclosed(lines: Sequence[Floats], snap: float) -> tuple[list[Polygon], list[Loose]]:
     """Return the areas that `lines` (each of (N, 2), metres) enclose, and the loose ones of them.
 
     Ends within `snap` metres of each other count as one. Of two lines that are the same, one
     counts.
     """
-    ends = np.array([end for line in lines for end in (line[0], line[-1])])
-    places = _met(ends, snap)
-    met = []
-    for k, line in enumerate(lines):
-        corners = line.copy()
-        corners[0], corners[-1] = places[2 * k], places[2 * k + 1]
-        met.append(shapely.LineString(corners))
+    corners, of = _joined(lines)
+    edges = np.searchsorted(of, np.arange(len(lines) + 1))
+    ends = np.column_stack([edges[:-1], edges[1:] - 1]).ravel()
+    places = _met(corners[ends], snap)
+    corners[ends] = places
+    met = shapely.linestrings(corners, indices=of)
+    keys = _keys(met)
     first: dict[bytes, int] = {}
-    for k, line in enumerate(met):
-        if line.length > 0:
-            first.setdefault(shapely.normalize(line).wkb, k)
-    kept = [met[k] for k in first.values()]
+    for k in np.flatnonzero(shapely.length(met) > 0).tolist():
+        first.setdefault(keys[k], k)
+    kept = met[np.array([*first.values()], int)]
     # Cuts are lines with the same area on both sides, dangles those with a loose end: both enclose
     # nothing.
     faces, cuts, dangles, _ = shapely.polygonize_full(kept)
-    areas = sorted((Polygon(face.exterior) for face in faces.geoms), key=lambda area: area.bounds)
-    loose = [first[shapely.normalize(line).wkb] for line in (*cuts.geoms, *dangles.geoms)]
-    return areas, _loose(sorted(loose), [*first.values()], places)
+    areas = shapely.polygons(shapely.get_exterior_ring(shapely.get_parts(faces)))
+    order = np.lexsort(shapely.bounds(areas).T[::-1])  # by west, south, east and north
+    loose = [first[key] for key in _keys(shapely.get_parts([cuts, dangles]))]
+    return [*areas[order]], _loose(sorted(loose), [*first.values()], places)
 
 
 def opened(areas: Sequence[Polygon]) -> list[Polygon]:
@@ -58,40 +79,53 @@ def opened(areas: Sequence[Polygon]) -> list[Polygon]:
 
     None of them has a hole: an area with openings comes in pieces, cut through its openings.
     """
-    distinct = [*{shapely.normalize(area).wkb: area for area in areas}.values()]
+    if not areas:
+        return []
+    distinct = [*dict(zip(_keys(areas), areas, strict=True)).values()]
     tree = shapely.STRtree(distinct)
     # How many others each area is inside of is its depth; one just inside another is one deeper.
     inner, outer = tree.query(distinct, predicate="within")
     depth = np.bincount(inner[inner != outer], minlength=len(distinct))
     # The even-odd rule: inside an odd number of others it is an opening of the one just around it.
-    pieces: list[Polygon] = []
+    whole = []
     for k, area in enumerate(distinct):
         if depth[k] % 2 == 0:
             within = inner[(outer == k) & (inner != k)]
             holes = [distinct[i] for i in within if depth[i] == depth[k] + 1]
-            pieces += pieces_of(shapely.difference(area, shapely.union_all(holes)))
-    return pieces
+            whole.append(shapely.difference(area, shapely.union_all(holes)))
+    return [*pieces_of(whole)[0]]
 
 
-def pieces_of(area: shapely.Geometry) -> list[Polygon]:
-    """Return `area` as polygons without holes: it is cut across each of them."""
-    pieces: list[Polygon] = []
-    for part in shapely.get_parts(area):
-        if part.geom_type != "Polygon" or not part.area:
-            continue
-        if not part.interiors:
-            pieces.append(part)
-            continue
-        west, south, east, north = part.bounds
-        _, low, _, high = part.interiors[0].bounds
+def pieces_of(areas: Sequence[shapely.Geometry]) -> tuple[NDArray[np.object_], NDArray[np.intp]]:
+    """Return `areas` as polygons without holes, cut across each hole, and which one each is of."""
+    pieces, of = np.array(areas, object), np.arange(len(areas))
+    while True:
+        pieces, part_of = shapely.get_parts(pieces, return_index=True)
+        solid = (shapely.get_type_id(pieces) == shapely.GeometryType.POLYGON) & (
+            shapely.area(pieces) > 0
+        )
+        pieces, of = pieces[solid], of[part_of[solid]]
+        holed = shapely.get_num_interior_rings(pieces) > 0
+        if not holed.any():
+            return pieces, of
+        west, south, east, north = shapely.bounds(pieces[holed]).T
+        _, low, _, high = shapely.bounds(shapely.get_interior_ring(pieces[holed], 0)).T
         # Through the middle of a hole: each half has a hole less, so this ends.
         cut = (low + high) / 2
-        for half in (
-            shapely.box(west - 1, south - 1, east + 1, cut),
-            shapely.box(west - 1, cut, east + 1, north + 1),
-        ):
-            pieces += pieces_of(shapely.intersection(part, half))
-    return pieces
+        below = shapely.box(west - 1, south - 1, east + 1, cut)
+        above = shapely.box(west - 1, cut, east + 1, north + 1)
+        # Each with a hole makes room for its two halves, which stand in its place.
+        copies = np.repeat(np.arange(len(pieces)), np.where(holed, 2, 1))
+        halved = holed[copies]
+        halves = np.column_stack([below, above]).ravel()
+        pieces, of = pieces[copies], of[copies]
+        pieces[halved] = shapely.intersection(pieces[halved], halves)
+
+
+def _keys(geometries: Sequence[shapely.Geometry]) -> list[bytes]:
+    """Return a key for each of `geometries`: those that are the same have the same."""
+    keys: list[bytes] = shapely.to_wkb(shapely.normalize(geometries)).tolist()
+    return keys
 
 
 def _met(ends: Floats, snap: float) -> Floats:
