@@ -28,8 +28,16 @@ class Condition(Protocol):
         ...
 
 
+class _OfTheKernel:
+    """A condition that the monitor's kernel decides."""
+
+    def holds(self, encounter: Encounter, begin: float, end: float) -> bool | None:
+        """See `Condition`."""
+        return judge_of(self).verdict(encounter, begin, end)
+
+
 @dataclass(frozen=True)
-class TooClose:
+class TooClose(_OfTheKernel):
     """The two are closer than `law` requires. `ValueError` if the law makes no sense."""
 
     law: AnyLaw
@@ -37,61 +45,37 @@ class TooClose:
     def __post_init__(self) -> None:
         require_sense(self.law)
 
-    def holds(self, encounter: Encounter, begin: float, end: float) -> bool | None:
-        """See `Condition`."""
-        return judge_of(self).verdict(encounter, begin, end)
-
 
 @dataclass(frozen=True)
-class Moving:
+class Moving(_OfTheKernel):
     """The machine moves faster than `STANDING_SPEED`."""
 
-    def holds(self, encounter: Encounter, begin: float, end: float) -> bool | None:
-        """See `Condition`."""
-        return judge_of(self).verdict(encounter, begin, end)
-
 
 @dataclass(frozen=True)
-class Approaching:
+class Approaching(_OfTheKernel):
     """The centres of the two come closer to each other."""
 
-    def holds(self, encounter: Encounter, begin: float, end: float) -> bool | None:
-        """See `Condition`."""
-        return judge_of(self).verdict(encounter, begin, end)
-
 
 @dataclass(frozen=True)
-class Apart:
+class Apart(_OfTheKernel):
     """The distance between the two is at least `metres`."""
 
     metres: float
 
-    def holds(self, encounter: Encounter, begin: float, end: float) -> bool | None:
-        """See `Condition`."""
-        return judge_of(self).verdict(encounter, begin, end)
-
 
 @dataclass(frozen=True)
-class Not:
+class Not(_OfTheKernel):
     """The other condition does not hold."""
 
     condition: Condition
 
-    def holds(self, encounter: Encounter, begin: float, end: float) -> bool | None:
-        """See `Condition`."""
-        return judge_of(self).verdict(encounter, begin, end)
-
 
 @dataclass(frozen=True)
-class Both:
+class Both(_OfTheKernel):
     """Two conditions hold at once."""
 
     first: Condition
     second: Condition
-
-    def holds(self, encounter: Encounter, begin: float, end: float) -> bool | None:
-        """See `Condition`."""
-        return judge_of(self).verdict(encounter, begin, end)
 
 
 def judge_of(condition: Condition) -> kernel.Judge:

@@ -55,8 +55,16 @@ AnyLaw: TypeAlias = "Law | MotionLaw"
 """A law of either kind."""
 
 
+class _OfTheKernel:
+    """A law that the monitor's kernel computes."""
+
+    def required(self, encounter: Encounter, begin: float, end: float) -> Enclosure:
+        """See `MotionLaw`."""
+        return requirement(self, encounter, begin, end)
+
+
 @dataclass(frozen=True, kw_only=True)
-class SeparationLaw:
+class SeparationLaw(_OfTheKernel):
     """The protective separation distance of speed and separation monitoring, linear form.
 
     d = k_H (t1 + t2) + k_R t1 + B + δ with k_H the human's speed, k_R the robot's, `t1` the
@@ -100,13 +108,9 @@ class SeparationLaw:
             + self.intrusion
         )
 
-    def required(self, encounter: Encounter, begin: float, end: float) -> Enclosure:
-        """See `MotionLaw`."""
-        return requirement(self, encounter, begin, end)
-
 
 @dataclass(frozen=True, kw_only=True)
-class IntegralLaw:
+class IntegralLaw(_OfTheKernel):
     """The protective separation distance of speed and separation monitoring, integral form.
 
     S(t0) = S_H + S_R + S_S + C + Z_D + Z_R, in the terms of ISO/TS 15066:2016, clause 5.5.4.2.3:
@@ -137,13 +141,9 @@ class IntegralLaw:
             if getattr(self, term.name) is not None:
                 _require_length(term.name, getattr(self, term.name))
 
-    def required(self, encounter: Encounter, begin: float, end: float) -> Enclosure:
-        """See `MotionLaw`."""
-        return requirement(self, encounter, begin, end)
-
 
 @dataclass(frozen=True, kw_only=True)
-class ApproachLaw:
+class ApproachLaw(_OfTheKernel):
     """The distance to people whose speed is not known: S = K T + C of ISO 13855:2010, clause 5.
 
     T is the `time` in seconds from sensing a person to the end of the machine's motion, K the
@@ -164,13 +164,9 @@ class ApproachLaw:
         """Return the required distance in metres, whatever the speeds."""
         return self.speed * self.time + self.intrusion
 
-    def required(self, encounter: Encounter, begin: float, end: float) -> Enclosure:
-        """See `MotionLaw`."""
-        return requirement(self, encounter, begin, end)
-
 
 @dataclass(frozen=True)
-class FixedDistance:
+class FixedDistance(_OfTheKernel):
     """The same distance at any speed, in metres."""
 
     metres: float
@@ -182,13 +178,9 @@ class FixedDistance:
         """Return the required distance in metres, whatever the speeds."""
         return self.metres
 
-    def required(self, encounter: Encounter, begin: float, end: float) -> Enclosure:
-        """See `MotionLaw`."""
-        return requirement(self, encounter, begin, end)
-
 
 @dataclass(frozen=True)
-class Scaled:
+class Scaled(_OfTheKernel):
     """`factor` times another law, capped at `cap` metres first: when people notice a machine.
 
     The distance is at most `factor` · `cap` metres. `ValueError` if either is negative.
@@ -211,10 +203,6 @@ class Scaled:
         if not is_of_speeds(self.law):
             raise TypeError(f"{self.law!r} asks for more than two speeds")
         return self.factor * min(self.law.distance(human_speed, robot_speed), self.cap)
-
-    def required(self, encounter: Encounter, begin: float, end: float) -> Enclosure:
-        """See `MotionLaw`."""
-        return requirement(self, encounter, begin, end)
 
 
 def is_of_speeds(law: AnyLaw) -> TypeGuard[Law]:
