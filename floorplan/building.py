@@ -17,6 +17,9 @@ from .schema import (
     LaneSchema,
 )
 
+_CORNERS = 32
+"""Corners of the polygon that stands for a disc."""
+
 
 def parts(schema: FloorplanSchema) -> dict[str, Any]:
     """Return what stands on the floor of a file, by the names of a floor's fields."""
@@ -105,10 +108,10 @@ def footprint(entry: FootprintSchema) -> Polygon:
     return _round(cx, cy, entry.radius)
 
 
-def _round(x: float, y: float, radius: float, corners: int = 32) -> Polygon:
+def _round(x: float, y: float, radius: float) -> Polygon:
     """Return the regular polygon around a disc: it covers all of the disc."""
-    outer = radius / math.cos(math.pi / corners)
-    angles = [2 * math.pi * (k + 0.5) / corners for k in range(corners)]
+    outer = radius / math.cos(math.pi / _CORNERS)
+    angles = [2 * math.pi * (k + 0.5) / _CORNERS for k in range(_CORNERS)]
     return Polygon([(x + outer * math.cos(a), y + outer * math.sin(a)) for a in angles])
 
 

@@ -34,6 +34,9 @@ MOST_CHECKS = 200
 _SAME = 1e-6
 """Metres. A path that begins or ends this much beside its question is an answer to it."""
 
+_NEIGHBOURS = 30
+"""Number of the nearest samples of a PRM to which start and goal are linked where that is free."""
+
 _LOST_IF_STRAIGHT = ("AORRTC", "SORRTstar")
 """Planners of OMPL 2.0.1 that fail where the start sees the goal: the first answers with a path of
 no length, the second never."""
@@ -182,7 +185,7 @@ def _place(state: Any) -> Point:
 
 
 def _over_samples(
-    places: list[Point], links: list[list[int]], question: Question, neighbours: int = 30
+    places: list[Point], links: list[list[int]], question: Question
 ) -> list[Point] | None:
     """Return the shortest path over samples and links, both ends linked to their neighbours."""
     start, goal = len(places), len(places) + 1
@@ -190,7 +193,7 @@ def _over_samples(
     near: dict[int, list[int]] = {}
     for end in (start, goal):
         order = sorted(range(start), key=lambda k: math.dist(places[k], places[end]))
-        near[end] = [k for k in order[:neighbours] if question.free(places[end], places[k])]
+        near[end] = [k for k in order[:_NEIGHBOURS] if question.free(places[end], places[k])]
     to_goal = set(near[goal])
     best = {start: 0.0}
     before: dict[int, int] = {}

@@ -34,13 +34,13 @@ def has_source(literal: Literal) -> bool:
     return any(isinstance(annot, Literal) and annot.functor == "source" for annot in literal.annots)
 
 
-def with_source(literal: Literal, source: Literal = FROM_SELF) -> Literal:
-    """Return the literal with a source: its own, or else the one given."""
-    if not literal.annots and source is FROM_SELF:
+def with_source(literal: Literal) -> Literal:
+    """Return the literal with a source: its own, or else the agent itself."""
+    if not literal.annots:
         return literal.with_annots(ONLY_SELF)
     if has_source(literal):
         return literal
-    return literal.with_annots(sorted_annots((*literal.annots, source)))
+    return literal.with_annots(sorted_annots((*literal.annots, FROM_SELF)))
 
 
 def _among(some: tuple[Term, ...], others: tuple[Term, ...]) -> bool:

@@ -19,7 +19,7 @@ def heappush(heap: list[Entry], entry: Entry) -> None:
     """Add an entry."""
     heap.append(entry)
     place: cython.Py_ssize_t = len(heap) - 1
-    _rise(heap, entry, 0, place)
+    _rise(heap, entry, place)
 
 
 def heappop(heap: list[Entry]) -> Entry:
@@ -44,17 +44,15 @@ def heappop(heap: list[Entry]) -> Entry:
         heap[place] = one
         place = child
         child = 2 * place + 1
-    _rise(heap, entry, 0, place)
+    _rise(heap, entry, place)
     return least
 
 
-def _rise(
-    heap: list[Entry], entry: Entry, top: cython.Py_ssize_t, place: cython.Py_ssize_t
-) -> None:
-    """Put `entry` where it belongs on the way from `place` up to `top`."""
+def _rise(heap: list[Entry], entry: Entry, place: cython.Py_ssize_t) -> None:
+    """Put `entry` where it belongs on the way from `place` up to the top."""
     other: tuple[float, float, int, int]
     above: cython.Py_ssize_t
-    while place > top:
+    while place > 0:
         above = (place - 1) // 2
         other = heap[above]
         if not _before(entry, other):

@@ -27,11 +27,11 @@ def instants(duration: float, rate: float) -> Array:
     return np.arange(_count(duration, rate)) / rate
 
 
-def blocks_of_instants(duration: float, rate: float, size: int = BLOCK) -> Iterator[Array]:
-    """The same instants, `size` of them at a time."""
+def blocks_of_instants(duration: float, rate: float) -> Iterator[Array]:
+    """The same instants, `BLOCK` of them at a time."""
     count = _count(duration, rate)
-    for first in range(0, count, size):
-        yield np.arange(first, min(first + size, count)) / rate
+    for first in range(0, count, BLOCK):
+        yield np.arange(first, min(first + BLOCK, count)) / rate
 
 
 def sample(motion: Motion, times: Array) -> Array:

@@ -119,7 +119,7 @@ def laws_of(rules: RuleSet, machines: Iterable[MachineShape]) -> list[tuple[str,
     ]
 
 
-def law_table(laws: Sequence[tuple[str, AnyLaw]], title: str = "Required distances") -> Table:
+def law_table(laws: Sequence[tuple[str, AnyLaw]]) -> Table:
     """Return laws, each with the machines or trials it holds for, its formula and its terms."""
     rows: list[Sequence[Cell]] = []
     for key, law in laws:
@@ -127,7 +127,7 @@ def law_table(laws: Sequence[tuple[str, AnyLaw]], title: str = "Required distanc
         terms = Markup("<br>").join(_term(*term) for term in sheet.terms)
         formula = Markup('<span class="formula">{}</span>').format(sheet.formula)
         rows.append((key, sheet.name, formula, terms))
-    return Table(("holds for", "law", "required distance", "terms"), rows, title)
+    return Table(("holds for", "law", "required distance", "terms"), rows, "Required distances")
 
 
 def _term(symbol: Markup, value: str, meaning: str) -> Markup:

@@ -79,9 +79,9 @@ class Section:
         return re.sub(r"\W+", "-", self.title.lower()).strip("-")
 
 
-def listed(names: Sequence[str], most: int = 3) -> str:
-    """Return names in a row; of many the first and the last, and how many they are."""
-    if len(names) <= most:
+def listed(names: Sequence[str]) -> str:
+    """Return names in a row; of more than three the first and the last, and how many they are."""
+    if len(names) <= 3:
         return ", ".join(names)
     return f"{names[0]} … {names[-1]} ({len(names)})"
 
