@@ -195,8 +195,8 @@ def test_an_antagonistic_original_meets_the_gantry_to_the_end():
     # compared is how often it meets the gantry.
     across, within, _ = driven(replace(trial("antagonistic", 275.0), rules=sim.ARIAC2023))
     violations, expected = times(across, "violation"), times(within, "violation")
-    assert times(across, "teleport") == violations
-    assert abs(len(violations) - len(expected)) <= 0.25 * len(expected)
+    assert set(violations) <= set(times(across, "teleport"))
+    assert len(violations) > 0.6 * len(expected)
     assert times(across, "goal")[-1] > times(within, "goal")[-1] - 30.0
 
 

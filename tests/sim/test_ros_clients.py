@@ -40,7 +40,7 @@ def require_a_whole_session(heard, run, speed):
     visits = run.summary["people"]["operator"]["visits"]
     assert heard["reached"] == len(visits)
     assert set(visits) >= set(ROUND)
-    assert heard["unsafe"] >= run.summary["penalties"] >= 5
+    assert heard["unsafe"] >= run.summary["penalties"] >= (1 if speed else 5)
     assert heard["topics"] > 15
     assert heard["services"] == 1
     assert run.duration == 275.0
