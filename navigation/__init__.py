@@ -23,7 +23,7 @@ from .kernels.braking import Stops
 from .kernels.candidates import Candidates, next_step
 from .kernels.discs import first_met, within_bounds
 from .kernels.edges import touches
-from .kernels.following import followed
+from .kernels.following import followed, speed_behind
 from .kernels.grid import block_discs, grid_path
 from .kernels.lookout import nearest_on
 from .lookout import Lookout
@@ -170,6 +170,7 @@ __all__ = [
     "required_at",
     "required_at_speeds",
     "requirement",
+    "speed_behind",
     "standing",
     "stop_walking",
     "swath",

@@ -84,13 +84,31 @@ def followed(
             o += _R
         u = t + sees - table[o]
         gone: float = (_at(table, o + _X, u) - ox) * c + (_at(table, o + _Y, u) - oy) * s
-        room: float = along - sqrt(touch * touch - away * away)
-        most: float = (room + gone / sees * ahead) / (gap * (1.0 - away / touch) + ahead)
+        most: float = speed_behind(along, away, touch, gone / sees, gap, ahead)
         if most < least:
             least = most
             found = k
     who: int = found
     return who
+
+
+def speed_behind(
+    along: float, away: float, touch: float, walks_on: float, gap: float, ahead: float
+) -> float:
+    """Return the speed (m/s) at which somebody keeps their distance from who walks ahead of them.
+
+    The other is `along` metres ahead and `away` to the side, goes on at `walks_on` (m/s), and their
+    bodies meet at a distance of `touch`. The distance to be kept is that of the time `gap` at this
+    speed, once they have come to it in `ahead` seconds.
+    """
+    # Until the two discs touch, if this one goes straight on.
+    room: float = along - sqrt(touch * touch - away * away)
+    # What the room will be by then is to be v times the time gap: room + (u - v) * ahead = v * gap.
+    # That is the collision-free speed model's v = s / T (A. Tordeux, M. Chraibi and A. Seyfried,
+    # "Collision-free speed model for pedestrian dynamics", 2016) for a room that is yet to come.
+    # Who is only half in the way needs less of the gap.
+    most: float = (room + walks_on * ahead) / (gap * (1.0 - away / touch) + ahead)
+    return most
 
 
 def _at(table: list[float], o: cython.Py_ssize_t, u: float) -> float:

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
-from navigation import followed
+from navigation import followed, speed_behind
 
 from .outlook import Outlook
 from .traveller import Traveller
@@ -94,16 +93,9 @@ def _behind(me: Traveller, other: Traveller, t: float, frame: Frame) -> Behind |
     if beside >= touch:
         return None
     then_x, then_y = other.body.motion.state(t + SEES).at
-    gone = (then_x - ox) * c + (then_y - oy) * s
-    # Metres until the two discs touch, if this one goes straight on: they are `beside` each other.
-    room = along - math.sqrt(touch * touch - beside * beside)
-    # At speed v, `AHEAD` from now, the room is to be v times the time gap: room + u · AHEAD − v ·
-    # AHEAD = v · gap, with u the other's speed along this path. That is the collision-free speed
-    # model's v = s / T (A. Tordeux, M. Chraibi and A. Seyfried, "Collision-free speed model for
-    # pedestrian dynamics", 2016), for the room that there will be; who is only half in the way
-    # needs less of the gap.
-    most = (room + gone / SEES * AHEAD) / (me.manners.time_gap * (1.0 - beside / touch) + AHEAD)
-    return Behind(other, most, gone / SEES)
+    walks_on = ((then_x - ox) * c + (then_y - oy) * s) / SEES
+    most = speed_behind(along, beside, touch, walks_on, me.manners.time_gap, AHEAD)
+    return Behind(other, most, walks_on)
 
 
 def _cosine(other: Traveller, t: float, frame: Frame) -> float:
