@@ -21,7 +21,7 @@ class Directly(RoadmapQuestions):
     """The same search, without OMPL around it."""
 
     def path(self, start: Point, goal: Point, step: float) -> list[Point] | None:
-        return RoadmapSearch(self._links, start, goal, step, self._links.free).path()
+        return RoadmapSearch(self.links, start, goal, step, self.links.free).path()
 
 
 def cpu_seconds(trial: sim.Trial, questions: type[RoadmapQuestions]) -> float:

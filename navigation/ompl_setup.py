@@ -65,9 +65,14 @@ class OmplFloor:
         self.information.setMotionValidator(self._motions)
         self.information.setStateValidityChecker(self._places)
         self.information.setup()
+        self.here: Any = self.information.allocState()
+        self.there: Any = self.information.allocState()
+        """Two states to put places into, of which OMPL keeps copies."""
 
     def release(self) -> None:
         """Release OMPL's objects in an order that it survives."""
+        self.here = None
+        self.there = None
         self._motions = None
         self._places = None
         self.information = None
@@ -123,8 +128,10 @@ class OmplSetup:
 def path_along(information: Any, points: list[Point]) -> Any:
     """Return OMPL's path along `points`."""
     path = og.PathGeometric(information)
+    state = information.allocState()
     for place in points:
-        path.append(state_at(information, place))
+        state[0], state[1] = place
+        path.append(state)  # a copy of it
     return path
 
 

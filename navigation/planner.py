@@ -125,11 +125,10 @@ class PathPlanner:
             without = PathPlanner(self.world.as_if(away=away), self.radius, step=self.step)
             return without.plan(a, b, planner=choice, seed=seed, watch=watch)
         before = self.world.checks
-        leave = self._kept_footing(a, "start", TOO_CLOSE)
-        arrive = self._kept_footing(b, "goal", 0.0)
         if choice.name == ROADMAP:
-            found = self._shortest(leave, arrive)
+            leave, found, arrive = self._shortest(a, b)
         else:
+            leave, arrive = self._ends_of(a, b)
             found = self._sampled(leave, arrive, choice, seed, watch)
         points = np.array(_distinct([a, leave, *found, arrive, b]), dtype=float)
         clear = partial(self.world.clearance, points, self.world.bodies)
@@ -186,15 +185,33 @@ class PathPlanner:
         message = f"{choice.name} found no path within its budget; give it more iterations"
         raise PlanningError("not_found", message)
 
-    def _shortest(self, start: Point, goal: Point) -> list[Point]:
+    def _shortest(self, start: Point, goal: Point) -> tuple[Point, list[Point], Point]:
+        """Return the shortest path, and the places where it leaves the start and gets to the goal.
+
+        Sweeps from the start and to the goal cover the discs there: where these have room in the
+        plane, FCL is asked about the sweeps alone.
+        """
         if self._questions is None:
             self._questions = RoadmapQuestions(self.world, self.radius)
-        points = self._questions.path(start, goal, self.step)
+        links = self._questions.links
+        hopeful = links.holds(start) and links.holds(goal)
+        points = self._questions.path(start, goal, self.step) if hopeful else None
         if points is not None:
-            return points
-        if not self._connected(start, goal):
-            raise self._unreachable(start, goal)
+            self.world.checks += 2  # as if asked about the ends, too
+            return start, points, goal
+        leave, arrive = self._ends_of(start, goal)
+        if not hopeful or (leave, arrive) != (start, goal):
+            points = self._questions.path(leave, arrive, self.step)
+        if points is not None:
+            return leave, points, arrive
+        if not self._connected(leave, arrive):
+            raise self._unreachable(leave, arrive)
         raise PlanningError("not_found", "no path was found, though there should be one")
+
+    def _ends_of(self, start: Point, goal: Point) -> tuple[Point, Point]:
+        """Return where to go first from the start, and last before the goal."""
+        leave = self._kept_footing(start, "start", TOO_CLOSE)
+        return leave, self._kept_footing(goal, "goal", 0.0)
 
     def _connected(self, start: Point, goal: Point) -> bool:
         return self.world.reaches(start, goal, self.radius + HAIR)

@@ -11,17 +11,20 @@ import ompl.base as ob
 
 from floorplan import Point
 
-from .bodies import Body
+from .bodies import TOLERANCE, Body
 from .catalog import ROADMAP
 from .freespace import STEP
 from .kernels.edges import Room, touches
-from .ompl_setup import OmplFloor, path_along, points_of, state_at
+from .ompl_setup import OmplFloor, path_along
 from .roadmap import HAIR, Roadmap
 from .search import shortest_path
 from .world import CollisionWorld
 
 SLACK = HAIR / 2
 """Metres. Clearance asked of a path beyond the radius, so that rounding can't take it away."""
+
+_SURE = 2 * TOLERANCE
+"""Metres. What has so much room beyond what is asked has room by FCL, too."""
 
 
 class Links:
@@ -39,6 +42,14 @@ class Links:
         self._keep = radius + SLACK
         self._walls = world.walls(self._keep)
         self._floor = self.room([])
+        self._place = self.room([], _SURE)
+
+    def holds(self, place: Point) -> bool:
+        """Return whether there is room at a place, and so much that FCL can't but agree."""
+        if not self._place.holds(*place):
+            return False
+        near = self.world.near(place, place, self._keep + _SURE)
+        return not any(self._blocks(body, place, place, _SURE) for body in near)
 
     def clear(self, a: Point, b: Point) -> bool:
         """Return whether the floor leaves room on the link from a, where there is room, to b."""
@@ -51,14 +62,14 @@ class Links:
         self.world.checks += len(near)
         return [body for body in near if self._blocks(body, a, b)]
 
-    def _blocks(self, body: Body, a: Point, b: Point) -> bool:
+    def _blocks(self, body: Body, a: Point, b: Point, beyond: float = 0.0) -> bool:
         edges, rounding = body.outline
-        return touches(edges, *a, *b, self._keep + rounding)
+        return touches(edges, *a, *b, self._keep + rounding + beyond)
 
-    def room(self, bodies: Collection[Body]) -> Room:
-        """Return the room that the floor and `bodies` leave."""
+    def room(self, bodies: Collection[Body], beyond: float = 0.0) -> Room:
+        """Return the room that the floor and `bodies` leave, `beyond` what is kept (metres)."""
         outlines = [body.outline for body in bodies]
-        return Room(self._walls.grid, self._keep, outlines, self.world.gates.lines)
+        return Room(self._walls.grid, self._keep + beyond, outlines, self.world.gates.lines)
 
     def free(self, a: Point, b: Point) -> bool:
         """Return whether the link from a to b is free."""
@@ -96,8 +107,10 @@ class RoadmapSearch:
         straight = links.clear(start, goal)
         if straight and not links.bodies(start, goal) and self._granted(start, goal):
             return [start, goal]
-        world, room = links.world, links.radius + HAIR
-        if not world.gates.reach(world.fixed_space(room), start, goal):
+        world, space = links.world, links.world.fixed_space(links.radius + HAIR)
+        # Where there is room at both ends, they can only be apart on a floor in pieces.
+        in_pieces = bool(world.gates) or len(space.pieces) != 1
+        if in_pieces and not world.gates.reach(space, start, goal):
             return None
         # Wide bends may close a narrow gap. Where they lead nowhere, and nothing proves that
         # nothing does, fine ones decide.
@@ -172,23 +185,24 @@ class RoadmapPlanner(ob.Planner):  # type: ignore[misc]
     """
 
     def __init__(
-        self, information: Any, links: Links, start: Point, goal: Point, step: float
+        self, floor: OmplFloor, links: Links, start: Point, goal: Point, step: float
     ) -> None:
-        super().__init__(information, ROADMAP)
-        self._information = information
+        super().__init__(floor.information, ROADMAP)
+        self._floor = floor
         self._question = (links, start, goal, step)
+        self.points: list[Point] | None = None
+        """The path that was found, as the problem has it."""
 
     def solve(self, _: Any) -> Any:
         """Add the shortest path to the problem, if there is one."""
-        information = self._information
-        here, there = information.allocState(), information.allocState()
+        information, here, there = self._floor.information, self._floor.here, self._floor.there
 
         def ask(a: Point, b: Point) -> bool:
             here[0], here[1] = a
             there[0], there[1] = b
             return bool(information.checkMotion(here, there))
 
-        points = RoadmapSearch(*self._question, ask).path()
+        points = self.points = RoadmapSearch(*self._question, ask).path()
         if points is None:
             return ob.PlannerStatus(ob.PlannerStatus.INFEASIBLE)
         self.getProblemDefinition().addSolutionPath(path_along(information, points))
@@ -203,20 +217,18 @@ class RoadmapQuestions:
     """
 
     def __init__(self, world: CollisionWorld, radius: float) -> None:
-        self._links = Links(world, radius)
+        self.links = Links(world, radius)
         low_x, low_y, high_x, high_y = world.plan.boundary.bounds
-        self._floor = OmplFloor((low_x, low_y), (high_x, high_y), self._links.free)
+        self._floor = OmplFloor((low_x, low_y), (high_x, high_y), self.links.free)
         # At exit OMPL must let go before Python does; nobody may ask any more then.
         self.release = weakref.finalize(self, self._floor.release)
 
     def path(self, start: Point, goal: Point, step: float) -> list[Point] | None:
         """Return the shortest path in bends of `step` radians at most; None where there is none."""
-        information = self._floor.information
-        problem = ob.ProblemDefinition(information)
-        problem.setStartAndGoalStates(state_at(information, start), state_at(information, goal))
-        planner = RoadmapPlanner(information, self._links, start, goal, step)
+        floor, problem = self._floor, ob.ProblemDefinition(self._floor.information)
+        (floor.here[0], floor.here[1]), (floor.there[0], floor.there[1]) = start, goal
+        problem.setStartAndGoalStates(floor.here, floor.there)
+        planner = RoadmapPlanner(floor, self.links, start, goal, step)
         planner.setProblemDefinition(problem)
         planner.solve(ob.plannerNonTerminatingCondition())
-        if not problem.hasExactSolution():
-            return None
-        return points_of(problem.getSolutionPath(), start, goal)
+        return planner.points if problem.hasExactSolution() else None

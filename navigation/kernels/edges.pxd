@@ -13,6 +13,8 @@ cdef class Grid:
     cdef list cells
     cdef list[double] lately
     cpdef bint touched(self, double ax, double ay, double bx, double by, double radius)
+    cpdef bint inside(self, double x, double y)
+    cdef Py_ssize_t _column(self, double x) noexcept
     cdef Py_ssize_t _row(self, double y) noexcept
     cdef int _span(
         self, Py_ssize_t row, double ax, double ay, double bx, double by, double margin
@@ -25,6 +27,7 @@ cdef class Room:
     cdef list bodies
     cdef list gates
     cdef list[double] bounds
+    cpdef bint holds(self, double x, double y)
     cpdef bint clear(self, double ax, double ay, double bx, double by, bint floor)
 
 cpdef bint touches(

@@ -74,6 +74,30 @@ class Grid:
                         return True
         return False
 
+    def inside(self, x: float, y: float) -> bool:
+        """Return whether a place is within the edges: a ray from there crosses an odd number."""
+        odd: bool = False
+        row: cython.Py_ssize_t = self._row(y)
+        edges: list[float]
+        column: cython.Py_ssize_t
+        k: cython.Py_ssize_t
+        for column in range(self._column(x), self.columns):
+            edges = self.cells[row * self.columns + column]
+            for k in range(0, len(edges), 4):
+                ay: float = edges[k + 1]
+                by: float = edges[k + 3]
+                if (ay > y) != (by > y):
+                    ax: float = edges[k]
+                    crossing: float = ax + (y - ay) / (by - ay) * (edges[k + 2] - ax)
+                    # An edge is in all cells that it comes into, and counts in that one.
+                    if crossing > x and self._column(crossing) == column:
+                        odd = not odd
+        return odd
+
+    def _column(self, x: float) -> int:
+        """Return the column of cells that `x` is in, or the one nearest to it."""
+        return int(min(max((x - self.low_x) / self.width, 0.0), self.columns - 1.0))
+
     def _row(self, y: float) -> int:
         """Return the row of cells that `y` is in, or the one nearest to it."""
         return int(min(max((y - self.low_y) / self.width, 0.0), self.rows - 1.0))
@@ -130,6 +154,10 @@ class Room:
             self.bounds.append(max(edges[0::2]) + radius)
             self.bounds.append(max(edges[1::2]) + radius)
             self.bounds.append(radius)
+
+    def holds(self, x: float, y: float) -> bool:
+        """Return whether there is room for the disc at a place."""
+        return self.floor.inside(x, y) and self.clear(x, y, x, y, True)
 
     def clear(self, ax: float, ay: float, bx: float, by: float, floor: bool) -> bool:
         """Return whether there is room on the segment from a, where there is, to b.

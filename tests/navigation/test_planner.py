@@ -334,6 +334,7 @@ def test_the_room_along_a_segment(seed, radius):
     for a, b in rng.uniform(0, 10, (40, 2, 2)):
         if rng.random() < 0.3:
             b = np.where(rng.random(2) < 0.5, a, b)
+        assert walls.grid.inside(*a.tolist()) == bool(shapely.contains_xy(world.floor, *a))
         apart = gap(world, [a, b])
         if abs(apart - radius) > 1e-9 and gap(world, [a]) > radius:
             assert walls.clear(a.tolist(), b.tolist()) == (apart > radius)
