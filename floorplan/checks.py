@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterable, Iterator
+from dataclasses import fields
 from itertools import combinations
 
 import numpy as np
@@ -34,6 +35,9 @@ _GANTRY_SIZES = ("arm_reach", "arm_bottom", "rail_height", "tray_height")
 
 _TOUCHES = 1e-6
 """m². An AGV and an obstacle that share no more than this only touch."""
+
+_STARTS, _MOST_STARTS = "_starts", 1000
+"""Key under which a floorplan keeps which places are fit to start at, and the most of them."""
 
 ENDS = 0.05
 """Metres. A gate may end so far from a wall: nobody gets through there."""
@@ -107,6 +111,19 @@ def starting_fault(plan: Floor, at: tuple[float, float], radius: float | None = 
 
     As `standing_fault` with this `radius`; besides, there must be no AGV.
     """
+    if SOUND not in vars(plan):
+        return _starting_fault(plan, at, radius)
+    # It never changes, and every trial on it asks about the same few places.
+    known: dict[tuple[float | None, ...], str] = vars(plan).setdefault(_STARTS, {})
+    asked = (*at, radius)
+    if asked not in known:
+        if len(known) >= _MOST_STARTS:
+            known.clear()
+        known[asked] = _starting_fault(plan, at, radius)
+    return known[asked]
+
+
+def _starting_fault(plan: Floor, at: tuple[float, float], radius: float | None) -> str:
     if fault := standing_fault(plan, at, radius):
         return fault
     for lane in plan.lanes:
@@ -287,7 +304,7 @@ def _figure_faults(plan: Floor) -> Iterator[Fault]:
     west, south, east, north = plan.boundary.bounds
     if max(east - west, north - south) > WIDEST:
         yield f"is more than {WIDEST:,.0f} m long", ("boundary",)
-    yield from _sizes(plan.human, tuple(vars(plan.human)), "human")
+    yield from _sizes(plan.human, [field.name for field in fields(plan.human)], "human")
     for lane in plan.lanes:
         place = ("agvs", "lanes", lane.name)
         if not all(abs(value) <= LARGEST for value in (*lane.origin, lane.heading)):

@@ -30,6 +30,9 @@ _HINTS = "__annotations__"
 SOUND = "_sound"
 """Mark of a floorplan that was checked: it never changes, so once is enough."""
 
+_FIT = "_fit"
+"""Mark of a value that never changes, and of which the fields were found to be of their types."""
+
 
 def require(value: object, kind: type, reader: str = "", name: str = "") -> None:
     """Check that `value` is a `kind`; `TypeError` says what it is instead.
@@ -54,13 +57,28 @@ def require_fields(value: object) -> None:
 
 
 def _field_faults(value: Any) -> Iterator[Fault]:
-    if SOUND in getattr(value, "__dict__", ()):
+    kept = getattr(value, "__dict__", {})
+    if SOUND in kept or _FIT in kept:
         return
+    fit = True
     for name, hint in _fields(value.__class__):
         held = getattr(value, name)
         if held.__class__ is not hint or hint not in _PLAIN:
             for message, rest in _faults(held, hint):
+                fit = False
                 yield message, (name, *rest)
+    if fit and _never_changes(value):
+        kept[_FIT] = True
+
+
+def _never_changes(value: Any) -> bool:
+    """Return whether a value is frozen throughout: only then all in it can be hashed."""
+    try:
+        hash(value)
+    except TypeError:
+        return False
+    kind = value.__dataclass_params__
+    return bool(kind.frozen and kind.eq)
 
 
 @cache

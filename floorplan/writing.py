@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator
+from dataclasses import fields
 from typing import Any
 
 import shapely
@@ -178,8 +179,9 @@ def _pair(pair: Any) -> list[float]:
     return [float(value) for value in pair]
 
 
-def _changed(value: object, usual: object) -> Data:
-    return {name: float(held) for name, held in vars(value).items() if held != getattr(usual, name)}
+def _changed(value: Human, usual: Human) -> Data:
+    given = {field.name: getattr(value, field.name) for field in fields(value)}
+    return {name: float(held) for name, held in given.items() if held != getattr(usual, name)}
 
 
 def _agvs(lanes: list[Lane]) -> Data:

@@ -78,6 +78,14 @@ class Both(_OfTheKernel):
     second: Condition
 
 
+def plain_judge_of(condition: Condition) -> kernel.Judge | None:
+    """Return what decides about a condition on places and speeds alone; None for others."""
+    kept: dict[str, kernel.Judge] = getattr(condition, "__dict__", {})
+    if _JUDGE not in kept:
+        judge_of(condition)
+    return kept.get(_JUDGE)
+
+
 def judge_of(condition: Condition) -> kernel.Judge:
     """Return what decides about `condition` in the monitor."""
     kept: dict[str, kernel.Judge] = getattr(condition, "__dict__", {})

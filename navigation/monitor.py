@@ -15,9 +15,9 @@ from collections.abc import Iterator
 
 from floorplan import require
 
-from .conditions import Condition, TooClose, judge_of
+from .conditions import Condition, TooClose, judge_of, plain_judge_of
 from .encounter import Encounter
-from .kernels.watch import Watch, least
+from .kernels.watch import Watch, first_change, least
 from .motion import Motion
 from .separation import AnyLaw, Scaled, is_of_motions, kernel_of, require_sense
 from .surfaces import Shapes
@@ -66,6 +66,10 @@ def first_time(
 
     `person`, `machine` and `shapes` are as in `when`.
     """
+    judge = plain_judge_of(condition)
+    if shapes is None and judge is not None:
+        _check(person, machine, begin, end)
+        return first_change(judge, person.table, machine.table, begin, end, RESOLUTION)
     return _watch(condition, person, machine, begin, end, shapes).change()
 
 
@@ -84,11 +88,15 @@ def _watch(
 def _encounter(
     person: Motion, machine: Motion, begin: float, end: float, shapes: Shapes | None
 ) -> Encounter:
+    _check(person, machine, begin, end)
+    return Encounter(person, machine, () if shapes is None else shapes.gauges)
+
+
+def _check(person: Motion, machine: Motion, begin: float, end: float) -> None:
     require(person, Motion)
     require(machine, Motion)
     if not (math.isfinite(begin) and math.isfinite(end) and begin <= end):
         raise ValueError(f"can't watch from {begin} s to {end} s")
-    return Encounter(person, machine, () if shapes is None else shapes.gauges)
 
 
 def first_violation(

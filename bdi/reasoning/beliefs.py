@@ -101,6 +101,8 @@ class BeliefBase:
 
     def _find_out_anew(self) -> None:
         """Forget what rules go back to: there is another shelf, or another rule."""
+        if not self._bases:
+            return
         self._bases.clear()
         for shelf in self._read:
             shelf.answers, shelf.readers = None, []

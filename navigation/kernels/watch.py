@@ -15,11 +15,13 @@ else:
 if not cython.compiled:
     from .encounter import Encounter
     from .follower import Follower
+    from .gauge import Gauge
     from .laws import Law
     from .odometer import Figure
 else:
     from cython.cimports.navigation.kernels.encounter import Encounter
     from cython.cimports.navigation.kernels.follower import Follower
+    from cython.cimports.navigation.kernels.gauge import Gauge
     from cython.cimports.navigation.kernels.laws import Law
     from cython.cimports.navigation.kernels.odometer import Figure
 
@@ -242,6 +244,19 @@ class Watch:
                 return t
         self.over = True
         return self.end if self.held else None
+
+
+def first_change(
+    judge: Judge,
+    person: list[float],
+    machine: list[float],
+    begin: float,
+    end: float,
+    resolution: float,
+) -> float | None:
+    """Return the first instant at which a condition on places and speeds holds, or None."""
+    none: list[Gauge] = []
+    return Watch(judge, Encounter(person, machine, none, 0.0), begin, end, resolution).change()
 
 
 def least(

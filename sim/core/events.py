@@ -173,10 +173,6 @@ class EventKind:
             if values[here] is not None or name not in optional
         }
 
-    def recorded(self) -> dict[str, Any]:
-        """Return the event as a recording has it, but for its time."""
-        return {"kind": self.kind, **self.fields}
-
 
 _PLAIN: dict[Any, Form] = {
     str: "text",

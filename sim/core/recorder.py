@@ -87,10 +87,9 @@ def recording_to(listener: Listener, now: Callable[[], float]) -> Record:
     """Return a `Record` that stamps events with the time and hands them to `listener`."""
 
     def record(event: EventKind) -> None:
-        recorded: Event = {"t": now(), **event.recorded()}
-        for name, value in recorded.items():
-            if value.__class__ is not str:
-                recorded[name] = rounded(value)
+        recorded: Event = {"t": rounded(now()), "kind": event.kind}
+        for name, value in event.fields.items():
+            recorded[name] = value if value.__class__ is str else rounded(value)
         listener.event(recorded)
 
     return record
@@ -102,12 +101,12 @@ _AS_IT_IS = frozenset((str, int, bool, type(None)))
 
 def rounded(value: Any) -> Any:
     """Return the same data with its floats rounded to `DECIMALS`, and no negative zero."""
-    if value.__class__ in _AS_IT_IS:
-        return value
     if isinstance(value, float):
         short = round(value, DECIMALS) + 0.0
         # Thousands of events name the same places: the same number need be there but once.
         return value if value == short != 0.0 else short
+    if value.__class__ in _AS_IT_IS:
+        return value
     if isinstance(value, dict):
         return {key: rounded(inner) for key, inner in value.items()}
     if isinstance(value, list | tuple):

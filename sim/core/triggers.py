@@ -54,7 +54,8 @@ class Triggers:
                 waiting.seen += 1
                 if waiting.seen == waiting.start.count:
                     due.append(waiting)
-        self._waiting = [waiting for waiting in self._waiting if waiting not in due]
+        if due:
+            self._waiting = [waiting for waiting in self._waiting if waiting not in due]
         for waiting in due:
             waiting.action()
 

@@ -166,7 +166,6 @@ class Errand:
         near = [
             (distance, station.name)
             for station in self._stage.floorplan.stations
-            for distance in [math.dist(station.position, point)]
-            if distance <= tolerance
+            if (distance := math.dist(station.position, point)) <= tolerance
         ]
         return min(near)[1] if near else None

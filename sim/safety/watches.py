@@ -79,8 +79,7 @@ class Pair:
         It holds if nobody changes course; None if `condition` never does.
         """
         begin = max(self.clock.now, since)
-        end = max(begin, self.horizon())
-        return first_time(condition, *self.motions, begin, end)
+        return first_time(condition, *self.motions, begin, max(begin, self.horizon()))
 
     def next_interval(self, condition: Condition) -> tuple[float, float] | None:
         """Return the first interval from now on in which `condition` holds, if any."""
