@@ -60,8 +60,11 @@ def _cut_off(world: CollisionWorld, start: Point, goal: Point, radius: float) ->
         walls = " with ".join(crossed) or "the boundary"
         return f"no way, however narrow, leads {between}: {walls} cuts it off"
     too_wide = radius
+    # Rounder corners than those planned with may leave a gap that they closed: a little wider,
+    # then.
     while (apart := _space(walkable, too_wide)).together(start, goal):
         too_wide *= _WIDER
+    # The widest disc that gets through, between one that does and one that does not.
     for _ in range(_HALVINGS):
         middle = (fits + too_wide) / 2
         narrower = _space(walkable, middle)

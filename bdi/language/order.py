@@ -43,6 +43,7 @@ def _sign(one: float | str, other: float | str) -> int:
 
 
 def _compare_structures(one: Term, other: Term) -> int:
+    # What has no parts of its own, as a plan, sorts by how it is written.
     mine, theirs = _parts(one), _parts(other)
     if mine is None or theirs is None:
         return _sign(text(one), text(other))

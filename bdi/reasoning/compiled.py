@@ -120,6 +120,7 @@ def _query(query: Term, following: Term | None = None) -> Condition:
         if shelf is None:
             return None
         solution: Unifier | None
+        # Rules may come and go while the agent runs, so each query looks what there is.
         if shelf.rules:
             for solution in by_rules(logic, u):
                 if rest is None:
@@ -222,6 +223,8 @@ def _asked(query: Term) -> Answers:
             solution = match(clauses[0], u)  # type: ignore[arg-type]
             return () if solution is None else (solution,)
         args = [build(u) for build in build_args]
+        # Variables that share a name, or rules that may come back to themselves, need the general
+        # proof.
         if not (are_apart(args) and logic.beliefs.has_plain_rules(key)):
             return logic.solutions(query, u)
         names = [arg.name for arg in args if arg.__class__ is Var]

@@ -56,6 +56,7 @@ def read(agent: AgentState, message: Message) -> None:
         if message.force == "achieve":
             agent.circumstance.post(Event("+!", with_source(said)))
             return
+    # Only once a message needs them: most agents never read one that does.
     learn(agent, protocol())
     number = Literal(f"mid{message.question}")
     args = (Literal(sender), Literal(message.force), content, number)

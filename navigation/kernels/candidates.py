@@ -140,6 +140,8 @@ class Candidates:
             k: cython.Py_ssize_t
             for k in range(len(rows) // _ROW):
                 loss: float = rows[k * _ROW]
+                # The next in order of loss, and of being added: a heap would cost more than it
+                # saves, as few are ever looked at.
                 if loss < best and (loss > self.loss or (loss == self.loss and k > self.row)):
                     best = loss
                     row = k
@@ -184,6 +186,7 @@ class Candidates:
 
     def at(self, length: float) -> tuple[float, float, float, float]:
         """Return the place after `length` metres of the course, and its direction just before."""
+        # At a corner there are two directions: a hair before it, it is that in which one comes.
         self._seek(max(length - _HAIR, 0.0))
         c: float = self.c
         s: float = self.s
@@ -208,6 +211,7 @@ class Candidates:
         stood: list[float] = self._standing(near, tables, radii, own)
         while self.next_course():
             corners: list[float] = _first(self.corners, self.length)
+            # No table is drawn up for what can't be free, whenever they walk there.
             if _runs_into(corners, stood) or not self._draw(corners):
                 continue
             table: list[float] = self.table
@@ -261,6 +265,7 @@ class Candidates:
         table: list[float] = self.lead[:]
         start: float = self.begin + self.delay
         since: float = self.begin if table else self.now
+        # Only who stands can set out later.
         if self.delay != 0.0 and self.speed > _STANDS:
             return False
         if since < start:
@@ -306,6 +311,8 @@ class Candidates:
         if length == 0.0 or speed == 0.0:
             return True
         cosine: float = (dx * self.vx + dy * self.vy) / (length * speed)
+        # As `can_go_on` has it, where the leg before is what the present velocity makes in a
+        # second.
         shorter: float = length if length < speed else speed
         return self.speed <= bend_speed(cosine, shorter, self.acceleration)
 
@@ -318,6 +325,7 @@ class Candidates:
         c: float = self.c
         s: float = self.s
         self._seek(along)
+        # Off the course at a right angle, (-s, c) being to the left.
         x: float = self.x - side * s
         y: float = self.y + side * c
         early: float = min(_BEFORE, along)
@@ -331,6 +339,8 @@ class Candidates:
         else:
             corners.append(x + _BEFORE * c)
             corners.append(y + _BEFORE * s)
+            # Back on the course farther on the wider the shift is, so that the turns are no
+            # sharper.
             self._seek(min(along + _BEFORE + _RAMP * abs(side), self.whole))
             corners.append(self.x)
             corners.append(self.y)
@@ -446,6 +456,8 @@ def _runs_into(corners: list[float], stood: list[float]) -> bool:
             least: float = stood[i + 2]
             share: float = px * dx + py * dy
             if share > 0.0:
+                # The nearest point of the leg; `share` is along it, times its length squared until
+                # here.
                 share = share / square if share < square else 1.0
                 px -= share * dx
                 py -= share * dy

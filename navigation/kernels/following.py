@@ -58,6 +58,7 @@ def followed(
         k: cython.Py_ssize_t = near[i]
         table: list[float] = tables[k]
         o: cython.Py_ssize_t = 0
+        # The last row never ends. What was over by then is passed.
         while table[o + 1] <= t:
             o += _R
         u: float = max(t - table[o], 0.0)
@@ -71,10 +72,13 @@ def followed(
         vx: float = table[o + 3] + u * (2 * table[o + 4] + u * 3 * table[o + 5])
         vy: float = table[o + 7] + u * (2 * table[o + 8] + u * 3 * table[o + 9])
         speed: float = sqrt(vx * vx + vy * vy)
+        # Of somebody who hardly moves the velocity gives no direction; the caller knows their
+        # route.
         if speed <= _SLOW or table[o] > t:
             slow.append(near[i])
             continue
         same: float = (vx * c + vy * s) / speed
+        # A gap kept before somebody who comes would only draw them into it.
         if same < -same_way and away < beside:
             del slow[:]
             return -1

@@ -50,6 +50,7 @@ class Body:
         `on_jump` is called where the body is put elsewhere by it, `on_change` in any case.
         """
         self.settle()
+        # Settled first: what was carried out until now belongs to the old motion.
         before, after = self.at, motion.state(self.clock.now).at
         self.motion = motion
         if math.dist(before, after) > JUMP:

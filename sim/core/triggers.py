@@ -55,6 +55,7 @@ class Triggers:
                 if waiting.seen == waiting.start.count:
                     due.append(waiting)
         if due:
+            # Off the list before any action, which may wait for something, or cause events, itself.
             self._waiting = [waiting for waiting in self._waiting if waiting not in due]
         for waiting in due:
             waiting.action()

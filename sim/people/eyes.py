@@ -73,6 +73,8 @@ class Eyes:
         if self._boundary is None or math.dist(eye, point) == 0.0:
             return True
         line = LineString([eye, point])
+        # The floor's edge hides all heights; of a point beyond it, as of a gantry that overhangs,
+        # nothing is asked.
         if self._boundary.covers(Point(point)) and not self._boundary.covers(line):
             return False
         hides = [
@@ -113,5 +115,7 @@ def _hidden(
     span: tuple[float, float], eye: float, height: float, bottom: float, top: float
 ) -> bool:
     """Return whether a sight line that runs from `eye` to `height` meets what fills this part."""
+    # The line falls or rises evenly, so over the obstacle it is between its heights at the two
+    # ends.
     along = [eye + share * (height - eye) for share in span]
     return bottom < max(along) and min(along) < top

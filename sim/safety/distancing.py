@@ -45,6 +45,7 @@ class Distancing:
             return
         self.count += 1
         self._since[one, other] = now
+        # From surface to surface: `near` is between centres.
         apart = math.dist(one.body.at, other.body.at) - near + self._required
         self._stage.record(
             PeopleTooNear(

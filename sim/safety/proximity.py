@@ -52,6 +52,7 @@ class ProximityWatch:
             self._alarms[k].set(pair.first_time(parted if self._is_near[k] else close))
 
     def _ring(self, k: int) -> None:
+        # Hysteresis: near until parted, apart until near, so that no rounding notifies twice.
         self._is_near[k] = not self._is_near[k]
         self._reconsider()
         if self._is_near[k]:

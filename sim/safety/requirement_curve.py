@@ -44,6 +44,7 @@ def requirement_curve(law: AnyLaw, person: Plans, machine: Plans, end: float) ->
 def _lines(
     required: Callable[[float], float], begin: float, end: float
 ) -> list[tuple[float, float]]:
+    # Cut first: halving that looks at the middle alone overlooks what rises and falls beside it.
     strides = max(1, round((end - begin) / STRIDE))
     points = [(begin, required(begin))]
     for k in range(1, strides + 1):
@@ -58,6 +59,7 @@ def _halved(
     """Return the points after `a` up to `b` between which the curve is straight."""
     t = (a[0] + b[0]) / 2
     middle = (t, required(t))
+    # Half the error: away from its middle the curve may be a little farther off the line.
     if abs(middle[1] - (a[1] + b[1]) / 2) <= EXACT / 2 or b[0] - a[0] < EXACT:
         return [b]
     return _halved(required, a, middle) + _halved(required, middle, b)

@@ -176,6 +176,8 @@ def spread(values: Floats) -> Spread | None:
     there = values[~np.isnan(values)]
     if not len(there):
         return None
+    # Rows of one group are drawn from themselves: nothing is assumed about how they are
+    # distributed.
     drawn = np.random.default_rng(0).integers(len(there), size=(RESAMPLES, len(there)))
     tail = (1 - CONFIDENCE) / 2
     low, high = np.quantile(there[drawn].mean(axis=1), [tail, 1 - tail])

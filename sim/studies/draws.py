@@ -88,6 +88,7 @@ class Normal:
         """See `Distribution`."""
         normal = NormalDist(self.mean, self.sd)
         least, most = normal.cdf(self.low), normal.cdf(self.high)
+        # Inversion of the truncated distribution: one draw, whatever the limits cut off.
         share = least + random.Random(seed).random() * (most - least)
         drawn = normal.inv_cdf(min(max(share, _TINY), 1 - _TINY))
         return min(max(round(drawn, DECIMALS), self.low), self.high)

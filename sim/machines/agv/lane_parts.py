@@ -25,6 +25,8 @@ def part_within(lane: Lane, area: shapely.Geometry) -> Part | None:
     """Return the lane positions at which the AGV covers some of `area`, if there are any."""
     low, high = lane.limits
     middle = lane.position((low + high) / 2)
+    # All that the AGV ever covers on its lane: from half a length before its first place to half a
+    # length behind its last.
     swept = rectangle(middle, lane.direction, high - low + lane.length, lane.width)
     shared = shapely.intersection(area, swept)
     if shared.area <= SLIGHT**2:
@@ -51,6 +53,8 @@ def part_behind(lane: Lane, gate: Gate, at: float, to: float) -> Part | None:
         return None
     (x, y), (ox, oy) = shapely.get_coordinates(crossing)[0], lane.origin
     q = float((x - ox) * c + (y - oy) * s)
+    # As a box at an angle to the line: half its length, and half its width times the tangent of the
+    # angle between lane and gate's direction.
     reach = (lane.length + abs(ny * c - nx * s) / abs(ahead) * lane.width) / 2
     return (q, q + reach) if ahead > 0 else (q - reach, q)
 
@@ -97,6 +101,7 @@ def run_slowly(
         return agv_run(lane, state, to, start)
     stop = agv_stop(lane, state, start)
     rested = lane_state(lane, stop.state(stop.end))
+    # From rest there is nothing to brake for, so this calls itself once at most.
     onwards = run_slowly(lane, AxisState(rested.position), to, stop.end, ahead)
     return Motion((*stop.pieces, *onwards.pieces))
 

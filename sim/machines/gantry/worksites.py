@@ -83,6 +83,8 @@ class Worksites:
             for _ in range(GUESSES):
                 if meeting > track.end:
                     return None
+                # A fixed point of meeting = arrival(where it is at `meeting`): each guess is later
+                # than the last.
                 ready = self._ready(track, meeting, seconds, rotation) + AHEAD
                 if ready <= meeting + MOMENT:
                     break

@@ -87,6 +87,7 @@ def _anywhere(
     piece = max(space.pieces, key=lambda one: one.area)
     low_x, low_y, high_x, high_y = piece.bounds
     random = Random(seed_of(seed, f"start {entry.name}"))
+    # Rejection from the piece's bounds: evenly spread, however the piece is shaped.
     for _ in range(TRIES):
         at = (random.uniform(low_x, high_x), random.uniform(low_y, high_y))
         if all(math.dist(at, other) >= radius + r + GAP for other, r in taken) and bool(

@@ -137,6 +137,7 @@ def _tracks(path: Path, reader: AnyReader) -> dict[str, _Track]:
             if fault:
                 raise TrackError.of(path, f"topic {connection.topic}, message {number}: {fault}")
             track.messages.append(number)
+            # A header without a time is common: then the instant at which the message was recorded.
             track.stamps.append(time or stamp)
             track.poses.append((x, y, yaw))
     return tracks
@@ -197,4 +198,5 @@ def _yaw(turned: Any) -> float:
     x, y, z, w = turned.x, turned.y, turned.z, turned.w
     if x == y == z == w == 0.0:
         return float("nan")
+    # The rotation about z of the order z-y-x, which is what is left of any attitude on the floor.
     return float(np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z)))

@@ -203,6 +203,7 @@ def _headings(t: Array, xy: Array) -> Array:
     if not walks.any():
         return np.zeros(len(t))
     # The last direction in which they walked; before the first, that one.
+    # The number of the last step at which they walked, for each step.
     known = np.maximum.accumulate(np.where(walks, np.arange(len(walks)), -1))
     known[known < 0] = int(np.argmax(walks))
     looks: Array = angles[known]
@@ -217,6 +218,7 @@ def _top_speed(motion: Motion) -> float:
     durations = np.array([piece.end - piece.begin for piece in motion.pieces])[:, None]
     curves = np.array([[piece.x, piece.y] for piece in motion.pieces])
     first = curves[..., 1]
+    # Control points of the velocity c₁ + 2 c₂ u + 3 c₃ u²: at the ends, and c₁ + c₂ T between.
     second = first + curves[..., 2] * durations
     third = first + (2 * curves[..., 2] + 3 * curves[..., 3] * durations) * durations
     return float(max(np.hypot(*one.T).max() for one in (first, second, third)))
