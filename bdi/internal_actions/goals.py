@@ -109,13 +109,13 @@ def _intended(
 @STANDARD.add(".intend", least=1, most=2)
 def intend(call: Call, goal: Term, *identity: Term) -> Iterator[Unifier]:
     """Yield the goals that are intended and not suspended."""
-    return _intended(call, _pattern("intend", goal), identity, suspended=False)
+    return _intended(call, a_goal("intend", goal), identity, suspended=False)
 
 
 @STANDARD.add(".desire", least=1, most=2)
 def desire(call: Call, goal: Term, *identity: Term) -> Iterator[Unifier]:
     """Yield the goals that are intended, or whose event is to be dealt with."""
-    pattern = _pattern("desire", goal)
+    pattern = a_goal("desire", goal)
     circumstance = call.agent.circumstance
     for event in (circumstance.selected_event, *circumstance.all_events()):
         if event is not None:
@@ -123,10 +123,6 @@ def desire(call: Call, goal: Term, *identity: Term) -> Iterator[Unifier]:
             if event.is_for(pattern, solution):
                 yield solution
     yield from _intended(call, pattern, identity, suspended=True)
-
-
-def _pattern(name: str, goal: Term) -> Literal | Var:
-    return a_goal(name, goal)
 
 
 @STANDARD.add(".fail")

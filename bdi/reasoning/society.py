@@ -152,11 +152,15 @@ class Society:
         if not math.isfinite(time):
             raise ValueError(f"expected a time in seconds, found {time}")
         while True:
+            # From wake-up to wake-up of any of them: nobody is ahead of a message that is on its
+            # way to them.
             due = [a.next_wakeup for a in self._members.values() if a.next_wakeup is not None]
             soonest = min((at for at in due if at < time), default=time)
             for agent in self._members.values():
                 if agent.now <= soonest:
                     agent.advance(soonest)
+            # Those who were advanced first may have been written to by the others since, at the
+            # same time.
             if soonest >= time and not any(a.has_mail for a in self._members.values()):
                 return
 

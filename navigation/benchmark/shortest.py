@@ -69,6 +69,7 @@ class ShortestPaths:
         shortest = math.inf
         while queue:
             far, here = heapq.heappop(queue)
+            # Dijkstra: what comes from now on is no shorter than what is known to lead to the goal.
             if far >= shortest:
                 break
             if far > best[here]:

@@ -70,6 +70,8 @@ def _knots(
         time, at = _seconds(point), _ordered(point, "positions", order, k)
         speeds = _ordered(point, "velocities", order, k) if point["velocities"] else None
         if k == 0 and time == 0.0:
+            # A controller that repeats where the gantry is means no jump, but knows the place only
+            # nearly.
             off = max(abs(a - b) for a, b in zip(positions[0], at, strict=True))
             if off > TOLERANCE:
                 raise TrajectoryError(
@@ -178,6 +180,7 @@ def _extremes(cubic: Cubic, duration: float) -> Iterator[float]:
     _, b, c, d = cubic
     turns: list[float] = []
     if d:
+        # Zeros of b + 2 c u + 3 d u²: (-c ± √(c² - 3 b d)) / (3 d).
         root = c * c - 3 * b * d
         turns = [(-c + sign * math.sqrt(root)) / (3 * d) for sign in (1, -1) if root >= 0]
     elif c:
