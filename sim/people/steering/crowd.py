@@ -40,8 +40,9 @@ from .whereabouts import GAP, Hit, Whereabouts
 EARLY = 0.25
 """Seconds before braking would begin at which people decide anew."""
 
-ANEW = 1.5
-"""Seconds until somebody who is not on the course that they wish for looks again."""
+KEEPS, ANEW = 0.75, 1.5
+"""Seconds that somebody keeps to a course that they don't wish for, at least, and until they look
+again for a better one."""
 
 ALL_AROUND = 4.0
 """Metres. So far from the course ahead of somebody who waits, others matter."""
@@ -397,7 +398,7 @@ class Crowd:
             # Before they begin to brake for the stop at the end of what they look ahead: who
             # decides by then walks on at full speed.
             due = motion.pieces[-1].begin - EARLY
-            self._again(party, due if wished else min(due, now + ANEW))
+            self._again(party, due if wished else max(min(due, now + ANEW), now + KEEPS))
         for other in party.kept:
             self._again(other, now + EARLY, sooner=True)
 
