@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from itertools import islice, pairwise
+from typing import NamedTuple
 
 from floorplan import Point
 from navigation import Swath, first_met, next_step, pace
@@ -14,17 +15,11 @@ from .outlook import STEP, Ground, Outlook
 from .traveller import Traveller
 from .whereabouts import GAP, Others, Whereabouts
 
-DEEPEST = 4
-"""People ask on along a chain of so many."""
+RINGS = (0.1, 0.3, 0.5, 0.7, 1.0, 1.4, 2.0, 2.8)
+"""Metres. So far people look around them for a place to step aside to.
 
-MOST = 12
-"""At most so many people move for one request."""
-
-TRIES = 40
-"""At most so many courses are tried for one request."""
-
-RINGS = (0.3, 0.5, 0.7, 1.0, 1.4, 2.0, 2.8)
-"""Metres. So far people look around them for a place to step aside to."""
+A step of 0.1 m opens an arch: two who touch each other in a door, with a third close behind them.
+"""
 
 ANGLES = 16
 
@@ -37,9 +32,6 @@ AROUND = [
 ]
 """Metres. The places around them, the nearest first: x and y of each in turn."""
 
-WIDE = 6
-"""Places that one person tries."""
-
 PASSED = 1.0
 """Metres. So far beyond the one in the way whoever asks wants to get."""
 
@@ -47,12 +39,33 @@ WAITS = (0.0, 0.5, 1.0, 2.0, 4.0)
 """Seconds that whoever asks waits for the others to be out of the way."""
 
 
+class Effort(NamedTuple):
+    """How far a request goes: the figures of the search for who moves where.
+
+    People ask on along a chain of at most `deepest`, and at most `most` move; each tries `wide`
+    places, and all together `tries` courses.
+    """
+
+    deepest: int
+    most: int
+    wide: int
+    tries: int
+
+
+USUAL = Effort(deepest=4, most=12, wide=6, tries=40)
+"""Enough where there is room."""
+
+UTMOST = Effort(deepest=10, most=24, wide=12, tries=200)
+"""For who has asked in vain: in a throng many have to move a little, one after the other."""
+
+
 class Request:
     """One request of `asker`, and what comes of it: where all go who move for it.
 
     Depth first: each asked looks for the nearest place off the way of whoever asks, else ahead of
     them, and asks those who stand in the way of that step. Nobody is asked who ranks higher than
-    the first asker, or who moves: passages that are agreed stay so. All of it is checked together.
+    the first asker, unless they are `behind`: who waits for the asker to go on gains by it. Nor is
+    who moves: passages that are agreed stay so. All of it is checked together.
     """
 
     def __init__(
@@ -61,12 +74,16 @@ class Request:
         now: float,
         whereabouts: Whereabouts,
         ground_of: Callable[[Traveller], Ground],
+        effort: Effort = USUAL,
+        behind: Container[Traveller] = (),
     ) -> None:
         self._asker = asker
         self._now = now
         self._whereabouts = whereabouts
         self._ground_of = ground_of
-        self._left = TRIES
+        self._effort = effort
+        self._behind = behind
+        self._left = effort.tries
         self.drafts: dict[Traveller, Swath] = {}
         """Where everybody goes who moves for it."""
 
@@ -119,7 +136,9 @@ class Request:
             hit = others.first_hit(draft)
             if hit is None:
                 return True
-            if depth >= DEEPEST or len(self.drafts) > MOST or not self._may_ask(hit.other):
+            if depth >= self._effort.deepest or len(self.drafts) > self._effort.most:
+                return False
+            if not self._may_ask(hit.other):
                 return False
             if not self._step(hit.other, course, depth):
                 return False
@@ -131,14 +150,14 @@ class Request:
             and other.manners.steps_aside
             and not other.recorded
             and other.body.motion.end <= self._now
-            and other.rank > self._asker.rank
+            and (other.rank > self._asker.rank or other in self._behind)
         )
 
     def _step(self, who: Traveller, course: Sequence[Point], depth: int) -> bool:
         """Let `who` step off `course`, and whoever is in the way of that; else leave all as is."""
         # Depth first: a step that leads nowhere takes all those back that were made for it.
         before = dict(self.drafts)
-        for retreat, draft in islice(self._retreats(who, course), WIDE):
+        for retreat, draft in islice(self._retreats(who, course), self._effort.wide):
             self._left -= 1
             if self._left < 0:
                 break

@@ -104,6 +104,20 @@ class Party:
             if other is not None:
                 other.kept[self] = None
 
+    def behind(self) -> set[Traveller]:
+        """Return those who wait for them, and for those, but none whom they wait for in turn."""
+        found, left = set[Party](), [*self.kept]
+        while left:
+            party = left.pop()
+            if party not in found:
+                found.add(party)
+                left += party.kept
+        ahead = self.waits_for
+        while ahead is not None and ahead in found:
+            found.discard(ahead)
+            ahead = ahead.waits_for
+        return {party.me for party in found}
+
 
 def takes_way_round(me: Traveller, outlook: Outlook, stood: float) -> bool:
     """Take a path round those who stand, if it is worth the wait; return whether it is.
