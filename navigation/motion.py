@@ -261,7 +261,7 @@ class TablePieces(Sequence[Piece]):
 
     def __getitem__(self, index: int | slice) -> Piece | Sequence[Piece]:
         if isinstance(index, slice):
-            return tuple(self)[index]
+            return tuple(self[k] for k in range(len(self))[index])
         k = range(0, len(self._numbers), WIDTH)[index]
         return next(pieces_of(self._numbers[k : k + WIDTH]))
 

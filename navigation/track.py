@@ -3,24 +3,23 @@
 from __future__ import annotations
 
 from array import array
-from typing import overload
 
-import numpy as np
-
-from .kernels.pieces import breaks
-from .motion import JUMP_TOLERANCE, WIDTH, Array, Motion, Piece, TablePieces, pieces_of
+from .kernels.pieces import breaks, packed, unpacked
+from .motion import JUMP_TOLERANCE, WIDTH, Motion, TablePieces
 
 
 class Track:
     """Motions one after another, as they were carried out."""
 
     def __init__(self) -> None:
-        self._numbers = array("d")
+        self._masks = array("H")
+        self._kept = array("d")
+        """The numbers of all pieces as `packed`."""
         self._jumps: set[float] = set()
         self._last: list[float] | None = None
 
     def __repr__(self) -> str:
-        return f"<Track of {len(self._numbers) // WIDTH} pieces>"
+        return f"<Track of {len(self._masks)} pieces>"
 
     def __bool__(self) -> bool:
         return self._last is not None
@@ -37,35 +36,12 @@ class Track:
             if breaks([*last, *table[:WIDTH]], JUMP_TOLERANCE):
                 self._jumps.add(table[0])
         self._jumps |= motion.jumps
-        self._numbers.extend(table)
+        masks, kept = packed(table)
+        self._masks.extend(masks)
+        self._kept.extend(kept)
         self._last = table[-WIDTH:]
 
     def motion(self) -> Motion:
         """Return all of it until now as one motion."""
-        table = np.frombuffer(self._numbers.tobytes()).reshape(-1, WIDTH)
-        return Motion(PackedPieces(table), frozenset(self._jumps))
-
-
-class PackedPieces(TablePieces):
-    """Pieces that are made of a table (N, 14) of numbers as they are looked at."""
-
-    def __init__(self, table: Array) -> None:
-        self._table = table
-
-    def __len__(self) -> int:
-        return len(self._table)
-
-    @overload
-    def __getitem__(self, index: int) -> Piece: ...
-
-    @overload
-    def __getitem__(self, index: slice) -> PackedPieces: ...
-
-    def __getitem__(self, index: int | slice) -> Piece | PackedPieces:
-        if isinstance(index, slice):
-            return PackedPieces(self._table[index])
-        return next(pieces_of(self._table[index].tolist()))
-
-    def flat(self) -> list[float]:
-        """Return all numbers, one piece after another."""
-        return list(self._table.ravel().tolist())
+        table = unpacked(self._masks.tolist(), self._kept.tolist())
+        return Motion(TablePieces(table), frozenset(self._jumps))

@@ -5,7 +5,7 @@ A table has for each piece its begin and end, and four coefficients each of x, y
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     import cython
@@ -176,6 +176,43 @@ def _append_shifted(
         table.append(0.0)
         table.append(0.0)
     return 0
+
+
+def packed(table: list[float]) -> tuple[list[int], list[float]]:
+    """Return a table without its zeros: of each piece which numbers are there, as bits; and those.
+
+    Half of the numbers of a walk are 0. A negative zero is none: it stays what it is.
+    """
+    kept: list[float] = []
+    masks: list[int] = []
+    o: cython.Py_ssize_t
+    k: cython.Py_ssize_t
+    for o in range(0, len(table), _WIDTH):
+        mask: cython.int = 0
+        for k in range(_WIDTH):
+            number: float = table[o + k]
+            if number != 0.0 or copysign(1.0, number) < 0.0:
+                mask |= 1 << k
+                kept.append(number)
+        masks.append(mask)
+    return masks, kept
+
+
+def unpacked(masks: list[int], kept: list[float]) -> list[float]:
+    """Return the table of which `packed` made these."""
+    table: list[float] = []
+    nothing: Any = 0.0  # one for all of them
+    at: cython.Py_ssize_t = 0
+    k: cython.Py_ssize_t
+    for one in masks:
+        mask: cython.int = one
+        for k in range(_WIDTH):
+            if mask & (1 << k):
+                table.append(kept[at])
+                at += 1
+            else:
+                table.append(nothing)
+    return table
 
 
 def cut(table: list[float], begin: float, end: float) -> list[float]:
