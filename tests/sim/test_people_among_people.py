@@ -260,6 +260,13 @@ def test_a_crowd_around_a_goal_dissolves(walks):
     assert least(run) >= 0.6
 
 
+def test_who_is_kept_from_a_goal_by_who_stands_there_does_not_walk_circles(walks):
+    ways = [((10.2, 1.7), [(11.383, 2.664)]), ((11.962, 2.603), [])]
+    run = walks(hall(13, 13), ways, 30.0)
+    assert [event["person"] for event in events(run, "arrived") if event["t"] < 5] == ["p0"]
+    assert least(run) >= 0.6
+
+
 @pytest.mark.parametrize(
     "seed",
     [

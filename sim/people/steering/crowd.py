@@ -34,7 +34,7 @@ from .room import Place, places_at, room_near
 from .steering import Foresighted, Steering, both_aside
 from .traveller import Traveller
 from .vehicles import Vehicle
-from .waiting import APART, LONGEST, Party, is_beside_goal, takes_way_round
+from .waiting import APART, LONGEST, Party, is_beside_goal, is_no_nearer, takes_way_round
 from .whereabouts import GAP, Hit, Whereabouts
 
 EARLY = 0.25
@@ -240,7 +240,10 @@ class Crowd:
         if motion is not None:
             if hit is None and outlook.is_wish(motion):
                 loss = 0.0
-            elif outlook.free(motion):
+            elif outlook.free(motion) and not (
+                hit is not None
+                and is_no_nearer(me, hit, outlook.ahead(motion), self._whereabouts, now)
+            ):
                 loss = wished.gone(outlook.t, math.inf)
                 loss -= outlook.ahead(motion).gone(outlook.t, math.inf)
             else:

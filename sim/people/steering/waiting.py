@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from floorplan import Point
-from navigation import Motion
+from navigation import Motion, Swath
 
 from ...core.clock import Alarm
 from .course import length_of
@@ -172,3 +172,19 @@ def is_beside_goal(me: Traveller, hit: Hit, floor: Whereabouts, now: float) -> b
                 left.remove(stands)
                 ring.append(stands[:2])
     return False
+
+
+def is_no_nearer(me: Traveller, hit: Hit, ahead: Swath, floor: Whereabouts, now: float) -> bool:
+    """Return whether somebody whom others keep from their goal would go `ahead` in vain.
+
+    They stand beside the goal, as those do who keep them from it, and would end no nearer to it:
+    then they would come back, to set out again, and never arrive.
+    """
+    goal = me.goal
+    assert goal is not None
+    return (
+        hit.at_rest
+        and me.body.motion.end <= now
+        and math.dist(ahead.place, goal) >= math.dist(me.body.at, goal)
+        and is_beside_goal(me, hit, floor, now)
+    )
