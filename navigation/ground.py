@@ -45,6 +45,7 @@ def _kept(most: int) -> Callable[[Callable[_P, _R]], Callable[_P, _R]]:
 
     def keeping(make: Callable[_P, _R]) -> Callable[_P, _R]:
         plain: Callable[..., _R] = make
+        # The thread is part of the key, and no argument of the function.
         known: Any = lru_cache(most)(lambda _, *given: plain(*given))
 
         @wraps(make)

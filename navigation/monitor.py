@@ -170,6 +170,7 @@ def minimum_margin(
     require_sense(law)
     encounter = _encounter(person, machine, begin, end, shapes)
     judged = law
+    # A scaled law is as exact as the one inside.
     while isinstance(judged, Scaled):
         judged = judged.law
     tolerance = EXACT if is_of_motions(judged) else PLAIN

@@ -60,6 +60,7 @@ class OmplFloor:
         self._space: Any = ob.RealVectorStateSpace(2)
         self._space.setBounds(bounds)
         self.information: Any = ob.SpaceInformation(self._space)
+        # OMPL holds them by pointers that keep nothing alive: Python must.
         self._motions: Any = _Motions(self.information, free, most)
         self._places: Any = _Places(self.information, free, most)
         self.information.setMotionValidator(self._motions)

@@ -306,6 +306,7 @@ def require_sense(law: AnyLaw) -> None:
     if type(law) is FixedDistance or not is_of_speeds(law):
         return
     tried = [law.distance(human, robot) for human, robot in _TRIED]
+    # Each beside the one before it, and the first beside itself. NaN is not at least anything.
     for speeds, metres, least in zip(_TRIED, tried, [tried[0], *tried], strict=False):
         if not metres >= least:
             raise ValueError(

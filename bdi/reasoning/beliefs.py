@@ -127,6 +127,7 @@ class BeliefBase:
         if known is None:
             shelf.add(literal, at_end=at_end)
             return literal
+        # Only what is new makes an event, and the event has nothing else.
         added = tuple(annot for annot in literal.annots if annot not in known.annots)
         if not added:
             return None
@@ -226,6 +227,7 @@ class BeliefBase:
         if belief.annots is ONLY_SELF and annots is ONLY_SELF:
             shelf.remove(belief.args)
             return True
+        # It still holds: the next update from percepts believes it anew.
         if FROM_PERCEPT in belief.annots and FROM_PERCEPT in annots:
             self.lost_percepts[belief.identity] = belief
         if belief.annots is annots:

@@ -105,6 +105,7 @@ class Circumstance:
 
     def post(self, event: Event) -> None:
         """Add an event to those to be dealt with."""
+        # While there is an atomic intention no other event is taken, so its own does not queue.
         if event.intention is not None and event.intention.atomic:
             self.atomic_event = event
         else:

@@ -71,6 +71,8 @@ class Subscription:
         if not interval or (loop.time() >= self._free_at and not self._held_back):
             self._free_at = loop.time() + interval
             self._send(text)
+        # Within the interval messages wait if the client asked for a queue; without one only the
+        # next after it is sent.
         elif self._most_held_back:
             if len(self._held_back) >= self._most_held_back:
                 self._release()

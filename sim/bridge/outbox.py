@@ -57,6 +57,8 @@ class Outbox:
         """Add a topic's message, and drop the oldest ones of the topic where too many wait."""
         while len(stream.waiting) >= stream.limit:
             self._count(stream.waiting.popleft(), -1)
+            # A stream stands in the order once for each message: its first place is that of its
+            # oldest.
             self._order.remove(stream)
         self._put(stream, (text, fragment_size))
 

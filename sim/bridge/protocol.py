@@ -216,6 +216,7 @@ class Reassembly:
         pieces = self._unfinished[id]
         if num in pieces:
             self._account.add(-size_of(pieces[num]))
+        # A piece that comes again takes the place of the one before.
         self._lengths[id] += len(fragment.data) - len(pieces.get(num, ""))
         pieces[num] = fragment.data
         self._account.add(size_of(fragment.data))

@@ -163,6 +163,8 @@ class RosbridgeServer:
             self._slow.add(client)
         except ConnectionClosed:
             return
+        # A ping is answered out of turn: what came before it may still wait to be taken, and cause
+        # more.
         heard = -1
         while heard != client.heard:
             heard = client.heard

@@ -97,6 +97,7 @@ class Workcell(Listener):
             while not self._asked and not self.simulation.over and clock.peek() < until:
                 clock.step()
             if not self._asked and not self.simulation.over and clock.now < until:
+                # Before all else at that instant, which is left for the next call.
                 arrival = clock.at(until, Turn.VIOLATION)
                 while not arrival.processed:
                     clock.step()

@@ -133,6 +133,7 @@ class Dispatcher:
                 self._begin(work)
                 held.update(work.holds)
             else:
+                # What it waits for is kept for it, or those behind it might overtake it for ever.
                 held.update(_wanted(order))
 
     def _begin(self, work: Work) -> None:

@@ -115,6 +115,7 @@ class Errand:
         goal = self._walker.goal
         if goal is None or self._waits_for is not None:
             return
+        # Who would be touched where they come to rest as well had better walk on.
         if crossing.touches(self._walker.braking()) is None:
             machine = crossing.pair.machine.name
             self._record(PathBlocked(person=self._name, goal=goal, by=machine))

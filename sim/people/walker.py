@@ -248,6 +248,7 @@ class Walker:
         top, acceleration = self.human.max_speed * self.speed_share, self.human.max_acceleration
         if self.traveller.zones and (motion := self._through_zones(points, top)) is not None:
             return motion
+        # Too fast for this errand, or for the first turn: then they come to rest first.
         goes_on = state.speed <= top and (
             len(points) < 2 or can_go_on(state, points[1], acceleration)
         )
@@ -262,6 +263,8 @@ class Walker:
                     initial_speed=state.speed,
                 )
             if motion is not None:
+                # Passages begin at rest. Who walks on already lets a vehicle pass when it comes
+                # (`CrossingWatch`).
                 passage = None if state.speed > 0 else self._among_vehicles(goal, motion, top)
                 return motion if passage is None else passage.motion
         braking = self.braking()
@@ -325,6 +328,8 @@ class Walker:
                 return [*map(tuple, self._planner.plan(place, goal).points.tolist())]
             except PlanningError as why:
                 failed.append(why)
+        # Why there is no path from the nearest place beside says more than that the start is
+        # blocked.
         raise (failed or [blocked])[0]
 
     def braking(self) -> Motion:
@@ -356,6 +361,8 @@ def _parted(points: list[Point], place: Point) -> tuple[list[Point], list[Point]
         k = points.index(place)
         return points[: k + 1], points[k:]
     pairs = [*itertools.pairwise(points)]
+    # A place on a leg makes it no longer; off by rounding, it is on the leg that it lengthens
+    # least.
     beside = [math.dist(a, place) + math.dist(place, b) - math.dist(a, b) for a, b in pairs]
     k = beside.index(min(beside))
     return [*points[: k + 1], place], [place, *points[k + 1 :]]

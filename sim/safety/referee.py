@@ -162,6 +162,8 @@ class Referee:
             since, people = self._stopped[machine]
             people.remove(pair.person)
             if not people:
+                # Others may stand too near for its top speed, though nobody was too near yet: they
+                # take the stop over, and `people` is not empty any more.
                 for watch, stop in self._stops.items():
                     if watch.pair.machine is machine and watch.pair is not pair:
                         stop.begin_if_needed()
