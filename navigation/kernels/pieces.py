@@ -19,6 +19,7 @@ else:
 
 Triple = tuple[float, float, float]
 
+_INFINITE: float = float("inf")
 _WIDTH: cython.Py_ssize_t = 14
 _SHORTEST: float = 1e-12  # seconds; nothing changes its course for less
 
@@ -116,47 +117,43 @@ def merge_axes(axes: list[list[float]], start: float) -> list[float]:
     An axis has a row of a duration and four coefficients for each phase, and is at rest after the
     last. The motion is cut where one of them changes.
     """
-    cuts: list[float] = []
-    at: float
-    phases: list[float]
-    k: cython.Py_ssize_t
-    for phases in axes:
-        at = 0.0
-        for k in range(0, len(phases), 5):
-            cuts.append(at)
-            at += phases[k]
-        cuts.append(at)
-    cuts = sorted(set(cuts))
     table: list[float] = []
     rows: list[int] = [0, 0, 0]
     begins: list[float] = [0.0, 0.0, 0.0]
+    phases: list[float]
     axis: cython.Py_ssize_t
+    row: cython.Py_ssize_t
     begin: float = start
-    for k in range(len(cuts) - 1):
-        lower: float = cuts[k]
-        upper: float = cuts[k + 1]
-        # Axes that end together do so but for rounding: the sliver goes to the next piece, which
-        # begins where the last one ended.
-        if upper - lower < _SHORTEST and table:
-            continue
-        table.append(begin)
-        begin = start + upper
-        table.append(begin)
+    lower: float = 0.0
+    while True:
+        # The next change after `lower` is the end of a phase that one of the axes is in then.
+        upper: float = _INFINITE
         for axis in range(3):
             phases = axes[axis]
-            row: cython.Py_ssize_t = rows[axis]
-            at = begins[axis]
+            row = rows[axis]
+            at: float = begins[axis]
             while row < len(phases) and at + phases[row] <= lower:
                 at += phases[row]
                 row += 5
             rows[axis] = row
             begins[axis] = at
-            if row >= len(phases):
-                row -= 5
-                _append_shifted(table, phases, row, phases[row], False)
-            else:
-                _append_shifted(table, phases, row, lower - at, True)
-    return table
+            if row < len(phases):
+                upper = min(upper, at + phases[row])
+        if upper == _INFINITE:
+            return table
+        if upper - lower >= _SHORTEST or not table:
+            table.append(begin)
+            begin = start + upper
+            table.append(begin)
+            for axis in range(3):
+                phases = axes[axis]
+                row = rows[axis]
+                if row >= len(phases):
+                    row -= 5
+                    _append_shifted(table, phases, row, phases[row], False)
+                else:
+                    _append_shifted(table, phases, row, lower - begins[axis], True)
+        lower = upper
 
 
 def _append_shifted(

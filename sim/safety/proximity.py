@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from functools import partial
 
@@ -28,7 +27,8 @@ class ProximityWatch:
         self._pairs = [Pair(stage, person, machine) for person in people]
         self._bodies = [*(person.body for person in people), machine.body]
         self._came_near = came_near
-        self._distance = math.inf
+        self._close = TooClose(FixedDistance(0.0))
+        self._parted = Apart(PARTING)
         self._is_near = [False] * len(people)
         self._watching = False
         self._alarms = [
@@ -39,7 +39,8 @@ class ProximityWatch:
         """Watch for this distance in metres from now on."""
         if distance is None:
             return
-        self._distance = distance
+        self._close = TooClose(FixedDistance(distance))
+        self._parted = Apart(distance + PARTING)
         if not self._watching:
             self._watching = True
             for body in self._bodies:
@@ -48,8 +49,7 @@ class ProximityWatch:
 
     def _reconsider(self) -> None:
         for k, pair in enumerate(self._pairs):
-            parted, close = Apart(self._distance + PARTING), TooClose(FixedDistance(self._distance))
-            self._alarms[k].set(pair.first_time(parted if self._is_near[k] else close))
+            self._alarms[k].set(pair.first_time(self._parted if self._is_near[k] else self._close))
 
     def _ring(self, k: int) -> None:
         # Hysteresis: near until parted, apart until near, so that no rounding notifies twice.

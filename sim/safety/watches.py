@@ -62,16 +62,17 @@ class Pair:
         self.person = person
         self.machine = machine
         self.end = stage.end
+        self._one, self._other = person.body, machine.body
         self._offset = offset
         self._translated = (machine.body.motion, machine.body.motion.translated(*offset))
 
     @property
     def motions(self) -> tuple[Motion, Motion]:
         """Motions of the person and of the measured point of the machine from now on."""
-        if self._translated[0] is not self.machine.body.motion:
-            motion = self.machine.body.motion
+        motion = self._other.motion
+        if self._translated[0] is not motion:
             self._translated = (motion, motion.translated(*self._offset))
-        return self.person.body.motion, self._translated[1]
+        return self._one.motion, self._translated[1]
 
     def first_time(self, condition: Condition, since: float = 0.0) -> float | None:
         """Return the first instant from now and `since` (seconds) on at which `condition` holds.
@@ -105,7 +106,7 @@ class Pair:
 
     def horizon(self) -> float:
         """Return the instant from which on both stand, or the trial's end (seconds)."""
-        last = max(self.clock.now, self.person.body.motion.end, self.machine.body.motion.end)
+        last = max(self.clock.now, self._one.motion.end, self._other.motion.end)
         # When both stand nothing changes any more: a condition that does not hold then never will.
         return min(last, self.end)
 
