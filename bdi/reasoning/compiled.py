@@ -12,14 +12,15 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from types import MappingProxyType
 from typing import TypeAlias
 
-from ..language.program import Rule, are_apart
+from ..language.program import Rule
 from ..language.substitution import Unifier, rename, value_of
 from ..language.terms import TRUE, And, Literal, Not, Relation, Term, Var, is_ground
 from ..language.unification import matched, unify
 from .builders import builder
-from .lasting import KeptAnswers, Values
+from .lasting import KeptAnswers, Question, Values
 from .logic import Logic
 from .matching import belief_matcher
+from .shelves import Shelf
 
 Condition: TypeAlias = "Callable[[Logic, Unifier], Unifier | None]"
 Answers: TypeAlias = "Callable[[Logic, Unifier], Iterable[Unifier]]"
@@ -222,61 +223,63 @@ def _asked(query: Term) -> Answers:
                 return believed(clauses, u)
             solution = match(clauses[0], u)  # type: ignore[arg-type]
             return () if solution is None else (solution,)
-        args = [build(u) for build in build_args]
-        # Variables that share a name, or rules that may come back to themselves, need the general
-        # proof.
-        if not (are_apart(args) and logic.beliefs.has_plain_rules(key)):
+        question: list[Term | None] = []
+        names: list[str] = []
+        for build in build_args:
+            arg = build(u)
+            if arg.__class__ is Var:
+                names.append(arg.name)
+                question.append(None)
+            elif is_ground(arg):
+                question.append(arg)
+            else:
+                return logic.solutions(query, u)
+        if len(set(names)) < len(names) or not logic.beliefs.has_plain_rules(key):
             return logic.solutions(query, u)
-        names = [arg.name for arg in args if arg.__class__ is Var]
-        values: Iterable[Values]
-        if shelf.answers is None:
-            values = _proved(logic, query, args, u)
-        else:
-            values = _kept(logic, query, args, u, shelf.answers)
+        values = _kept(logic, query, tuple(question), u, shelf)
         return ({**u, **dict(zip(names, one))} for one in values)  # noqa: B905 - equal lengths
 
     return found
 
 
 def _kept(
-    logic: Logic,
-    query: Literal,
-    args: list[Term],
-    u: Unifier,
-    kept: dict[tuple[Term | None, ...], KeptAnswers],
+    logic: Logic, query: Literal, question: Question, u: Unifier, shelf: Shelf
 ) -> Iterable[Values]:
-    """Return the answers to a query with these arguments, as far as possible those known."""
-    question = tuple([None if arg.__class__ is Var else arg for arg in args])
+    """Return the answers to a question, as far as possible those known."""
+    kept = shelf.answers
+    if kept is None:
+        return _proved(logic, query, question, u)
     known = kept.get(question)
     if known is None or not known.lasts:
         if len(kept) >= MOST_KEPT:
             kept.clear()
-        known = kept[question] = KeptAnswers(_proved(logic, query, args, u), lambda: logic.failures)
+        source = _proved(logic, query, question, u)
+        known = kept[question] = KeptAnswers(source, lambda: logic.failures)
     return known
 
 
-def _proved(logic: Logic, query: Literal, args: list[Term], u: Unifier) -> Iterator[Values]:
+def _proved(logic: Logic, query: Literal, question: Question, u: Unifier) -> Iterator[Values]:
     """Yield the values of the variables among a query's arguments for each of its answers.
 
     A rule is proved in a unifier of its own, in which the variables of its head have the values of
     the query's arguments. Those that the query asks for get theirs as the body is proved.
     """
-    variables: list[Term] = [arg for arg in args if arg.__class__ is Var]
     for clause in logic.shelves[query.key].candidates(query, u):
         logic.spend(1, query)
         if isinstance(clause, Literal):
             solution = matched(query, clause, u)
             if solution is not None:
-                yield _values(logic, variables, solution)
+                asked = [arg for arg, one in zip(query.args, question, strict=True) if one is None]
+                yield _values(logic, asked, solution)
             continue
         scope: Unifier = {}
-        asked: list[Term] = []
-        for inside, arg in zip(clause.head.args, args, strict=True):
-            if arg.__class__ is Var:
+        asked = []
+        for inside, value in zip(clause.head.args, question, strict=True):
+            if value is None:
                 asked.append(inside)
             elif inside.__class__ is Var:
-                scope[inside.name] = arg
-            elif not unify(inside, arg, scope):
+                scope[inside.name] = value
+            elif not unify(inside, value, scope):
                 break
         else:
             for found in _answers_of(clause)(logic, scope):

@@ -10,6 +10,9 @@ from typing import TypeAlias
 
 from ..language.terms import Term, is_ground
 
+Question: TypeAlias = "tuple[Term | None, ...]"
+"""Arguments of a query: values without variables, and None for each variable."""
+
 Values: TypeAlias = "tuple[Term, ...]"
 """Values of the variables of a query, in one of its answers."""
 

@@ -8,7 +8,7 @@ from operator import itemgetter
 from ..language.program import Rule
 from ..language.substitution import Unifier, substitute
 from ..language.terms import ONLY_PERCEPT, Literal, Term, Var, is_ground
-from .lasting import KeptAnswers
+from .lasting import KeptAnswers, Question
 
 #: A rank and a belief or rule: the lower the rank, the earlier it is tried.
 _Entry = tuple[int, "Literal | Rule"]
@@ -41,7 +41,7 @@ class Shelf:
         self._known: dict[Term, tuple[Literal | Rule, ...]] = {}
         self.collected: dict[tuple[str, ...], tuple[Term, int]] = {}
         """Lists of all answers to a query of these names, with the goals they took, as they are."""
-        self.answers: dict[tuple[Term | None, ...], KeptAnswers] | None = None
+        self.answers: dict[Question, KeptAnswers] | None = None
         """Answers of the rules to queries with these values, where they last; None: not kept."""
         self.readers: list[Shelf] = []
         """Shelves with rules of which the answers follow from what is here."""
