@@ -121,18 +121,19 @@ class Literal:
 
     def _weigh(self, terms: tuple[Term, ...]) -> None:
         """Add the terms inside it to its size and depth."""
+        term: Any  # what a number or a string has not is not asked of it
         for term in terms:
             cls = term.__class__
             if cls is float:
                 continue
             if cls is str:
-                self.size += len(term) >> 6  # type: ignore[arg-type]
+                self.size += len(term) >> 6
                 continue
-            if not term.ground:  # type: ignore[union-attr]
+            if not term.ground:
                 self.ground = False
-            self.size += term.size  # type: ignore[union-attr]
-            if term.depth >= self.depth:  # type: ignore[union-attr]
-                self.depth = term.depth + 1  # type: ignore[union-attr]
+            self.size += term.size
+            if term.depth >= self.depth:
+                self.depth = term.depth + 1
         if self.size > MAX_SIZE or self.depth > MAX_DEPTH:
             _refuse(self.size)
 
@@ -147,18 +148,19 @@ class Literal:
         other._hash = None
         # As `_weigh`, in place: most literals that a program makes are made here.
         ground, size, depth = True, 1, 0
+        term: Any
         for term in args:
             cls = term.__class__
             if cls is float:
                 continue
             if cls is str:
-                size += len(term) >> 6  # type: ignore[arg-type]
+                size += len(term) >> 6
                 continue
-            if not term.ground:  # type: ignore[union-attr]
+            if not term.ground:
                 ground = False
-            size += term.size  # type: ignore[union-attr]
-            if term.depth >= depth:  # type: ignore[union-attr]
-                depth = term.depth + 1  # type: ignore[union-attr]
+            size += term.size
+            if term.depth >= depth:
+                depth = term.depth + 1
         if size > MAX_SIZE or depth > MAX_DEPTH:
             _refuse(size)
         other.ground = ground
