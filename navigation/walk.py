@@ -19,9 +19,6 @@ MAX_SPEED = 1.0
 MAX_ACCELERATION = 2.5
 """m/s². A person's acceleration where nothing else is said."""
 
-CORNER_DEVIATION = 0.05
-"""Metres. How far a rounded corner may leave the path when its top speed is worked out."""
-
 _HAIR = 1e-6
 """Speeds are planned with this share less of the acceleration, so that rounding can't make a
 profile infeasible."""
@@ -98,11 +95,10 @@ def corner_speed(
 ) -> float:
     """The speed (m/s) at which a person turns at `corner` on the path from `before` to `after`.
 
-    The corner is taken as an arc that leaves it by at most `CORNER_DEVIATION` and is no longer
-    than half of each leg; on an arc of radius r, the speed is √(a r), where a is
-    `max_acceleration` (m/s²). This is the junction
-    deviation of machine tool controllers (S. K. Jeon, "Improving Grbl: Cornering Algorithm",
-    2011). Infinite where the path goes straight on, 0 where it turns back.
+    The corner is taken as an arc that leaves it by at most 0.05 m and is no longer than half of
+    each leg; on an arc of radius r, the speed is √(a r), where a is `max_acceleration` (m/s²). This
+    is the junction deviation of machine tool controllers (S. K. Jeon, "Improving Grbl: Cornering
+    Algorithm", 2011). Infinite where the path goes straight on, 0 where it turns back.
     """
     return walks.corner_speed(before, corner, after, max_acceleration)
 

@@ -23,7 +23,7 @@ else:
     from cython.cimports.libc.math import INFINITY, atan2, sqrt
 
 _SHORT: float = 1e-9  # metres; legs shorter than this are left out
-_DEVIATION: float = 0.05  # metres; how far a rounded corner may leave the path, as in `walk`
+_DEVIATION: float = 0.05  # metres; how far a rounded corner may leave the path, as in `walks`
 _HAIR: float = 1e-9  # m/s
 
 

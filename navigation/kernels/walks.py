@@ -34,7 +34,7 @@ else:
 
 _WIDTH: cython.Py_ssize_t = 14  # numbers of a piece: begin, end, and the coefficients
 _NOWHERE: float = 1e-9  # metres; shorter legs are none
-_DEVIATION: float = 0.05  # metres; how far a rounded corner may leave the path, as in `walk`
+_DEVIATION: float = 0.05  # metres; how far a rounded corner may leave the path, as in `pacing`
 _HAIR: float = 1e-6  # share of the acceleration that is left for rounding, as in `walk`
 
 Corner = tuple[float, float]
@@ -92,6 +92,8 @@ def corner_speed(before: Corner, corner: Corner, after: Corner, acceleration: fl
         return INFINITY
     if turn > M_PI - 1e-9:
         return 0.0
+    # An arc of radius r inside a corner leaves it by r (1 / cos(turn / 2) − 1), and takes r
+    # tan(turn / 2) of both legs; 1 − cos φ is 2 sin² (φ / 2), which loses nothing for small φ.
     by_deviation: float = _DEVIATION * cos(turn / 2) / (2 * pow(sin(turn / 4), 2))
     by_length: float = min(hypot(ux, uy), hypot(wx, wy)) / 2 / tan(turn / 2)
     return sqrt(acceleration * min(by_deviation, by_length))
@@ -115,6 +117,7 @@ def corner_speeds(
         speeds.append(min(top, max_speed))
     speeds.append(0.0)
     gain: float = 2 * acceleration * (1 - _HAIR)
+    # Backwards for slowing down, forwards for speeding up; together the fastest that is feasible.
     for k in range(len(lengths) - 1, -1, -1):
         speeds[k] = min(speeds[k], sqrt(pow(speeds[k + 1], 2) + gain * lengths[k]))
     if speeds[0] < initial_speed * (1 - _HAIR):
@@ -163,6 +166,7 @@ def braking(corners: list[Corner], lengths: list[float], speed: float, start: fl
     """
     table: list[float] = []
     left: float = sum(lengths)
+    # What the legs' rounded lengths leave: it comes to rest at their end, neither before nor after.
     deceleration: float = pow(speed, 2) / (2 * left)
     k: cython.Py_ssize_t
     for k in range(len(lengths)):
