@@ -26,6 +26,9 @@ SLACK = HAIR / 2
 _SURE = 2 * TOLERANCE
 """Metres. What has so much room beyond what is asked has room by FCL, too."""
 
+_MOST_JUDGED = 4096
+"""Number of links of which FCL's answer among the bodies near them is kept."""
+
 
 class Links:
     """What is in the way of links, for discs of `radius` metres.
@@ -39,6 +42,8 @@ class Links:
         self.radius = radius
         self.among: list[Body] | None = None
         """The bodies that count for OMPL; None for all."""
+        self.judged: dict[tuple[Point, Point], tuple[list[Body], bool, int]] = {}
+        """What FCL said of links between bends, among which bodies, and in how many checks."""
         self._keep = radius + SLACK
         self._walls = world.walls(self._keep)
         self._floor = self.room([])
@@ -49,20 +54,21 @@ class Links:
         if not self._place.holds(*place):
             return False
         near = self.world.near(place, place, self._keep + _SURE)
-        return not any(self._blocks(body, place, place, _SURE) for body in near)
+        return not any(self.blocks(body, place, place, _SURE) for body in near)
 
     def clear(self, a: Point, b: Point) -> bool:
         """Return whether the floor leaves room on the link from a, where there is room, to b."""
         self.world.checks += 1
         return self._floor.clear(*a, *b, True)
 
-    def bodies(self, a: Point, b: Point) -> list[Body]:
-        """Return the bodies in the way on the link from a, where none is, to b."""
+    def near(self, a: Point, b: Point) -> list[Body]:
+        """Return the bodies that may be in the way on the link from a to b."""
         near = self.world.near(a, b, self._keep)
         self.world.checks += len(near)
-        return [body for body in near if self._blocks(body, a, b)]
+        return near
 
-    def _blocks(self, body: Body, a: Point, b: Point, beyond: float = 0.0) -> bool:
+    def blocks(self, body: Body, a: Point, b: Point, beyond: float = 0.0) -> bool:
+        """Return whether a body is in the way on the link from a, where it is not, to b."""
         edges, rounding = body.outline
         return touches(edges, *a, *b, self._keep + rounding + beyond)
 
@@ -105,8 +111,11 @@ class RoadmapSearch:
         """Return the points of the shortest path, or None if there is none."""
         links, start, goal = self._links, self._start, self._goal
         straight = links.clear(start, goal)
-        if straight and not links.bodies(start, goal) and self._granted(start, goal):
-            return [start, goal]
+        if straight:
+            near = links.near(start, goal)
+            blocked = any(links.blocks(body, start, goal) for body in near)
+            if not blocked and self._granted(start, goal):
+                return [start, goal]
         world, space = links.world, links.world.fixed_space(links.radius + HAIR)
         # Where there is room at both ends, they can only be apart on a floor in pieces.
         in_pieces = bool(world.gates) or len(space.pieces) != 1
@@ -141,34 +150,60 @@ class RoadmapSearch:
             if points is None:
                 return None
             pairs = [*itertools.pairwise(points)]
-            touched = dict.fromkeys(body for pair in pairs for body in links.bodies(*pair))
+            nears = [links.near(*pair) for pair in pairs]
+            touched = {
+                body: None
+                for pair, near in zip(pairs, nears, strict=True)
+                for body in near
+                if links.blocks(body, *pair)
+            }
             fresh = [body for body in touched if body not in met]
-            if not fresh and all(self._granted(*pair, roadmap) for pair in pairs):
+            asked = zip(pairs, nears, strict=True)
+            if not fresh and all(self._granted(*pair, near, roadmap) for pair, near in asked):
                 return points
             points = None
             met += fresh
 
-    def _granted(self, a: Point, b: Point, roadmap: Roadmap | None = None) -> bool:
+    def _granted(
+        self, a: Point, b: Point, near: list[Body] | None = None, roadmap: Roadmap | None = None
+    ) -> bool:
         """Return whether the link from a to b is free, and keep in mind that it is not.
 
-        Links between bends of `roadmap` are asked once: they change no more than the floor. Bodies
-        on them are asked about each time.
+        Links between bends, of `roadmap` or of bodies, are asked once for as long as the same
+        bodies stand `near` them.
         """
-        links = self._links
-        if roadmap is None or not (a in roadmap.places and b in roadmap.places):
-            free = self._ask(a, b)
-        else:
-            known = roadmap.asked.get((a, b))
-            if known is None:
-                links.among = []
-                known = roadmap.asked[a, b] = self._ask(a, b)
-                links.among = None
+        links, known = self._links, None
+        fixed = roadmap is not None and a in roadmap.places and b in roadmap.places
+        if near is not None and (fixed or (a != self._start and b != self._goal)):
+            known = links.judged.get((a, b))
+            if known is None or known[0] != near:
+                before = links.world.checks
+                free = self._asked_of(roadmap, a, b) if roadmap and fixed else self._ask(a, b)
+                if len(links.judged) >= _MOST_JUDGED:
+                    links.judged.clear()
+                links.judged[a, b] = near, free, links.world.checks - before
             else:
-                links.world.checks += 1  # as if asked: figures don't depend on earlier questions
-            free = known and not links.hit(a, b)
+                free = known[1]
+                links.world.checks += known[2]  # figures don't depend on earlier questions
+        else:
+            free = self._ask(a, b)
         if not free:
             self._refused.add((a, b))
         return free
+
+    def _asked_of(self, roadmap: Roadmap, a: Point, b: Point) -> bool:
+        """Return whether a link between bends of `roadmap` is free.
+
+        Of the floor these are asked once: they change no more than it does.
+        """
+        links, known = self._links, roadmap.asked.get((a, b))
+        if known is None:
+            links.among = []
+            known = roadmap.asked[a, b] = self._ask(a, b)
+            links.among = None
+        else:
+            links.world.checks += 1  # as if asked
+        return known and not links.hit(a, b)
 
     def _hopeless(self) -> bool:
         """Return True if it is proved that there is no path."""

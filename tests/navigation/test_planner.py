@@ -314,6 +314,7 @@ def test_a_link_that_is_refused_is_gone_round(world):
 
     def path():
         world.roadmap(links.radius, COARSE).asked.clear()
+        links.judged.clear()
         ask = lambda a, b: {a, b} not in refused  # noqa: E731
         return RoadmapSearch(links, start, goal, COARSE, ask).path()
 
