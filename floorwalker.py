@@ -4,10 +4,14 @@ Its packages have short names. Where a file of the user's own hides one of them 
 folder where Python starts), the command says so, and pytest goes on without the plugin.
 """
 
+import gc
 import sys
 from importlib.util import find_spec
 
 PACKAGES = ("floorplan", "navigation", "bdi", "sim")
+
+GARBAGE = 200_000
+"""Number of new objects at which those among them that nobody has any more are looked for."""
 
 
 def _hidden() -> str:
@@ -26,6 +30,8 @@ def main() -> None:
     """Run the command `floorwalker`."""
     if hidden := _hidden():
         sys.exit(f"floorwalker: {hidden}")
+    # Loading makes fewer objects than that, which stay: no use looking through them for garbage.
+    gc.set_threshold(GARBAGE)
     from sim.cli import main as command
 
     command()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import gc
 import io
 import os
 import sys
@@ -29,9 +28,6 @@ from .commands.replay import replay
 from .commands.report import report
 from .commands.run import run
 from .commands.study import study
-
-GARBAGE = 100_000
-"""Number of new objects at which those among them that nobody has any more are looked for."""
 
 app = typer.Typer(
     name="floorwalker",
@@ -100,9 +96,7 @@ def _name(command: CommandInfo) -> str:
 
 def main() -> None:
     """Run the command; say what is wrong in a sentence, and exit with 1, or 2 for wrong usage."""
-    # Loading makes half a million objects that stay: no use looking through them for garbage. And
-    # pydantic looks for plugins in all that is installed, of which a command uses none.
-    gc.set_threshold(GARBAGE)
+    # Pydantic looks for plugins in all that is installed, of which a command uses none.
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="replace")  # a × that a terminal lacks is no failure
