@@ -4,9 +4,13 @@ Its packages have short names. Where a file of the user's own hides one of them 
 folder where Python starts), the command says so, and pytest goes on without the plugin.
 """
 
+import atexit
 import gc
+import os
 import sys
+import threading
 from importlib.util import find_spec
+from pathlib import Path
 
 PACKAGES = ("floorplan", "navigation", "bdi", "sim")
 
@@ -34,7 +38,33 @@ def main() -> None:
     gc.set_threshold(GARBAGE)
     from sim.cli import main as command
 
-    command()
+    try:
+        command()
+    except SystemExit as end:
+        _leave(end.code)
+        raise
+
+
+def _leave(code: object) -> None:
+    """End the process as Python does, but for taking apart all that was loaded.
+
+    That takes an eighth of the time of a short run. Return where there is more to end: in a
+    program of others, beside threads, with a message for Python to print, and where somebody looks
+    at what is going on.
+    """
+    program = Path(getattr(sys.modules["__main__"], "__file__", None) or "")
+    looked_at = sys.flags.dev_mode or sys.gettrace() or sys.getprofile()
+    if program.stem != "floorwalker" or looked_at or threading.active_count() > 1:
+        return
+    if not isinstance(code, int | None):
+        return
+    atexit._run_exitfuncs()
+    try:
+        for stream in (sys.stdout, sys.stderr):
+            stream.flush()
+    except (AttributeError, OSError, ValueError):  # none, or closed: Python has its word on it
+        return
+    os._exit(code or 0)
 
 
 if message := _hidden():

@@ -7,7 +7,7 @@ import sys
 
 def command_line(*words, options=()):
     """The words of the command, started with these options of Python."""
-    return [sys.executable, *options, "-m", "sim.cli", *map(str, words)]
+    return [sys.executable, *options, "-m", "floorwalker", *map(str, words)]
 
 
 def in_a_process(*words, cwd, env=None, options=()):

@@ -403,3 +403,15 @@ def test_the_page_opens_where_somebody_looks(
     assert opened.exists() is opens
     if opens:
         assert opened.read_text(encoding="utf-8").strip() == page
+
+
+@pytest.mark.parametrize(("words", "code"), [("--version", 0), ("list --wrong", 2)])
+def test_what_is_registered_for_the_end_is_done_at_the_end(words, code, tmp_path):
+    (tmp_path / "floorwalker").write_text(
+        "import atexit\natexit.register(print, 'the end')\nfrom floorwalker import main\nmain()\n"
+    )
+    begun = [sys.executable, tmp_path / "floorwalker", *words.split()]
+    done = subprocess.run(begun, capture_output=True, text=True, timeout=60)
+    assert done.returncode == code
+    assert done.stdout.endswith("the end\n")
+    assert "leaked" not in done.stderr
