@@ -96,6 +96,8 @@ def _lines(strokes: Sequence[Stroke], metre: float) -> Iterator[Shape | Unread]:
         apart = np.abs(corners[begin, :2] - corners[last, :2])
     long = count > 3
     closed = np.array([stroke.closed for stroke in strokes]) | (long & ~apart.any(axis=1))
+    # A closed line whose ends are one corner has it once. The second of them is left out of the
+    # heights below, too: they are worked out of all that a line had.
     twice = closed & long & (apart < TOUCHING).all(axis=1)
     count[twice] -= 1
     corners[last[twice], 2] = np.inf

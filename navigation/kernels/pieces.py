@@ -141,6 +141,8 @@ def merge_axes(axes: list[list[float]], start: float) -> list[float]:
                 upper = min(upper, at + phases[row])
         if upper == _INFINITE:
             return table
+        # Axes that end together do so but for rounding: a sliver goes to the next piece, which
+        # begins where the last one ended.
         if upper - lower >= _SHORTEST or not table:
             table.append(begin)
             begin = start + upper
