@@ -16,8 +16,7 @@ from typing import NamedTuple, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .kernels.odometer import row_at
-from .kernels.pieces import breaks, cut, evaluate
+from .kernels.pieces import breaks, cut, evaluate, state
 from .polynomials import monotone_cubics
 
 Cubic = tuple[float, float, float, float]
@@ -159,13 +158,12 @@ class Motion:
 
     def state(self, t: float) -> State:
         """Return position, velocity and acceleration at the instant `t` (seconds)."""
-        kept = vars(self)
+        kept = self.__dict__
         known: tuple[float, State] | None = kept.get("known")  # asked often of one instant
         if known is not None and known[0] == t:
             return known[1]
-        t, table = float(t), self.table
-        row = max(0, row_at(table, WIDTH, t))
-        found = State(*evaluate(table, row, t, table[0] <= t < table[1 - WIDTH]))
+        t = float(t)
+        found = tuple.__new__(State, state(self.table, t))  # as `State(...)`, in half the time
         # A motion never changes, so an answer of its is right for ever.
         kept["known"] = (t, found)
         return found

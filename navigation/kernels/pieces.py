@@ -14,14 +14,24 @@ else:
 
 if not cython.compiled:
     from math import atan2, copysign, sqrt
+
+    from .odometer import row_at
 else:
     from cython.cimports.libc.math import atan2, copysign, sqrt
+    from cython.cimports.navigation.kernels.odometer import row_at
 
 Triple = tuple[float, float, float]
 
 _INFINITE: float = float("inf")
 _WIDTH: cython.Py_ssize_t = 14
 _SHORTEST: float = 1e-12  # seconds; nothing changes its course for less
+
+
+def state(table: list[float], t: float) -> tuple[Triple, Triple, Triple]:
+    """Return position, velocity and acceleration of a motion at `t` (seconds), held within it."""
+    row: cython.Py_ssize_t = row_at(table, _WIDTH, t)
+    moving: cython.bint = table[0] <= t < table[len(table) - _WIDTH + 1]
+    return evaluate(table, max(row, 0), t, moving)
 
 
 def evaluate(

@@ -39,6 +39,19 @@ SEEDS = 2**32 - 1
 """Number of seeds that OMPL tells apart."""
 
 
+class _Society(bdi.Society):
+    """The minds of a company, which notes who is spoken to while somebody thinks."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.spoken_to: set[str] = set()
+
+    def deliver(self, name: str, message: bdi.Message) -> None:
+        """Give `message` to the mind called `name`; `ActionError` if there is none."""
+        super().deliver(name, message)
+        self.spoken_to.add(name)
+
+
 class Company:
     """The people of a scenario on a stage: they share planners by size, and can hear each other.
 
@@ -59,7 +72,7 @@ class Company:
         self._scenario = scenario
         self._listener = listener
         self._planners: dict[tuple[CollisionWorld, float, PlannerChoice], PathPlanner] = {}
-        self._society = bdi.Society()
+        self._society = _Society()
         self._inspectors: dict[str, MindInspector] = {}
         board = WorkBoard(scenario, stage.clock) if scenario.has_work else None
         self._board = board
@@ -177,8 +190,13 @@ class Company:
         inspector = self._inspectors.get(person.name)
         if inspector is not None and isinstance(person.mind, bdi.Agent):
             inspector.look(rounded(self._stage.clock.now), person.mind)
+        spoken_to, self._society.spoken_to = self._society.spoken_to, set()
+        if not spoken_to:
+            person.wake()
+            return
         for listener in self.people:
-            listener.wake()
+            if listener is person or listener.name in spoken_to:
+                listener.wake()
 
     def _note(self, person: str, entry: bdi.Entry) -> None:
         """Pass an entry to the inspector, and record a warning for the program's author."""

@@ -74,8 +74,9 @@ def behind(me: Traveller, outlook: Outlook) -> Behind | None:
     )
     found = None if k < 0 else _behind(me, people[k], t, frame)
     # Who has hardly set out yet may be followed too, and comes where their route leads them.
-    for other in (people[k] for k in slow):
-        if other.body.motion.end > t and _cosine(other, t, frame) > SAME_WAY:
+    rests = others.floor.rests
+    for other in [people[k] for k in slow if rests[k] > t]:
+        if _cosine(other, t, frame) > SAME_WAY:
             one = _behind(me, other, t, frame)
             if one is not None and one.speed < (me.top_speed if found is None else found.speed):
                 found = one
@@ -107,5 +108,5 @@ def _cosine(other: Traveller, t: float, frame: Frame) -> float:
 def _comes(other: Traveller, t: float, frame: Frame) -> bool:
     """Return whether the other comes the other way, so near to the path that it matters."""
     x, y, c, s = frame
-    ox, oy = other.body.motion.state(t).at
+    ox, oy, _ = other.body.motion.state(t).position
     return abs((oy - y) * c - (ox - x) * s) < CLOSES_UP and _cosine(other, t, frame) < -SAME_WAY

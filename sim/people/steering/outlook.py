@@ -126,6 +126,8 @@ class Outlook:
         self._others: Others | None = None
         self._seen: list[float] = []
         self._made: tuple[Motion | None, Swath | None] = (None, None)
+        self._free_of: tuple[Swath | None, Others | None] = (None, None)
+        """The last draft that was found free, and of whom."""
         self._wish: Motion | None = None
         self.lead: Motion | None = None
         self._lead: Swath | None = None
@@ -223,14 +225,18 @@ class Outlook:
 
     def next_free(self) -> Swath | None:
         """Return the draft of the next of the `walks` that meets nobody; None for none."""
-        walks = self.walks
+        walks, others = self.walks, self.others
+        draft: Swath | None = None
         if not self.me.zones:
-            return _drawn(walks) if self.others.next_free(walks) else None
-        while walks.next_course():
-            draft = self._zoned()
-            if draft is not None and self.others.free(draft):
-                return draft
-        return None
+            draft = _drawn(walks) if others.next_free(walks) else None
+        else:
+            while walks.next_course():
+                draft = self._zoned()
+                if draft is not None and others.free(draft):
+                    break
+                draft = None
+        self._free_of = (draft, others)
+        return draft
 
     def aside(self, along: float, side: float, others: Others) -> Swath | None:
         """Return the draft of a walk `side` metres to the left after `along` metres of the course.
@@ -305,7 +311,8 @@ class Outlook:
     def free(self, motion: Motion) -> bool:
         """Return whether a motion of theirs from now on conflicts with nobody."""
         ahead = self.ahead(motion)
-        return self._around_of(ahead).free(ahead)
+        others, (draft, among) = self._around_of(ahead), self._free_of
+        return (ahead is draft and others is among) or others.free(ahead)
 
     @property
     def others(self) -> Others:

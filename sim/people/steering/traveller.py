@@ -99,11 +99,12 @@ class Traveller:
 
     def direction(self, now: float) -> Point | None:
         """Return the unit vector of where they walk, or would walk on; None if they rest."""
-        state = self.body.motion.state(now)
-        if state.speed > 0.05:
-            return (state.velocity[0] / state.speed, state.velocity[1] / state.speed)
+        (x, y, _), (vx, vy, _), _ = self.body.motion.state(now)
+        speed = math.hypot(vx, vy)
+        if speed > 0.05:
+            return (vx / speed, vy / speed)
         if self.goal is None or not self.route:
             return None
-        (x, y), (nx, ny) = state.at, self.route[0]
+        nx, ny = self.route[0]
         away = math.hypot(nx - x, ny - y)
         return None if away < 1e-6 else ((nx - x) / away, (ny - y) / away)
