@@ -260,10 +260,21 @@ def test_a_crowd_around_a_goal_dissolves(walks):
     assert least(run) >= 0.6
 
 
-def test_who_is_kept_from_a_goal_by_who_stands_there_does_not_walk_circles(walks):
-    ways = [((10.2, 1.7), [(11.383, 2.664)]), ((11.962, 2.603), [])]
-    run = walks(hall(13, 13), ways, 30.0)
-    assert [event["person"] for event in events(run, "arrived") if event["t"] < 5] == ["p0"]
+COLUMNS = [(x, y, x + 1, y + 1) for x in range(2, 19, 3) for y in range(2, 12, 3)]
+
+
+@pytest.mark.parametrize(
+    ("floor", "start", "goal", "stands"),
+    [
+        pytest.param(hall(13, 13), (10.2, 1.7), (11.38, 2.66), (11.96, 2.6), id="at the goal"),
+        pytest.param(
+            hall(20, 14, *COLUMNS), (7.5, 6.8), (17.3, 0.8), (9.1, 6.4), id="at a bend of the path"
+        ),
+    ],
+)
+def test_nobody_walks_to_and_fro_before_somebody_who_stands(walks, floor, start, goal, stands):
+    run = walks(floor, [(start, [goal]), (stands, [])], 40.0)
+    assert arrived(run) == {"p0"}
     assert least(run) >= 0.6
 
 

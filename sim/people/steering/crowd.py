@@ -120,6 +120,7 @@ class Crowd:
         """Let somebody walk to `goal` by `route` (the points after where they are) from now on."""
         if me.goal != goal:
             me.since = self._clock.now
+            self._parties[me].least_left = math.inf
         me.goal, me.route, me.top_speed = goal, route, top_speed
         me.goes_round = False
         self._decide(me)
@@ -232,6 +233,10 @@ class Crowd:
             hit = outlook.others.first_hit(wished)
         if hit is not None and party.waits_on_the_same(hit, now):
             self._wait(party, outlook, hit, ask=now >= party.tries_again)
+            return
+        nowhere = party.gets_nowhere(outlook.whole, now)
+        if nowhere and hit is not None and hit.at_rest and takes_way_round(me, outlook, nowhere):
+            self._decide(me, (me,))
             return
         party.weighed = now
         motion = self.steering.replan(me, outlook.near, outlook)

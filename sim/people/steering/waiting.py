@@ -26,6 +26,12 @@ each time is twice as long as the one before."""
 APART = 0.5
 """Seconds between two decisions of a person, so that they change course twice in one at most."""
 
+NOWHERE = 8.0
+"""Seconds after which somebody who walks to and fro, and gets no nearer, looks for another path."""
+
+NEARER = 0.3
+"""Metres. Less than this is no nearer."""
+
 IN_REACH = 1.25
 """Metres. Whoever is kept from a goal so near by somebody who is at it has arrived."""
 
@@ -63,6 +69,10 @@ class Party:
     afresh: float = AFRESH
     """How long they go on waiting without a look while it is still the same, seconds."""
     said: bool = False
+    least_left: float = math.inf
+    """The least that was left of their path to the goal, metres."""
+    least_since: float = 0.0
+    """When that was, seconds."""
 
     def waits_on_the_same(self, hit: Hit, now: float) -> bool:
         """Return whether nothing has changed for somebody who waits since they last looked."""
@@ -80,6 +90,21 @@ class Party:
         return (
             other is not None and other.me.body.motion is self.waits_on and now < self.tries_again
         )
+
+    def gets_nowhere(self, left: float, now: float) -> float:
+        """Return for how long they have walked without getting nearer, seconds; 0 if they have.
+
+        `left` is what is left of their path, metres. Who waits does not count, and it begins anew
+        with each answer.
+        """
+        since = self.least_since
+        if self.me.stands_since is not None or left < self.least_left - NEARER:
+            self.least_left, self.least_since = min(left, self.least_left), now
+            return 0.0
+        if now - since < NOWHERE:
+            return 0.0
+        self.least_left, self.least_since = left, now
+        return now - since
 
     def pause_longer(self, now: float) -> None:
         """Look again for a way round after a pause, twice as long as the one before."""
