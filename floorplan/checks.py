@@ -201,16 +201,18 @@ def _lane_faults(lane: Lane) -> Iterator[Fault]:
 
 
 def _door_faults(plan: Floor) -> Iterator[Fault]:
+    whole = []
     for door in plan.doors:
         place = ("doors", door.name)
         if not SMALLEST <= math.dist(*door.ends) <= WIDEST:
             yield "its two ends are one place", (*place, "between")
-            return
+            continue
+        whole.append(door)
         yield from _sizes(door, ("thickness", "height"), *place)
         for k, end in enumerate(door.ends):
             if not plan.boundary.covers(Point(end)):
                 yield f"({end[0]:g}, {end[1]:g}) is outside the boundary", (*place, "between", k)
-    for one, other in combinations(plan.doors, 2):
+    for one, other in combinations(whole, 2):
         if one.footprint.intersection(other.footprint).area > _TOUCHES:
             yield f"overlaps the door {one.name!r}", ("doors", other.name)
 

@@ -6,7 +6,7 @@ import pytest
 from shapely.geometry import Polygon, box
 
 import floorplan
-from floorplan import Floorplan, Human, Obstacle, SafeZone, Station
+from floorplan import Door, Floorplan, Human, Obstacle, SafeZone, Station
 from navigation import CollisionWorld
 
 SHOP = Floorplan("shop", box(0, 0, 10, 10))
@@ -69,3 +69,9 @@ def test_everything_is_told_at_once():
     plan = replace(SHOP, human=Human(radius=0.0), patrol=("nowhere",), boundary=CROSSED)
     with pytest.raises(floorplan.FloorplanError, match="3 problems"):
         floorplan.check(plan)
+
+
+def test_a_door_of_no_width_hides_nothing_that_is_wrong_with_others():
+    doors = [Door("slit", ((1.0, 1.0), (1.0, 1.0))), Door("far", ((1.0, 1.0), (99.0, 1.0)))]
+    with pytest.raises(floorplan.FloorplanError, match=r"(?s)slit.*far.*outside the boundary"):
+        floorplan.check(replace(SHOP, doors=doors))
