@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Protocol
 
 from floorplan import Floorplan, Obstacle, Point
-from navigation import CollisionWorld
+from navigation import CollisionWorld, Motion
 
 from .body import Body
 from .clock import Clock
@@ -102,6 +102,7 @@ class Stage:
     def __post_init__(self) -> None:
         """Put what is there at the start into the world of those who may go everywhere."""
         self._worlds = {self._rules_for(""): self._furnish(self.world, "")}
+        self._at_rest: dict[Machine, Motion] = {}
         if self.closures is not None:
             self._set(self.closures.at(self.clock.now))
 
@@ -150,9 +151,14 @@ class Stage:
 
     def place_machines(self) -> None:
         """Put the machines of the collision world where they are now."""
-        for world in self._worlds.values():
-            for machine in self.vehicles:
+        for machine in self.vehicles:
+            motion = machine.body.motion
+            if self._at_rest.get(machine) is motion:
+                continue  # it stands where it was put
+            for world in self._worlds.values():
                 machine.stand_in(world)
+            if motion.end <= self.clock.now:
+                self._at_rest[machine] = motion
 
     def put_down(self, obstacle: Obstacle) -> None:
         """Let an obstacle be there from now on, until it is taken up."""
