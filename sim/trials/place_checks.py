@@ -88,7 +88,7 @@ def closed_place_faults(trial: Scenario) -> Iterator[Fault]:
             try:
                 to = lane.lane_position(move.to)
             except ValueError:
-                return  # told already
+                break  # told already; where the lane goes on from is not known
             for zone in plan.zones:
                 if not (zone.forbidden and zone.is_about(lane.name)):
                     continue

@@ -192,6 +192,15 @@ def test_agvs_brake_for_what_comes_and_slow_down_in_zones(run):
     assert x[-1] == pytest.approx(18.0) and (cart.rotation(times) == 0.0).all()
 
 
+def test_a_move_to_nowhere_hides_no_move_into_a_forbidden_zone(run):
+    lanes = WITH_CART.replace("[2, 2.75]}}", "[2, 2.75]}, van: {origin: [2, 7.25]}}")
+    zone = "zones: {cell: {x: [12, 14], y: [5, 10], forbidden: true, concerns: [van]}}\n"
+    moves = "agvs: {cart: [{time: 0, to: nowhere}], van: [{time: 0, to: east}]}\n"
+    with pytest.raises(sim.TrialError, match="no location 'nowhere'") as told:
+        run("duration: 10\n" + moves, lanes + zone)
+    assert "leads into the zone 'cell', forbidden to van" in str(told.value)
+
+
 def test_a_trial_without_any_of_it_has_nothing_of_it():
     run = sim.run(sim.Trial.parse("{floorplan: ariac2023, duration: 1}"))
     assert not run.scene.passing and not run.floorplan.doors
