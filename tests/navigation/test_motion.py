@@ -345,6 +345,7 @@ def test_limits_must_be_positive(limits):
         AxisLimits(*limits)
 
 
+@example(1_415_533_623)  # within a nanometre of its end
 @given(st.integers(0, 2**32 - 1))
 def test_braking_may_be_broken_off_by_braking(seed):
     """Once the rounding of the way that is left, or Ruckig's, could make this fail."""
@@ -354,7 +355,8 @@ def test_braking_may_be_broken_off_by_braking(seed):
     braking = navigation.stop_walking(walk, t)
     for later in random.uniform(t, braking.end, 20):
         again = navigation.stop_walking(braking, later)
-        assert again.end == pytest.approx(braking.end, abs=1e-5)
+        # Who would stop within 1e-9 m stands at once, which saves no more than √(2 · 1e-9 / 2.5) s.
+        assert again.end == pytest.approx(braking.end, abs=3e-5)
         assert again.position(again.end) == pytest.approx(braking.position(again.end), abs=1e-5)
 
 
