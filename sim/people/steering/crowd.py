@@ -40,7 +40,7 @@ from .whereabouts import GAP, Hit, Whereabouts
 EARLY = 0.25
 """Seconds before braking would begin at which people decide anew."""
 
-KEEPS, ANEW = 0.75, 1.5
+KEEPS, ANEW = 1.0, 2.0
 """Seconds that somebody keeps to a course that they don't wish for, at least, and until they look
 again for a better one."""
 
