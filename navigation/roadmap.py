@@ -25,6 +25,7 @@ from .bodies import Body
 from .corners import Bends, Corners, Floats, bends, corners, edges_of_room
 from .freespace import STEP
 from .gates import Gates
+from .kernels.heap import Heap
 from .kernels.search import Link, Turns
 from .sight import Ints, Sight
 
@@ -65,6 +66,8 @@ class Roadmap:
         self._points: list[Point] = [(x, y) for x, y in self.bends.point.tolist()]
         self.turns = Turns(self.bends.columns())
         """The bends, for searches."""
+        self.queues: list[Heap] = []
+        """Queues that no search needs now: to make one takes longer than to use it."""
         self.places = frozenset(self._points)
         self.asked: dict[tuple[Point, Point], bool] = {}
         """FCL's answers about links between the floor's bends, by their places."""

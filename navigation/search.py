@@ -8,7 +8,8 @@ from floorplan import Point
 
 from .bodies import Body
 from .kernels.edges import Room
-from .kernels.search import Entry, Link, Search
+from .kernels.heap import Heap
+from .kernels.search import Link, Search
 from .roadmap import Roadmap
 
 PATIENCE = 400
@@ -36,17 +37,30 @@ def shortest_path(
     """
     count = len(roadmap.bends)
 
-    def links_of(bend: int, queue: list[Entry]) -> list[Link]:
+    def links_of(bend: int, queue: Heap) -> list[Link]:
         # A heap has the bends that will be taken soon not far from its top.
-        return roadmap.links_of(bend, (to for _, _, _, to in queue[:_SOON] if to < count))
+        return roadmap.links_of(bend, (to for to in queue.first(_SOON) if to < count))
 
     around = [roadmap.around(body) for body in bodies]
     ends, not_to_take = [*start, *goal], set[tuple[int, int]]()
+    try:
+        queue = roadmap.queues.pop()
+    except IndexError:
+        queue = Heap()
     search = Search(
-        roadmap.turns, roadmap.links, links_of, around, ends, straight, room, not_to_take
+        roadmap.turns,
+        roadmap.links,
+        links_of,
+        around,
+        ends,
+        straight,
+        room,
+        not_to_take,
+        queue,
     )
     if refused:
         number = {search.place(k): k for k in range(search.goal + 1)}
         not_to_take |= {(number[a], number[b]) for a, b in refused if {a, b} <= number.keys()}
     chain = search.path(PATIENCE, hopeless)
+    roadmap.queues.append(queue)
     return None if chain is None else [search.place(number) for number in chain]

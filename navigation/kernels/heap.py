@@ -1,11 +1,15 @@
-"""A binary heap of entries, the least first, for compiled searches.
+"""A binary heap of the entries of a search, the least first.
 
-It is `heapq` for tuples that begin with two numbers: these are compared without asking Python.
+Compiled, they are columns of plain numbers; as Python it is `heapq` with tuples, as which entries
+compare in either case.
 """
 
 from __future__ import annotations
 
+import heapq
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 if TYPE_CHECKING:
     import cython
@@ -13,64 +17,135 @@ else:
     from . import uncompiled as cython
 
 Entry = tuple[float, float, int, int]
+"""Lower bound of a path's length, length up to its last link, and the places of that link."""
+
+_ROOM: cython.Py_ssize_t = 256  # entries, at first
 
 
-def heappush(heap: list[Entry], entry: Entry) -> None:
-    """Add an entry."""
-    heap.append(entry)
-    place: cython.Py_ssize_t = len(heap) - 1
-    _rise(heap, entry, place)
+class Heap:
+    """Entries: the lower bound of a path's length, its length so far, and its last link.
 
+    The one that was taken last is in `so_far`, `here` and `there`.
+    """
 
-def heappop(heap: list[Entry]) -> Entry:
-    """Take the least entry away, and return it."""
-    entry: tuple[float, float, int, int] = heap.pop()
-    count: cython.Py_ssize_t = len(heap)
-    if count == 0:
-        return entry
-    least: tuple[float, float, int, int] = heap[0]
-    one: tuple[float, float, int, int]
-    other: tuple[float, float, int, int]
-    # The lesser children move up to the bottom, as the last entry is seldom a small one.
-    place: cython.Py_ssize_t = 0
-    child: cython.Py_ssize_t = 1
-    while child < count:
-        one = heap[child]
-        if child + 1 < count:
-            other = heap[child + 1]
-            if _before(other, one):
+    def __init__(self) -> None:
+        self.entries: list[Entry] = []
+        self.count = 0
+        self.so_far = 0.0
+        self.here = self.there = 0
+        self._room = _ROOM
+        self._bounds = np.empty(self._room)
+        self._lengths = np.empty(self._room)
+        self._froms = np.empty(self._room, dtype=np.intp)
+        self._tos = np.empty(self._room, dtype=np.intp)
+
+    def clear(self) -> cython.int:
+        """Leave all entries out."""
+        self.count = 0
+        self.entries = []
+        return 0
+
+    def push(
+        self, bound: float, so_far: float, here: cython.Py_ssize_t, there: cython.Py_ssize_t
+    ) -> cython.int:
+        """Add an entry."""
+        self.count += 1
+        if not cython.compiled:
+            heapq.heappush(self.entries, (bound, so_far, here, there))
+            return 0
+        if self.count > self._room:
+            self._widen()
+        self._rise(self.count - 1, bound, so_far, here, there)
+        return 0
+
+    def pop(self) -> cython.int:
+        """Take the least entry away."""
+        self.count -= 1
+        if not cython.compiled:
+            _, self.so_far, self.here, self.there = heapq.heappop(self.entries)
+            return 0
+        self.so_far = self._lengths[0]
+        self.here = self._froms[0]
+        self.there = self._tos[0]
+        # The lesser children move up to the bottom, as the last entry is seldom a small one.
+        last: cython.Py_ssize_t = self.count
+        place: cython.Py_ssize_t = 0
+        child: cython.Py_ssize_t = 1
+        while child < last:
+            if child + 1 < last and self._before(
+                child,
+                self._bounds[child + 1],
+                self._lengths[child + 1],
+                self._froms[child + 1],
+                self._tos[child + 1],
+            ):
                 child += 1
-                one = other
-        heap[place] = one
-        place = child
-        child = 2 * place + 1
-    _rise(heap, entry, place)
-    return least
+            self._move(child, place)
+            place = child
+            child = 2 * place + 1
+        self._rise(
+            place, self._bounds[last], self._lengths[last], self._froms[last], self._tos[last]
+        )
+        return 0
 
+    def first(self, most: int) -> list[int]:
+        """Return where the links lead of so many entries at the top, which are among the least."""
+        if not cython.compiled:
+            return [entry[3] for entry in self.entries[:most]]
+        return [self._tos[k] for k in range(min(most, self.count))]
 
-def _rise(heap: list[Entry], entry: Entry, place: cython.Py_ssize_t) -> None:
-    """Put `entry` where it belongs on the way from `place` up to the top."""
-    other: tuple[float, float, int, int]
-    above: cython.Py_ssize_t
-    while place > 0:
-        above = (place - 1) // 2
-        other = heap[above]
-        if not _before(entry, other):
-            break
-        heap[place] = other
-        place = above
-    heap[place] = entry
+    def _rise(
+        self,
+        place: cython.Py_ssize_t,
+        bound: float,
+        so_far: float,
+        here: cython.Py_ssize_t,
+        there: cython.Py_ssize_t,
+    ) -> cython.int:
+        """Put an entry where it belongs on the way from `place` up to the top."""
+        above: cython.Py_ssize_t
+        while place > 0:
+            above = (place - 1) // 2
+            if not self._before(above, bound, so_far, here, there):
+                break
+            self._move(above, place)
+            place = above
+        self._bounds[place] = bound
+        self._lengths[place] = so_far
+        self._froms[place] = here
+        self._tos[place] = there
+        return 0
 
+    def _before(
+        self,
+        other: cython.Py_ssize_t,
+        bound: float,
+        so_far: float,
+        here: cython.Py_ssize_t,
+        there: cython.Py_ssize_t,
+    ) -> cython.bint:
+        """Return whether an entry is less than the one at `other`."""
+        if bound != self._bounds[other]:
+            return bound < self._bounds[other]
+        if so_far != self._lengths[other]:
+            return so_far < self._lengths[other]
+        if here != self._froms[other]:
+            return here < self._froms[other]
+        return there < self._tos[other]
 
-# Tuples compare as `heapq` has them compared, so that the order is the same without a compiler.
-def _before(one: Entry, other: Entry) -> bool:
-    """Return whether one entry is less than another."""
-    a: float = one[0]
-    b: float = other[0]
-    if a != b:
-        return a < b
-    a = one[1]
-    b = other[1]
-    if a != b:
-        return a < b
-    return one < other
+    def _move(self, place: cython.Py_ssize_t, to: cython.Py_ssize_t) -> cython.int:
+        """Copy an entry to another place."""
+        self._bounds[to] = self._bounds[place]
+        self._lengths[to] = self._lengths[place]
+        self._froms[to] = self._froms[place]
+        self._tos[to] = self._tos[place]
+        return 0
+
+    def _widen(self) -> cython.int:
+        """Double the room for entries."""
+        self._bounds = np.resize(self._bounds, 2 * self._room)
+        self._lengths = np.resize(self._lengths, 2 * self._room)
+        self._froms = np.resize(self._froms, 2 * self._room)
+        self._tos = np.resize(self._tos, 2 * self._room)
+        self._room = 2 * self._room
+        return 0

@@ -1,4 +1,5 @@
 from navigation.kernels.edges cimport Room
+from navigation.kernels.heap cimport Heap
 
 cdef double _SLACK
 cdef Py_ssize_t _AT_ONCE
@@ -29,7 +30,7 @@ cdef class Search:
     cdef list[double] left
     cdef list[double] best
     cdef list[double] sure
-    cdef list queue
+    cdef Heap queue
     cdef dict lines
     cdef double x
     cdef double y

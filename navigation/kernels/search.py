@@ -18,19 +18,16 @@ else:
     from . import uncompiled as cython
 
 if not cython.compiled:
-    from heapq import heappop, heappush
     from math import inf, sqrt
 
     from .edges import Room
+    from .heap import Heap
 
     INFINITY = inf
 else:
     from cython.cimports.libc.math import INFINITY, sqrt
     from cython.cimports.navigation.kernels.edges import Room
-    from cython.cimports.navigation.kernels.heap import heappop, heappush
-
-Entry = tuple[float, float, int, int]
-"""Lower bound of a path's length, length up to its last link, and the places of that link."""
+    from cython.cimports.navigation.kernels.heap import Heap
 
 Link = tuple[int, float]
 """The number of a place, and the distance to it (metres)."""
@@ -60,19 +57,21 @@ class Search:
     Places are the bends of the `floor`, those of bodies in `parts`, the start and the goal, with
     numbers in that order. `links` are those between the floor's bends, or None where only `expand`
     can say, given a bend and the queue; the floor leaves room on them. All others are asked of
-    `room`; those in `refused` count for none, and the straight line only if it is `straight`.
+    `room`; those in `refused` count for none, and the straight line only if it is `straight`. The
+    `queue` may have served another search before.
     """
 
     def __init__(
         self,
         floor: Turns,
         links: list[list[Link] | None],
-        expand: Callable[[int, list[Entry]], list[Link]],
+        expand: Callable[[int, Heap], list[Link]],
         parts: list[Turns],
         ends: list[float],
         straight: bool,
         room: Room,
         refused: set[tuple[int, int]],
+        queue: Heap,
     ) -> None:
         self.floor = floor
         self.links = links
@@ -94,7 +93,8 @@ class Search:
         # The shortest length by which each place is known to be reached, though not yet taken from
         # the queue. Nothing longer need be queued for it.
         self.sure: list[float] = [INFINITY] * (self.goal + 1)
-        self.queue: list[Entry] = []
+        self.queue = queue
+        queue.clear()
         self.lines: dict[tuple[int, int, int], list[list[Link]]] = {}
         self.x = self.y = 0.0
         self.at = 0
@@ -106,7 +106,7 @@ class Search:
         `hopeless()` is asked once, after `patience` links, and ends the search if it is true.
         """
         before: list[int] = [self.start] * (self.goal + 1)
-        entry: tuple[float, float, int, int]
+        queue: Heap = self.queue
         there: cython.Py_ssize_t = self.start
         here: cython.Py_ssize_t
         so_far: float = 0.0
@@ -116,12 +116,12 @@ class Search:
         while there != self.goal:
             self._leave(there, so_far)
             while True:
-                if len(self.queue) == 0:
+                if queue.count == 0:
                     return None
-                entry = heappop(self.queue)
-                so_far = entry[1]
-                here = entry[2]
-                there = entry[3]
+                queue.pop()
+                so_far = queue.so_far
+                here = queue.here
+                there = queue.there
                 # Straight distance never falls by more than a link is long, so the first to reach a
                 # place is the shortest, and later ones to it are left where they lie in the queue.
                 if so_far >= self.best[there] or so_far > self.sure[there]:
@@ -283,7 +283,7 @@ class Search:
         """Queue a link; whether it is clear is asked when it is taken."""
         then: float = so_far + length
         if then < self.best[to] and then <= self.sure[to]:
-            heappush(self.queue, (then + self._bound(to), then, here, to))
+            self.queue.push(then + self._bound(to), then, here, to)
         return 0
 
     def _push_known(
@@ -295,7 +295,7 @@ class Search:
             return 0
         if self.alone or self._clear(here, to, False):
             self.sure[to] = then
-            heappush(self.queue, (then + self._bound(to), then, here, to))
+            self.queue.push(then + self._bound(to), then, here, to)
         return 0
 
     def _bound(self, place: cython.Py_ssize_t) -> float:
