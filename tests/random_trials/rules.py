@@ -330,6 +330,12 @@ def _beside_home_faults(run, event, home, radius):
             on_lane = shapely.LineString([lane.position(q) for q in lane.limits])
             gaps.append(on_lane.distance(shapely.Point(home)) - lane.length)
     soon = _away(run, event["person"], home, t) < SOON
+    # Two may be sent home at the same instant, and share it.
+    earlier = run.events[: run.events.index(event)]
+    soon |= any(
+        other["kind"] == "teleport" and other["t"] == t and math.dist(other["to"], home) < SOON
+        for other in earlier
+    )
     if min(gaps, default=math.inf) > radius + FIGURE and not soon:
         yield f"there is room at home: {event}"
     there = [o.footprint for o in plan.obstacles if o.overlaps(0.0, plan.human.height)]
