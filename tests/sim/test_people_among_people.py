@@ -278,6 +278,17 @@ def test_nobody_walks_to_and_fro_before_somebody_who_stands(walks, floor, start,
     assert least(run) >= 0.6
 
 
+def test_three_and_three_pass_each_other_between_the_ends_of_an_aisle(walks):
+    """Where two can pass close to the walls alone, those who ask go close to one themselves."""
+    west = [(0.6, 1.01), (1.5, 0.56), (2.4, 0.88)]
+    east = [(13.0, 1.01), (12.1, 0.56), (11.2, 0.88)]
+    goals = [(13.4, 0.73), (12.5, 0.96), (11.6, 0.65), (1.1, 1.01), (2.0, 0.56), (2.9, 0.88)]
+    ways = [(start, [goal]) for start, goal in zip(west + east, goals, strict=True)]
+    run = walks(hall(14, 1.5), ways)
+    assert least(run) >= 0.6
+    assert arrived(run) == set(run.summary["people"])
+
+
 @pytest.mark.parametrize(
     "seed",
     [

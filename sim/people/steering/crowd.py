@@ -29,7 +29,7 @@ from ...core.clock import Alarm, Turn
 from ...core.events import Blocked, Deadlock, GaveWay, Met
 from ...core.stage import Stage
 from .outlook import Ground, Outlook
-from .requests import USUAL, UTMOST, Request
+from .requests import MORE, USUAL, UTMOST, Request
 from .room import Place, places_at, room_near
 from .steering import Foresighted, Steering, both_aside
 from .traveller import Traveller
@@ -368,7 +368,7 @@ class Crowd:
     def _ask(self, me: Traveller, outlook: Outlook, hit: Hit) -> bool:
         """Ask those in the way to step aside; return whether they did."""
         party, floor = self._parties[me], self._whereabouts
-        effort = UTMOST if party.pause >= LONGEST else USUAL
+        effort = UTMOST if party.said else MORE if party.pause >= LONGEST else USUAL
         request = Request(me, self._clock.now, floor, self._ground, effort, party.behind())
         if not request.succeeds(outlook, outlook.gone(hit.t)):
             return False

@@ -35,6 +35,9 @@ AROUND = [
 PASSED = 1.0
 """Metres. So far beyond the one in the way whoever asks wants to get."""
 
+LANE = 1.0
+"""Metres between the points of a course that is laid to a side."""
+
 WAITS = (0.0, 0.5, 1.0, 2.0, 4.0)
 """Seconds that whoever asks waits for the others to be out of the way."""
 
@@ -43,20 +46,26 @@ class Effort(NamedTuple):
     """How far a request goes: the figures of the search for who moves where.
 
     People ask on along a chain of at most `deepest`, and at most `most` move; each tries `wide`
-    places, and all together `tries` courses.
+    places, and all together `tries` courses. Where the course of the asker leaves them no room, it
+    is also laid `sides` metres to the left, where there are no walls: that opens an aisle in which
+    two can pass each other only close to its walls.
     """
 
     deepest: int
     most: int
     wide: int
     tries: int
+    sides: tuple[float, ...] = ()
 
 
 USUAL = Effort(deepest=4, most=12, wide=6, tries=40)
 """Enough where there is room."""
 
-UTMOST = Effort(deepest=10, most=24, wide=12, tries=200)
+MORE = Effort(deepest=10, most=24, wide=12, tries=200)
 """For who has asked in vain: in a throng many have to move a little, one after the other."""
+
+UTMOST = MORE._replace(sides=(-0.45, 0.45, -0.9, 0.9, -0.2, 0.2))
+"""For who has lost patience."""
 
 
 class Request:
@@ -94,23 +103,34 @@ class Request:
         near = min(outlook.stop_beyond(passed + PASSED), outlook.whole)
         far = outlook.stop_beyond(outlook.reach)
         for length in dict.fromkeys((near, far)):
-            course = first(outlook.course, length)
-            # Who waits long enough is in nobody's way: those who can't step aside then never can.
-            latest = outlook.draft(outlook.course, length, delay=WAITS[-1])
-            if latest is None:
-                continue
-            self.drafts = {self._asker: latest}
-            if self._clear(self._asker, course, 0):
-                self._set_out_sooner(outlook, length)
-                return True
+            for course in self._courses(outlook, length):
+                # Who waits long enough is in nobody's way: those who can't step aside then never
+                # can.
+                latest = outlook.draft(course, length, delay=WAITS[-1])
+                if latest is None:
+                    continue
+                self.drafts, self._left = {self._asker: latest}, self._effort.tries
+                if self._clear(self._asker, first(course, length), 0):
+                    self._set_out_sooner(outlook, course, length)
+                    return True
         return False
 
-    def _set_out_sooner(self, outlook: Outlook, length: float) -> None:
+    def _courses(self, outlook: Outlook, length: float) -> Iterator[Sequence[Point]]:
+        """Yield the course of the asker, and if need be some beside the first `length` metres."""
+        yield outlook.course
+        for side in self._effort.sides:
+            steps = [min(k * LANE, length) for k in range(1, math.ceil(length / LANE) + 1)]
+            ways = [outlook.walks.at(along) for along in steps]
+            course = [outlook.at, *((x - side * s, y + side * c) for x, y, c, s in ways)]
+            if all(outlook.ground.free(a, b) for a, b in pairwise(course)):
+                yield course
+
+    def _set_out_sooner(self, outlook: Outlook, course: Sequence[Point], length: float) -> None:
         """Let the asker set out as soon as all the others who move are out of its way."""
         others = {who: draft for who, draft in self.drafts.items() if who is not self._asker}
         moving = Moving(others, self._now)
         for wait in WAITS[:-1]:
-            draft = outlook.draft(outlook.course, length, delay=wait)
+            draft = outlook.draft(course, length, delay=wait)
             if draft is None or moving.meet(self._asker, draft):
                 continue
             if self._near(self._asker, draft).free(draft):
