@@ -368,7 +368,9 @@ class Crowd:
     def _ask(self, me: Traveller, outlook: Outlook, hit: Hit) -> bool:
         """Ask those in the way to step aside; return whether they did."""
         party, floor = self._parties[me], self._whereabouts
-        effort = UTMOST if party.said else MORE if party.pause >= LONGEST else USUAL
+        effort = USUAL
+        if party.searches_on(self._clock.now):
+            effort = UTMOST if party.said else MORE
         request = Request(me, self._clock.now, floor, self._ground, effort, party.behind())
         if not request.succeeds(outlook, outlook.gone(hit.t)):
             return False

@@ -64,6 +64,10 @@ class Party:
     """When they look again though it is still the same, seconds."""
     pause: float = 0.0
     """How long they have paused until then, seconds."""
+    search: float = 0.0
+    """How long they have asked with little effort until they look at all that others could do."""
+    searches_again: float = 0.0
+    """When they look at all of that again, seconds."""
     sight: Sight | None = None
     """All that they saw when they last looked for a way round, where all of it stood."""
     afresh: float = AFRESH
@@ -111,6 +115,14 @@ class Party:
         self.pause = min(2 * self.pause, LONGEST) if self.pause else PAUSE
         self.tries_again = now + self.pause
 
+    def searches_on(self, now: float) -> bool:
+        """Return whether they look at all that others could do: after ever longer pauses."""
+        if self.pause < LONGEST or now < self.searches_again:
+            return False
+        self.search = 2 * self.search if self.search else 2 * LONGEST
+        self.searches_again = now + self.search
+        return True
+
     def goes_on(self, now: float) -> None:
         """Take note that they are not kept from going on any more."""
         me = self.me
@@ -119,6 +131,7 @@ class Party:
         self.wait_for(None)
         me.stands_since, self.said, self.sight = None, False, None
         self.waits_on, self.tries_again, self.pause, self.afresh = None, 0.0, 0.0, AFRESH
+        self.search = self.searches_again = 0.0
 
     def wait_for(self, other: Party | None) -> None:
         """Take note of whom they wait for."""
