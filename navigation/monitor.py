@@ -69,7 +69,8 @@ def first_time(
     judge = plain_judge_of(condition)
     if shapes is None and judge is not None:
         _check(person, machine, begin, end)
-        return first_change(judge, person.table, machine.table, begin, end, RESOLUTION)
+        span = (float(begin), float(end))
+        return first_change(judge, person.table, machine.table, *span, RESOLUTION)
     return _watch(condition, person, machine, begin, end, shapes).change()
 
 
