@@ -238,6 +238,7 @@ def test_rooms_within_rooms_and_things_in_them():
     assert sorted(len(piece.interiors) for piece in found.geoms) == [1] * 5
 
 
+@pytest.mark.slow
 def test_noise_is_no_floor(load):
     speckled = np.where(np.random.default_rng(0).random((1500, 1500)) < 0.5, FREE, OCCUPIED)
     with pytest.raises(floorplan.FloorplanError, match="corners, of at most 1,000,000: clear it"):

@@ -89,6 +89,7 @@ def test_one_in_a_module_beside_the_trial_is_written_by_its_name(module, tmp_pat
     assert sim.Trial.parse(builtin.to_yaml()).gantry.controller == "pausing"
 
 
+@pytest.mark.slow
 def test_a_study_with_one_runs_on_several_processes_or_says_what_to_do(module, tmp_path):
     study = sim.Study("bold", (driven_by(module.go, folder=tmp_path),), repeat=2)
     results = sim.run_study(study, tmp_path / "study", jobs=2)

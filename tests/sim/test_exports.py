@@ -241,6 +241,7 @@ def test_topic_names_are_allowed_and_different(names):
         assert re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name)
 
 
+@pytest.mark.slow
 def test_pedpy_reads_people_who_only_walk(run, tmp_path):
     pedpy = pytest.importorskip("pedpy", reason="PedPy needs Python 3.11")
     path = tmp_path / "run.sqlite"

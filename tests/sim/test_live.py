@@ -430,7 +430,7 @@ def test_the_page_interferes_with_the_run(open_address):
     assert viewer.complaints == []
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("scheme", ["light", pytest.param("dark", marks=pytest.mark.slow)])
 def test_a_page_with_control_can_be_used_by_everybody(open_address, axe, scheme):
     """By the rules of axe-core, with a box that is put down by keyboard."""
     trial = sim.Trial.parse(TRIAL)

@@ -156,7 +156,7 @@ def require_same_goals(across, within):
 @pytest.mark.parametrize(
     ("personality", "duration"),
     [
-        ("indifferent", 90.0),
+        ("indifferent", 40.0),
         pytest.param("antagonistic", 60.0, marks=pytest.mark.slow),
         pytest.param("helpful", 40.0, marks=pytest.mark.slow),
         pytest.param("indifferent", 275.0, marks=pytest.mark.slow),

@@ -80,6 +80,7 @@ def test_the_same_run_gives_the_same_film(run, tmp_path):
     assert (tmp_path / "a.gif").read_bytes() == (tmp_path / "b.gif").read_bytes()
 
 
+@pytest.mark.slow
 def test_an_mp4_has_all_pictures_and_the_same_bytes(run, tmp_path):
     av = pytest.importorskip("av")
     for name in ("a.mp4", "b.mp4"):

@@ -6,7 +6,7 @@ import replay_sample
 from sim.views import replay
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("scheme", ["light", pytest.param("dark", marks=pytest.mark.slow)])
 def test_axe_finds_nothing_to_mend(open_page, axe, scheme):
     viewer = open_page(replay.render(replay_sample.recording()), color_scheme=scheme)
     viewer.page.add_script_tag(content=axe)

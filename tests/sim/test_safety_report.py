@@ -100,7 +100,7 @@ def test_the_same_run_gives_the_same_report(run, page, tmp_path):
     assert (tmp_path / "again.html").read_text(encoding="utf-8") == page
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("scheme", ["light", pytest.param("dark", marks=pytest.mark.slow)])
 def test_the_page_can_be_read_by_everybody(page, open_page, axe, scheme):
     viewer = open_page(page, color_scheme=scheme, viewport={"width": 390, "height": 800})
     assert viewer.page.evaluate("document.documentElement.scrollWidth") <= 390
