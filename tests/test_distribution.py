@@ -29,7 +29,6 @@ REBUILT = {".git", "build", "dist", "site", "runs"}
 
 pytestmark = [
     pytest.mark.slow,
-    pytest.mark.xdist_group("distribution"),  # what is built once serves all of them
     pytest.mark.skipif(not (ROOT / "sim").is_dir(), reason="the sources are not there"),
 ]
 

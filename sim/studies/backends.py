@@ -107,7 +107,8 @@ def _dask_client(jobs: int) -> Iterator[None]:
         cluster = LocalCluster(
             n_workers=jobs,
             threads_per_worker=1,
-            dashboard_address=None,
+            # Any port will do: without an address Dask takes 8787, and warns where that is taken.
+            dashboard_address="localhost:0",
             silence_logs=logging.CRITICAL,
         )
     with cluster, Client(cluster):

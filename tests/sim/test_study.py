@@ -4,9 +4,11 @@ import csv
 import json
 import os
 import signal
+import socket
 import subprocess
 import sys
 import time
+from contextlib import suppress
 
 import pytest
 from hypothesis import given, settings
@@ -114,11 +116,15 @@ def test_every_row_is_what_a_run_of_its_trial_gives(study, tmp_path):
 @pytest.mark.slow
 def test_the_same_bytes_whatever_the_jobs_and_the_backend(study, tmp_path):
     written = set()
-    for backend, jobs in (("sequential", 1), ("loky", 2), ("dask", 2)):
-        out = tmp_path / backend
-        sim.run_study(study, out, jobs=jobs, backend=backend)
-        names = ("results.csv", "results.parquet", "report.html")
-        written.add(tuple((out / name).read_bytes() for name in names))
+    with socket.socket() as taken:  # the port that Dask takes if it is given none
+        with suppress(OSError):  # somebody else has it
+            taken.bind(("", 8787))
+            taken.listen()
+        for backend, jobs in (("sequential", 1), ("loky", 2), ("dask", 2)):
+            out = tmp_path / backend
+            sim.run_study(study, out, jobs=jobs, backend=backend)
+            names = ("results.csv", "results.parquet", "report.html")
+            written.add(tuple((out / name).read_bytes() for name in names))
     assert len(written) == 1
 
 
@@ -127,7 +133,7 @@ def test_rows_run_on_the_cluster_of_the_current_client(study, tmp_path):
     from distributed import Client, LocalCluster
 
     with (
-        LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
+        LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address="localhost:0") as cluster,
         Client(cluster) as client,
     ):
         sim.run_study(study, tmp_path / "out", backend="dask")
