@@ -1,6 +1,5 @@
 """The competition's own agent on our bridge, played from its protocol and its two windows."""
 
-import itertools
 import math
 import time
 from contextlib import suppress
@@ -21,7 +20,7 @@ LOOKS = 20.0
 """Seconds after its start, after a teleport and after noticing the gantry, till it looks for it."""
 
 SPEED = 20.0
-"""Of the trial here, and of its windows, which are of the wall's clock and so belong to speed 1."""
+"""Of the trial, where a tenth of a second by the wall's clock decides nothing."""
 
 MAKES_READY = 0.5
 """Seconds for which it has subscribed and hears nothing yet."""
@@ -45,8 +44,9 @@ HEARD = {
 class Original:
     """Drives a person as the original does: by the wall's clock, with what it drops."""
 
-    def __init__(self, client, a_trial):
+    def __init__(self, client, a_trial, speed):
         self._client = client
+        self._speed = speed  # its windows are of the wall's clock, and so belong to speed 1
         self._agent = make_agent(
             a_trial.people[0],
             a_trial,
@@ -73,7 +73,7 @@ class Original:
                 said = {}
             if said.get("op") == "publish" and not self._hear(said["topic"], said["msg"]):
                 return
-            self._agent.advance((time.monotonic() - self._came) * SPEED)
+            self._agent.advance((time.monotonic() - self._came) * self._speed)
 
     def _hear(self, topic, message):
         now = time.monotonic()
@@ -82,13 +82,13 @@ class Original:
         if topic == "/ariac/start_human" and now - self._came > MAKES_READY:
             self._percepts.see("human_start")
             self._unsafe_at = now
-            self._looks_from = now + LOOKS / SPEED
+            self._looks_from = now + LOOKS / self._speed
         elif topic == "/ariac_human/state":
             self._look(now, message)
         elif topic == "/ariac_human/position_reached":
             self._percepts.count("work_completed")
         elif topic == "/ariac_human/unsafe_distance":
-            if now - self._unsafe_at < DROPS / SPEED:
+            if now - self._unsafe_at < DROPS / self._speed:
                 self.dropped += 1
                 return True
             self._unsafe_at = now
@@ -107,7 +107,7 @@ class Original:
         before, self._distance = self._distance, math.dist(here, self._gantry)
         is_near = self._distance < 1.75 * min(walks * (1.0 + 1.5) + moves * 1.0 + 1.2, 5.0)
         if is_near and self._distance < before and now >= self._looks_from:
-            self._looks_from = now + LOOKS / SPEED
+            self._looks_from = now + LOOKS / self._speed
             self._percepts.see("gantry_at", *self._gantry)
             self._percepts.count("gantry_detected")
 
@@ -122,18 +122,18 @@ class Original:
         else:
             if action.functor.startswith("teleport"):
                 self._unsafe_at = time.monotonic()
-                self._looks_from = self._unsafe_at + LOOKS / SPEED
+                self._looks_from = self._unsafe_at + LOOKS / self._speed
             self._client.publish(topic, data=action.functor != "teleport_agv")
         return True
 
 
-def driven(a_trial):
+def driven(a_trial, speed=SPEED):
     """The run of a trial whose person the original drives, the one by itself, and the original."""
     (person,) = a_trial.people
     outside = replace(a_trial, people=(replace(person, personality="external"),))
-    with served(outside, speed=SPEED, grace=1.0) as session:
+    with served(outside, speed=speed, grace=1.0) as session:
         with Client(session.url) as client:
-            original = Original(client, a_trial)
+            original = Original(client, a_trial, speed)
             with suppress(ConnectionClosedOK):  # the trial may end while it says something
                 original.drive()
         return session.join(), sim.run(a_trial), original
@@ -152,13 +152,11 @@ def require_same_goals(across, within):
     assert times(across, "goal")[-1] > times(within, "goal")[-1] - 30.0
 
 
-# After 40 s the order of a helpful one's goals hangs on tenths of a second; see the test below.
 @pytest.mark.parametrize(
     ("personality", "duration"),
     [
         ("indifferent", 40.0),
         pytest.param("antagonistic", 60.0, marks=pytest.mark.slow),
-        pytest.param("helpful", 40.0, marks=pytest.mark.slow),
         pytest.param("indifferent", 275.0, marks=pytest.mark.slow),
     ],
 )
@@ -166,27 +164,8 @@ def test_the_original_agent_goes_on_to_the_end(personality, duration):
     across, within, _ = driven(replace(trial(personality, duration), rules=sim.ARIAC2023))
     require_same_goals(across, within)
     violations = times(across, "violation")
-    assert bool(violations) == (personality != "helpful")
+    assert violations
     assert times(across, "teleport") == violations
-
-
-def require_rounds(run):
-    """It walks from station to station along the ring, and turns as often as it looks."""
-    ring = [list(station.position) for station in run.trial.floorplan.patrolled]
-    goals = [
-        (event["t"], ring.index(event["at"])) for event in run.events if event["kind"] == "goal"
-    ]
-    # It may set out for a station twice: for where it was going when it was stopped there.
-    steps = [
-        (t, (to - at) % len(ring)) for (_, at), (t, to) in itertools.pairwise(goals) if to != at
-    ]
-    assert {step for _, step in steps} == {1, len(ring) - 1}
-    turns = [t for (_, before), (t, step) in itertools.pairwise(steps) if step != before]
-    assert len(turns) >= run.trial.duration / LOOKS / 2
-    # A second is the moment that it waits before it turns; the rest is the wall's clock.
-    assert min(after - before for before, after in itertools.pairwise(turns)) > LOOKS / 2
-    assert goals[-1][0] > run.trial.duration - 20.0
-    return len(goals)
 
 
 @pytest.mark.slow
@@ -203,10 +182,13 @@ def test_an_antagonistic_original_meets_the_gantry_to_the_end():
 @pytest.mark.slow
 def test_a_helpful_original_makes_room_to_the_end():
     # The gantry that comes back at the same pace meets it where a tenth of a second decides which
-    # station it has just left, so its rounds are compared, and not its goals one by one.
-    across, within, _ = driven(replace(trial("helpful", 275.0), rules=sim.ARIAC2023))
-    assert require_rounds(across) > 0.6 * require_rounds(within)
+    # station it has just left, so its goals are counted, and not compared one by one.
+    a_trial = replace(trial("helpful", 120.0), rules=sim.ARIAC2023)
+    across, within, _ = driven(a_trial, speed=5.0)
     assert not times(across, "violation")
+    assert times(sim.run(replace(a_trial, people=trial("indifferent").people)), "violation")
+    assert len(times(across, "goal")) > 0.6 * len(times(within, "goal"))
+    assert times(across, "goal")[-1] > a_trial.duration - 30.0
 
 
 def test_what_the_original_drops_after_its_start_it_hears_later():
