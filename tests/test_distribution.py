@@ -34,10 +34,19 @@ pytestmark = [
 
 
 @pytest.fixture(scope="module")
-def built(tmp_path_factory):
-    """The folder with a wheel and an sdist; the wheel is built from the sdist."""
+def built(tmp_path_factory, testrun_uid):
+    """The folder with a wheel and an sdist, built once for all processes of the tests."""
     pytest.importorskip("build", reason="the package build is not installed")
-    folder = tmp_path_factory.mktemp("distribution")
+    filelock = pytest.importorskip("filelock", reason="the package filelock is not installed")
+    folder = tmp_path_factory.getbasetemp().parent / f"distribution-{testrun_uid}"
+    with filelock.FileLock(folder.with_suffix(".lock")):
+        if not folder.exists():
+            build(folder)
+    return folder
+
+
+def build(folder):
+    """Build an sdist of the sources, and a wheel from it."""
     source = folder / "source"
     at_top = {str(ROOT): REBUILT}
     shutil.copytree(ROOT, source, ignore=lambda path, names: at_top.get(path, set()) & set(names))
@@ -45,7 +54,6 @@ def built(tmp_path_factory):
     quickly = {**os.environ, "CFLAGS": "-O0"}
     done = subprocess.run(command, capture_output=True, text=True, env=quickly)
     assert done.returncode == 0, done.stdout + done.stderr
-    return folder
 
 
 BY_PRODUCTS = {"__pycache__", ".hypothesis"}
@@ -99,7 +107,7 @@ def test_a_wheel_installs_and_runs_in_an_empty_environment(built, clean, tmp_pat
     venv.create(environment, with_pip=True)
     python = environment / ("Scripts" if os.name == "nt" else "bin") / "python"
     pip = [str(python), "-m", "pip", "--quiet", "--disable-pip-version-check"]
-    subprocess.run([*pip, "install", str(wheel)], check=True, env=clean)
+    subprocess.run([*pip, "install", "--no-compile", str(wheel)], check=True, env=clean)
     command = str(python.parent / "floorwalker")
     for arguments in (["run", "--out", str(tmp_path / "out")], ["list"], ["--version"]):
         done = subprocess.run(

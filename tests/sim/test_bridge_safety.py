@@ -168,7 +168,7 @@ def test_nonsense_from_several_clients_disturbs_nobody(tmp_path):
         good.send(op="advertise", topic="/gantry_controller/joint_trajectory", type=type_)
         good.message("/clock")
         before = resident(server.process.pid)
-        deadline = time.monotonic() + 15
+        deadline = time.monotonic() + 6
         fuzzers = [
             threading.Thread(target=fuzz, args=(server.url, seed, deadline)) for seed in range(3)
         ]
@@ -181,7 +181,7 @@ def test_nonsense_from_several_clients_disturbs_nobody(tmp_path):
             if ticks % 50 == 0:
                 peak = max(peak, resident(server.process.pid))
         assert server.process.poll() is None, server.notices
-        assert ticks > 200
+        assert ticks > 60
         assert peak - before < 200e6
         assert server.interrupt() == 130
     assert not [line for line in server.notices if "Traceback" in line or "Error" in line]
