@@ -16,6 +16,7 @@ from typing import NamedTuple, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .kernels.odometer import WIDTH
 from .kernels.pieces import breaks, cut, evaluate, state
 from .polynomials import monotone_cubics
 
@@ -23,9 +24,6 @@ Cubic = tuple[float, float, float, float]
 """Coefficients c of c[0] + c[1] u + c[2] u² + c[3] u³, with u the time since a piece began."""
 
 Array = NDArray[np.float64]
-
-WIDTH = 14
-"""Numbers of a piece in a motion's table: begin, end, and the coefficients."""
 
 JUMP_TOLERANCE = 1e-6
 """Metres. Pieces that meet no closer than this are a jump, not rounding."""

@@ -16,13 +16,13 @@ from .catalog import ROADMAP, Setting
 from .choice import PlannerChoice
 from .freespace import STEP
 from .gates import Gates
+from .kernels.walks import is_place
 from .obstruction import blocked_place, explain_cut_off
 from .ompl_setup import Question
 from .path import Path, PlanningError, Reason, Watch
 from .roadmap import HAIR, Roadmap
 from .roadmap_planner import SLACK, RoadmapQuestions
 from .sampling import sample_path
-from .walk import is_place
 from .world import CollisionWorld
 
 COARSE = math.radians(15.0)

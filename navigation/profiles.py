@@ -16,6 +16,7 @@ import ruckig
 
 from .kernels.braking import stands
 from .kernels.pieces import phases_of
+from .kernels.walks import NOWHERE
 from .motion import Cubic, Piece
 
 
@@ -42,9 +43,6 @@ class AxisState:
     velocity: float = 0.0
     acceleration: float = 0.0
 
-
-NOWHERE = 1e-9
-"""Metres or radians. Shorter moves are none."""
 
 Phases = list[tuple[float, Cubic]]
 """The duration of each phase of one axis (seconds), and its cubic."""

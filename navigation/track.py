@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from array import array
 
+from .kernels.odometer import WIDTH
 from .kernels.pieces import breaks, packed, unpacked
-from .motion import JUMP_TOLERANCE, WIDTH, Motion, TablePieces
+from .motion import JUMP_TOLERANCE, Motion, TablePieces
 
 
 class Track:

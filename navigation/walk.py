@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import TypeGuard
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,17 +10,13 @@ from numpy.typing import ArrayLike
 from .kernels import walks
 from .kernels.pieces import along_legs
 from .motion import Motion, State, TablePieces, standing
-from .profiles import NOWHERE, AxisLimits
+from .profiles import AxisLimits
 
 MAX_SPEED = 1.0
 """m/s. A person's top speed where nothing else is said."""
 
 MAX_ACCELERATION = 2.5
 """m/s². A person's acceleration where nothing else is said."""
-
-_HAIR = 1e-6
-"""Speeds are planned with this share less of the acceleration, so that rounding can't make a
-profile infeasible."""
 
 Corner = tuple[float, float]
 
@@ -73,9 +68,9 @@ def stop_walking(motion: Motion, t: float, *, max_acceleration: float = MAX_ACCE
     t = float(t)
     state = motion.state(t)
     # v² / (2 a): on a straight line that is all it takes, and corners ahead were taken slower.
-    braking = state.speed**2 / (2 * max_acceleration * (1 - _HAIR))
+    braking = state.speed**2 / (2 * max_acceleration * (1 - walks.HAIR))
     corners = walks.first_metres(remaining_path(motion, t), braking)
-    if braking < NOWHERE or len(corners) < 2:
+    if braking < walks.NOWHERE or len(corners) < 2:
         x, y, heading = state.position
         return standing((x, y), heading=heading, start=t)
     lengths = walks.lengths_of(corners)
@@ -129,8 +124,3 @@ def _corners(points: ArrayLike) -> list[Corner]:
     found = walks.bends([(x, y) for x, y in array.tolist()])
     assert found is not None  # they are finite floats
     return found
-
-
-def is_place(point: object) -> TypeGuard[Corner]:
-    """Return whether `point` is a tuple of two finite floats, as most places are."""
-    return walks.is_place(point)

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
 else:
     from . import uncompiled as cython
 
+from .odometer import WIDTH
 from .pieces import evaluate, merge_axes
 
 if not cython.compiled:
@@ -23,7 +24,7 @@ else:
     from cython.cimports.navigation.kernels.odometer import row_at
 
 _INFINITE: float = float("inf")
-_WIDTH: cython.Py_ssize_t = 14
+_WIDTH: cython.Py_ssize_t = WIDTH
 _STANDS: float = 1e-12  # m/s; an axis of less velocity and acceleration than these stands
 _EASES: float = 1e-7  # m/s²
 

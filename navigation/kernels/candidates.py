@@ -13,6 +13,8 @@ if TYPE_CHECKING:
 else:
     from . import uncompiled as cython
 
+from .discs import ROW
+
 if not cython.compiled:
     from math import inf, sqrt
 
@@ -28,7 +30,7 @@ else:
     from cython.cimports.navigation.kernels.pacing import bend_speed, stand, walk_table
 
 _ROW: cython.Py_ssize_t = 6  # loss, length, top speed, delay, and for an aside: along, side
-_R: cython.Py_ssize_t = 10  # numbers in a row of a table
+_R: cython.Py_ssize_t = ROW
 _BEFORE: float = 0.35  # metres before and after the place at which an aside is beside its course
 _RAMP: float = 1.2  # metres that it takes to come back, for each metre of a shift
 _HAIR: float = 1e-6

@@ -9,6 +9,8 @@ if TYPE_CHECKING:
 else:
     from . import uncompiled as cython
 
+from .odometer import WIDTH
+
 if not cython.compiled:
     from math import sqrt
 
@@ -19,7 +21,7 @@ else:
 
 _INFINITE: float = float("inf")
 
-_WIDTH: cython.Py_ssize_t = 14  # numbers of a piece: begin, end, and the coefficients
+_WIDTH: cython.Py_ssize_t = WIDTH
 
 
 class Follower:

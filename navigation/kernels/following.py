@@ -12,12 +12,14 @@ if TYPE_CHECKING:
 else:
     from . import uncompiled as cython
 
+from .discs import ROW
+
 if not cython.compiled:
     from math import sqrt
 else:
     from cython.cimports.libc.math import sqrt
 
-_R: cython.Py_ssize_t = 10  # numbers in a row of a table
+_R: cython.Py_ssize_t = ROW
 _X: cython.Py_ssize_t = 2  # where the coefficients of x begin in it
 _Y: cython.Py_ssize_t = 6
 _SLOW: float = 0.05  # m/s; the direction of whoever is slower is not that of their velocity

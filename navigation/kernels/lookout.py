@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 else:
     from . import uncompiled as cython
 
+from .odometer import WIDTH
 from .pieces import evaluate
 
 if not cython.compiled:
@@ -34,11 +35,8 @@ else:
     from cython.cimports.navigation.kernels.watch import TooClose, Watch
 
 _INFINITE: float = float("inf")
-_WIDTH: cython.Py_ssize_t = 14
-_PERSON: cython.Py_ssize_t = 4
-
-PERSON = 4
-"""Numbers of a person's row."""
+_WIDTH: cython.Py_ssize_t = WIDTH
+_PERSON: cython.Py_ssize_t = 4  # numbers of a person's row
 
 
 class Towards(Law):

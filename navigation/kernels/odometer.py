@@ -27,7 +27,10 @@ STRETCH = 8
 """Numbers of a stretch: begin, metres before it, coefficients of the velocity along x and y."""
 
 _STRETCH: cython.Py_ssize_t = STRETCH
-_WIDTH: cython.Py_ssize_t = 14  # numbers of a piece: begin, end, and the coefficients
+WIDTH = 14
+"""Numbers of a piece in a motion's table: begin, end, and the coefficients."""
+
+_WIDTH: cython.Py_ssize_t = WIDTH
 
 # Nodes from 0 to 2, so that half a length times a node is a place from 0 to that length.
 _NODES = [1.0 + node for node in np.polynomial.legendre.leggauss(8)[0].tolist()]

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 else:
     from . import uncompiled as cython
 
+from .walks import DEVIATION, NOWHERE
+
 if not cython.compiled:
     from math import atan2, inf, sqrt
 
@@ -22,8 +24,8 @@ if not cython.compiled:
 else:
     from cython.cimports.libc.math import INFINITY, atan2, sqrt
 
-_SHORT: float = 1e-9  # metres; legs shorter than this are left out
-_DEVIATION: float = 0.05  # metres; how far a rounded corner may leave the path, as in `walks`
+_SHORT: float = NOWHERE
+_DEVIATION: float = DEVIATION
 _HAIR: float = 1e-9  # m/s
 
 
@@ -150,7 +152,8 @@ def turned(table: list[float], heading: float) -> list[float]:
 def bend_speed(cosine: float, shorter: float, acceleration: float) -> float:
     """Return the speed (m/s) of a turn between two legs, of which one is `shorter` (metres).
 
-    `cosine` is that of the turn. This is `corner_speed`, by the half-angle formulas.
+    `cosine` is that of the turn. This is `corner_speed` without an angle: cos(φ / 2) and tan(φ / 2)
+    follow from cos φ, which is at hand here. The last bits differ.
     """
     half: float = sqrt(max((1 + cosine) / 2, 0.0))  # the cosine of half the turn
     if half >= 1.0:

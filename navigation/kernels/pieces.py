@@ -12,6 +12,8 @@ if TYPE_CHECKING:
 else:
     from . import uncompiled as cython
 
+from .odometer import WIDTH
+
 if not cython.compiled:
     from math import atan2, copysign, sqrt
 
@@ -23,7 +25,7 @@ else:
 Triple = tuple[float, float, float]
 
 _INFINITE: float = float("inf")
-_WIDTH: cython.Py_ssize_t = 14
+_WIDTH: cython.Py_ssize_t = WIDTH
 _SHORTEST: float = 1e-12  # seconds; nothing changes its course for less
 
 

@@ -6,12 +6,14 @@ For the tables see `pieces`.
 from __future__ import annotations
 
 from math import dist, hypot, pow
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeGuard
 
 if TYPE_CHECKING:
     import cython
 else:
     from . import uncompiled as cython
+
+from .odometer import WIDTH
 
 if not cython.compiled:
     from math import atan2, cos, inf, isfinite, pi, sin, sqrt, tan
@@ -32,10 +34,21 @@ else:
 
 # Of `dist`, `hypot` and `pow`, Python's are taken: compilers' may have other last bits.
 
-_WIDTH: cython.Py_ssize_t = 14  # numbers of a piece: begin, end, and the coefficients
-_NOWHERE: float = 1e-9  # metres; shorter legs are none
-_DEVIATION: float = 0.05  # metres; how far a rounded corner may leave the path, as in `pacing`
-_HAIR: float = 1e-6  # share of the acceleration that is left for rounding, as in `walk`
+_WIDTH: cython.Py_ssize_t = WIDTH
+
+NOWHERE = 1e-9
+"""Metres (or radians, of moves). Shorter legs and moves are none."""
+
+DEVIATION = 0.05
+"""Metres. How far a rounded corner may leave the path."""
+
+HAIR = 1e-6
+"""Speeds are planned with this share less of the acceleration, so that rounding can't make a
+profile infeasible."""
+
+_NOWHERE: float = NOWHERE
+_DEVIATION: float = DEVIATION
+_HAIR: float = HAIR
 
 Corner = tuple[float, float]
 
@@ -60,7 +73,7 @@ def bends(points: list[Corner]) -> list[Corner] | None:
     return corners
 
 
-def is_place(point: object) -> bool:
+def is_place(point: object) -> TypeGuard[Corner]:
     """Return whether `point` is a tuple of two finite floats, as most places are."""
     if not isinstance(point, tuple) or len(point) != 2:
         return False
