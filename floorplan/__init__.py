@@ -5,10 +5,12 @@ from .checks import (
     LARGEST,
     SMALLEST,
     check,
+    height_fault,
     polygon_fault,
     size_fault,
     standing_fault,
     starting_fault,
+    time_fault,
 )
 from .document import (
     Document,
@@ -95,6 +97,7 @@ __all__ = [
     "floor_keys",
     "footprint",
     "free_area",
+    "height_fault",
     "is_there",
     "load",
     "load_movingai",
@@ -117,5 +120,6 @@ __all__ = [
     "standing_fault",
     "starting_fault",
     "suggestion",
+    "time_fault",
     "yaml_text",
 ]

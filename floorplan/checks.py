@@ -15,7 +15,7 @@ from shapely.validation import explain_validity
 
 from .document import Fault, Place, refuse
 from .kinds import SOUND, require, require_fields
-from .model import Floor, Gate, Lane, Zone
+from .model import Floor, Gate, Lane, Obstacle, Zone
 from .problems import FloorplanError
 
 LARGEST = 1e9
@@ -70,9 +70,8 @@ def faults(plan: Floor) -> Iterator[Fault]:
         whole = False
         yield polygon_fault(obstacle.footprint), ("obstacles", obstacle.name)
     for obstacle in plan.obstacles:
-        if not obstacle.bottom < obstacle.top:
-            message = f"must rise from bottom to top: {obstacle.bottom:g} … {obstacle.top:g}"
-            yield message, ("obstacles", obstacle.name, "z")
+        if fault := height_fault(obstacle):
+            yield fault, ("obstacles", obstacle.name, "z")
     yield from _door_faults(plan)
     yield from _zone_faults(plan)
     yield from _gate_faults(plan)
@@ -161,6 +160,20 @@ def size_fault(value: float) -> str:
     if 0 < value < SMALLEST:
         return f"must be at least {SMALLEST:g}, not {value!r}"
     return f"must be more than 0 and at most {LARGEST:g}, not {value!r}"
+
+
+def time_fault(value: float) -> str:
+    """Return the reason why `value` can be no instant of a trial (seconds), or an empty text."""
+    if 0 <= value <= LARGEST:
+        return ""
+    return f"must be a time from 0 to {LARGEST:g} s, not {value!r}"
+
+
+def height_fault(obstacle: Obstacle) -> str:
+    """Return the reason why an obstacle can't be so high, or an empty text."""
+    if obstacle.bottom < obstacle.top:
+        return ""
+    return f"must rise from bottom to top: {obstacle.bottom:g} … {obstacle.top:g}"
 
 
 def _name_faults(plan: Floor) -> Iterator[Fault]:

@@ -210,7 +210,7 @@ def _watch(
 def _moves_on(motion: Motion, t: float) -> float:
     """Return the first instant from `t` on at which a body moves; infinity if it stays."""
     for piece in motion.pieces_from(t):
-        if piece.end > t and any(any(along[1:]) for along in (piece.x, piece.y, piece.rotation)):
+        if piece.end > t and not piece.stands:
             return max(piece.begin, t)
     return math.inf
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from functools import cached_property
 from typing import NamedTuple
 
@@ -92,17 +92,3 @@ class Encounter(kernel.Encounter):
     def robot_speed(self, begin: float, end: float) -> Enclosure:
         """Return the robot's speed over an interval within this stretch, m/s."""
         return Enclosure(*self.speed_of(True, begin, end).numbers())
-
-
-def encounters(
-    human: Motion,
-    robot: Motion,
-    begin: float,
-    end: float,
-    gauges: Sequence[Gauge] = (),
-) -> Iterator[Encounter]:
-    """Yield an encounter at each of its stretches from `begin` to `end`; one if they are equal."""
-    encounter = Encounter(human, robot, gauges)
-    encounter.come_to(begin)
-    while encounter.next_stretch(end):
-        yield encounter

@@ -38,6 +38,16 @@ class Piece(NamedTuple):
     y: Cubic
     rotation: Cubic
 
+    @property
+    def moves(self) -> bool:
+        """True if it goes anywhere over the floor; to turn on the spot is not to move."""
+        return any((*self.x[1:], *self.y[1:]))
+
+    @property
+    def stands(self) -> bool:
+        """True if it neither moves nor turns."""
+        return not (self.moves or any(self.rotation[1:]))
+
     def cut(self, begin: float, end: float) -> Piece:
         """Return the same motion between two instants within the piece."""
         if begin == self.begin:

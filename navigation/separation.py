@@ -55,8 +55,15 @@ AnyLaw: TypeAlias = "Law | MotionLaw"
 """A law of either kind."""
 
 
+@dataclass(frozen=True)
 class _OfTheKernel:
-    """A law that the monitor's kernel computes."""
+    """A law that the monitor's kernel computes. Its terms are figures of at least 0."""
+
+    def __post_init__(self) -> None:
+        for term in fields(self):
+            value = getattr(self, term.name)
+            if value is not None or term.default is not None:
+                _require_length(term.name, value)
 
     def required(self, encounter: Encounter, begin: float, end: float) -> Enclosure:
         """See `MotionLaw`."""
@@ -80,10 +87,6 @@ class SeparationLaw(_OfTheKernel):
     t2: float
     stopping: float = 0.0
     intrusion: float = 0.0
-
-    def __post_init__(self) -> None:
-        for term in fields(self):
-            _require_length(term.name, getattr(self, term.name))
 
     @classmethod
     def for_machine(cls, machine: Machine, *, t1: float, intrusion: float = 0.0) -> SeparationLaw:
@@ -136,11 +139,6 @@ class IntegralLaw(_OfTheKernel):
     human_uncertainty: float = 0.0
     robot_uncertainty: float = 0.0
 
-    def __post_init__(self) -> None:
-        for term in fields(self):
-            if getattr(self, term.name) is not None:
-                _require_length(term.name, getattr(self, term.name))
-
 
 @dataclass(frozen=True, kw_only=True)
 class ApproachLaw(_OfTheKernel):
@@ -156,10 +154,6 @@ class ApproachLaw(_OfTheKernel):
     intrusion: float = 0.0
     speed: float = WALKING_SPEED
 
-    def __post_init__(self) -> None:
-        for term in fields(self):
-            _require_length(term.name, getattr(self, term.name))
-
     def distance(self, human_speed: float, robot_speed: float) -> float:
         """Return the required distance in metres, whatever the speeds."""
         return self.speed * self.time + self.intrusion
@@ -170,9 +164,6 @@ class FixedDistance(_OfTheKernel):
     """The same distance at any speed, in metres."""
 
     metres: float
-
-    def __post_init__(self) -> None:
-        _require_length("metres", self.metres)
 
     def distance(self, human_speed: float, robot_speed: float) -> float:
         """Return the required distance in metres, whatever the speeds."""

@@ -109,6 +109,11 @@ def is_plain(definition: ast.ClassDef) -> bool:
     return not (definition.bases or definition.keywords or definition.decorator_list)
 
 
+def is_derived(definition: Definition) -> bool:
+    """Return True for a class with a base: which one its source does not show."""
+    return isinstance(definition, ast.ClassDef) and bool(definition.bases)
+
+
 def methods(definition: ast.ClassDef) -> set[str]:
     """Return the names that the body of a class binds with `def` or `=`."""
     bound = {node.name for node in definition.body if isinstance(node, ast.FunctionDef)}

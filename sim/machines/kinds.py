@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 import inspect
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -14,7 +13,7 @@ from floorplan import Fault, Floorplan, Gantry, field_name, misfits, suggestion
 from ..core.machine import MachineShape
 from ..core.machine_model import MachineEntry, MachineModel
 from ..core.own_code import import_own
-from ..core.own_source import REFUSED, Definition, Kind, OwnCodeError, Source, find_source
+from ..core.own_source import REFUSED, Kind, OwnCodeError, Source, find_source, is_derived
 from ..core.scenario import AgvMove, GantryEntry, Scenario
 from .agv.model import AgvModel
 from .gantry.model import GantryModel
@@ -28,17 +27,13 @@ class MachineError(ValueError):
     """A machine of a trial that can't be found, or whose keys are wrong."""
 
 
-def _may_be_model(definition: Definition) -> bool:
-    return isinstance(definition, ast.ClassDef) and bool(definition.bases)
-
-
 def _is_model(found: object) -> bool:
     return inspect.isclass(found) and issubclass(found, MachineModel)
 
 
 MODEL = Kind(
     words="machine: a machine is a subclass of sim.MachineModel",
-    written=_may_be_model,
+    written=is_derived,
     made=_is_model,
 )
 """The kind of class that a trial names as the kind of a machine."""

@@ -15,19 +15,15 @@ from navigation import PlannerChoice, PlannerError
 
 from ..core.own_code import import_own
 from ..core.own_parameters import parameters
-from ..core.own_source import REFUSED, Definition, Kind, OwnCodeError, Source, find_source
+from ..core.own_source import REFUSED, Kind, OwnCodeError, Source, find_source, is_derived
 from ..core.scenario import PersonEntry, Scenario
 
 _Made = TypeVar("_Made", bound=Scenario)
 
 
-def _may_be_planner(definition: Definition) -> bool:
-    return isinstance(definition, ast.ClassDef) and bool(definition.bases)
-
-
 PLANNER = Kind(
     words="planner: a planner is a subclass of ompl.base.Planner",
-    written=_may_be_planner,
+    written=is_derived,
     made=lambda found: inspect.isclass(found) and issubclass(found, ob.Planner),
 )
 """The kind of class that a trial names as its planner."""

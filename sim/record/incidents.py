@@ -84,7 +84,7 @@ def time_too_close(run: Outcome) -> float:
     total = 0.0
     for person in run.scene.people:
         until = -math.inf
-        mine = [some for (who, _), some in run.violations.items() if who == person.name]
+        mine = run.violations_of(person.name).values()
         for begin, end in sorted(span for some in mine for span in some):
             total += max(0.0, end - max(begin, until))
             until = max(until, end)
@@ -145,7 +145,7 @@ def _incident(run: Outcome, log: _Log, person: str, machine: str, span: Span) ->
     # At the instant of a violation the person may be put elsewhere: what counts is before.
     human, robot = (run.motions[name].state_before(begin) for name in (person, machine))
     times = _moments(span)
-    margins = run.distance(person, machine, times) - run.required(person, machine, times)
+    margins = run.margin(person, machine, times)
     events = list(log.of(person, machine, span))
     violation = next((event for event in events if event["kind"] == "violation"), None)
     if violation is None:  # of a run that was broken off

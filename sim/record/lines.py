@@ -1,8 +1,18 @@
-"""A file of lines that never ends within one."""
+"""Lines of files: in CSV, and in a file that never ends within one."""
 
 from __future__ import annotations
 
+import csv
+import io
+from collections.abc import Iterable
 from pathlib import Path
+
+
+def csv_line(cells: Iterable[str]) -> str:
+    """Return texts as a line of CSV, in quotes where they have to be."""
+    line = io.StringIO()
+    csv.writer(line, lineterminator="\n").writerow(cells)
+    return line.getvalue()
 
 
 class WholeLines:

@@ -74,6 +74,14 @@ class Outcome:
             return np.array(np.broadcast_to(distance(*speeds), times.shape), dtype=np.float64)
         return np.asarray(np.vectorize(distance, otypes=[np.float64])(*speeds))
 
+    def margin(self, person: str, machine: str, t: ArrayLike) -> NDArray[np.float64]:
+        """Return `distance` less `required`: what two bodies have to spare at `t`, metres."""
+        return self.distance(person, machine, t) - self.required(person, machine, t)
+
+    def violations_of(self, person: str) -> dict[str, tuple[tuple[float, float], ...]]:
+        """Return the `violations` of a person, by machine."""
+        return {pair[1]: some for pair, some in self.violations.items() if pair[0] == person}
+
     @cached_property
     def presence(self) -> dict[str, tuple[float, float]]:
         """From when to when (s) each body is on the floor; it is far outside before and after."""

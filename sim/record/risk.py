@@ -58,7 +58,7 @@ def time_too_close(run: Outcome) -> Array:
     """Return the time (seconds) for which people in each cell were nearer than required."""
     total = np.zeros(cells_of(run.floorplan, CELL))
     for person in run.scene.people:
-        mine = [some for (who, _), some in run.violations.items() if who == person.name]
+        mine = run.violations_of(person.name).values()
         if not any(mine):
             continue
         times, lengths = _moments(run, person.name)
@@ -77,12 +77,12 @@ def severities(run: Outcome) -> Array:
     """
     worst = np.zeros(cells_of(run.floorplan, CELL))
     for person in run.scene.people:
-        mine = {pair: some for pair, some in run.violations.items() if pair[0] == person.name}
+        mine = run.violations_of(person.name)
         if not any(mine.values()):
             continue
         all_times, _ = _moments(run, person.name)
         cells = np.zeros(worst.shape)
-        for (_, machine), intervals in mine.items():
+        for machine, intervals in mine.items():
             times = all_times[within(all_times, intervals)]
             speed = relative_speeds(run, person.name, machine, times)
             np.maximum.at(cells, _cells(run, person.name, times), speed)
@@ -115,7 +115,7 @@ def _moments(run: Outcome, person: str) -> tuple[Array, Array]:
 
 def _margins(run: Outcome, person: str, machine: str, times: Array) -> Array:
     """Return the margin (metres) to one machine at each instant; infinite if none is required."""
-    margins = run.distance(person, machine, times) - run.required(person, machine, times)
+    margins = run.margin(person, machine, times)
     if run.scene.machine(machine).category == "vehicle":
         moves = np.hypot(*run.motions[machine].velocity(times).T) > 0.0
         margins = np.where(moves, margins, math.inf)

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from typing import TextIO
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .lines import csv_line
 from .outcome import Outcome
 from .sampling import blocks_of_instants, sample_all
 
@@ -22,8 +21,8 @@ DECIMALS = 6
 def write_trajectory(run: Outcome, file: TextIO, rate: float) -> None:
     """Every body on the floor, at `rate` instants a second (Hz), as CSV: metres, radians, m/s."""
     decimals = 3 if (1000 / rate).is_integer() else 9
-    file.write(_line(*COLUMNS))
-    names = {name: _line(name).rstrip("\n") for name in run.motions}
+    file.write(csv_line(COLUMNS))
+    names = {name: csv_line([name]).rstrip("\n") for name in run.motions}
     for times in blocks_of_instants(run.duration, rate):
         stamps = [f"{t:.{decimals}f}" for t in times.tolist()]
         tables = []
@@ -45,10 +44,3 @@ def _texts(samples: NDArray[np.float64]) -> list[str]:
     fresh[1:] = (figures[1:] != figures[:-1]).any(axis=1)
     texts = [",".join(map(repr, row)) for row in figures[fresh].tolist()]
     return [texts[k] for k in (np.cumsum(fresh) - 1).tolist()]
-
-
-def _line(*cells: str) -> str:
-    """Return texts as a line of CSV, in quotes where they have to be."""
-    line = io.StringIO()
-    csv.writer(line, lineterminator="\n").writerow(cells)
-    return line.getvalue()

@@ -70,8 +70,7 @@ def moments(motion: Motion, begin: float, end: float) -> tuple[Array, Array]:
     middles, lengths = [], []
     for piece in motion.cut(begin, end).pieces:
         duration = piece.end - piece.begin
-        moves = any((*piece.x[1:], *piece.y[1:]))
-        count = max(1, math.ceil(duration / MOMENT)) if moves else 1
+        count = max(1, math.ceil(duration / MOMENT)) if piece.moves else 1
         middles.append(piece.begin + duration / count * (np.arange(count) + 0.5))
         lengths.append(np.full(count, duration / count))
     return np.concatenate(middles), np.concatenate(lengths)

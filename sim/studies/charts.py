@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..views.page_charts import COLOURS, INK, page_chart
+from ..views.page_charts import COLOURS, INK, name_rows, page_chart
 from .comparison import Group, Measure, Spread
 
 if TYPE_CHECKING:
@@ -52,12 +52,7 @@ def _draw(axes: Axes, groups: Sequence[Group], spreads: Sequence[Spread | None])
         axes.plot(spread.mean, place, "o", color=INK, markersize=4.5)
     if counted:
         axes.locator_params(axis="x", integer=True)
-    axes.set_yticks(range(len(groups)), [group.label for group in groups])
-    axes.set_ylim(len(groups) - 0.5, -0.5)
-    axes.tick_params(axis="y", length=0)
-    axes.spines[["left", "right", "top"]].set_visible(False)
-    axes.grid(axis="x", alpha=0.2, color=INK)
-    axes.set_axisbelow(True)
+    name_rows(axes, [group.label for group in groups])
 
 
 def _counts(axes: Axes, place: int, spread: Spread, colour: str) -> None:

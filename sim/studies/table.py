@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import csv
-import io
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 from ..core.output import replacing
+from ..record.lines import csv_line
 from ..record.strict_json import LARGEST
 from .digests import Digests, digest_of
 from .measuring import Record
@@ -60,7 +60,7 @@ class Table:
         fresh = [column for column in record if column not in self._columns]
         if fresh:
             self._widen([*self._columns, *fresh])
-        self._file.write(_line(_text(record.get(column)) for column in self._columns))
+        self._file.write(csv_line(_text(record.get(column)) for column in self._columns))
         self._file.flush()
         self._digests.add(
             digest_of((column, _text(record.get(column))) for column in self._columns)
@@ -96,10 +96,10 @@ class Table:
             replacing(self._path) as wider,
             wider.open("w", encoding="utf-8", newline="") as file,
         ):
-            file.write(_line(columns))
+            file.write(csv_line(columns))
             lines = _lines(self._path)
             next(lines, None)
-            file.writelines(_line([*line, *lack]) for line in lines)
+            file.writelines(csv_line([*line, *lack]) for line in lines)
         self._columns = columns
         self._file = self._path.open("a", encoding="utf-8", newline="")
 
@@ -135,12 +135,6 @@ def _number(text: str) -> float:
 
 def _text(value: Any) -> str:
     return "" if value is None else str(value)
-
-
-def _line(values: Iterable[str]) -> str:
-    text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerow(values)
-    return text.getvalue()
 
 
 def _lines(path: Path) -> Iterator[list[str]]:

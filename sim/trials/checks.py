@@ -18,6 +18,7 @@ from floorplan import (
     size_fault,
     starting_fault,
     suggestion,
+    time_fault,
 )
 from navigation import PlannerChoice, PlannerError
 
@@ -153,8 +154,8 @@ def _drawn_faults(value: Drawn | None, *place: str | int) -> Iterator[Fault]:
 
 
 def _time(value: float, *place: str | int) -> Iterator[Fault]:
-    if not 0 <= value <= LARGEST:
-        yield f"must be a time from 0 to {LARGEST:g} s, not {value!r}", place
+    if fault := time_fault(value):
+        yield fault, place
 
 
 def _rule_faults(rules: RuleSet) -> Iterator[Fault]:

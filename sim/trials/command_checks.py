@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from floorplan import LARGEST, Fault, polygon_fault, suggestion
+from floorplan import LARGEST, Fault, height_fault, polygon_fault, suggestion, time_fault
 
 from ..core.commands import COMMANDS, Command
 from ..core.scenario import Scenario, spot
@@ -18,8 +18,8 @@ def command_faults(trial: Scenario) -> Iterator[Fault]:
     placed: set[str] = set()
     before = 0.0
     for k, command in enumerate(trial.commands):
-        if not 0 <= command.time <= LARGEST:
-            yield f"must be a time from 0 to {LARGEST:g} s, not {command.time!r}", (k, "time")
+        if fault := time_fault(command.time):
+            yield fault, (k, "time")
         elif command.time < before:
             yield f"comes before the command in front of it, at {before:g} s", (k, "time")
         before = max(before, command.time)
@@ -56,8 +56,8 @@ def _faults(command: Command, trial: Scenario, placed: set[str]) -> Iterator[tup
             yield fault, "block"
         if one.footprint.interiors:
             yield "must have no holes", "block"
-        if not one.bottom < one.top:
-            yield f"must rise from bottom to top: {one.bottom:g} … {one.top:g}", "z"
+        if fault := height_fault(one):
+            yield fault, "z"
     if command.clear is not None and command.clear not in placed:
         hint = suggestion(command.clear, placed) if placed else "there is nothing then"
         yield f"nothing that is called {command.clear!r} was put down by then; {hint}", "clear"

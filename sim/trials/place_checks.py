@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 
 from shapely.geometry import Point
 
-from floorplan import LARGEST, Fault, polygon_fault, suggestion
+from floorplan import LARGEST, Fault, height_fault, polygon_fault, suggestion
 
 from ..core.closures import Closures, Interval
 from ..core.scenario import Scenario
@@ -38,9 +38,8 @@ def obstacle_faults(trial: Scenario) -> Iterator[Fault]:
         taken.add(one.name)
         if fault := polygon_fault(one.footprint):
             yield fault, (one.name,)
-        if not one.bottom < one.top:
-            message = f"must rise from bottom to top: {one.bottom:g} … {one.top:g}"
-            yield message, (one.name, "z")
+        if fault := height_fault(one):
+            yield fault, (one.name, "z")
         for message, k in _interval_faults(timed.there, trial):
             yield message, (one.name, "there", k)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from floorplan import LARGEST, Fault, suggestion
+from floorplan import LARGEST, Fault, suggestion, time_fault
 
 from ..core.scenario import PersonEntry, Scenario
 from ..core.work import WorkTask
@@ -59,8 +59,8 @@ def _task_faults(task: WorkTask, trial: Scenario) -> Iterator[tuple[str, str]]:
     if task.at not in stations:
         hint = suggestion(task.at, stations) if stations else "the floor has none"
         yield f"no station is called {task.at!r}; {hint}", "at"
-    if not 0 <= task.time <= LARGEST:
-        yield f"must be a time from 0 to {LARGEST:g} s, not {task.time!r}", "time"
+    if fault := time_fault(task.time):
+        yield fault, "time"
     elif task.time >= trial.duration:
         yield _too_late(task.time, trial), "time"
     values = task.duration.values

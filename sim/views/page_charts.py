@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import io
 import re
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any, Literal
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 INK = "#123456"
@@ -36,6 +37,21 @@ def page_chart(name: str, size: tuple[float, float], draw: Callable[[Figure], No
         text = io.StringIO()
         figure.savefig(text, format="svg", transparent=True, metadata={"Date": None})
     return _for_a_page(text.getvalue())
+
+
+def name_rows(axes: Axes, names: Sequence[str]) -> None:
+    """Name the rows of a chart, the first on top, and leave nothing but a grid around them."""
+    axes.set_yticks(range(len(names)), names)
+    axes.set_ylim(len(names) - 0.5, -0.5)
+    axes.tick_params(axis="y", length=0)
+    axes.spines[["left", "right", "top"]].set_visible(False)
+    draw_grid(axes, "x")
+
+
+def draw_grid(axes: Axes, which: Literal["both", "x", "y"]) -> None:
+    """Draw the grid of a chart, below what it shows."""
+    axes.grid(axis=which, alpha=0.2, color=INK)
+    axes.set_axisbelow(True)
 
 
 def _for_a_page(drawn: str) -> str:

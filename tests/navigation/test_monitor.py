@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from stretches import encounters
 
 import navigation
 from navigation import (
@@ -19,7 +20,6 @@ from navigation import (
     Scaled,
     SeparationLaw,
 )
-from navigation.encounter import encounters
 
 LAW = SeparationLaw(t1=1.0, t2=1.5, stopping=0.0, intrusion=1.0)
 INTEGRAL_LAW = IntegralLaw(t1=1.0, t2=1.5, stopping=0.0, intrusion=1.0)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from stretches import encounters
 
 import floorplan
 import navigation
@@ -21,7 +22,6 @@ from navigation import (
     SeparationLaw,
     is_of_motions,
 )
-from navigation.encounter import encounters
 
 
 def test_the_linear_form():

@@ -10,6 +10,7 @@ import pytest
 import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from stretches import encounters
 
 import floorplan
 import navigation
@@ -25,7 +26,6 @@ from navigation import (
     folded_arm,
     torso_box,
 )
-from navigation.encounter import encounters
 
 END = 20.0
 PLAN = floorplan.load("ariac2023")

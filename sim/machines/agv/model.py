@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from floorplan import LARGEST, Fault, Floorplan, Lane
+from floorplan import Fault, Floorplan, Lane, time_fault
 from navigation import Stop, longest_stop
 
 from ...core.machine import MachineShape
@@ -48,8 +48,8 @@ class AgvModel(MachineModel):
                 self.lane.lane_position(move.to)
             except ValueError as why:
                 yield str(why), (k, "to")
-            if not 0 <= move.time <= LARGEST:
-                yield f"must be a time from 0 to {LARGEST:g} s, not {move.time!r}", (k, "time")
+            if fault := time_fault(move.time):
+                yield fault, (k, "time")
             if k and move.time < self.moves[k - 1].time:
                 message = f"{move.time:g} s is before the move above it; put moves in order"
                 yield message, (k, "time")

@@ -296,11 +296,7 @@ class GantryRobot(Machine):
     def figures(self, motion: Motion, now: float) -> dict[str, Any]:
         """Return its figures; it is idle while it neither moves, handles nor is made to stand."""
         drive = self.drive
-        moving = sum(
-            piece.end - piece.begin
-            for piece in motion.pieces
-            if any(any(axis[1:]) for axis in (piece.x, piece.y, piece.rotation))
-        )
+        moving = sum(piece.end - piece.begin for piece in motion.pieces if not piece.stands)
         # While it brakes because it is made to stand, both count.
         busy = moving - drive.braking_time + drive.working_time + drive.standing_time
         return {

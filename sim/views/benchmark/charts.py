@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from navigation.benchmark import Attempt, Curve, cost_over_time, success_over_time
 
-from ..page_charts import COLOURS, INK, page_chart
+from ..page_charts import COLOURS, INK, draw_grid, name_rows, page_chart
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -145,11 +145,7 @@ def _boxes(
     else:
         axes.set_xscale("log")
     axes.set_xlabel(label)
-    axes.set_yticks(range(len(groups)), names)
-    axes.set_ylim(len(groups) - 0.5, -0.5)
-    axes.tick_params(axis="y", length=0)
-    axes.spines[["left", "right", "top"]].set_visible(False)
-    _grid(axes, "x")
+    name_rows(axes, names)
     return None
 
 
@@ -202,7 +198,7 @@ def _curves(
         room = 0.06 * max(max(tops) - 1, 0.01)
         axes.set_ylim(min(1, *tops) - room, max(tops) + room)
     axes.spines[["right", "top"]].set_visible(False)
-    _grid(axes, "both")
+    draw_grid(axes, "both")
     figure.legend(loc="outside lower center", ncols=2, frameon=False, fontsize=9)
     return None
 
@@ -210,8 +206,3 @@ def _curves(
 def _say_nothing(axes: Axes) -> None:
     axes.set_axis_off()
     axes.text(0.5, 0.5, "no path was found", ha="center", va="center", color=INK)
-
-
-def _grid(axes: Axes, which: Literal["both", "x", "y"]) -> None:
-    axes.grid(axis=which, alpha=0.2, color=INK)
-    axes.set_axisbelow(True)

@@ -41,6 +41,13 @@ def span_of(run: Outcome, within: Span | None) -> Span:
     return begin, end
 
 
+def while_present(run: Outcome, body: str, span: Span) -> Span | None:
+    """Return the part of `span` in which a body is on the floor, None if it never is."""
+    begin, end = run.presence[body]
+    begin, end = max(span[0], begin), min(span[1], end)
+    return (begin, end) if begin < end else None
+
+
 def instants(motions: Sequence[Motion], begin: float, end: float) -> Array:
     """Return instants (N,) to draw these motions from `begin` to just before `end` (seconds).
 

@@ -245,8 +245,8 @@ class Film:
         machines = [
             part for machine in run.scene.machines for part in self._move_machine(machine, t)
         ]
-        spans = {name: run.presence[name] for name in self._people}
-        present = [name for name, (begin, end) in spans.items() if begin <= t <= end > begin]
+        spans = ((name, *run.presence[name]) for name in self._people)
+        present = [name for name, begin, end in spans if begin <= t <= end > begin]
         people = [part for name in present for part in self._move_person(name, t)]
         for name in present:
             self._people[name].write(self._written)
@@ -285,9 +285,8 @@ class Film:
             line = (nearest[0], run.motions[nearest[1]].state(t).at)
         near = any(
             begin <= t <= end
-            for (who, _), intervals in run.violations.items()
+            for intervals in run.violations_of(name).values()
             for begin, end in intervals
-            if who == name
         )
         largest = max(required, default=None)
         person = self._people[name]

@@ -2,29 +2,24 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from floorplan import Floorplan
 from navigation import Motion
 
 from ...record.cells import cells_of, spread
 from ...record.outcome import Outcome
+from ...record.zone_exposure import moments
 from .cells import draw_cells, on_one_floor
 from .curves import Array
 from .style import Width, styled
 
 CELL = 0.05
 """Metres. The side of a cell."""
-
-MOMENT = 0.02
-"""Seconds. The step at which moving people are sampled."""
 
 
 @styled()
@@ -69,16 +64,8 @@ def _time_in_cells(motion: Motion, begin: float, end: float, plan: Floorplan) ->
     """Return the time for which the body's centre was in each cell."""
     west, south, *_ = plan.boundary.bounds
     rows, columns = cells_of(plan, CELL)
-    middles: list[NDArray[Any]] = [np.empty(0)]
-    weights: list[NDArray[Any]] = [np.empty(0)]
-    for piece in motion.cut(begin, end).pieces:
-        moves = any((*piece.x[1:], *piece.y[1:]))
-        duration = piece.end - piece.begin
-        moments = max(1, math.ceil(duration / MOMENT)) if moves else 1
-        step = duration / moments
-        middles.append(piece.begin + step * (np.arange(moments) + 0.5))
-        weights.append(np.full(moments, step))
-    x, y = motion.position(np.concatenate(middles)).T
+    times, lengths = moments(motion, begin, end)
+    x, y = motion.position(times).reshape(-1, 2).T
     edges = ((south, south + rows * CELL), (west, west + columns * CELL))
-    found = np.histogram2d(y, x, (rows, columns), edges, weights=np.concatenate(weights))
+    found = np.histogram2d(y, x, (rows, columns), edges, weights=lengths)
     return np.asarray(found[0])

@@ -83,7 +83,7 @@ def _pairs(run: Outcome, person: str | None, machine: str | None) -> list[Pair]:
 def _order(run: Outcome, machine: str) -> tuple[bool, float]:
     """Robots before vehicles, those in the order in which they set out."""
     motion = run.motions[machine]
-    sets_out = min((p.begin for p in motion.pieces if any((*p.x[1:], *p.y[1:]))), default=np.inf)
+    sets_out = min((piece.begin for piece in motion.pieces if piece.moves), default=np.inf)
     return (run.scene.machine(machine).category != "robot", float(sets_out))
 
 

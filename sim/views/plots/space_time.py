@@ -12,7 +12,7 @@ from navigation import Motion
 
 from ...core.machine import MachineShape
 from ...record.outcome import Outcome
-from .curves import Array, Span, instants, span_of
+from .curves import Array, Span, instants, span_of, while_present
 from .incidents import breaches, mark_breaches
 from .style import GREY, MACHINES, Width, explain, new_figure, person_colour, styled
 
@@ -48,22 +48,18 @@ def _shown(run: Outcome) -> list[str]:
     machines = [
         machine.name
         for machine in run.scene.machines
-        if machine.category == "robot" or _moves(run.motions[machine.name])
+        if machine.category == "robot"
+        or any(piece.moves for piece in run.motions[machine.name].pieces)
     ]
     return [*machines, *(person.name for person in run.scene.people)]
 
 
-def _moves(motion: Motion) -> bool:
-    return any(any((*piece.x[1:], *piece.y[1:])) for piece in motion.pieces)
-
-
 def _draw_body(axes: Axes, run: Outcome, body: str, axis: int, span: Span) -> None:
     motion = run.motions[body]
-    begin, end = run.presence[body]
-    span = (max(span[0], begin), min(span[1], end))
-    if span[0] >= span[1]:
+    there = while_present(run, body, span)
+    if there is None:
         return
-    t = instants([motion], *span)
+    t = instants([motion], *there)
     at = motion.position(t)[:, axis]
     people = [person.name for person in run.scene.people]
     if body in people:
@@ -79,7 +75,7 @@ def _draw_body(axes: Axes, run: Outcome, body: str, axis: int, span: Span) -> No
     axes.fill_between(t, at - half, at + half, facecolor=colour, alpha=0.3, linewidth=0)
     axes.plot(t, at, color=colour, linewidth=0.9, label=label)
     if label != body and axis == 1:
-        axes.annotate(body, (span[0], at[0]), (2, 2), textcoords="offset points", size=6)
+        axes.annotate(body, (there[0], at[0]), (2, 2), textcoords="offset points", size=6)
 
 
 def _half_extent(machine: MachineShape, motion: Motion, t: Array, axis: int) -> Array:

@@ -11,7 +11,7 @@ from matplotlib.patheffects import withStroke
 from shapely.geometry import Polygon
 
 from ...record.outcome import Outcome
-from .curves import Array, Span, instants, span_of
+from .curves import Array, Span, instants, span_of, while_present
 from .floor import draw_floor, fill_area, floor_figure
 from .incidents import breaches, mark_breaches
 from .names import draw_names
@@ -61,11 +61,10 @@ def _outline(run: Outcome, name: str, t: float) -> Polygon:
 def _draw_path(axes: Axes, run: Outcome, body: str, span: Span) -> Array:
     """Draw the path of a body; return its points (N, 2), NaN where it is broken."""
     motion = run.motions[body]
-    begin, end = run.presence[body]
-    span = (max(span[0], begin), min(span[1], end))
-    if span[0] >= span[1]:
+    there = while_present(run, body, span)
+    if there is None:
         return np.empty((0, 2))
-    path = motion.position(instants([motion], *span))
+    path = motion.position(instants([motion], *there))
     people = [person.name for person in run.scene.people]
     if body in people:
         index = people.index(body)
@@ -87,7 +86,7 @@ def _draw_path(axes: Axes, run: Outcome, body: str, span: Span) -> Array:
         dashes = "-" if machine.category == "robot" else (0, (4, 1.5))
         axes.plot(*path.T, color=colour, label=label, linestyle=dashes, **look)
         face = PALE_ORANGE if machine.category == "robot" else PALE
-        fill_area(axes, _outline(run, body, span[1]), facecolor=face, edgecolor=colour, **look)
+        fill_area(axes, _outline(run, body, there[1]), facecolor=face, edgecolor=colour, **look)
     return path
 
 
