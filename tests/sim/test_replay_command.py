@@ -32,9 +32,9 @@ def test_the_page_of_a_run_is_named(folder):
     assert done.stdout == "whole/replay.html\n"
 
 
-def test_a_run_that_was_broken_off_gets_its_page(folder):
+def test_a_run_that_was_broken_off_gets_its_page(folder, floorwalker):
     assert not (folder / "broken" / "replay.html").exists()
-    done = in_a_process("replay", "broken", "--no-open", cwd=folder)
+    done = floorwalker("replay", "broken", "--no-open", cwd=folder)
     assert (done.returncode, done.stderr) == (0, "")
     (recording,) = recordings_in((folder / "broken" / "replay.html").read_text(encoding="utf-8"))
     assert recording["events"][0]["kind"] == "trial_started"
@@ -49,13 +49,13 @@ def test_a_recording_can_be_taken_out_of_its_page(folder):
     assert render(found) == page
 
 
-def test_what_is_damaged_is_shown_as_far_as_it_goes(folder, tmp_path):
+def test_what_is_damaged_is_shown_as_far_as_it_goes(folder, tmp_path, floorwalker):
     damaged = shutil.copytree(folder / "whole", tmp_path / "damaged")
     (damaged / "replay.html").unlink()
     events = (damaged / "events.jsonl").read_text(encoding="utf-8").splitlines()
     events[2] = "?"
     (damaged / "events.jsonl").write_text("\n".join(events), encoding="utf-8")
-    done = in_a_process("replay", "damaged", "--no-open", cwd=tmp_path)
+    done = floorwalker("replay", "damaged", "--no-open", cwd=tmp_path)
     assert (done.returncode, done.stdout) == (0, "damaged/replay.html\n")
     assert done.stderr.startswith("damaged: events.jsonl: line 3: is not JSON")
     text = (damaged / "replay.html").read_text(encoding="utf-8")
@@ -63,15 +63,15 @@ def test_what_is_damaged_is_shown_as_far_as_it_goes(folder, tmp_path):
     assert recording["notices"] == [done.stderr.removeprefix("damaged: ").rstrip("\n")]
     assert len(recording["events"]) == 2
     (tmp_path / "cut.html").write_text(text[:-400], encoding="utf-8")
-    done = in_a_process("replay", "cut.html", "--no-open", cwd=tmp_path)
+    done = floorwalker("replay", "cut.html", "--no-open", cwd=tmp_path)
     assert (done.returncode, done.stdout) == (0, "cut.html\n")
     assert "damaged" in done.stderr and "the page shows what there is of it" in done.stderr
 
 
-def test_two_runs_make_one_page(folder, tmp_path):
+def test_two_runs_make_one_page(folder, tmp_path, floorwalker):
     file = tmp_path / "both.html"
     page = folder / "whole" / "replay.html"
-    done = in_a_process("replay", "broken", page, "--out", file, "--no-open", cwd=folder)
+    done = floorwalker("replay", "broken", page, "--out", file, "--no-open", cwd=folder)
     assert (done.returncode, done.stdout) == (0, f"{file}\n")
     html = file.read_text(encoding="utf-8")
     assert html.count('type="application/json"') == 2
@@ -108,9 +108,9 @@ def test_a_page_that_can_not_be_written_is_told(folder, tmp_path, floorwalker):
         (lambda path: path.write_text(page('{"format": "x"}')), "floorwalker-replay/1"),
     ],
 )
-def test_what_is_no_run_is_said(tmp_path, make, message):
+def test_what_is_no_run_is_said(tmp_path, make, message, floorwalker):
     make(tmp_path / "thing")
-    done = in_a_process("replay", "thing", "--no-open", cwd=tmp_path)
+    done = floorwalker("replay", "thing", "--no-open", cwd=tmp_path)
     assert done.returncode == 1
     assert done.stdout == ""
     assert done.stderr.startswith("floorwalker: thing")
@@ -130,8 +130,8 @@ def page(recording):
         (["--watch", "--speed", "nan"], "must be more than 0"),
     ],
 )
-def test_a_speed_that_makes_no_sense_leaves_nothing_behind(tmp_path, options, message):
-    done = in_a_process("run", "--out", "run", *options, cwd=tmp_path)
+def test_a_speed_that_makes_no_sense_leaves_nothing_behind(tmp_path, options, message, floorwalker):
+    done = floorwalker("run", "--out", "run", *options, cwd=tmp_path)
     assert done.returncode == 2
     assert message in done.stderr
     assert list(tmp_path.iterdir()) == []
