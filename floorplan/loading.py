@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from importlib import resources
 from pathlib import Path
 
 from shapely.geometry import Polygon
@@ -24,6 +23,9 @@ from .ros_map import build_ros_map, is_ros_map
 from .schema import METRE, OF_DRAWINGS, FloorplanSchema
 from .wkt import load_wkt
 
+BUILT_IN = Path(__file__).parent / "data"
+"""Folder of the floorplans that come with Floorwalker."""
+
 YAML_SUFFIXES = (".yaml", ".yml")
 LAYERED = {".dxf": load_dxf, ".geojson": load_geojson, ".json": load_geojson}
 """Formats of drawings with layers, by suffix."""
@@ -33,8 +35,7 @@ DRAWINGS = {**LAYERED, ".wkt": load_wkt, ".map": load_drawn_map}
 
 def builtin() -> tuple[str, ...]:
     """Return the names of the floorplans that come with Floorwalker, sorted."""
-    files = resources.files(__package__).joinpath("data").iterdir()
-    return tuple(sorted(Path(f.name).stem for f in files if f.name.endswith(".yaml")))
+    return tuple(sorted(path.stem for path in BUILT_IN.glob("*.yaml")))
 
 
 def load(source: str | Path) -> Floorplan:
@@ -44,8 +45,7 @@ def load(source: str | Path) -> Floorplan:
     """
     text = str(source)
     if text in builtin():
-        data = resources.files(__package__).joinpath("data", f"{text}.yaml")
-        return parse(data.read_text(encoding="utf-8"), file=text)
+        return parse((BUILT_IN / f"{text}.yaml").read_text(encoding="utf-8"), file=text)
     path = Path(source)
     plan = _read(path, AS_IT_IS, ())
     if path.suffix.lower() not in YAML_SUFFIXES:  # those are checked, with the lines of faults

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from functools import cache
-from importlib.resources import files
 from pathlib import Path
 from weakref import WeakValueDictionary
 
@@ -37,7 +36,7 @@ def programs() -> dict[str, Path]:
 @cache
 def _built_in() -> dict[str, Path]:
     """Return the programs in the package, by file name."""
-    folder = Path(str(files("bdi").joinpath("programs")))
+    folder = Path(__file__).parents[1] / "programs"
     return {path.name: path for path in sorted(folder.glob("*.asl"))}
 
 

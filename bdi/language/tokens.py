@@ -5,7 +5,6 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterator, Sequence
 from functools import cache
-from importlib.resources import files
 from importlib.util import cache_from_source
 from itertools import islice
 from pathlib import Path
@@ -30,7 +29,7 @@ def grammar() -> Lark:
 
     Its tables are kept beside the bytecode of this file, wherever Python may keep that.
     """
-    source = files(__package__).joinpath("agentspeak.lark").read_text(encoding="utf-8")
+    source = Path(__file__).with_name("agentspeak.lark").read_text(encoding="utf-8")
     kept = Path(cache_from_source(__file__)).with_name("agentspeak.tables")
     keep = kept.is_file() or (kept.parent.is_dir() and not sys.dont_write_bytecode)
     return Lark(

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import cache
-from importlib.resources import files
+from pathlib import Path
 from typing import overload
 
 from ..language.loading import parse
@@ -32,7 +32,7 @@ from .state import AgentState
 @cache
 def protocol() -> Program:
     """Return the plans for messages."""
-    source = files(__package__).joinpath("messages.asl").read_text(encoding="utf-8")
+    source = Path(__file__).with_name("messages.asl").read_text(encoding="utf-8")
     return parse(source, PROTOCOL)
 
 

@@ -4,12 +4,9 @@ from __future__ import annotations
 
 import itertools
 import re
-from importlib import resources
 from pathlib import Path
 
 from .consoles import say
-
-_TRIALS = Path(str(resources.files("sim").joinpath("data", "trials")))
 
 
 def list_all() -> None:
@@ -20,11 +17,11 @@ def list_all() -> None:
 
     from ..core.rules import RULE_SETS
     from ..machines.gantry.controllers import CONTROLLERS
-    from ..trials.trial import builtin_trials
+    from ..trials.trial import BUILT_IN, builtin_trials
 
     sections = {
         "floorplans": {name: floorplan.load(name).title for name in floorplan.builtin()},
-        "trials": {name: _opening(_TRIALS / f"{name}.yaml", "#") for name in builtin_trials()},
+        "trials": {name: _opening(BUILT_IN / f"{name}.yaml", "#") for name in builtin_trials()},
         "planners": {info.name: info.summary for info in navigation.planners()},
         "personalities": {
             name: _opening(path, "//").partition(": ")[2] for name, path in bdi.programs().items()

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -32,11 +31,13 @@ from .rules_file import build_rules
 from .trial_writing import to_yaml
 from .work_keys import at_instants, shift_at_instants
 
+BUILT_IN = Path(__file__).parents[1] / "data" / "trials"
+"""Folder of the trials that come with Floorwalker."""
+
 
 def builtin_trials() -> tuple[str, ...]:
     """Return the names of the trials that come with Floorwalker, sorted."""
-    files = resources.files("sim").joinpath("data", "trials").iterdir()
-    return tuple(sorted(Path(f.name).stem for f in files if f.name.endswith(".yaml")))
+    return tuple(sorted(path.stem for path in BUILT_IN.glob("*.yaml")))
 
 
 @dataclass(frozen=True)
@@ -54,8 +55,8 @@ class Trial(Scenario):
         """
         name = str(source)
         if name in builtin_trials():
-            data = resources.files("sim").joinpath("data", "trials", f"{name}.yaml")
-            return cls.parse(data.read_text(encoding="utf-8"), file=name, own_code=own_code)
+            text = (BUILT_IN / f"{name}.yaml").read_text(encoding="utf-8")
+            return cls.parse(text, file=name, own_code=own_code)
         path = Path(source)
         if not path.suffix and not floorplan.is_there(path):
             message = f"no such file, nor a built-in trial; {suggestion(name, builtin_trials())}"

@@ -14,7 +14,7 @@ import re
 import zlib
 from collections.abc import Mapping
 from functools import cache
-from importlib.resources import files
+from pathlib import Path
 from typing import Any
 
 from ..record.strict_json import parse_json
@@ -22,6 +22,9 @@ from .packed_motions import pack, unpack
 
 FORMAT = "floorwalker-replay/1"
 """The `format` of a recording, by which a page knows one that it can read."""
+
+PARTS = Path(__file__).parents[1] / "data" / "replay"
+"""Folder of the parts of the page."""
 
 PACKED_FROM = 1_500_000
 """Characters of a recording from which it stands packed in its page."""
@@ -128,7 +131,7 @@ def says_itself(page: str) -> bool:
 
 @cache
 def _part(name: str) -> str:
-    return (files("sim") / "data" / "replay" / name).read_text(encoding="utf-8")
+    return (PARTS / name).read_text(encoding="utf-8")
 
 
 def _elements(name: str, recording: Mapping[str, Any]) -> str:
