@@ -22,6 +22,7 @@ from .document import (
     read_yaml,
     refuse,
 )
+from .fields import Flag, NotNegative, Number, Pair, Positive, Range, Strictly, whole
 from .kinds import require, require_fields
 from .loading import build, builtin, load, parse
 from .model import (
@@ -53,7 +54,7 @@ from .reading import (
     read_text,
     require_readable,
 )
-from .schema import NotNegative, Number, ObstacleSchema, Pair, Positive, Range, Strictly
+from .schema import ObstacleSchema
 from .writing import floor_keys, lost, obstacle_keys
 from .yaml_writing import yaml_text
 
@@ -68,6 +69,7 @@ __all__ = [
     "Document",
     "Door",
     "Fault",
+    "Flag",
     "Floorplan",
     "FloorplanError",
     "Gantry",
@@ -121,5 +123,6 @@ __all__ = [
     "starting_fault",
     "suggestion",
     "time_fault",
+    "whole",
     "yaml_text",
 ]

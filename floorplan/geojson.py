@@ -5,8 +5,6 @@ A single geometry is the area to walk on, with obstacles as holes. In a collecti
 group that it is in, as in drawings; `name`, `bottom`, `top` and `heading` are read where they fit.
 """
 
-from __future__ import annotations
-
 import itertools
 import json
 from collections.abc import Iterator
@@ -22,13 +20,13 @@ from shapely.geometry import shape as shape_of
 
 from .checks import LARGEST, polygon_fault
 from .document import field_name, misfits
+from .fields import Number
 from .layers import AS_IT_IS, BOUNDARY, Drawn
 from .model import DEFAULT_HEIGHT, Obstacle, SafeZone, Station
 from .outlines import pieces_of
 from .plan import Floorplan
 from .problems import FloorplanError, Problem, shown
 from .reading import read_text
-from .schema import Number
 from .wkt import joined
 
 DEGREES = ("CRS84", "4326")

@@ -6,8 +6,6 @@ map_server, the thresholds decide alone: the grey (205) of unknown cells is belo
 0.25 and so counts as free; 0.196 leaves it out.
 """
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 from typing import Annotated, Literal
@@ -19,10 +17,10 @@ from pydantic import BaseModel, ConfigDict, Field, Strict, model_validator
 from shapely.geometry import Polygon
 
 from .document import Document
+from .fields import Number
 from .image import GreyImage, read_image
 from .plan import Floorplan
 from .problems import FloorplanError
-from .schema import Number
 from .trace import IntricateError, trace
 
 TOLERANCE = 0.45
@@ -48,7 +46,7 @@ class RosMapSchema(BaseModel):
     mode: Literal["trinary", "scale", "raw"] = "trinary"
 
     @model_validator(mode="after")
-    def _thresholds_rise(self) -> RosMapSchema:
+    def _thresholds_rise(self) -> "RosMapSchema":
         if self.free_thresh > self.occupied_thresh:
             raise ValueError(
                 f"free_thresh ({self.free_thresh:g}) must not be above"

@@ -1,67 +1,21 @@
 """The keys and values of a floorplan file in Floorwalker's own YAML format."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated, Any, Literal
 
 from pydantic import (
-    AfterValidator,
-    BaseModel,
     BeforeValidator,
-    ConfigDict,
     Field,
-    Strict,
     ValidationInfo,
     field_validator,
     model_validator,
 )
 from pydantic_core import PydanticCustomError
 
-from .checks import LARGEST, size_fault
+from .fields import Flag, Number, Pair, Positive, Range, Strictly
 from .model import DEFAULT_HEIGHT, EVERYBODY
 
-
-def _checked_size(value: float) -> float:
-    if fault := size_fault(value):
-        raise ValueError(fault)
-    return value
-
-
-Number = Annotated[float, Strict(), Field(ge=-LARGEST, le=LARGEST, allow_inf_nan=False)]
-"""A field of a file: a number from -1e9 to 1e9."""
-
-Positive = Annotated[
-    float, Strict(), Field(gt=0, le=LARGEST, allow_inf_nan=False), AfterValidator(_checked_size)
-]
-"""A field of a file: a number from 1e-6 to 1e9."""
-
-NotNegative = Annotated[float, Strict(), Field(ge=0, le=LARGEST, allow_inf_nan=False)]
-"""A field of a file: a number from 0 to 1e9."""
-
-Pair = tuple[Number, Number]
-"""A field of a file: two numbers from -1e9 to 1e9."""
-
 Size = tuple[Positive, Positive]
-
-
-def _rising(pair: tuple[float, float]) -> tuple[float, float]:
-    if pair[0] >= pair[1]:
-        raise ValueError(f"must be [low, high] with low < high, found {list(pair)}")
-    return pair
-
-
-Range = Annotated[Pair, AfterValidator(_rising)]
-"""A field of a file: [low, high] with low < high, from -1e9 to 1e9."""
-
-
-class Strictly(BaseModel):
-    """A part of a file in which unknown keys are refused."""
-
-    model_config = ConfigDict(
-        extra="forbid", frozen=True, str_strip_whitespace=True, defer_build=True
-    )
-
 
 Name = Annotated[str, Field(min_length=1)]
 
@@ -80,7 +34,7 @@ class FootprintSchema(Strictly):
     holes: list[Ring] = []
 
     @model_validator(mode="after")
-    def _one_footprint(self) -> FootprintSchema:
+    def _one_footprint(self) -> "FootprintSchema":
         keys = ("x", "y", "center", "size", "radius", "polygon")
         given = {key for key in keys if getattr(self, key) is not None}
         if given not in ({"x", "y"}, {"center", "size"}, {"center", "radius"}, {"polygon"}):
@@ -103,7 +57,7 @@ class DoorSchema(Strictly):
     """A door between two points."""
 
     between: tuple[Pair, Pair]
-    open: Annotated[bool, Strict()] = True
+    open: Flag = True
     thickness: Positive = 0.1
     height: Positive = DEFAULT_HEIGHT
 
@@ -112,12 +66,12 @@ class ZoneSchema(FootprintSchema):
     """An area, and the rule that holds in it for some."""
 
     max_speed: Positive | None = None
-    forbidden: Annotated[bool, Strict()] = False
+    forbidden: Flag = False
     one_way: Pair | None = None
     concerns: Annotated[list[Name], Field(min_length=1)] = [*EVERYBODY]
 
     @model_validator(mode="after")
-    def _one_rule(self) -> ZoneSchema:
+    def _one_rule(self) -> "ZoneSchema":
         if self.forbidden == (self.max_speed is not None or self.one_way is not None):
             raise ValueError("give forbidden: true, or max_speed (m/s) and one_way (x, y)")
         return self
@@ -227,7 +181,7 @@ class GroupSchema(Strictly):
     layers: Annotated[list[Name], Field(min_length=1)]
     z: Range | None = None
     line_width: Positive | None = None
-    hollow: Annotated[bool, Strict()] = False
+    hollow: Flag = False
 
 
 def _as_group(value: Any) -> Any:

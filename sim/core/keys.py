@@ -1,14 +1,9 @@
 """Keys of files that stand for values, and how they are read."""
 
-from __future__ import annotations
-
-from typing import Annotated, Any, ClassVar
-
-from pydantic import Strict
+from typing import Any, ClassVar
 
 from floorplan import Number, Strictly
 
-Flag = Annotated[bool, Strict()]
 Pose = tuple[Number, Number, Number]
 
 

@@ -1,24 +1,21 @@
 """The keys and values of a trial file as the ARIAC competition writes them (2023)."""
 
-from __future__ import annotations
-
 import math
 import re
 from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field, Strict, model_validator
 
-from floorplan import NotNegative, Number, Positive, Strictly
+from floorplan import Flag, NotNegative, Number, Positive, Strictly, whole
 
 Text = Annotated[str, BeforeValidator(lambda v: str(v) if type(v) is int else v)]
 """Text that may look like a number: an order's id."""
 
-Whole = Annotated[int, Strict()]
-Truth = Annotated[bool, Strict()]
-Slot = Annotated[int, Strict(), Field(ge=1, le=9)]
-TraySlot = Annotated[int, Strict(), Field(ge=1, le=6)]
-TrayId = Annotated[int, Strict(), Field(ge=0, le=9)]
-Quadrant = Annotated[int, Strict(), Field(ge=1, le=4)]
+Whole = Annotated[int, whole()]
+Slot = Annotated[int, whole(1, 9)]
+TraySlot = Annotated[int, whole(1, 6)]
+TrayId = Annotated[int, whole(0, 9)]
+Quadrant = Annotated[int, whole(1, 4)]
 Offset = Annotated[float, Strict(), Field(ge=-1, le=1)]
 Type = Literal["battery", "pump", "regulator", "sensor"]
 Color = Literal["blue", "green", "orange", "purple", "red"]
@@ -83,7 +80,7 @@ class Lot(Strictly):
     color: Color
     slots: list[Slot]
     rotation: Angle = 0.0
-    flipped: Truth = False
+    flipped: Flag = False
     faulty: list[Slot] = []
 
 
@@ -94,7 +91,7 @@ class AgvPart(Strictly):
     color: Color
     quadrant: Quadrant
     rotation: Angle = 0.0
-    flipped: Truth = False
+    flipped: Flag = False
 
 
 class AgvLoad(Strictly):
@@ -109,16 +106,16 @@ class ConveyorPart(Strictly):
 
     type: Type
     color: Color
-    number: Annotated[int, Strict(), Field(ge=0, le=MOST_PARTS)]
+    number: Annotated[int, whole(0, MOST_PARTS)]
     offset: Offset = 0.0
-    flipped: Truth = False
+    flipped: Flag = False
     rotation: Angle = 0.0
 
 
 class ConveyorBelt(Strictly):
     """Parts that come along the conveyor."""
 
-    active: Truth = False
+    active: Flag = False
     spawn_rate: Positive = 1.0
     order: Literal["sequential", "random"] = "sequential"
     parts_to_spawn: list[ConveyorPart] | None = []
@@ -154,7 +151,7 @@ class Condition(Strictly):
     submission_condition: Submission | None = None
 
     @model_validator(mode="after")
-    def _one_of_them(self) -> Condition:
+    def _one_of_them(self) -> "Condition":
         given = [self.time_condition, self.part_place_condition, self.submission_condition]
         if sum(condition is not None for condition in given) != 1:
             raise ValueError(
@@ -192,10 +189,10 @@ class FaultyPartChallenge(Strictly):
     """The first parts in these quadrants are faulty."""
 
     order_id: Text
-    quadrant1: Truth = False
-    quadrant2: Truth = False
-    quadrant3: Truth = False
-    quadrant4: Truth = False
+    quadrant1: Flag = False
+    quadrant2: Flag = False
+    quadrant3: Flag = False
+    quadrant4: Flag = False
 
 
 class DroppedPartChallenge(Strictly):
@@ -204,7 +201,7 @@ class DroppedPartChallenge(Strictly):
     robot: Robot
     type: Type
     color: Color
-    drop_after: Annotated[int, Strict(), Field(ge=0)]
+    drop_after: Annotated[int, whole(0)]
     delay: NotNegative
 
 
@@ -219,7 +216,7 @@ class Challenge(Strictly):
     dropped_part: DroppedPartChallenge | None = None
 
     @model_validator(mode="after")
-    def _one_kind(self) -> Challenge:
+    def _one_kind(self) -> "Challenge":
         if len(self.model_fields_set) != 1 or getattr(self, self.kind) is None:
             raise ValueError(
                 f"a challenge has one of the keys {', '.join(type(self).model_fields)},"
@@ -287,13 +284,13 @@ class OrderEntry(Strictly):
     id: Text
     type: Literal["kitting", "assembly", "combined"]
     announcement: Condition
-    priority: Truth = False
+    priority: Flag = False
     kitting_task: Kitting | None = None
     assembly_task: Assembly | None = None
     combined_task: Combined | None = None
 
     @model_validator(mode="after")
-    def _its_task(self) -> OrderEntry:
+    def _its_task(self) -> "OrderEntry":
         keys = ("kitting_task", "assembly_task", "combined_task")
         if [key for key in keys if getattr(self, key) is not None] != [f"{self.type}_task"]:
             raise ValueError(f"an order of the type {self.type} has a {self.type}_task, no other")

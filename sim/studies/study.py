@@ -7,10 +7,20 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import Field, Strict, model_validator
+from pydantic import Field, model_validator
 
 import floorplan
-from floorplan import Document, Number, Pair, Positive, Problem, Strictly, field_name
+from floorplan import (
+    Document,
+    Flag,
+    Number,
+    Pair,
+    Positive,
+    Problem,
+    Strictly,
+    field_name,
+    whole,
+)
 
 from ..trials.checks import LARGEST_SEED, faults, name_fault
 from ..trials.comparison import is_number
@@ -47,10 +57,10 @@ class _StudyKeys(Strictly):
     trials: Annotated[list[str], Field(min_length=1)]
     grid: dict[str, list[Any]] = {}
     random: dict[str, _Draw] = {}
-    repeat: Annotated[int, Strict(), Field(ge=1)] = 1
-    seed: Annotated[int, Strict(), Field(ge=0, le=LARGEST_SEED)] = 0
-    metrics: Annotated[bool, Strict()] = False
-    own_code: Annotated[bool, Strict()] = True
+    repeat: Annotated[int, whole(1)] = 1
+    seed: Annotated[int, whole(0, LARGEST_SEED)] = 0
+    metrics: Flag = False
+    own_code: Flag = True
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,5 @@
 """The keys of commands: in a trial file, or in a file of their own."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated, Any
 

@@ -1,7 +1,5 @@
 """The keys of a trial file: how they are read, and the values that they stand for."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Annotated, Any, Literal
 
@@ -10,17 +8,26 @@ from pydantic import (
     BeforeValidator,
     Discriminator,
     Field,
-    Strict,
     Tag,
     model_validator,
 )
 from pydantic_core import PydanticCustomError
 
-from floorplan import NotNegative, Number, Pair, Positive, Range, Strictly, suggestion
+from floorplan import (
+    Flag,
+    NotNegative,
+    Number,
+    Pair,
+    Positive,
+    Range,
+    Strictly,
+    suggestion,
+    whole,
+)
 from navigation import PlannerChoice
 
 from ..core.blackout import Blackout
-from ..core.keys import Flag, Keys
+from ..core.keys import Keys
 from ..core.manners import MannersEntry, Side
 from ..core.noticing import NoticingEntry
 from ..core.recorded_track import RecordedTrack
@@ -59,11 +66,11 @@ class _Start(Keys):
     part_placed: _PartPlaced | None = None
     order_submitted: str | None = None
     event: str | None = None
-    count: Annotated[int, Strict(), Field(ge=1)] = 1
+    count: Annotated[int, whole(1)] = 1
     person: str | None = None
 
     @model_validator(mode="after")
-    def _one_condition(self) -> _Start:
+    def _one_condition(self) -> "_Start":
         given = self.model_fields_set
         if len(given & {*CONDITIONS}) != 1:
             raise ValueError(f"give one of {', '.join(CONDITIONS)}")
@@ -140,13 +147,13 @@ OF_RECORDED = frozenset({"name", "start", "radius", "recorded"})
 class _Source(Keys):
     at: Pair | str
     rate: Positive
-    count: Annotated[int, Strict(), Field(ge=1)] | None = None
+    count: Annotated[int, whole(1)] | None = None
     start: NotNegative = 0.0
     stream: str = ""
-    number: Annotated[int, Strict(), Field(ge=1)] = 1
+    number: Annotated[int, whole(1)] = 1
 
     @model_validator(mode="after")
-    def _one_or_many(self) -> _Source:
+    def _one_or_many(self) -> "_Source":
         if (self.count is None) == (not self.stream):
             raise ValueError("give count, the number of people who come")
         return self
@@ -163,7 +170,7 @@ class PersonKeys(WorkerKeys):
     name: Annotated[str, Field(pattern=f"^{NAME}$")]
     personality: str = "indifferent"
     start: _Start = _Start(time=0.0)
-    count: Annotated[int, Strict(), Field(ge=1)] | None = None
+    count: Annotated[int, whole(1)] | None = None
     at: Pair | Literal["anywhere"] | None = None
     home: Pair | None = None
     beliefs: list[str] = []
@@ -181,7 +188,7 @@ class PersonKeys(WorkerKeys):
     noticing: _NoticingKeys = _NoticingKeys()
 
     @model_validator(mode="after")
-    def _recorded_or_not(self) -> PersonKeys:
+    def _recorded_or_not(self) -> "PersonKeys":
         needless = sorted(self.model_fields_set - OF_RECORDED)
         if self.recorded is not None and needless:
             raise ValueError(
@@ -190,7 +197,7 @@ class PersonKeys(WorkerKeys):
         return self
 
     @model_validator(mode="after")
-    def _comes_or_is_there(self) -> PersonKeys:
+    def _comes_or_is_there(self) -> "PersonKeys":
         if self.source is not None:
             for key in ("at", "count", "start"):
                 if key in self.model_fields_set:
@@ -254,7 +261,7 @@ class TrialKeys(Strictly):
     floorplan: Annotated[Any, BeforeValidator(_name_or_keys)]
     folder: str = "."
     duration: Positive = 275.0
-    seed: Annotated[int, Strict(), Field(ge=0, le=LARGEST_SEED)] = 0
+    seed: Annotated[int, whole(0, LARGEST_SEED)] = 0
     rules: RuleKeys = RuleKeys.model_validate(PAPER.name)
     planner: _Planner = USUAL_PLANNER
     people: list[PersonKeys] = []

@@ -1,7 +1,5 @@
 """The keys of places that change in a trial file: doors, and obstacles that come and go."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated, Any
 
@@ -44,7 +42,7 @@ class DoorKeys(Strictly):
     open: Spans | None = None
 
     @model_validator(mode="after")
-    def _one(self) -> DoorKeys:
+    def _one(self) -> "DoorKeys":
         if (self.closed is None) == (self.open is None):
             raise ValueError("give one of closed and open: the times at which it is")
         return self

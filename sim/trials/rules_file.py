@@ -1,7 +1,5 @@
 """Rule sets in files: in the `rules` of a trial, or in a YAML file of their own."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import fields, replace
@@ -148,7 +146,7 @@ def build_rules(
         problems.append(document.problem(message, *place, "based_on"))
         base = PAPER
 
-    def law(terms: Terms | None, *key: str) -> AnyLaw | None:
+    def law(terms: Terms | None, *key: str) -> "AnyLaw | None":
         if terms is None:
             return None
         at = f"{document.file}: {document.problem('', *place, *key)}".removesuffix(": ")

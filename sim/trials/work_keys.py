@@ -1,7 +1,5 @@
 """The keys of people's work in a trial file: tasks, lists of them, shifts and breaks."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 from typing import Annotated, Any
@@ -9,16 +7,15 @@ from typing import Annotated, Any
 from pydantic import (
     BeforeValidator,
     Field,
-    Strict,
     ValidatorFunctionWrapHandler,
     WrapValidator,
     field_validator,
     model_validator,
 )
 
-from floorplan import NotNegative, Number, Positive
+from floorplan import Flag, NotNegative, Number, Positive, whole
 
-from ..core.keys import Flag, Keys
+from ..core.keys import Keys
 from ..core.work import Duration, Shift, WorkList, WorkTask
 
 DAY = 86_400.0
@@ -72,7 +69,7 @@ class DrawnKeys(Keys):
     exponential: Positive | None = None
 
     @model_validator(mode="after")
-    def _one(self) -> DrawnKeys:
+    def _one(self) -> "DrawnKeys":
         if len(self.model_fields_set) != 1:
             raise ValueError(f"give one of {', '.join(type(self).model_fields)}")
         for name in ("uniform", "triangular"):
@@ -100,12 +97,12 @@ class TaskKeys(Keys):
     duration: Annotated[Positive | DrawnKeys, BeforeValidator(_duration)]
     name: str = ""
     time: Time = 0.0
-    priority: Annotated[int, Strict()] = 0
+    priority: Annotated[int, whole()] = 0
     every: Annotated[Positive | None, BeforeValidator(_duration)] = None
-    count: Annotated[int, Strict(), Field(ge=1)] | None = None
+    count: Annotated[int, whole(1)] | None = None
 
     @model_validator(mode="after")
-    def _count_of_what(self) -> TaskKeys:
+    def _count_of_what(self) -> "TaskKeys":
         if self.count is not None and self.every is None:
             raise ValueError("a count needs every: the seconds from one to the next")
         return self
@@ -138,7 +135,7 @@ class WorkListKeys(Keys):
     repeat: Flag = False
 
     @model_validator(mode="after")
-    def _repeats_once(self) -> WorkListKeys:
+    def _repeats_once(self) -> "WorkListKeys":
         if self.repeat and any(task.every is not None for task in self.tasks):
             raise ValueError(
                 "tasks of a list that repeats come again when they are done, not every"

@@ -1,14 +1,12 @@
 """The keys of an AGV in a trial file."""
 
-from __future__ import annotations
-
 import math
 
 from pydantic import Field, model_validator
 
-from floorplan import Lane, NotNegative, Number, Pair, Positive, Range, Strictly
+from floorplan import Flag, Lane, NotNegative, Number, Pair, Positive, Range, Strictly
 
-from ...core.keys import Flag, Keys
+from ...core.keys import Keys
 from ...core.scenario import AgvMove
 
 MOST_MOVES = 100_000

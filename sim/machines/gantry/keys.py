@@ -1,14 +1,12 @@
 """The keys of a gantry in a trial file."""
 
-from __future__ import annotations
-
 from typing import Annotated
 
-from pydantic import Field, Strict, model_validator
+from pydantic import model_validator
 
-from floorplan import NotNegative, Positive, Range
+from floorplan import Flag, NotNegative, Positive, Range, whole
 
-from ...core.keys import Flag, Keys, Pose
+from ...core.keys import Keys, Pose
 from ...core.scenario import GantryEntry, Job
 from ...core.workload import Drop
 
@@ -22,7 +20,7 @@ class _Job(Keys):
     submit: str | None = None
 
     @model_validator(mode="after")
-    def _one_kind(self) -> _Job:
+    def _one_kind(self) -> "_Job":
         given = self.model_fields_set - {"part"}
         if given not in ({"move"}, {"wait"}, {"pick", "place"}, {"submit"}):
             raise ValueError("a job is one of move, wait, pick with place, or submit")
@@ -40,7 +38,7 @@ class _Job(Keys):
 
 class _Drop(Keys):
     part: str = "part"
-    after: Annotated[int, Strict(), Field(ge=0)] = 0
+    after: Annotated[int, whole(0)] = 0
     delay: NotNegative = 0.0
 
     def value(self) -> Drop:

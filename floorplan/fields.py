@@ -1,0 +1,82 @@
+"""Fields of files, and the parts that they make up."""
+
+from typing import Annotated, Any
+
+from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler
+from pydantic_core import CoreSchema
+from pydantic_core.core_schema import (
+    bool_schema,
+    float_schema,
+    int_schema,
+    no_info_after_validator_function,
+    tuple_schema,
+)
+
+from .checks import LARGEST, size_fault
+
+
+def _checked_size(value: float) -> float:
+    if fault := size_fault(value):
+        raise ValueError(fault)
+    return value
+
+
+class Reads:
+    """Annotation that says in pydantic's own terms how a value is read.
+
+    What many fields have in common is so worked out once, not for each of them.
+    """
+
+    def __init__(self, schema: CoreSchema) -> None:
+        self._schema = schema
+
+    def __get_pydantic_core_schema__(self, kind: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return dict(self._schema)
+
+
+_NUMBER = float_schema(strict=True, ge=-LARGEST, le=LARGEST, allow_inf_nan=False)
+_POSITIVE = float_schema(strict=True, gt=0, le=LARGEST, allow_inf_nan=False)
+_NOT_NEGATIVE = float_schema(strict=True, ge=0, le=LARGEST, allow_inf_nan=False)
+_PAIR = tuple_schema([_NUMBER, _NUMBER])
+
+Number = Annotated[float, Reads(_NUMBER)]
+"""A field of a file: a number from -1e9 to 1e9."""
+
+Positive = Annotated[float, Reads(no_info_after_validator_function(_checked_size, _POSITIVE))]
+"""A field of a file: a number from 1e-6 to 1e9."""
+
+NotNegative = Annotated[float, Reads(_NOT_NEGATIVE)]
+"""A field of a file: a number from 0 to 1e9."""
+
+Flag = Annotated[bool, Reads(bool_schema(strict=True))]
+"""A field of a file: true or false."""
+
+
+def whole(least: int | None = None, most: int | None = None) -> Reads:
+    """Return the annotation of a field of a file: a whole number from `least` to `most`."""
+    return Reads(int_schema(strict=True, ge=least, le=most))
+
+
+Pair = Annotated[tuple[float, float], Reads(_PAIR)]
+"""A field of a file: two numbers from -1e9 to 1e9."""
+
+
+def _rising(pair: tuple[float, float]) -> tuple[float, float]:
+    if pair[0] >= pair[1]:
+        raise ValueError(f"must be [low, high] with low < high, found {list(pair)}")
+    return pair
+
+
+Range = Annotated[tuple[float, float], Reads(no_info_after_validator_function(_rising, _PAIR))]
+"""A field of a file: [low, high] with low < high, from -1e9 to 1e9."""
+
+
+class Strictly(BaseModel):
+    """A part of a file in which unknown keys are refused.
+
+    Modules of such parts don't postpone their annotations: pydantic would compile each of them.
+    """
+
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, str_strip_whitespace=True, defer_build=True
+    )
