@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from functools import lru_cache
 from typing import TypeVar
 
 import numpy as np
@@ -15,6 +16,7 @@ from floorplan import Point
 
 from .bodies import Body, Disc
 from .corners import around_disc, bends, corners, edges_of_room, grown
+from .kernels.discs import within_bounds
 
 _Found = TypeVar("_Found")
 
@@ -23,6 +25,9 @@ STEP = math.radians(3.0)
 
 _MOST_KNOWN = 200
 """Number of places of which the piece that they are in, or the nearest place, is kept."""
+
+_MOST_GROWN = 64
+"""Number of bodies of which the area that they take is kept."""
 
 _EDGE = 1e-3
 """Metres. How far outside a piece a place may be that counts as on its edge."""
@@ -41,6 +46,8 @@ class FreeSpace:
         shapely.prepare(self.pieces)
         self._known: dict[Point, int | None] = {}
         self._nearest: dict[Point, Point | None] = {}
+        self._sides: list[float] | None = None
+        """Bounds of the sides of all pieces, one after another."""
 
     def __repr__(self) -> str:
         return f"<FreeSpace, pieces: {len(self.pieces)}>"
@@ -75,6 +82,17 @@ class FreeSpace:
             return (float(point[0]), float(point[1]))
         found = shapely.get_coordinates(shapely.shortest_line(self.pieces[closest], at))
         return (float(found[0, 0]), float(found[0, 1]))
+
+    def bounds_at(self, place: Point) -> tuple[Point, Point]:
+        """Return the lower left and the upper right of `place` and the sides that it may be on."""
+        if self._sides is None:
+            self._sides = _bounds_of_sides(self.pieces)
+        (x, y), sides = place, self._sides
+        on = within_bounds(sides, x - _EDGE, y - _EDGE, x + _EDGE, y + _EDGE)
+        low_x, low_y, high_x, high_y = (
+            [end, *(sides[4 * k + n] for k in on)] for n, end in enumerate((x, y, x, y))
+        )
+        return (min(low_x), min(low_y)), (max(high_x), max(high_y))
 
     def outward(self, point: Point, reach: float) -> list[list[Point]]:
         """Return places within `reach` metres of `point`, for each piece that is so near.
@@ -128,6 +146,18 @@ def without(space: FreeSpace, bodies: Sequence[Body], radius: float) -> FreeSpac
     return FreeSpace(np.concatenate([space.pieces[~touched], parts]))
 
 
+def _bounds_of_sides(pieces: NDArray[np.object_]) -> list[float]:
+    """Return least x and y, greatest x and y of each side of some polygons, in turn."""
+    points, of = shapely.get_coordinates(
+        shapely.get_rings(pieces), return_index=True
+    )
+    joined = of[1:] == of[:-1]
+    a, b = points[:-1][joined], points[1:][joined]
+    bounds: list[float] = np.hstack([np.minimum(a, b), np.maximum(a, b)]).ravel().tolist()
+    return bounds
+
+
+@lru_cache(_MOST_GROWN)
 def _grown_body(body: Body, radius: float) -> shapely.Geometry:
     """Return the area that `body` takes from the centre of a disc of `radius` metres."""
     if isinstance(body.shape, Disc):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Hashable, Mapping
+from collections.abc import Callable, Collection, Hashable, Mapping
 from functools import partial
 from typing import Any
 
@@ -220,6 +220,10 @@ class PathPlanner:
         explain = explain_cut_off(self.world, start, goal, self.radius)
         return PlanningError("unreachable", explain)
 
+    def _blocked(self, place: Point, end: str) -> Callable[[], str]:
+        """Return a function that explains why there is no room at `place`, as things are now."""
+        return partial(blocked_place, self.world.as_if(), place, end, self.radius)
+
     def _kept_footing(self, place: Point, end: str, tolerance: float) -> Point:
         """Return as `_footing`, found once where paths are kept: most goals are stations."""
         if not self._keep:
@@ -246,11 +250,11 @@ class PathPlanner:
         reason: Reason = "start_blocked" if end == "start" else "goal_blocked"
         gap = world.distance(place)
         if gap < self.radius - max(tolerance, 1e-9):
-            raise PlanningError(reason, blocked_place(world, place, end, self.radius))
+            raise PlanningError(reason, self._blocked(place, end))
         footing = world.nearest_free(place, self.radius + HAIR)
         # From the edge of what is allowed, room is at most a few of these measures away.
         if footing is None or math.dist(place, footing) > 10 * TOO_CLOSE:
-            raise PlanningError(reason, blocked_place(world, place, end, self.radius))
+            raise PlanningError(reason, self._blocked(place, end))
         return footing
 
 

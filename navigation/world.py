@@ -21,6 +21,9 @@ from .kernels.discs import within_bounds
 from .roadmap import HAIR, Roadmap
 from .walls import Walls
 
+_WIDER = 1.001
+"""Factor by which what bodies take from a radius is wider than it, for polygons around arcs."""
+
 _ROUNDING = 10 * TOLERANCE
 """Metres. A disc that is this much too close to something counts as beside it."""
 
@@ -316,6 +319,17 @@ class CollisionWorld:
 
         None if it fits nowhere.
         """
+        # Bodies that are neither at the point, nor at the nearest place of the floor without them
+        # and at the sides that this is on, nor between, leave all of that as it is: to cut them
+        # out would change nothing.
+        place = self.fixed_space(radius).nearest(point)
+        if place is not None:
+            (low_x, low_y), (high_x, high_y) = self.fixed_space(radius).bounds_at(place)
+            away = math.dist(point, place)
+            low = min(low_x, point[0] - away), min(low_y, point[1] - away)
+            high = max(high_x, point[0] + away), max(high_y, point[1] + away)
+            if not self.near(low, high, _WIDER * radius + HAIR):
+                return place
         return self.free_space(radius).nearest(point)
 
     def exits(self, point: Point, radius: float) -> list[Point]:

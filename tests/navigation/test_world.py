@@ -221,6 +221,24 @@ def test_nearest_free_place(world):
     assert world.nearest_free((-5.0, 0.0), 30.0) is None
 
 
+@given(
+    st.floats(-22, 2),
+    st.floats(-12, 12),
+    st.lists(st.tuples(st.floats(-15, 0), st.floats(-9, 9)), max_size=4),
+    st.lists(st.floats(0, 1), min_size=len(CELL.lanes), max_size=len(CELL.lanes)),
+)
+def test_bodies_far_from_a_place_leave_the_nearest_free_one_as_it_is(x, y, discs, shares):
+    """To the bit: a path must not depend on the bodies that were looked at on the way."""
+    world = CollisionWorld(CELL)
+    for k, at in enumerate(discs):
+        world.place(f"disc {k}", Disc(at, 0.4))
+    for lane, share in zip(CELL.lanes, shares, strict=True):
+        low, high = lane.limits
+        world.move_agv(lane.name, low + share * (high - low))
+    for radius in (0.3, 0.3001):
+        assert world.nearest_free((x, y), radius) == world.free_space(radius).nearest((x, y))
+
+
 @pytest.mark.parametrize("point", [(-2.5, 0.5), (-2.66, 3.0), (-0.6, -4.72)])
 def test_no_cracks_between_grown_edges_and_corners(world, point):
     """A crack beside a corner of a bin once was taken for a place to stand."""
