@@ -246,6 +246,10 @@ class Lane:
         return known[1]
 
 
+ROUNDING = 1e-9
+"""Metres or radians. A pose this little beyond a limit counts as at it."""
+
+
 @dataclass(frozen=True)
 class Axis:
     """One axis of the gantry: its range and limits, in metres or radians, and seconds."""
@@ -256,9 +260,9 @@ class Axis:
     max_acceleration: float
     max_jerk: float
 
-
-ROUNDING = 1e-9
-"""Metres or radians. A pose this little beyond a limit counts as at it."""
+    def reaches(self, value: float) -> bool:
+        """Return True if `value` is within its range, but for rounding."""
+        return self.low - ROUNDING <= value <= self.high + ROUNDING
 
 
 @dataclass(frozen=True)
@@ -282,10 +286,13 @@ class Gantry:
 
     def faults(self, target: tuple[float, float, float]) -> list[str]:
         """Return a message for each of x, y and rotation of `target` that is out of range."""
+        x, y, rotation = target
+        if self.x.reaches(x) and self.y.reaches(y) and self.rotation.reaches(rotation):
+            return []
         return [
             f"{name} = {value:g} is outside the gantry's range {axis.low:g} … {axis.high:g}"
             for name, axis, value in zip(("x", "y", "rotation"), self.axes, target, strict=True)
-            if not axis.low - ROUNDING <= value <= axis.high + ROUNDING
+            if not axis.reaches(value)
         ]
 
     @property

@@ -25,7 +25,7 @@ from .kernels.discs import first_met, within_bounds
 from .kernels.edges import touches
 from .kernels.following import followed, speed_behind
 from .kernels.grid import block_discs, grid_path
-from .kernels.lookout import nearest_on
+from .kernels.lookout import most_remote, nearest_on
 from .lookout import Lookout
 from .machines import (
     ARIAC_GANTRY,
@@ -158,6 +158,7 @@ __all__ = [
     "longest_stop",
     "minimum_margin",
     "minimum_separation",
+    "most_remote",
     "nearest_on",
     "nearest_pair",
     "next_step",

@@ -10,6 +10,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
 
 import numpy as np
 import shapely
@@ -21,6 +23,10 @@ Floats = NDArray[np.float64]
 _OVERLAP = 1e-3
 """Radians. How far a sector reaches into the strips beside it, so that rounding leaves no crack
 between them."""
+
+_FULL = 2 * math.pi
+_BEGIN, _TURN = np.array([math.pi]), np.array([_FULL])
+"""Where the corner begins that a disc is, and the angle of its arc (radians)."""
 
 _STRAIGHT = 1e-9
 """Radians. Corners that turn less than this are none."""
@@ -132,24 +138,39 @@ def corners(edges: list[Floats]) -> Corners:
 def round_corner(centre: tuple[float, float], radius: float) -> Corners:
     """Return a disc as one corner, to be gone round in a full circle."""
     # Where that begins does not matter.
-    return Corners(
-        np.array([centre]), np.array([radius]), np.array([math.pi]), np.array([2 * math.pi])
-    )
+    return Corners(np.array([centre]), np.array([radius]), _BEGIN, _TURN)
 
 
 def bends(around: Corners, radius: float, step: float) -> Bends:
     """Return the bends of a disc of `radius` metres around corners, of `step` radians at most."""
-    count = np.maximum(np.ceil(around.turn / step - 1e-9), 1).astype(int)
+    discs = len(around.turn) == 1 and around.turn[0] == _FULL
+    fans = _fans_of_disc(step) if discs else _fans(around.begin, around.turn, step)
+    of, cosine, sine, middle, before, after = fans
+    # The polygon's sides touch the arc in their middles, so its corners are farther out.
+    out = (radius + around.radius[of]) / cosine
+    point = around.centre[of] + out[:, None] * middle
+    return Bends(point, before, after, out * sine, of)
+
+
+def _fans(begin: Floats, turn: Floats, step: float) -> tuple[Any, ...]:
+    """Return the directions in which the bends around corners lie, and the path there.
+
+    Of each bend the number of its corner, cosine and sine of half the angle from one to the next,
+    the direction to it, and those of the path before and after it.
+    """
+    count = np.maximum(np.ceil(turn / step - 1e-9), 1).astype(int)
     of = np.repeat(np.arange(len(count)), count)
     place = np.arange(len(of)) - np.repeat(np.cumsum(count) - count, count)
-    share = around.turn[of] / count[of]
-    # The polygon's sides touch the arc in their middles, so its corners are farther out.
-    out = (radius + around.radius[of]) / np.cos(share / 2)
-    middle = around.begin[of] - (place + 0.5) * share
-    point = around.centre[of] + out[:, None] * _unit(middle)
-    reach = out * np.sin(share / 2)
+    share = turn[of] / count[of]
+    middle = begin[of] - (place + 0.5) * share
     before, after = _clockwise(middle + share / 2), _clockwise(middle - share / 2)
-    return Bends(point, before, after, reach, of)
+    return of, np.cos(share / 2), np.sin(share / 2), _unit(middle), before, after
+
+
+@lru_cache
+def _fans_of_disc(step: float) -> tuple[Any, ...]:
+    """Return `_fans` of a disc: they are those of any other."""
+    return _fans(_BEGIN, _TURN, step)
 
 
 def grown(edges: list[Floats], radius: float, step: float) -> shapely.Geometry:

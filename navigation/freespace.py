@@ -148,9 +148,7 @@ def without(space: FreeSpace, bodies: Sequence[Body], radius: float) -> FreeSpac
 
 def _bounds_of_sides(pieces: NDArray[np.object_]) -> list[float]:
     """Return least x and y, greatest x and y of each side of some polygons, in turn."""
-    points, of = shapely.get_coordinates(
-        shapely.get_rings(pieces), return_index=True
-    )
+    points, of = shapely.get_coordinates(shapely.get_rings(pieces), return_index=True)
     joined = of[1:] == of[:-1]
     a, b = points[:-1][joined], points[1:][joined]
     bounds: list[float] = np.hstack([np.minimum(a, b), np.maximum(a, b)]).ravel().tolist()

@@ -66,6 +66,7 @@ class GantryPlanner:
         )
         for name, at in counted.items():
             self._world.move_agv(name, at)
+        self._paths = PathPlanner(self._world, self.radius, step=BEND)
 
     def plan(
         self,
@@ -93,13 +94,24 @@ class GantryPlanner:
             # The planner adds its own radius to everything, which is taken off here.
             solid = max(min(radius, away) - self.radius, _LEAST)
             discs[f"keep out {k}"] = Disc((x, y), solid)
-        paths = PathPlanner(self._world.as_if(discs), self.radius, step=BEND)
-        path = paths.plan(start[:2], goal[:2], planner=planner, parameters=parameters, seed=seed)
+        try:
+            for name, disc in discs.items():
+                self._world.place(name, disc)
+            path = self._paths.plan(
+                start[:2], goal[:2], planner=planner, parameters=parameters, seed=seed
+            )
+        finally:
+            for body in self._world.bodies:
+                if body.name in discs:
+                    self._world.remove(body.name)
         so_far = np.append(0.0, np.cumsum(np.hypot(*np.diff(path.points, axis=0).T)))
         share = so_far / so_far[-1] if so_far[-1] > 0 else np.array([0.0, 1.0])
         turned = start[2] + share * (goal[2] - start[2])
         return GantryPath(
-            np.column_stack([path.points, turned]), path.clearance, path.planner, path.checks
+            np.column_stack([path.points, turned]),
+            lambda: path.clearance,
+            path.planner,
+            path.checks,
         )
 
     def _range(self) -> shapely.Polygon:

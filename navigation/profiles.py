@@ -10,12 +10,13 @@ import math
 import threading
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import ruckig
 
 from .kernels.braking import stands
-from .kernels.pieces import phases_of
+from .kernels.pieces import phases_of, scaled
 from .kernels.walks import NOWHERE
 from .motion import Cubic, Piece
 
@@ -43,6 +44,9 @@ class AxisState:
     velocity: float = 0.0
     acceleration: float = 0.0
 
+
+_MOST_KEPT = 256
+"""Number of profiles from rest to rest that are kept."""
 
 Phases = list[tuple[float, Cubic]]
 """The duration of each phase of one axis (seconds), and its cubic."""
@@ -96,27 +100,24 @@ def straight(
     # Of metres along the longest axis each other axis goes a share; so do speed and the rest.
     shares = [span / length for span in spans]
     moving = [(abs(share), axis) for share, axis in zip(shares, limits, strict=True) if share]
-    shared = AxisLimits(
+    along = _from_rest(
+        length,
         min(axis.max_speed / share for share, axis in moving),
         min(axis.max_acceleration / share for share, axis in moving),
         min(axis.max_jerk / share for share, axis in moving),
     )
-    (along,) = rows_to_position(((0.0,), _REST, _REST), ((length,), _REST, _REST), [shared])
-    return [_scaled(along, a, share) for a, share in zip(current, shares, strict=True)]
+    return [scaled(along, a, share) for a, share in zip(current, shares, strict=True)]
 
 
-def _scaled(rows: list[float], begin: float, share: float) -> list[float]:
-    """Return the rows of an axis that goes by a share of another's, from `begin` on."""
-    found: list[float] = []
-    for k in range(0, len(rows), 5):
-        found += (
-            rows[k],
-            begin + share * rows[k + 1],
-            share * rows[k + 2],
-            share * rows[k + 3],
-            share * rows[k + 4],
-        )
-    return found
+@lru_cache(_MOST_KEPT)
+def _from_rest(length: float, speed: float, acceleration: float, jerk: float) -> list[float]:
+    """Return the rows of an axis from rest at 0 to rest at `length`, within these limits.
+
+    Machines ask again and again: for the same way, or standing where they have stood before.
+    """
+    limits = AxisLimits(speed, acceleration, jerk)
+    (along,) = rows_to_position(((0.0,), _REST, _REST), ((length,), _REST, _REST), [limits])
+    return along
 
 
 def along_line(

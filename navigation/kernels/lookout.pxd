@@ -52,3 +52,12 @@ cpdef double nearest_on(
     double step,
     double horizon,
 ) except? -1
+cpdef int most_remote(
+    list[double] places,
+    list[double] people,
+    list[double] glances,
+    double horizon,
+    double top,
+    double lag,
+    double enough,
+) except -1

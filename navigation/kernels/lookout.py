@@ -16,7 +16,6 @@ else:
     from . import uncompiled as cython
 
 from .odometer import WIDTH
-from .pieces import evaluate
 
 if not cython.compiled:
     from math import sqrt
@@ -25,6 +24,7 @@ if not cython.compiled:
     from .encounter import Encounter
     from .laws import Law
     from .odometer import Figure, Odometer, row_at
+    from .pieces import along, rate
     from .watch import TooClose, Watch
 else:
     from cython.cimports.libc.math import sqrt
@@ -32,6 +32,7 @@ else:
     from cython.cimports.navigation.kernels.encounter import Encounter
     from cython.cimports.navigation.kernels.laws import Law
     from cython.cimports.navigation.kernels.odometer import Figure, Odometer, row_at
+    from cython.cimports.navigation.kernels.pieces import along, rate
     from cython.cimports.navigation.kernels.watch import TooClose, Watch
 
 _INFINITE: float = float("inf")
@@ -73,25 +74,25 @@ class Towards(Law):
 class Part:
     """A part of a motion, from `begin` to `end` (seconds): its ends, and a bound of its speed."""
 
-    def __init__(self, table: list[float], begin: float, end: float) -> None:
+    def __init__(self, odometer: Odometer, begin: float, end: float) -> None:
+        table: list[float] = odometer.table
         self.table = table
         self.begin = begin
         self.end = end
-        odometer: Odometer = Odometer(table)
         odometer.look(begin, end)
         figure: Figure = odometer.out
         self.fastest = figure.value + abs(figure.slope) * ((end - begin) / 2) + figure.slack
-        last: float = table[len(table) - _WIDTH + 1]
-        at, _, _ = evaluate(table, max(row_at(table, _WIDTH, begin), 0), begin, False)
-        self.x = at[0]
-        self.y = at[1]
-        moves: cython.bint = table[0] <= end and end < last
-        at, velocity, _ = evaluate(table, max(row_at(table, _WIDTH, end), 0), end, moves)
-        self.last_x = at[0]
-        self.last_y = at[1]
-        vx: float = velocity[0]
-        vy: float = velocity[1]
-        self.last_speed = sqrt(vx * vx + vy * vy)
+        o: cython.Py_ssize_t = _WIDTH * max(row_at(table, _WIDTH, begin), 0)
+        self.x = along(table, o + 2, begin)
+        self.y = along(table, o + 6, begin)
+        o = _WIDTH * max(row_at(table, _WIDTH, end), 0)
+        self.last_x = along(table, o + 2, end)
+        self.last_y = along(table, o + 6, end)
+        self.last_speed = 0.0
+        if table[0] <= end and end < table[len(table) - _WIDTH + 1]:
+            vx: float = rate(table, o + 2, end)
+            vy: float = rate(table, o + 6, end)
+            self.last_speed = sqrt(vx * vx + vy * vy)
 
 
 class Lookout:
@@ -119,7 +120,8 @@ class Lookout:
         if not people or now >= finish:
             return finish, -1
         # Mostly everybody is far away, and one bound for the whole motion says so.
-        whole: Part = Part(motion, now, finish)
+        odometer: Odometer = Odometer(motion)
+        whole: Part = Part(odometer, now, finish)
         near: cython.bint = False
         for k in range(len(people) // _PERSON):
             near = near or self.in_reach(people, k, whole, now)
@@ -129,12 +131,12 @@ class Lookout:
         ahead: float = least
         while until < finish:
             then: float = min(now + ahead, finish)
-            on: Part = Part(motion, until, then)
+            on: Part = Part(odometer, until, then)
             # Safe until `then` and safe through the stop from there: one may decide anew at that
             # time. Doubling asks for as many stops as the logarithm of the time, and finds at least
             # half of it.
             stop: list[float] = stops.table(motion, then)
-            stopping: Part = Part(stop, then, stop[len(stop) - _WIDTH + 1])
+            stopping: Part = Part(Odometer(stop), then, stop[len(stop) - _WIDTH + 1])
             for k in range(len(people) // _PERSON):
                 if self.hinders(people, k, on, now) or self.hinders(people, k, stopping, now):
                     return until, k
@@ -150,9 +152,9 @@ class Lookout:
         That is after `least` seconds of the motion, or at the end of the stop from there.
         """
         then: float = min(now + least, motion[len(motion) - _WIDTH + 1])
-        on: Part = Part(motion, now, then)
+        on: Part = Part(Odometer(motion), now, then)
         stop: list[float] = stops.table(motion, then)
-        stopping: Part = Part(stop, then, stop[len(stop) - _WIDTH + 1])
+        stopping: Part = Part(Odometer(stop), then, stop[len(stop) - _WIDTH + 1])
         return -min(self.room(people, 0, on, now), self.room(people, 0, stopping, now))
 
     def required(self, people: list[float], k: cython.Py_ssize_t, speed: float) -> float:
@@ -229,9 +231,9 @@ def nearest_on(
             t = end
             over = True
         # Before the motion begins its first row is held at its beginning.
-        at, _, _ = evaluate(motion, max(row_at(motion, _WIDTH, t), 0), t, False)
-        x: float = at[0]
-        y: float = at[1]
+        o: cython.Py_ssize_t = _WIDTH * max(row_at(motion, _WIDTH, t), 0)
+        x: float = along(motion, o + 2, t)
+        y: float = along(motion, o + 6, t)
         after: float = min(t - now, horizon)
         for k in range(0, len(people), _PERSON):
             dx: float = x - (people[k] + after * people[k + 2])
@@ -240,3 +242,49 @@ def nearest_on(
         i += 1
         t = begin + i * step
     return least
+
+
+def most_remote(
+    places: list[float],
+    people: list[float],
+    glances: list[float],
+    horizon: float,
+    top: float,
+    lag: float,
+    enough: float,
+) -> int:
+    """Return the number of the place on whose path `people` stay farthest from a machine.
+
+    `places` has x and y (metres) of each in turn, of the machine's own first; that is the answer,
+    too, where nobody comes nearer than `enough` to it. The machine goes straight at its `top`
+    speed, `lag` seconds late. Of the people there are x, y (metres) and their velocity (m/s), which
+    they keep for `horizon` seconds; it is looked where they are at `glances`, seconds from now.
+    """
+    best: cython.int = 0
+    farthest: float = -1.0
+    x: float = places[0]
+    y: float = places[1]
+    i: cython.int
+    g: cython.Py_ssize_t
+    k: cython.Py_ssize_t
+    for i in range(len(places) // 2):
+        along: float = places[2 * i] - x
+        across: float = places[2 * i + 1] - y
+        length: float = sqrt(along * along + across * across)
+        least: float = _INFINITE
+        for g in range(len(glances)):
+            t: float = glances[g]
+            share: float = 0.0
+            if length > 0.0:
+                share = min(1.0, top * max(0.0, t - lag) / length)
+            after: float = min(t, horizon)
+            for k in range(0, len(people), _PERSON):
+                dx: float = x + share * along - (people[k] + people[k + 2] * after)
+                dy: float = y + share * across - (people[k + 1] + people[k + 3] * after)
+                least = min(least, sqrt(dx * dx + dy * dy))
+        if i == 0 and least >= enough:
+            return 0
+        if least > farthest:
+            best = i
+            farthest = least
+    return int(best)

@@ -67,6 +67,27 @@ def evaluate(
     return at, velocity, (2 * ax + 6 * u * jx, 2 * ay + 6 * u * jy, 2 * ar + 6 * u * jr)
 
 
+def along(table: list[float], o: cython.Py_ssize_t, t: float) -> float:
+    """Return the value at `t` (seconds) of the cubic whose coefficients begin at `o`.
+
+    Its piece is that of the row which `o` is in; it is held within that.
+    """
+    row: cython.Py_ssize_t = o - o % _WIDTH
+    begin: float = table[row]
+    u: float = min(max(t, begin), table[row + 1]) - begin
+    value: float = table[o] + u * (table[o + 1] + u * (table[o + 2] + u * table[o + 3]))
+    return value
+
+
+def rate(table: list[float], o: cython.Py_ssize_t, t: float) -> float:
+    """Return the derivative of `along`."""
+    row: cython.Py_ssize_t = o - o % _WIDTH
+    begin: float = table[row]
+    u: float = min(max(t, begin), table[row + 1]) - begin
+    value: float = table[o + 1] + u * (2 * table[o + 2] + u * 3 * table[o + 3])
+    return value
+
+
 def breaks(table: list[float], tolerance: float) -> list[int]:
     """Return the rows that end before they begin, or do not begin where the one before ended.
 
@@ -121,6 +142,19 @@ def phases_of(
     if not rows:
         return [0.0, state[0], state[1], state[2] / 2, 0.0]
     return rows
+
+
+def scaled(rows: list[float], begin: float, share: float) -> list[float]:
+    """Return the rows of an axis that goes by a share of another's, from `begin` on."""
+    found: list[float] = []
+    k: cython.Py_ssize_t
+    for k in range(0, len(rows), 5):
+        found.append(rows[k])
+        found.append(begin + share * rows[k + 1])
+        found.append(share * rows[k + 2])
+        found.append(share * rows[k + 3])
+        found.append(share * rows[k + 4])
+    return found
 
 
 def merge_axes(axes: list[list[float]], start: float) -> list[float]:

@@ -48,6 +48,9 @@ for _ in range(40):
     people = [c for _ in range(3) for c in (*place(), 1.5, rng.choice((-1.0, 2.0)))]
     away = navigation.nearest_on(machine.table, people, 2.0, 2.0, 9.0, 0.5, 5.0)
     digest.update(repr(away).encode())
+    places = [c for _ in range(9) for c in place()]
+    remote = navigation.most_remote(places, people, [0.0, 1.0, 2.0], 1.5, 1.0, 0.5, 3.0)
+    digest.update(repr(remote).encode())
     for law in laws:
         for stop in stops if hasattr(law, "distance") else ():
             found = navigation.Lookout(law, 0.01).safe_until(machine.table, stop, people, 2.0, 0.2)

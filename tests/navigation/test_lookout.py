@@ -79,3 +79,29 @@ def test_a_motion_is_safe_for_as_long_as_it_is_said_and_no_longer(gantry, ends, 
         elif begin == until:
             # What lacks between two of the instants can't be seen at them.
             assert worst(begin, end, people[who]) > -0.05
+
+
+@given(
+    st.lists(st.tuples(st.floats(-9, 9), st.floats(-9, 9)), min_size=1, max_size=6),
+    st.lists(st.tuples(*[st.floats(-9, 9)] * 2, *[st.floats(-2, 2)] * 2), max_size=3),
+)
+def test_the_place_on_whose_path_people_stay_farthest_is_found(places, people):
+    glances, horizon, top, lag, enough = [0.0, 1.0, 2.0], 1.5, 1.0, 0.5, 4.0
+
+    def nearest(place):
+        length = math.dist(places[0], place)
+        found = math.inf
+        for t, (x, y, vx, vy) in itertools.product(glances, people):
+            share = min(1.0, top * max(0.0, t - lag) / length) if length else 0.0
+            at = [a + share * (b - a) for a, b in zip(places[0], place, strict=True)]
+            after = min(t, horizon)
+            found = min(found, math.dist(at, (x + vx * after, y + vy * after)))
+        return found
+
+    rows = [c for person in people for c in person]
+    flat = [c for place in places for c in place]
+    k = navigation.most_remote(flat, rows, glances, horizon, top, lag, enough)
+    stays = nearest(places[0])
+    assert k == 0 or stays < enough + 1e-9
+    if stays < enough - 1e-9:
+        assert nearest(places[k]) > max(map(nearest, places)) - 1e-9

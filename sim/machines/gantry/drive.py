@@ -56,6 +56,8 @@ class Drive:
         self._clock = clock
         self._gantry = gantry
         self._limits = gantry_limits(gantry)
+        self._slower = {1.0: self._limits}
+        """The limits at shares of the top speeds."""
         self.stops = gantry_stops(self._limits)
         self._record = record
         self._notify = disabled_or_enabled
@@ -91,17 +93,16 @@ class Drive:
         if self._previewed_at != now or self._previewed_on is not motion:
             self._previewed_at, self._previewed_on = now, motion
             self._previews.clear()
-        x, y, rotation = target
-        target = float(x), float(y), float(rotation)
+        target = float(target[0]), float(target[1]), float(target[2])
         known = self._previews.get((target, speed_share))
         if known is not None:
             return known
         if faults := self._gantry.faults(target):
             raise ValueError("; ".join(faults))
-        limits = self._limits
-        if speed_share != 1:
-            slower = [_slower(axis, speed_share) for axis in limits]
-            limits = (slower[0], slower[1], slower[2])
+        limits = self._slower.get(speed_share)
+        if limits is None:
+            x, y, rotation = (_slower(axis, speed_share) for axis in self._limits)
+            limits = self._slower[speed_share] = x, y, rotation
         found = gantry_move(self.body.state, target, now, limits=limits)
         self._previews[target, speed_share] = found
         return found

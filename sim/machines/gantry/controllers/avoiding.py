@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 from shapely import LineString, Point
 
-from navigation import GantryPlanner, Motion, PlanningError, nearest_on
+from navigation import GantryPlanner, Motion, PlanningError, most_remote, nearest_on
 
 from ..drive import Steps
 from ..robot import GantryRobot, Sighting
@@ -28,6 +28,9 @@ FORESIGHT = 5.0
 
 GLANCE = 0.5
 """Seconds between the instants ahead at which it compares positions."""
+
+_GLANCES = [2 * GLANCE * k for k in range(1 + int(FORESIGHT / (2 * GLANCE)))]
+"""Seconds ahead at which it compares refuges."""
 
 SECOND_THOUGHTS = 1.0
 """Seconds after which it chooses its task and path anew."""
@@ -70,7 +73,8 @@ class Outlook:
             np.linspace(axis.low, axis.high, REFUGES).tolist()
             for axis in (gantry.gantry.x, gantry.gantry.y)
         )
-        self._refuges = tuple(itertools.product(x, y))
+        self._refuges = [*itertools.chain.from_iterable(itertools.product(x, y))]
+        """x and y of each in turn."""
 
     def choose(self, people: Sequence[Sighting]) -> tuple[Task | None, Pose]:
         """Return the task to go on with (None if none can be done now), and the pose to go to."""
@@ -115,31 +119,12 @@ class Outlook:
         if not people:
             return self._gantry.position
         x, y, rotation = self._gantry.position
-        speed, acceleration = (
-            self._gantry.gantry.x.max_speed,
-            self._gantry.gantry.x.max_acceleration,
-        )
+        axis = self._gantry.gantry.x
         # Speeding up evenly to v costs v / (2 a) seconds against having had it from the start.
-        lag = speed / acceleration / 2
-
-        def nearest(place: tuple[float, float]) -> float:
-            length = math.dist((x, y), place)
-            return min(
-                math.hypot(
-                    x + share * (place[0] - x) - person[0], y + share * (place[1] - y) - person[1]
-                )
-                for t, expected in glances
-                for share in [min(1.0, speed * max(0.0, t - lag) / length) if length else 0.0]
-                for person in expected
-            )
-
-        glances = [
-            (t, [_expected(person, t) for person in people])
-            for t in np.arange(0.0, FORESIGHT + GLANCE, 2 * GLANCE).tolist()
-        ]
-        if nearest((x, y)) >= self._zone:
-            return (x, y, rotation)
-        return (*max(((x, y), *self._refuges), key=nearest), rotation)
+        lag = axis.max_speed / axis.max_acceleration / 2
+        places = [x, y, *self._refuges]
+        k = most_remote(places, _rows(people), _GLANCES, FORESIGHT, axis.max_speed, lag, self._zone)
+        return (places[2 * k], places[2 * k + 1], rotation)
 
     def _is_clear(self, motion: Motion, people: Sequence[Sighting], seconds: float) -> bool:
         """Return True if it can keep moving on `motion`, and stand at its end for `seconds`."""
@@ -154,9 +139,8 @@ class Outlook:
         self, motion: Motion, people: Sequence[Sighting], begin: float, end: float
     ) -> float:
         """Return the least distance (metres) to anybody from `begin` to `end` (seconds)."""
-        rows = [c for person in people for c in (*person.at, *person.velocity)]
         now = self._gantry.now
-        return nearest_on(motion.table, rows, now, begin, end, GLANCE, FORESIGHT)
+        return nearest_on(motion.table, _rows(people), now, begin, end, GLANCE, FORESIGHT)
 
     def _detour(self, pose: Pose, people: Sequence[Sighting]) -> Pose | None:
         """Return the first waypoint of a path to `pose` round everybody; None if there is none."""
@@ -190,10 +174,17 @@ class Outlook:
             keep_out = [(*place, radius) for place in places]
             try:
                 path = self._planner.plan(self._gantry.position, pose, keep_out=keep_out)
-            except PlanningError:
+            except PlanningError as why:
+                if why.reason == "start_blocked":  # somebody is within the arm's reach
+                    break
                 continue
             return tuple((x, y, rotation) for x, y, rotation in path.points[1:].tolist()), radius
         return (), 0.0
+
+
+def _rows(people: Sequence[Sighting]) -> list[float]:
+    """Return x, y and velocity of each of the people in turn."""
+    return [c for person in people for c in (*person.at, *person.velocity)]
 
 
 def _expected(person: Sighting, after: float) -> tuple[float, float]:
