@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..language.order import sorted_annots
+from ..language.order import annotated
 from ..language.substitution import rename
 from ..language.terms import FALSE, TRUE, Cons, Literal, Nil, Term, make_list, namespace_of
 from ..reasoning.calls import Call
@@ -15,8 +15,7 @@ def _annotated(term: Term, annot: Term) -> Term:
         return make_list([_annotated(element, annot) for element in term])
     if not isinstance(term, Literal):
         return term
-    annots = sorted_annots((*term.annots, annot))
-    return Literal(term.functor, term.args, annots, term.negated)
+    return annotated(term, annot)
 
 
 @STANDARD.add(".add_annot", least=3, most=3)

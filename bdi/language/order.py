@@ -90,6 +90,11 @@ def distinct(terms: Iterable[Term]) -> list[Term]:
     return result
 
 
+def annotated(literal: Literal, *annots: Term) -> Literal:
+    """Return a literal with these annotations beside its own."""
+    return literal.with_annots(sorted_annots((*literal.annots, *annots)))
+
+
 def sorted_annots(annots: tuple[Term, ...]) -> tuple[Term, ...]:
     """Return annotations in standard order and each once; a variable for their tail stays last."""
     return annots if len(annots) < 2 else tuple(distinct(annots))

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TypeAlias
 
-from ..language.order import sorted_annots
+from ..language.order import annotated
 from ..language.substitution import Unifier, substitute, substitute_literal
 from ..language.terms import Literal, Term
 from .deliberation import clear
@@ -107,9 +107,7 @@ class Finish:
             self._note(dropped.literal, "unachieved", "finished")
             end(agent, intention)
             return _IS_OVER
-        literal = substitute_literal(event.literal, u)
-        annots = sorted_annots((*literal.annots, *self._annots))
-        event.literal = Literal(literal.functor, literal.args, annots, literal.negated)
+        event.literal = annotated(substitute_literal(event.literal, u), *self._annots)
         agent.circumstance.post(event)
         return _FAILS
 
@@ -129,9 +127,7 @@ class Finish:
             self._note(event.literal, "failed")
             event.sort = "-!"
             if self._annots:
-                literal = event.literal
-                annots = sorted_annots((*literal.annots, *self._annots))
-                event.literal = Literal(literal.functor, literal.args, annots, literal.negated)
+                event.literal = annotated(event.literal, *self._annots)
             return
         circumstance, intention = self._agent.circumstance, event.intention
         circumstance.remove_event(event)

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from types import MappingProxyType
 from typing import TypeAlias
 
-from ..language.order import sorted_annots
+from ..language.order import annotated
 from ..language.program import Key, Rule
 from ..language.substitution import Unifier, substitute_literal
 from ..language.terms import (
@@ -40,7 +40,7 @@ def with_source(literal: Literal) -> Literal:
         return literal.with_annots(ONLY_SELF)
     if has_source(literal):
         return literal
-    return literal.with_annots(sorted_annots((*literal.annots, FROM_SELF)))
+    return annotated(literal, FROM_SELF)
 
 
 def _among(some: tuple[Term, ...], others: tuple[Term, ...]) -> bool:
@@ -108,9 +108,12 @@ class BeliefBase:
             shelf.answers, shelf.readers = None, []
         self._read.clear()
 
-    def _new_shelf(self, key: Key) -> Shelf:
-        shelf = self.shelves[key] = Shelf()
-        self._find_out_anew()
+    def _shelf(self, key: Key) -> Shelf:
+        """Return the shelf of a key, a new one if there is none yet."""
+        shelf = self.shelves.get(key)
+        if shelf is None:
+            shelf = self.shelves[key] = Shelf()
+            self._find_out_anew()
         return shelf
 
     def rules(self) -> list[Rule]:
@@ -120,9 +123,7 @@ class BeliefBase:
 
     def add(self, literal: Literal, *, at_end: bool = False) -> Literal | None:
         """Add a belief, or annotations to one. Return what is new of it, or None."""
-        shelf = self.shelves.get(literal.key)
-        if shelf is None:
-            shelf = self._new_shelf(literal.key)
+        shelf = self._shelf(literal.key)
         known = shelf.find(literal.args)
         if known is None:
             shelf.add(literal, at_end=at_end)
@@ -131,21 +132,17 @@ class BeliefBase:
         added = tuple(annot for annot in literal.annots if annot not in known.annots)
         if not added:
             return None
-        shelf.replace(known.with_annots(sorted_annots(known.annots + added)))
+        shelf.replace(annotated(known, *added))
         return literal.with_annots(added)
 
     def perceive(self, percept: Literal) -> Literal | None:
         """Believe a percept. Return what is new, as `add`; None if it is believed as one."""
-        shelf = self.shelves.get(percept.key)
-        if shelf is None:
-            shelf = self._new_shelf(percept.key)
+        shelf = self._shelf(percept.key)
         known = shelf.find(percept.args)
         if known is not None and FROM_PERCEPT in known.annots:
             return None
-        annots = ONLY_PERCEPT
-        if percept.annots:
-            annots = sorted_annots((*percept.annots, FROM_PERCEPT))
-        belief = percept.with_annots(annots)
+        bare = not percept.annots
+        belief = percept.with_annots(ONLY_PERCEPT) if bare else annotated(percept, FROM_PERCEPT)
         if known is not None:
             return self.add(belief)
         shelf.add(belief)

@@ -27,6 +27,15 @@ from .state import AgentState
 Operation: TypeAlias = Callable[[AgentState, Intention, Means, Step], None]
 
 
+def _literal(agent: AgentState, intention: Intention, means: Means, step: Step) -> Literal | None:
+    """Return the literal that a step is about; None, and the plan fails, if it is none."""
+    literal = step.build(means.u)
+    if isinstance(literal, Literal):
+        return literal
+    _not_a_literal(agent, intention, means, step)
+    return None
+
+
 def _not_a_literal(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:
     value = walk(step.term, means.u)
     if isinstance(value, Var):
@@ -50,9 +59,8 @@ def _export(agent: AgentState, means: Means, literal: Literal) -> Literal:
 
 
 def _achieve(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:
-    goal = step.build(means.u)
-    if not isinstance(goal, Literal):
-        _not_a_literal(agent, intention, means, step)
+    goal = _literal(agent, intention, means, step)
+    if goal is None:
         return
     if goal.ground:
         means.awaited = ()
@@ -66,9 +74,8 @@ def _achieve(agent: AgentState, intention: Intention, means: Means, step: Step) 
 
 
 def _achieve_new(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:
-    goal = step.build(means.u)
-    if not isinstance(goal, Literal):
-        _not_a_literal(agent, intention, means, step)
+    goal = _literal(agent, intention, means, step)
+    if goal is None:
         return
     event = Event("+!", goal if goal.ground else rename(goal, agent.names, {}))
     agent.circumstance.post(event)
@@ -121,11 +128,9 @@ def _bindings(u: Unifier) -> str:
 
 
 def _add(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:
-    literal = step.build(means.u)
-    if isinstance(literal, Literal):
+    literal = _literal(agent, intention, means, step)
+    if literal is not None:
         _believe(agent, intention, means, step, literal)
-    else:
-        _not_a_literal(agent, intention, means, step)
 
 
 def _believe(
@@ -157,9 +162,8 @@ def _post(
 
 def _delete(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:
     """Remove a belief; after `--b` nothing waits for its event."""
-    literal = step.build(means.u)
-    if not isinstance(literal, Literal):
-        _not_a_literal(agent, intention, means, step)
+    literal = _literal(agent, intention, means, step)
+    if literal is None:
         return
     means.awaited = ()
     removed = agent.beliefs.remove(literal, means.u)
@@ -168,9 +172,8 @@ def _delete(agent: AgentState, intention: Intention, means: Means, step: Step) -
 
 def _replace(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:
     """`-+b(X)`: remove the first `b` of the agent's own, whatever its arguments, and add this."""
-    literal = step.build(means.u)
-    if not isinstance(literal, Literal):
-        _not_a_literal(agent, intention, means, step)
+    literal = _literal(agent, intention, means, step)
+    if literal is None:
         return
     removed = agent.beliefs.swap(literal) if literal.ground else None
     if removed is not None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..language.order import sorted_annots
+from ..language.order import annotated
 from ..language.terms import Literal, Term
 from .circumstance import Circumstance
 from .intentions import Event, Intention
@@ -30,9 +30,7 @@ class GoalStates:
         """Note that a goal is in another state; `sort` is that of its event, `+!` or `+?`."""
         why = Literal("reason", ("" if reason is None else reason,))
         annot = Literal("state", (Literal(state),), (why,))
-        annots = sorted_annots((*goal.annots, annot))
-        literal = Literal(goal.functor, goal.args, annots, goal.negated)
-        self._changes.append(Event("^" + sort[1:], literal))
+        self._changes.append(Event("^" + sort[1:], annotated(goal, annot)))
 
     def note_top(self, state: str, intention: Intention, reason: Term | None = None) -> None:
         """Note the state of the goal for which an intention carries out a plan."""

@@ -81,7 +81,7 @@ def nested_source(term: Term, sender: Term) -> Term:
     others = tuple(a for a in term.annots if not _is_source(a) and not isinstance(a, RestVar))
     source = Literal("source", (sender,), sources)
     annots = (*sorted_annots((*others, source)), *rest)
-    return Literal(term.functor, term.args, annots, term.negated)
+    return term.with_annots(annots)
 
 
 def without_source(term: Term, source: Term | None = None) -> Term:
@@ -98,7 +98,7 @@ def without_source(term: Term, source: Term | None = None) -> Term:
         for annot in term.annots
         if not (_is_source(annot) and (wanted is None or annot == wanted))
     )
-    return Literal(term.functor, term.args, annots, term.negated)
+    return term.with_annots(annots)
 
 
 def _is_source(annot: Term) -> bool:
@@ -114,12 +114,12 @@ def answers(agent: AgentState, asked: Term, u: Unifier) -> Iterator[Term]:
     rest = agent.names.fresh("Annots")
     open_ended = not any(isinstance(annot, RestVar) for annot in asked.annots)
     annots = (*asked.annots, RestVar(rest.name, fresh=True)) if open_ended else asked.annots
-    query = Literal(asked.functor, asked.args, annots, asked.negated)
+    query = asked.with_annots(annots)
     for solution in agent.logic.solutions(query, u):
         found = substitute(query, solution)
         if isinstance(found, Literal):
             kept = tuple(annot for annot in found.annots if annot != FROM_SELF)
-            yield Literal(found.functor, found.args, kept, found.negated)
+            yield found.with_annots(kept)
 
 
 class Question:

@@ -160,10 +160,18 @@ class PersonEntry:
         """
         if self.home is not None:
             return SafeZone(self.home)
-        place = self.place if self.source is None else spot(plan, self.source.at, self.radius)
+        place = self.place if self.source is None else self.entrance_on(plan)
         if plan.safe_zone is not None or place is None:
             return plan.safe_zone
         return SafeZone(place)
+
+    def entrance_on(self, plan: Floorplan) -> Point | None:
+        """Return where they come in, None if they have no source or it is nowhere on `plan`."""
+        return None if self.source is None else spot(plan, self.source.at, self.radius)
+
+    def sink_on(self, plan: Floorplan) -> Point | None:
+        """Return where they leave the floor, None if they don't or it is nowhere on `plan`."""
+        return None if self.sink is None else spot(plan, self.sink, self.radius)
 
 
 @dataclass(frozen=True)

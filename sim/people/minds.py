@@ -11,7 +11,7 @@ from floorplan import Floorplan
 
 from ..core.body import Body
 from ..core.rules import RuleSet
-from ..core.scenario import PersonEntry, Scenario, spot
+from ..core.scenario import PersonEntry, Scenario
 from ..core.seeds import seed_of
 from ..core.stage import Stage
 from .own_actions import import_actions, modules_of, sources_of
@@ -192,7 +192,7 @@ def first_beliefs(
     home = entry.home_on(plan)
     if home is not None:
         beliefs.append(bdi.Literal("safe_zone", home.position))
-    sink = None if entry.sink is None else spot(plan, entry.sink, entry.radius)
+    sink = entry.sink_on(plan)
     if sink is not None:
         beliefs.append(bdi.Literal("exit", sink))
     if leader is not None:

@@ -21,7 +21,7 @@ from ..core.clock import Alarm, Turn
 from ..core.events import Awaited, Entered, HumanStarted, Left, PersonalityChanged
 from ..core.machine import Machine
 from ..core.noticing import ALL_ROUND
-from ..core.scenario import PersonEntry, spot
+from ..core.scenario import PersonEntry
 from ..core.stage import Stage
 from ..safety.referee import Referee
 from ..safety.watches import Pair
@@ -89,9 +89,8 @@ class Person:
         self.has_source = entry.source is not None
         self._index = index
         self._seed = seed
-        plan = stage.floorplan
-        self._sink = None if entry.sink is None else spot(plan, entry.sink, entry.radius)
-        self._entrance = (entry.source and spot(plan, entry.source.at, entry.radius)) or at
+        self._sink = entry.sink_on(stage.floorplan)
+        self._entrance = entry.entrance_on(stage.floorplan) or at
         self.walker = Walker(
             stage,
             entry.name,

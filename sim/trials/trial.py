@@ -169,10 +169,7 @@ def build(form: type[Trial], document: Document, folder: Path, own_code: bool) -
 
 def _with_orders(trial: Trial, schema: TrialKeys, name: str, document: Document) -> Trial:
     """Return the trial with the orders, parts and challenges of an ARIAC trial file."""
-    path = trial.folder / name
-    if not floorplan.is_there(path):
-        raise TrialError(document.file, [document.problem(f"no such file: {name!r}", "ariac")])
-    orders = floorplan.read_yaml(path, TrialError)
+    orders = floorplan.read_yaml(_named_file(trial.folder, name, document, "ariac"), TrialError)
     workload, notices = reading.read_workload(orders, trial.floorplan)
     given = schema.model_fields_set
     until_submitted = schema.until_submitted
@@ -223,10 +220,15 @@ def _machine(keys: dict[str, Any]) -> MachineEntry:
 def _commands(given: str | list[Any], folder: Path, document: Document) -> tuple[Command, ...]:
     if not isinstance(given, str):
         return commands_of(given)
-    if not floorplan.is_there(folder / given):
-        message = f"no such file: {given!r}"
-        raise TrialError(document.file, [document.problem(message, "commands")])
-    return load_commands(folder / given)
+    return load_commands(_named_file(folder, given, document, "commands"))
+
+
+def _named_file(folder: Path, name: str, document: Document, key: str) -> Path:
+    """Return the path of a file that a key names; `TrialError` if there is none."""
+    path = folder / name
+    if not floorplan.is_there(path):
+        raise TrialError(document.file, [document.problem(f"no such file: {name!r}", key)])
+    return path
 
 
 def _floorplan(name: str | dict[str, Any], folder: Path, document: Document) -> Floorplan:
