@@ -1,4 +1,14 @@
-"""Events of a run by kind and field, for tests."""
+"""Runs recorded, and their events by kind and field, for tests."""
+
+import sim
+
+
+def record(trial, folder):
+    """Run a trial and record it in a folder; return the run."""
+    recording = sim.Recording(folder)
+    run = sim.run(trial, recording)
+    recording.finish(run)
+    return run
 
 
 def events(run, *kinds, **fields):

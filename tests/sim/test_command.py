@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from processes import command_line, in_a_process, started
+from run_events import record
 
 import floorplan
 import sim
@@ -120,8 +121,7 @@ def test_the_same_trial_gives_the_same_bytes_in_any_process(trial, tmp_path):
     done = in_a_process("run", trial, "--out", tmp_path / "there", cwd=tmp_path, env=env)
     assert done.returncode == 0, done.stderr
     assert sim.run(sim.Trial.load("scene_antagonistic")).events
-    recording = sim.Recording(tmp_path / "here")
-    recording.finish(sim.run(sim.Trial.load(trial), recording))
+    record(sim.Trial.load(trial), tmp_path / "here")
     files = {path.name for path in (tmp_path / "there").iterdir()}
     assert files == {path.name for path in (tmp_path / "here").iterdir()}
     for file in files - {"summary.json"}:

@@ -4,6 +4,7 @@ from dataclasses import replace
 from typing import Annotated
 
 import pytest
+from run_events import record
 
 import sim
 from sim.core.events import EVENT_KINDS
@@ -40,9 +41,7 @@ def test_an_own_kind_is_recorded_waited_for_expected_and_read_back(own_kind, tmp
 
     trial = sim.Trial.parse(TRIAL)
     trial = replace(trial, gantry=sim.GantryEntry(refuelling))
-    recording = sim.Recording(tmp_path / "run")
-    run = sim.run(trial, recording)
-    recording.finish(run)
+    run = record(trial, tmp_path / "run")
     filled = {"t": 2.0, "kind": "tank_filled", "from": "station2", "litres": 40, "by": "otto"}
     assert filled in run.events
     assert run.unmet == []
@@ -66,8 +65,7 @@ def test_expectations_of_an_own_kind_are_checked(own_kind, event, fault):
 
 
 def test_a_recording_with_another_form_in_a_field_is_damaged(own_kind, tmp_path):
-    recording = sim.Recording(tmp_path / "run")
-    recording.finish(sim.run(sim.Trial.parse("{floorplan: ariac2023, duration: 1}"), recording))
+    record(sim.Trial.parse("{floorplan: ariac2023, duration: 1}"), tmp_path / "run")
     with (tmp_path / "run" / "events.jsonl").open("a") as file:
         file.write('{"t": 1.0, "kind": "tank_filled", "from": "bin2", "litres": "many"}\n')
     with pytest.raises(sim.RecordingError, match="litres of tank_filled"):

@@ -21,6 +21,7 @@ from hypothesis import strategies as st
 from mcap.reader import make_reader
 from mcap_protobuf.decoder import DecoderFactory
 from rosbags.highlevel import AnyReader
+from run_events import record
 
 import sim
 from sim.exports.ros_bag import topic_names
@@ -288,8 +289,7 @@ def test_jupedsim_replays_it(run, tmp_path):
 
 @pytest.mark.parametrize("ending", ENDINGS)
 def test_a_recording_exports_to_the_bytes_of_its_run(run, tmp_path, ending):
-    recording = sim.Recording(tmp_path / "recorded")
-    recording.finish(sim.run(run.trial, recording))
+    record(run.trial, tmp_path / "recorded")
     contents = []
     for k, source in enumerate((run, run, sim.load_run(tmp_path / "recorded"))):
         path = tmp_path / str(k) / f"out{ending}"

@@ -14,6 +14,7 @@ from dataclasses import replace
 import pytest
 from bridge_parts import Client, served
 from processes import started
+from run_events import record
 
 import sim
 from sim.live.page_server import PageServer, Stream
@@ -277,8 +278,7 @@ def test_what_is_done_from_the_page_repeats_from_a_file(tmp_path):
     went = [e for e in run.events if e["kind"] == "goal" and e["t"] == done[-1]["t"]]
     assert [e["station"] for e in went] == ["station2"]
     again = replace(trial, commands=load_commands(tmp_path / "watched" / "commands.yaml"))
-    recording = sim.Recording(tmp_path / "repeated")
-    recording.finish(sim.run(again, recording))
+    record(again, tmp_path / "repeated")
     assert everything(tmp_path / "repeated") == everything(tmp_path / "watched")
 
 
@@ -514,8 +514,7 @@ def test_ctrl_c_keeps_what_was_recorded(tmp_path):
 
 
 def test_replay_serves_until_it_is_told_to_stop(tmp_path):
-    recording = sim.Recording(tmp_path / "run")
-    recording.finish(sim.run(sim.Trial.parse(TRIAL), recording))
+    record(sim.Trial.parse(TRIAL), tmp_path / "run")
     process = started("replay", "run", "--serve", "--no-open", cwd=tmp_path)
     url = process.stdout.readline().strip()
     place = urllib.parse.urlsplit(url)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from run_events import record
 
 import navigation
 import sim
@@ -33,9 +34,7 @@ machines:
 def recorded(tmp_path_factory):
     """The example of a kind of one's own, run and recorded."""
     folder = tmp_path_factory.mktemp("tugger")
-    recording = sim.Recording(folder)
-    run = sim.run(sim.Trial.load(EXAMPLES / "tugger.trial.yaml"), recording)
-    recording.finish(run)
+    run = record(sim.Trial.load(EXAMPLES / "tugger.trial.yaml"), folder)
     return run, folder
 
 

@@ -2,7 +2,7 @@
 
 import json
 
-from run_events import events
+from run_events import events, record
 
 import bdi
 import sim
@@ -74,9 +74,7 @@ def test_a_thought_that_changes_nothing_is_not_told():
 def test_minds_are_looked_into_only_if_somebody_wants_to_know(tmp_path):
     trial = sim.Trial.load("scene_antagonistic")
     assert sim.run(trial).thoughts == ()
-    recording = sim.Recording(tmp_path / "run")
-    run = sim.run(trial, recording)
-    recording.finish(run)
+    run = record(trial, tmp_path / "run")
     lines = (tmp_path / "run" / "thoughts.jsonl").read_text(encoding="utf-8").splitlines()
     assert [json.loads(line) for line in lines] == list(run.thoughts)
     assert sim.load_run(tmp_path / "run").thoughts == run.thoughts

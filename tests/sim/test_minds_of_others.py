@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 import pytest
-from run_events import events
+from run_events import events, record
 
 import bdi
 import navigation
@@ -201,9 +201,7 @@ def test_a_rule_says_how_near_people_may_come(tmp_path):
     rules = dataclasses.replace(trial.rules, name="ours", between_people=0.5)
     ours = dataclasses.replace(trial, rules=rules, expect={"people_too_near": ">= 1"})
     assert sim.Trial.parse(ours.to_yaml(), folder=".").rules == rules
-    recording = sim.Recording(tmp_path / "run")
-    run = sim.run(ours, recording)
-    recording.finish(run)
+    run = record(ours, tmp_path / "run")
     near = navigation.TooClose(navigation.FixedDistance(1.1))
     intervals = list(navigation.when(near, run.motions["ada"], run.motions["ben"], 0, run.duration))
     found = events(run, "people_too_near")

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from run_events import events
+from run_events import events, record
 from small_floors import LANE, run_on
 
 import floorplan
@@ -130,8 +130,7 @@ def test_a_trial_adds_gates_to_a_floor_and_its_recording_has_them(tmp_path):
     west, south, _, north = plan.boundary.bounds
     x = west + 1.0
     trial = sim.Trial.parse(text % ([[x, south], [x, north]], [x + 1.0, 1.0]), folder=tmp_path)
-    recording = sim.Recording(tmp_path / "run")
-    recording.finish(sim.run(trial, recording))
+    record(trial, tmp_path / "run")
     assert load_run(tmp_path / "run").scene.floorplan.gates == trial.floorplan.gates
 
 

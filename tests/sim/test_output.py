@@ -6,6 +6,7 @@ from pathlib import Path
 from threading import Barrier
 
 import pytest
+from run_events import record
 
 import sim
 from sim.core.output import replacing, write_whole
@@ -16,8 +17,7 @@ TRIAL = "floorplan: ariac2023\nduration: 3.0\npeople: [{name: ada}]\n"
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory):
     folder = tmp_path_factory.mktemp("recorded")
-    recording = sim.Recording(folder / "run")
-    recording.finish(sim.run(sim.Trial.parse(TRIAL), recording))
+    record(sim.Trial.parse(TRIAL), folder / "run")
     return folder / "run"
 
 

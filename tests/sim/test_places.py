@@ -6,7 +6,7 @@ import random
 import numpy as np
 import pytest
 import shapely
-from run_events import events
+from run_events import events, record
 from shapely.geometry import box
 from small_floors import LANE, run_on
 
@@ -102,9 +102,7 @@ def test_people_mind_obstacles_while_they_are_there(run, people, tmp_path):
     kinds = [e["kind"] for e in events(found, "obstacle_came", "obstacle_went", "replanned")]
     assert kinds == ["obstacle_came", "replanned", "obstacle_went"]
     assert len(events(found, "arrived")) == 1
-    recording = sim.Recording(tmp_path / "run")
-    trial = found.trial
-    recording.finish(sim.run(trial, recording))
+    record(found.trial, tmp_path / "run")
     assert load_run(tmp_path / "run").scene == found.scene and found.scene.passing
 
 

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from run_events import record
 from shapely.geometry import box
 
 import floorplan
@@ -406,8 +407,7 @@ def test_vector_pictures_have_real_text_and_no_date(run, tmp_path):
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("plots") / "run"
-    recording = sim.Recording(folder)
-    recording.finish(sim.run(sim.Trial.parse(TRIAL), recording))
+    record(sim.Trial.parse(TRIAL), folder)
     return folder
 
 

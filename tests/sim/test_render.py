@@ -5,6 +5,7 @@ import sys
 
 import numpy as np
 import pytest
+from run_events import record
 
 import sim
 from sim.cli import main
@@ -150,8 +151,7 @@ def test_without_an_encoder_the_message_says_what_to_do(run, tmp_path, monkeypat
 
 
 def test_the_command_films_a_recording(tmp_path, monkeypatch, capsys):
-    recording = sim.Recording(tmp_path / "run")
-    recording.finish(sim.run(sim.Trial.parse(TRIAL), recording))
+    record(sim.Trial.parse(TRIAL), tmp_path / "run")
     out = tmp_path / "run.gif"
     words = ["render", str(tmp_path / "run"), "--out", str(out), "--from", "20", "--to", "24"]
     monkeypatch.setattr(sys, "argv", ["floorwalker", *words, "--width", "240"])

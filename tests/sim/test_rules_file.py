@@ -5,7 +5,7 @@ import pickle
 
 import numpy as np
 import pytest
-from run_events import events, first
+from run_events import events, first, record
 
 import navigation
 import sim
@@ -283,9 +283,7 @@ def test_the_integral_law_is_a_rule_of_a_trial():
 
 
 def test_a_recording_keeps_what_an_integral_law_required(tmp_path):
-    recording = sim.Recording(tmp_path / "out")
-    run = sim.run(trial(INTEGRAL), recording)
-    recording.finish(run)
+    run = record(trial(INTEGRAL), tmp_path / "out")
     back = sim.load_run(tmp_path / "out")
     times = np.linspace(0.0, 60.0, 501)
     for machine in ("gantry", "agv1"):

@@ -9,6 +9,7 @@ from dataclasses import replace
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from run_events import record
 
 import bdi
 import floorplan
@@ -31,13 +32,6 @@ agvs:
   agv1: [{time: 20.0, to: assembly_front}]
   agv2: [{time: 20.0, to: 2.5}]
 """
-
-
-def record(trial, folder):
-    recording = sim.Recording(folder)
-    run = sim.run(trial, recording)
-    recording.finish(run)
-    return run
 
 
 @pytest.fixture(scope="module")

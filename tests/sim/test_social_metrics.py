@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from run_events import record
 
 import sim
 
@@ -119,8 +120,7 @@ def test_radii_that_make_no_sense(run, radii, message):
 def test_the_command_says_the_same_of_a_recording(run, figures, tmp_path, floorwalker):
     trial = tmp_path / "two.trial.yaml"
     trial.write_text(TRIAL)
-    recording = sim.Recording(tmp_path / "run")
-    recording.finish(sim.run(sim.Trial.load(trial), recording))
+    record(sim.Trial.load(trial), tmp_path / "run")
     command = ("metrics", tmp_path / "run")
     done = floorwalker(*command, "--json")
     assert (done.returncode, done.stderr) == (0, "")

@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
+from run_events import record
 
 import sim
 from sim.commands.consoles import plain_console, visible
@@ -19,8 +20,7 @@ def folder(tmp_path_factory):
     """A folder with files of all kinds that have control characters in them."""
     folder = tmp_path_factory.mktemp("folder")
     trial = sim.Trial.parse("{floorplan: ariac2023, duration: 1.0, people: [{name: ada}]}")
-    recording = sim.Recording(folder / "run")
-    recording.finish(sim.run(trial, recording))
+    record(trial, folder / "run")
     for path in (folder / "run").glob("*.json*"):
         path.write_text(path.read_text().replace('"ada"', json.dumps(f"ada{RED}")))
     (folder / "said.asl").write_text(f'!go. +!go <- .print("{RED}"); do("{RED}").')
