@@ -130,6 +130,8 @@ class Zone:
         found = []
         for (ax, ay), (bx, by) in pairwise(at[:2] for at in ring):
             width = math.dist((ax, ay), (bx, by))
+            # The ring goes round counterclockwise, so (dy, -dx) of a side points out of the zone:
+            # people leave it where that is along the direction, and enter where it is against it.
             outwards = (by - ay) * c - (bx - ax) * s
             if abs(outwards) > ALONG * width:
                 towards = ((ax + bx) / 2 + c, (ay + by) / 2 + s)

@@ -125,6 +125,8 @@ def _velocity_roots(piece: Piece, duration: float) -> list[complex]:
     (_, x1, x2, x3), (_, y1, y2, y3) = piece.x, piece.y
     a, b, c = complex(3 * x3, 3 * y3), complex(2 * x2, 2 * y2), complex(x1, y1)
     if abs(a) * duration**2 > 1e-14 * (abs(b) * duration + abs(c)):
+        # With the sign for which b and the root add up, nothing cancels in q; the roots are then
+        # q / a and c / q (W. H. Press et al., "Numerical Recipes", 3rd edition 2007, 5.6).
         root = cmath.sqrt(b * b - 4 * a * c)
         q = -(b + (root if (b.conjugate() * root).real >= 0 else -root)) / 2
         return [q / a, c / q] if q else [0j]

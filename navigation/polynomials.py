@@ -61,6 +61,7 @@ def monotone_cubics(t: Array, values: Array) -> Array:
     secant = np.diff(values, axis=0) / h
     before, after = secant[:-1], secant[1:]
     w, v = h[:-1] + 2 * h[1:], 2 * h[:-1] + h[1:]
+    # Where a line is level its slope divides by 0: what comes of that is not taken below.
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         mean = (w + v) / (w / before + v / after)
     slope = np.concatenate([secant[:1], np.where(before * after > 0, mean, 0.0), secant[-1:]])
@@ -130,6 +131,8 @@ def integral_of_least_length(x: Array, y: Array, less: Array, durations: Array) 
     while len(rows):
         half = width / 2
         first, second = quadrature(begin, half), quadrature(begin + half, half)
+        # What the two halves differ by from the whole is about the error of the whole, and that of
+        # the halves is far less: to ask no more of it than this is to be on the safe side.
         change = np.abs(first + second - whole)
         open_ = (change > 1e-13 * (1.0 + np.abs(whole))) & (width > SHORTEST)
         np.add.at(total, rows[~open_], (first + second)[~open_])

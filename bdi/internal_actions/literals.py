@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..language.order import annotated
+from ..language.order import with_more_annots
 from ..language.substitution import rename
 from ..language.terms import FALSE, TRUE, Cons, Literal, Nil, Term, make_list, namespace_of
 from ..reasoning.calls import Call
@@ -15,7 +15,7 @@ def _annotated(term: Term, annot: Term) -> Term:
         return make_list([_annotated(element, annot) for element in term])
     if not isinstance(term, Literal):
         return term
-    return annotated(term, annot)
+    return with_more_annots(term, annot)
 
 
 @STANDARD.add(".add_annot", least=3, most=3)

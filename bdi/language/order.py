@@ -90,7 +90,7 @@ def distinct(terms: Iterable[Term]) -> list[Term]:
     return result
 
 
-def annotated(literal: Literal, *annots: Term) -> Literal:
+def with_more_annots(literal: Literal, *annots: Term) -> Literal:
     """Return a literal with these annotations beside its own."""
     return literal.with_annots(sorted_annots((*literal.annots, *annots)))
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TypeAlias
 
-from ..language.order import annotated
+from ..language.order import with_more_annots
 from ..language.substitution import Unifier, substitute, substitute_literal
 from ..language.terms import Literal, Term
 from .deliberation import clear
@@ -107,7 +107,7 @@ class Finish:
             self._note(dropped.literal, "unachieved", "finished")
             end(agent, intention)
             return _IS_OVER
-        event.literal = annotated(substitute_literal(event.literal, u), *self._annots)
+        event.literal = with_more_annots(substitute_literal(event.literal, u), *self._annots)
         agent.circumstance.post(event)
         return _FAILS
 
@@ -127,7 +127,7 @@ class Finish:
             self._note(event.literal, "failed")
             event.sort = "-!"
             if self._annots:
-                event.literal = annotated(event.literal, *self._annots)
+                event.literal = with_more_annots(event.literal, *self._annots)
             return
         circumstance, intention = self._agent.circumstance, event.intention
         circumstance.remove_event(event)

@@ -38,4 +38,5 @@ def basis_of(shelves: Mapping[Key, Shelf], key: Key) -> Basis | None:
         if not asked:
             return Basis(frozenset(found), lasts)
         found |= asked
+    # Rules that go back to themselves are never through with asking, and end here as well.
     return None

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from types import MappingProxyType
 from typing import TypeAlias
 
-from ..language.order import annotated
+from ..language.order import with_more_annots
 from ..language.program import Key, Rule
 from ..language.substitution import Unifier, substitute_literal
 from ..language.terms import (
@@ -40,7 +40,7 @@ def with_source(literal: Literal) -> Literal:
         return literal.with_annots(ONLY_SELF)
     if has_source(literal):
         return literal
-    return annotated(literal, FROM_SELF)
+    return with_more_annots(literal, FROM_SELF)
 
 
 def _among(some: tuple[Term, ...], others: tuple[Term, ...]) -> bool:
@@ -132,7 +132,7 @@ class BeliefBase:
         added = tuple(annot for annot in literal.annots if annot not in known.annots)
         if not added:
             return None
-        shelf.replace(annotated(known, *added))
+        shelf.replace(with_more_annots(known, *added))
         return literal.with_annots(added)
 
     def perceive(self, percept: Literal) -> Literal | None:
@@ -141,8 +141,10 @@ class BeliefBase:
         known = shelf.find(percept.args)
         if known is not None and FROM_PERCEPT in known.annots:
             return None
-        bare = not percept.annots
-        belief = percept.with_annots(ONLY_PERCEPT) if bare else annotated(percept, FROM_PERCEPT)
+        if percept.annots:
+            belief = with_more_annots(percept, FROM_PERCEPT)
+        else:
+            belief = percept.with_annots(ONLY_PERCEPT)
         if known is not None:
             return self.add(belief)
         shelf.add(belief)

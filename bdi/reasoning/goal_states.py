@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..language.order import annotated
+from ..language.order import with_more_annots
 from ..language.terms import Literal, Term
 from .circumstance import Circumstance
 from .intentions import Event, Intention
@@ -30,7 +30,7 @@ class GoalStates:
         """Note that a goal is in another state; `sort` is that of its event, `+!` or `+?`."""
         why = Literal("reason", ("" if reason is None else reason,))
         annot = Literal("state", (Literal(state),), (why,))
-        self._changes.append(Event("^" + sort[1:], annotated(goal, annot)))
+        self._changes.append(Event("^" + sort[1:], with_more_annots(goal, annot)))
 
     def note_top(self, state: str, intention: Intention, reason: Term | None = None) -> None:
         """Note the state of the goal for which an intention carries out a plan."""

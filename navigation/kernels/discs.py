@@ -124,6 +124,7 @@ def gone(table: list[float], since: float, t: float) -> float:
         if since <= begin < t:
             end: float = table[o + 1]
             u: float = (end if end < t else t) - begin
+            # On a straight leg nobody turns back, so that the chord is the way.
             x: float = u * (table[o + 3] + u * table[o + 4])
             y: float = u * (table[o + 7] + u * table[o + 8])
             total += sqrt(x * x + y * y)

@@ -213,6 +213,7 @@ def length(table: list[float], row: cython.Py_ssize_t, u: float) -> float:
     y3: float = table[o + 7]
     if x2 == y2 == x3 == y3 == 0.0:
         return sqrt(x1 * x1 + y1 * y1) * u
+    # Stretches are cut so that eight nodes are enough: see `_ELLIPSE` in `navigation.odometer`.
     half: float = u / 2
     total: float = 0.0
     nodes: list[float] = _NODES

@@ -7,4 +7,5 @@ import zlib
 
 def seed_of(seed: int, what: str) -> int:
     """Return the seed for `what` in a trial with this `seed`: the same whatever else is there."""
+    # Not `hash`, which is salted anew in every process.
     return zlib.crc32(f"{seed} {what}".encode())

@@ -85,6 +85,7 @@ def time_too_close(run: Outcome) -> float:
     for person in run.scene.people:
         until = -math.inf
         mine = run.violations_of(person.name).values()
+        # Sorted by their begins, each adds what it has beyond the end of all before it.
         for begin, end in sorted(span for some in mine for span in some):
             total += max(0.0, end - max(begin, until))
             until = max(until, end)

@@ -61,4 +61,5 @@ def require_instants(duration: float, rate: float) -> None:
 
 def _count(duration: float, rate: float) -> int:
     require_rate(rate)
+    # The product may be a hair less than the whole number that is meant: 4.35 × 100 is.
     return int(duration * rate + 1e-9) + 1

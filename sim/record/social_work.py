@@ -30,6 +30,8 @@ def social_force(at: Array, velocity: Array, other: Array, others_velocity: Arra
 
     Of both the places (m) and velocities (m/s), each (N, 2).
     """
+    # In the paper's terms `towards` is D = λ Δv + e, `angle` θ, from D to e, and `width` B = γ |D|;
+    # the force is that of slowing down, along D, and that of turning, across it.
     apart = other - at
     distance = np.maximum(np.hypot(*apart.T), 1e-9)
     direction = apart / distance[:, None]

@@ -110,6 +110,7 @@ class Choice:
 
     def draw(self, seed: int, trial: Trial) -> Value:
         """See `Distribution`."""
+        # Not `choice`: `random` alone is promised to draw the same in every version of Python.
         return self.values[int(random.Random(seed).random() * len(self.values))]
 
 

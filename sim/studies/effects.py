@@ -74,6 +74,8 @@ def cliffs_delta(one: Floats, other: Floats) -> Effect | None:
     def deltas(times: Floats) -> Floats:
         """Return the delta of each row of `times`: how often each repetition is taken."""
         passed = np.concatenate([np.zeros((len(times), 1)), times[:, order].cumsum(axis=1)], axis=1)
+        # Of the sorted others, an x is above those before `below`, and below those from `up_to` on:
+        # passed[below] - (n - passed[up_to]).
         above_less_below: Floats = passed[:, below] + passed[:, up_to] - n
         dominance: Floats = (times * above_less_below).sum(axis=1)
         return dominance / n**2

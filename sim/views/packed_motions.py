@@ -194,6 +194,8 @@ def _read(block: bytes, count: int) -> list[Any]:
         raise ValueError("numbers are missing")
     table = np.zeros((count, 14), dtype=np.int64)
     table[there] = integers
+    # As they follow from each other: times alone, velocities from these and from c₂ and c₃, which
+    # stand as they are, and places from all of them.
     table[:, 1] = np.cumsum(table[:, 0] + table[:, 1])
     table[1:, 0] += table[:-1, 1]
     duration = table[:, 1] - table[:, 0]
@@ -212,6 +214,7 @@ def _read(block: bytes, count: int) -> list[Any]:
 
 def _sums(steps: _Integers, starts: NDArray[np.bool_]) -> _Integers:
     """Return the running sums of steps, which are 0 again at each of the `starts`."""
+    # The sum of all steps so far, less what that was at the last start.
     steps = np.where(starts, 0, steps)
     sums = np.cumsum(steps)
     last = np.maximum.accumulate(np.where(starts, np.arange(len(steps)), -1))

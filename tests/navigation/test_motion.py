@@ -361,13 +361,14 @@ def test_braking_may_be_broken_off_by_braking(seed):
 
 
 @given(st.floats(0.0, 3.0), st.floats(0.0, 1.0), st.floats(1e-6, 50.0), st.floats(0.3, 2.0))
+@example(2.0, 1.0, 0.3, 0.3)  # the last speed is rounded to above the top one
 def test_a_leg_is_ruckigs_profile_without_a_limit_of_jerk(first, share, length, top):
     limits = AxisLimits(top, 2.5)
     reachable = math.sqrt(max(first**2 - 2 * limits.max_acceleration * length, 0.0))
     first = first if reachable < top else math.sqrt(2 * limits.max_acceleration * length)
     reachable = math.sqrt(max(first**2 - 1.999 * limits.max_acceleration * length, 0.0))
     most = min(top, math.sqrt(first**2 + 1.999 * limits.max_acceleration * length))
-    last = reachable + share * max(most - reachable, 0.0)
+    last = min(reachable + share * max(most - reachable, 0.0), top)
     leg = along_legs([0.0, 0.0, length, 0.0], [length], [first, last], top, 2.5, 0.0)
     (expected,) = to_position([AxisState(0.0, first)], [AxisState(length, last)], [limits])
     since, until, begin, speed, half = leg[-14:-9]

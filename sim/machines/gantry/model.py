@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
-from floorplan import LARGEST, Fault, Floorplan, Gantry, Point, size_fault, suggestion
+from floorplan import Fault, Floorplan, Gantry, Point, size_fault, suggestion, time_fault
 from navigation import Stop, longest_stop
 
 from ...core.machine import MachineShape
@@ -70,9 +70,8 @@ class GantryModel(MachineModel):
                 yield f"no job carries a part called {drop.part!r}; {hint}", ("drops", k, "part")
             if drop.after < 0:
                 yield f"must be 0 or more, not {drop.after}", ("drops", k, "after")
-            if not 0 <= drop.delay <= LARGEST:
-                message = f"must be a time from 0 to {LARGEST:g} s, not {drop.delay!r}"
-                yield message, ("drops", k, "delay")
+            if fault := time_fault(drop.delay):
+                yield fault, ("drops", k, "delay")
 
     def longest_stop(self, plan: Floorplan) -> Stop | None:
         """Return the longest and farthest stop of its axes."""

@@ -46,6 +46,8 @@ class Passing:
         """Return the instant (s) at which it comes by a point, `within` metres; None if never."""
         (ax, ay), (bx, by) = (self.track.state(t).at for t in (self.track.start, self.track.end))
         length, (dx, dy) = math.dist((ax, ay), (bx, by)), (point[0] - ax, point[1] - ay)
+        # Straight and steady: the share of the track's length is that of its time, too. The cross
+        # product is the distance from the track, times its length.
         along = (dx * (bx - ax) + dy * (by - ay)) / length
         if abs(dx * (by - ay) - dy * (bx - ax)) > within * length or not 0 <= along <= length:
             return None
