@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, wraps
 from pathlib import Path
 from typing import Any, TypeAlias, TypeVar
 
@@ -350,10 +350,29 @@ class RuleTerm(Quoted):
         return f"{{ {self.rule} }}"
 
 
-# ---- what belongs to a run
+# ---- what all runs share, and what belongs to one
 
 
+_Shared = TypeVar("_Shared", bound=Clause | Program)
+_Made = TypeVar("_Made")
 _Clause = TypeVar("_Clause", bound=Clause)
+
+
+def made_once(make: Callable[[_Shared], _Made]) -> Callable[[_Shared], _Made]:
+    """Return `make`, asked once for each clause or program, however many agents run it.
+
+    What it makes is kept with the clause or program, and so for as long as that.
+    """
+    name = make.__name__
+
+    @wraps(make)
+    def kept(shared: _Shared) -> _Made:
+        known: _Made | None = shared.__dict__.get(name)
+        if known is None:
+            known = shared.__dict__[name] = make(shared)
+        return known
+
+    return kept
 
 
 def _is_own(literal: Literal) -> bool:

@@ -20,7 +20,7 @@ from ..language.body import (
     Test,
     While,
 )
-from ..language.program import Plan, PlanTerm, Program, Rule
+from ..language.program import Plan, PlanTerm, Program, Rule, made_once
 from ..language.terms import And, Arithmetic, Cons, Literal, Not, Or, Relation, Term
 from ..language.terms import Function as Function_
 
@@ -157,7 +157,7 @@ def check_actions(program: Program, actions: Mapping[str, object]) -> None:
         ProgramError: some are not; it has all of them.
     """
     problems: dict[Problem, None] = {}
-    for place, action, in_context in _known_calls(program):
+    for place, action, in_context in _calls(program):
         name = action.functor
         if name not in actions:
             near = get_close_matches(name, actions, n=1)
@@ -169,21 +169,12 @@ def check_actions(program: Program, actions: Mapping[str, object]) -> None:
         raise ProgramError(list(problems))
 
 
-def _known_calls(program: Program) -> tuple[tuple[Place, Literal, bool], ...]:
-    """Return the calls of a program, looked for once."""
-    known = program.__dict__.get("calls")
-    if known is None:
-        known = program.__dict__["calls"] = tuple(_calls(program))
-    return known
-
-
-def _calls(program: Program) -> Iterator[tuple[Place, Literal, bool]]:
-    """Yield each call with its place, and True if it stands in a context or query."""
-    for clause in program.beliefs:
-        if isinstance(clause, Rule):
-            yield from ((clause.place, call, c) for call, c in _in_formula(clause.body))
-    for plan in program.plans:
-        yield from _in_plan(plan)
+@made_once
+def _calls(program: Program) -> tuple[tuple[Place, Literal, bool], ...]:
+    """Return each call with its place, and True if it stands in a context or query."""
+    rules = (clause for clause in program.beliefs if isinstance(clause, Rule))
+    asked = [(rule.place, call, c) for rule in rules for call, c in _in_formula(rule.body)]
+    return (*asked, *(call for plan in program.plans for call in _in_plan(plan)))
 
 
 def _in_plan(plan: Plan) -> Iterator[tuple[Place, Literal, bool]]:

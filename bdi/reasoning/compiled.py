@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from types import MappingProxyType
 from typing import TypeAlias
 
-from ..language.program import Rule
+from ..language.program import Rule, made_once
 from ..language.substitution import Unifier, rename, value_of
 from ..language.terms import TRUE, And, Literal, Not, Relation, Term, Var, is_ground
 from ..language.unification import matched, unify
@@ -293,9 +293,7 @@ def _values(logic: Logic, variables: list[Term], u: Unifier) -> Values:
     return tuple([v if is_ground(v) else rename(v, logic.names, others) for v in found])
 
 
+@made_once
 def _answers_of(rule: Rule) -> Answers:
-    """Return the body of a rule compiled: once, however many agents have it."""
-    known: Answers | None = rule.__dict__.get("answers")
-    if known is None:
-        known = rule.__dict__["answers"] = answers(rule.body)
-    return known
+    """Return the body of a rule compiled."""
+    return answers(rule.body)

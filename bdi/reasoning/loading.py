@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ..errors import ProgramError
-from ..language.program import Belief, Plan, Program, Rule, with_run_functions
+from ..language.program import Belief, Plan, Program, Rule, made_once, with_run_functions
 from ..language.substitution import rename, substitute_literal
 from ..language.terms import TRUE, Literal
 from .actions import check_actions
@@ -71,14 +71,12 @@ def learn(agent: AgentState, program: Program) -> None:
         add_program(agent, program)
 
 
+@made_once
 def _library(program: Program) -> PlanLibrary:
-    """Return the plans of a program, compiled and filed: once, however many agents run it."""
-    known = program.__dict__.get("library")
-    if known is None:
-        library = PlanLibrary()
-        _file(program.plans, library)
-        known = program.__dict__["library"] = library
-    return known
+    """Return the plans of a program, compiled and filed."""
+    library = PlanLibrary()
+    _file(program.plans, library)
+    return library
 
 
 def _file(plans: Sequence[Plan], library: PlanLibrary) -> None:
@@ -119,9 +117,7 @@ def _believe(agent: AgentState, clause: Belief | Rule) -> None:
         agent.beliefs.add_rule(Rule(with_source(literal), TRUE, clause.place))
 
 
+@made_once
 def _believed(rule: Rule) -> Rule:
-    """Return a rule as agents believe it, with a source: made once, however many have it."""
-    known: Rule | None = rule.__dict__.get("believed")
-    if known is None:
-        known = rule.__dict__["believed"] = Rule(with_source(rule.head), rule.body, rule.place)
-    return known
+    """Return a rule as agents believe it, with a source."""
+    return Rule(with_source(rule.head), rule.body, rule.place)

@@ -7,7 +7,7 @@ from copy import copy
 
 from ..language.body import Place
 from ..language.order import sorted_annots
-from ..language.program import Key, Plan
+from ..language.program import Key, Plan, made_once
 from ..language.terms import FROM_SELF, TRUE, Literal, Qualified, Var
 from .beliefs import has_source
 from .bodies import Step, compile_body
@@ -37,12 +37,10 @@ class Compiled:
         self.body: Step | None = compile_body(plan.body)
 
 
+@made_once
 def compiled(plan: Plan) -> Compiled:
-    """Return a plan compiled: once, however many agents carry it out."""
-    known = plan.__dict__.get("compiled")
-    if known is None:
-        known = plan.__dict__["compiled"] = Compiled(plan)
-    return known
+    """Return a plan compiled."""
+    return Compiled(plan)
 
 
 class LoadedPlan:
