@@ -90,7 +90,7 @@ def test_every_command_is_called_below():
     assert sorted(every_command(typer.main.get_command(app))) == sorted(CALLS)
 
 
-ALONE = ("bridge", "run", "study")
+ALONE = ("bridge", "run", pytest.param("study", marks=pytest.mark.slow))
 """Commands that start servers or processes: what those leave shows when the command's own ends."""
 
 
@@ -117,7 +117,7 @@ for call in sys.argv[1:]:
 @pytest.mark.slow
 def test_so_do_the_others_one_after_another(samples):
     """In one process, since most of what a command takes is its start."""
-    calls = {name: call for name, call in CALLS.items() if name not in ALONE}
+    calls = {name: call for name, call in CALLS.items() if name not in (*ALONE, "study")}
     done = subprocess.run(
         [sys.executable, *STRICT, "-c", ONE_AFTER_ANOTHER, *calls.values()],
         cwd=samples,

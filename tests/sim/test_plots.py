@@ -288,8 +288,7 @@ def test_a_path_shows_the_clearance_along_it():
     assert narrowest[1] == clearance.min()
 
 
-@pytest.mark.parametrize("width", ["single", "double"])
-@pytest.mark.parametrize("there", [True, False])
+@pytest.mark.parametrize(("there", "width"), [(True, "single"), (False, "double")])
 def test_the_words_in_the_profile_of_a_path_stand_apart(there, width):
     world = CollisionWorld(floorplan.load("ariac2023"))
     ends = [(-15.0, -10.0), (-16.2, -5.0)]
@@ -301,10 +300,10 @@ def test_the_words_in_the_profile_of_a_path_stand_apart(there, width):
 
 
 FLOORS = (
-    ("ariac2023", "single"),
-    ("ariac2023", "double"),
-    ("machine_shop", "single"),
     ("warehouse", "double"),
+    pytest.param("ariac2023", "single", marks=pytest.mark.slow),
+    pytest.param("ariac2023", "double", marks=pytest.mark.slow),
+    pytest.param("machine_shop", "single", marks=pytest.mark.slow),
 )
 
 
