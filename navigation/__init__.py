@@ -20,12 +20,13 @@ from .crowding import Nearest, nearest_pair
 from .encounter import Encounter
 from .gantry_planner import GantryPath, GantryPlanner
 from .kernels.braking import Stops
-from .kernels.candidates import Candidates, next_step
-from .kernels.discs import first_met, within_bounds
+from .kernels.candidates import Candidates
+from .kernels.discs import first_but, first_met, within_bounds
 from .kernels.edges import touches
 from .kernels.following import followed, speed_behind
 from .kernels.grid import block_discs, grid_path
 from .kernels.lookout import most_remote, nearest_on
+from .kernels.retreats import Retreats
 from .lookout import Lookout
 from .machines import (
     ARIAC_GANTRY,
@@ -123,6 +124,7 @@ __all__ = [
     "PlannerError",
     "PlannerInfo",
     "PlanningError",
+    "Retreats",
     "Scaled",
     "SeparationLaw",
     "Shapes",
@@ -140,6 +142,7 @@ __all__ = [
     "block_discs",
     "can_go_on",
     "corner_speed",
+    "first_but",
     "first_conflict",
     "first_met",
     "first_time",
@@ -161,7 +164,6 @@ __all__ = [
     "most_remote",
     "nearest_on",
     "nearest_pair",
-    "next_step",
     "pace",
     "paced",
     "plan_among",

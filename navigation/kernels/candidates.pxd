@@ -44,4 +44,4 @@ cdef class Candidates:
 cdef bint _runs_into(list[double] corners, list[double] stood) noexcept
 cdef double _length(list[double] corners) noexcept
 cdef list[double] _first(list[double] corners, double length)
-cdef list[double] _bounds(list[double] corners, list[double] more)
+cdef list[double] bounds(list[double] corners, list[double] more)

@@ -19,14 +19,12 @@ if not cython.compiled:
     from math import inf, sqrt
 
     from .discs import met
-    from .edges import touches
     from .pacing import bend_speed, stand, walk_table
 
     INFINITY = inf
 else:
     from cython.cimports.libc.math import INFINITY, sqrt
     from cython.cimports.navigation.kernels.discs import met
-    from cython.cimports.navigation.kernels.edges import touches
     from cython.cimports.navigation.kernels.pacing import bend_speed, stand, walk_table
 
 _ROW: cython.Py_ssize_t = 6  # loss, length, top speed, delay, and for an aside: along, side
@@ -280,7 +278,7 @@ class Candidates:
         ):
             return False
         self.table = table
-        self.box = _bounds(corners, self.lead_box)
+        self.box = bounds(corners, self.lead_box)
         return True
 
     def _add(
@@ -382,66 +380,6 @@ class Candidates:
         return 0
 
 
-def next_step(
-    k: cython.Py_ssize_t,
-    path: list[float],
-    places: list[float],
-    legs: list[float],
-    width: float,
-    start: float,
-    top_speed: float,
-    max_speed: float,
-    acceleration: float,
-    near: list[int],
-    tables: list[list[float]],
-    boxes: list[float],
-    radii: list[float],
-    own: float,
-    table: list[float],
-    box: list[float],
-) -> int:
-    """Return the first place from the k-th on to step aside to, off a course; -1 if there is none.
-
-    Who steps there from rest at `start` (seconds) follows `path` (x and y of its corners in turn),
-    then goes on to place number `k` or a later one, at `top_speed` and never faster than
-    `max_speed` (m/s), with this `acceleration` (m/s²). `places` are relative to the end of the
-    path. A place is off the course if it is `width` metres from all of its `legs` (as edges are
-    given to `touches`), and fit if the walk to it meets nobody of those `near`, whose `tables`,
-    `boxes` and `radii` are as for `first_met`; `own` is the radius of who steps aside (metres).
-    `table` and `box` receive the walk and its bounds.
-    """
-    count: cython.Py_ssize_t = len(path)
-    x: float = path[count - 2]
-    y: float = path[count - 1]
-    tops: list[float] = [top_speed] * (count // 2)
-    none: list[float] = []
-    i: cython.Py_ssize_t
-    other: cython.Py_ssize_t
-    while k < len(places) // 2:
-        px: float = x + places[2 * k]
-        py: float = y + places[2 * k + 1]
-        if not touches(legs, px, py, px, py, width):
-            corners: list[float] = path[:]
-            corners.append(px)
-            corners.append(py)
-            del table[:]
-            if walk_table(corners, tops, start, 0.0, max_speed, acceleration, table):
-                box[:] = _bounds(corners, none)
-                fit: cython.bint = True
-                for i in range(len(near)):
-                    other = near[i]
-                    if met(table, box, tables, boxes, radii, own, start, INFINITY, other) < (
-                        INFINITY
-                    ):
-                        fit = False
-                        break
-                if fit:
-                    found: int = k
-                    return found
-        k += 1
-    return -1
-
-
 def _runs_into(corners: list[float], stood: list[float]) -> bool:
     """Return whether a polyline comes nearer to any place than is said with it: x, y, metres."""
     i: cython.Py_ssize_t
@@ -501,7 +439,7 @@ def _first(corners: list[float], length: float) -> list[float]:
     return kept
 
 
-def _bounds(corners: list[float], more: list[float]) -> list[float]:
+def bounds(corners: list[float], more: list[float]) -> list[float]:
     """Return least x and y and greatest x and y of corners, and of bounds besides."""
     low_x: float = INFINITY
     low_y: float = INFINITY

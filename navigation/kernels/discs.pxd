@@ -1,3 +1,13 @@
+cpdef Py_ssize_t first_but(
+    list[double] table,
+    list[double] box,
+    list[list[double]] tables,
+    list[double] boxes,
+    list[double] radii,
+    double own,
+    double begin,
+    bytearray apart,
+) except -2
 cdef double met(
     list[double] table,
     list[double] box,
@@ -9,7 +19,7 @@ cdef double met(
     double until,
     Py_ssize_t k,
 ) noexcept
-cdef double _distance(list[double] a, list[double] b, double t) noexcept
+cdef double distance(list[double] a, list[double] b, double t) noexcept
 cdef double _meeting(
     list[double] a,
     list[double] b,

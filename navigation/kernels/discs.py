@@ -84,6 +84,36 @@ def first_met(
     return found
 
 
+def first_but(
+    table: list[float],
+    box: list[float],
+    tables: list[list[float]],
+    boxes: list[float],
+    radii: list[float],
+    own: float,
+    begin: float,
+    apart: bytearray,
+) -> cython.Py_ssize_t:
+    """Return who of all but those `apart` is met first, as `first_met` has it; -1 for nobody."""
+    first: float = INFINITY
+    who: cython.Py_ssize_t = -1
+    k: cython.Py_ssize_t
+    for k in range(len(radii)):
+        least: float = own + radii[k]
+        if (
+            box[0] - boxes[4 * k + 2] < least
+            and boxes[4 * k] - box[2] < least
+            and box[1] - boxes[4 * k + 3] < least
+            and boxes[4 * k + 1] - box[3] < least
+            and not apart[k]
+        ):
+            t: float = met(table, box, tables, boxes, radii, own, begin, first, k)
+            if t < first:
+                first = t
+                who = k
+    return who
+
+
 def met(
     table: list[float],
     box: list[float],
@@ -108,7 +138,7 @@ def met(
     t: float = _meeting(table, other, least, begin, until, 0, 0)
     if t <= begin + _JUST_NOW:
         # They are too close to begin with: then what counts is coming closer than they are.
-        apart: float = _distance(table, other, begin)
+        apart: float = distance(table, other, begin)
         if apart < least + _JUST_NOW:
             t = _meeting(table, other, min(least, apart - 1e-9), begin, until, 0, 0)
     return t
@@ -149,7 +179,7 @@ def meeting(
     return _meeting(a, b, least, begin, until, row, other_row)
 
 
-def _distance(a: list[float], b: list[float], t: float) -> float:
+def distance(a: list[float], b: list[float], t: float) -> float:
     """Return the distance of two centres at `t` (seconds), metres."""
     i: cython.Py_ssize_t = 0
     j: cython.Py_ssize_t = 0

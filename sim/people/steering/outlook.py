@@ -50,6 +50,8 @@ class Ground:
         self.radius = radius
         self.detours = Detours(world, radius)
         self._walls = world.walls(radius)
+        self.walls = self._walls.grid
+        """The sides of the walls."""
         self._gates = world.gates
         self._narrow_cells: dict[tuple[int, int], bool | None] = {}
 
@@ -66,6 +68,10 @@ class Ground:
             return False
         near = self.world.near(a, b, self.radius)
         return not near or self.world.segment_free(a, b, self.radius, near)
+
+    def has_only_walls(self, place: Point, metres: float) -> bool:
+        """Return whether nothing but walls can be in the way so far around a place."""
+        return not self._gates and not self.world.near(place, place, self.radius + metres)
 
     def free_and_back(self, a: Point, b: Point) -> bool:
         """Return whether the segment from a to b is free, and a way leads back.

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Container, Iterator, Mapping, Sequence
-from itertools import islice, pairwise
+from itertools import pairwise
 from typing import NamedTuple
 
 from floorplan import Point
-from navigation import Swath, first_met, next_step, pace
+from navigation import Retreats, Swath, first_met, pace
 
 from .course import first, length_of, place_after, rest
 from .outlook import STEP, Ground, Outlook
 from .traveller import Traveller
-from .whereabouts import GAP, Others, Whereabouts
+from .whereabouts import GAP, Whereabouts
 
 RINGS = (0.1, 0.3, 0.5, 0.7, 1.0, 1.4, 2.0, 2.8)
 """Metres. So far people look around them for a place to step aside to.
@@ -48,7 +48,7 @@ class Effort(NamedTuple):
     People ask on along a chain of at most `deepest`, and at most `most` move; each tries `wide`
     places, and all together `tries` courses. Where the course of the asker leaves them no room, it
     is also laid `sides` metres to the left, where there are no walls: that opens an aisle in which
-    two can pass each other only close to its walls.
+    two can pass each other only close to its walls. Then also `far` beyond the one in the way.
     """
 
     deepest: int
@@ -56,6 +56,7 @@ class Effort(NamedTuple):
     wide: int
     tries: int
     sides: tuple[float, ...] = ()
+    far: bool = False
 
 
 USUAL = Effort(deepest=4, most=12, wide=6, tries=40)
@@ -64,7 +65,7 @@ USUAL = Effort(deepest=4, most=12, wide=6, tries=40)
 MORE = Effort(deepest=10, most=24, wide=12, tries=200)
 """For who has asked in vain: in a throng many have to move a little, one after the other."""
 
-UTMOST = MORE._replace(sides=(-0.45, 0.45, -0.9, 0.9, -0.2, 0.2))
+UTMOST = MORE._replace(sides=(-0.45, 0.45, -0.9, 0.9, -0.2, 0.2), far=True)
 """For who has lost patience."""
 
 
@@ -93,37 +94,42 @@ class Request:
         self._effort = effort
         self._behind = behind
         self._left = effort.tries
+        self._refusing = bytearray(len(whereabouts.people))
+        """For everybody, whether they are known to refuse."""
         self.drafts: dict[Traveller, Swath] = {}
         """Where everybody goes who moves for it."""
 
     def succeeds(self, outlook: Outlook, passed: float) -> bool:
         """Return whether all can move so that the asker gets past `passed` metres of its course."""
-        # Just past the one in the way, or as far as they look ahead: to get anywhere at all comes
-        # first.
-        near = min(outlook.stop_beyond(passed + PASSED), outlook.whole)
-        far = outlook.stop_beyond(outlook.reach)
-        for length in dict.fromkeys((near, far)):
-            for course in self._courses(outlook, length):
-                # Who waits long enough is in nobody's way: those who can't step aside then never
-                # can.
-                latest = outlook.draft(course, length, delay=WAITS[-1])
-                if latest is None:
-                    continue
-                self.drafts, self._left = {self._asker: latest}, self._effort.tries
-                if self._clear(self._asker, first(course, length), 0):
-                    self._set_out_sooner(outlook, course, length)
-                    return True
+        for course, length in self._courses(outlook, passed):
+            # Who waits long enough is in nobody's way: those who can't step aside then never can.
+            latest = outlook.draft(course, length, delay=WAITS[-1])
+            if latest is None:
+                continue
+            self.drafts, self._left = {self._asker: latest}, self._effort.tries
+            if self._clear(self._asker, first(course, length), 0):
+                self._set_out_sooner(outlook, course, length)
+                return True
         return False
 
-    def _courses(self, outlook: Outlook, length: float) -> Iterator[Sequence[Point]]:
-        """Yield the course of the asker, and if need be some beside the first `length` metres."""
-        yield outlook.course
+    def _courses(self, outlook: Outlook, passed: float) -> Iterator[tuple[Sequence[Point], float]]:
+        """Yield courses of the asker past `passed` metres of its own, and their lengths (metres).
+
+        Its own just past the one in the way, as to get anywhere at all comes first; then, as far as
+        the effort goes, some beside that, and its own as far as they look ahead.
+        """
+        near = min(outlook.stop_beyond(passed + PASSED), outlook.whole)
+        yield outlook.course, near
         for side in self._effort.sides:
-            steps = [min(k * LANE, length) for k in range(1, math.ceil(length / LANE) + 1)]
+            steps = [min(k * LANE, near) for k in range(1, math.ceil(near / LANE) + 1)]
             ways = [outlook.walks.at(along) for along in steps]
             course = [outlook.at, *((x - side * s, y + side * c) for x, y, c, s in ways)]
             if all(outlook.ground.free(a, b) for a, b in pairwise(course)):
-                yield course
+                yield course, near
+        far = outlook.stop_beyond(outlook.reach)
+        # Where others keep them from getting past, they keep them from going on nearly always.
+        if self._effort.far and far != near:
+            yield outlook.course, far
 
     def _set_out_sooner(self, outlook: Outlook, course: Sequence[Point], length: float) -> None:
         """Let the asker set out as soon as all the others who move are out of its way."""
@@ -133,7 +139,7 @@ class Request:
             draft = outlook.draft(course, length, delay=wait)
             if draft is None or moving.meet(self._asker, draft):
                 continue
-            if self._near(self._asker, draft).free(draft):
+            if self._first_hit(self._asker, draft) < 0:
                 self.drafts[self._asker] = draft
                 return
 
@@ -142,92 +148,165 @@ class Request:
         self.drafts = {self._asker: self._asker.swath}
         self._clear(self._asker, course, 0)
 
-    def _near(self, mover: Traveller, draft: Swath) -> Others:
-        """Return those who may come near where `mover` goes, but who move for the request."""
-        return self._whereabouts.others(mover, draft.box, self._now).without(self.drafts)
+    def _first_hit(self, mover: Traveller, draft: Swath) -> int:
+        """Return whom `mover` meets first of those who don't move for the request.
 
-    def _clear(self, mover: Traveller, course: Sequence[Point], depth: int) -> bool:
-        """Let all step aside who stand in the way of `mover`; return whether they can."""
+        An index; -1 for nobody.
+        """
+        return self._whereabouts.first_but(mover, draft, self.drafts, self._now)
+
+    def _clear(
+        self, mover: Traveller, course: Sequence[Point], depth: int, hit: int | None = None
+    ) -> bool:
+        """Let all step aside who stand in the way of `mover`; return whether they can.
+
+        `hit` is the first of them, where that is known.
+        """
         # All of a chain is checked against what everybody else is committed to, and the chain's own
         # drafts against each other, so that all can be committed to at once.
         draft = self.drafts[mover]
-        others = self._near(mover, draft)
-        while True:
-            hit = others.first_hit(draft)
-            if hit is None:
-                return True
-            if depth >= self._effort.deepest or len(self.drafts) > self._effort.most:
+        if hit is None:
+            hit = self._first_hit(mover, draft)
+        while hit >= 0:
+            if self._is_enough(depth, len(self.drafts)) or self._refuses(hit):
                 return False
-            if not self._may_ask(hit.other):
+            if not self._step(self._whereabouts.people[hit], course, depth):
                 return False
-            if not self._step(hit.other, course, depth):
-                return False
-            others = others.without(self.drafts)
+            hit = self._first_hit(mover, draft)
+        return True
 
-    def _may_ask(self, other: Traveller) -> bool:
-        return (
+    def _is_enough(self, depth: int, moving: int) -> bool:
+        """Return whether nobody else is asked so far down a chain, if so many are moving."""
+        return depth >= self._effort.deepest or moving > self._effort.most
+
+    def _refuses(self, k: int) -> bool:
+        """Return whether somebody may not be asked, and take note of it."""
+        other = self._whereabouts.people[k]
+        refuses = not (
             other is not self._asker
             and other.manners.steps_aside
             and not other.recorded
             and other.body.motion.end <= self._now
             and (other.rank > self._asker.rank or other in self._behind)
         )
+        self._refusing[k] = refuses
+        return refuses
 
     def _step(self, who: Traveller, course: Sequence[Point], depth: int) -> bool:
         """Let `who` step off `course`, and whoever is in the way of that; else leave all as is."""
         # Depth first: a step that leads nowhere takes all those back that were made for it.
-        before = dict(self.drafts)
-        for retreat, draft in islice(self._retreats(who, course), self._effort.wide):
-            self._left -= 1
-            if self._left < 0:
-                break
-            self.drafts[who] = draft
-            if self._clear(who, retreat, depth + 1):
+        before = self.drafts
+        for retreat, draft, hit in self._retreats(who, course, depth):
+            self.drafts = {**before, who: draft}
+            if self._clear(who, retreat, depth + 1, hit):
                 return True
-            self.drafts = dict(before)
+            self.drafts = before
         return False
 
     def _retreats(
-        self, who: Traveller, course: Sequence[Point]
-    ) -> Iterator[tuple[list[Point], Swath]]:
+        self, who: Traveller, course: Sequence[Point], depth: int
+    ) -> Iterator[tuple[list[Point], Swath, int]]:
         """Yield courses off `course`: to the nearest places around, then to places ahead of it.
 
-        And what comes of them; none meets anybody who moves.
+        With what comes of them, and who is met first there; none meets anybody who moves. As many
+        as the effort allows, of which those are left out that meet first who refuses.
         """
-        at, ground = who.swath.place, self._ground_of(who)
-        # With `who`'s own radius for the other's: a sieve, as `Moving` checks each step exactly.
-        needed = 2 * who.radius + GAP
-        legs = [number for a, b in pairwise(course) for number in (*a, *b)]
-        moving = Moving(self.drafts, self._now)
-        # Off the course first. Only where it fills the aisle do they walk ahead along it, to its
-        # next wide place.
-        yield from moving.steps(who, [at], AROUND, legs, needed, ground)
-        gone, near = 0.0, math.inf
-        whole = length_of(course)
-        steps = [k * STEP for k in range(math.ceil(whole / STEP) + 1)]
-        # The place on the course that is nearest to them: all before that is behind them.
-        for s in steps:
-            away = math.dist(place_after(course, s), at)
-            if away < near:
-                near, gone = away, s
-        beside = [
-            number
-            for k in range(ANGLES // 2)
-            for angle in (4 * math.pi * k / ANGLES,)
-            for r in (needed + 0.02, 1.3 * needed)
-            for number in (r * math.cos(angle), r * math.sin(angle))
-        ]
-        beyond = rest(course, gone + STEP)
-        free: set[tuple[Point, Point]] = set()
-        for s in steps:
-            if s <= gone + STEP:
-                continue
-            path = [at, *first(beyond, s - gone - STEP)]
-            for leg in pairwise(path):
-                if leg not in free and not ground.free_and_back(*leg):
-                    return
-                free.add(leg)
-            yield from moving.steps(who, path, beside, legs, needed, ground)
+        floor, ground = self._whereabouts, self._ground_of(who)
+        moving, refusing = Moving(self.drafts, self._now), self._refusing
+        if self._is_enough(depth + 1, len(self.drafts) + 1):
+            refusing = bytearray(b"\1" * len(refusing))
+        # With `who`'s own radius for the other's: a sieve, as the kernel checks each step exactly.
+        width = 2 * who.radius + GAP
+        walks = Retreats(
+            [number for a, b in pairwise(course) for number in (*a, *b)],
+            width,
+            self._now,
+            who.top_speed,
+            who.human.max_speed,
+            who.human.max_acceleration,
+            who.radius + GAP,
+            ground.walls,
+            ground.radius,
+            moving.all,
+            (floor.tables, floor.boxes, floor.radii),
+            floor.among((*self.drafts, who)),
+        )
+        path: list[Point] = []
+
+        def fits(x: float, y: float) -> bool:
+            if not ground.free_and_back(path[-1], (x, y)):
+                return False
+            if not who.zones:
+                return True
+            slower = self._in_zones(who, [*path, (x, y)])
+            if slower is None or moving.meet(who, slower):
+                return False
+            walks.table, walks.box = slower.table, slower.box
+            return True
+
+        wide = self._effort.wide
+        for path, places in _lookout(who.swath.place, course, width, ground):
+            walks.look([number for corner in path for number in corner], places)
+            fit = None if not who.zones and ground.has_only_walls(path[-1], RINGS[-1]) else fits
+            while True:
+                k = walks.next(min(wide, self._left), fit, refusing)
+                wide -= walks.tried
+                self._left -= walks.tried
+                if k < 0:
+                    break
+                x, y = path[-1]
+                retreat = [*path, (x + places[2 * k], y + places[2 * k + 1])]
+                yield retreat, Swath.of(walks.table, walks.box), walks.hit
+            if wide <= 0 or self._left <= 0:
+                return
+
+    def _in_zones(self, who: Traveller, retreat: list[Point]) -> Swath | None:
+        """Return what comes of a retreat of somebody where limits hold; None for nothing."""
+        points, top = who.zones.along(retreat, who.top_speed)
+        return pace(
+            points,
+            self._now,
+            top_speed=top,
+            max_speed=who.human.max_speed,
+            max_acceleration=who.human.max_acceleration,
+        )
+
+
+def _lookout(
+    at: Point, course: Sequence[Point], width: float, ground: Ground
+) -> Iterator[tuple[list[Point], list[float]]]:
+    """Yield paths from `at`, and places around their ends where somebody may stand off a course.
+
+    Off the course first. Only where it fills the aisle do they walk ahead along it, to its next
+    wide place. The places are x and y of each in turn, from the end of the path (metres).
+    """
+    yield [at], AROUND
+    gone, near = 0.0, math.inf
+    whole = length_of(course)
+    steps = [k * STEP for k in range(math.ceil(whole / STEP) + 1)]
+    # The place on the course that is nearest to them: all before that is behind them.
+    for s in steps:
+        away = math.dist(place_after(course, s), at)
+        if away < near:
+            near, gone = away, s
+    beside = [
+        number
+        for k in range(ANGLES // 2)
+        for angle in (4 * math.pi * k / ANGLES,)
+        for r in (width + 0.02, 1.3 * width)
+        for number in (r * math.cos(angle), r * math.sin(angle))
+    ]
+    beyond = rest(course, gone + STEP)
+    free: set[tuple[Point, Point]] = set()
+    for s in steps:
+        if s <= gone + STEP:
+            continue
+        path = [at, *first(beyond, s - gone - STEP)]
+        for leg in pairwise(path):
+            if leg not in free and not ground.free_and_back(*leg):
+                return
+            free.add(leg)
+        yield path, beside
 
 
 class Moving:
@@ -235,80 +314,22 @@ class Moving:
 
     def __init__(self, drafts: Mapping[Traveller, Swath], now: float) -> None:
         self._now = now
-        self._near = [*range(len(drafts))]
-        self._tables = [draft.table for draft in drafts.values()]
-        self._boxes = [bound for draft in drafts.values() for bound in draft.box]
-        self._radii = [who.radius for who in drafts]
+        self.all = (
+            [draft.table for draft in drafts.values()],
+            [bound for draft in drafts.values() for bound in draft.box],
+            [who.radius for who in drafts],
+        )
+        """Tables, bounds and radii."""
 
     def meet(self, who: Traveller, draft: Swath) -> bool:
         """Return whether somebody who goes like this would come too close to any of them."""
         found = first_met(
             draft.table,
             draft.box,
-            self._near,
-            self._tables,
-            self._boxes,
-            self._radii,
+            [*range(len(self.all[0]))],
+            *self.all,
             who.radius + GAP,
             self._now,
             [math.inf],
         )
         return found >= 0
-
-    def steps(
-        self,
-        who: Traveller,
-        path: list[Point],
-        places: list[float],
-        legs: list[float],
-        width: float,
-        ground: Ground,
-    ) -> Iterator[tuple[list[Point], Swath]]:
-        """Yield the courses of `who` along `path` and on to each of the `places` that are fit.
-
-        Those `width` metres off the `legs` of a course, without a wall in between, and in the way
-        of none of these.
-        """
-        flat = [number for corner in path for number in corner]
-        x, y = path[-1]
-        k = -1
-        while True:
-            table: list[float] = []
-            box: list[float] = []
-            k = next_step(
-                k + 1,
-                flat,
-                places,
-                legs,
-                width,
-                self._now,
-                who.top_speed,
-                who.human.max_speed,
-                who.human.max_acceleration,
-                self._near,
-                self._tables,
-                self._boxes,
-                self._radii,
-                who.radius + GAP,
-                table,
-                box,
-            )
-            if k < 0:
-                return
-            place = (x + places[2 * k], y + places[2 * k + 1])
-            if not ground.free_and_back((x, y), place):
-                continue
-            retreat, draft = [*path, place], Swath.of(table, box)
-            if who.zones:
-                points, top = who.zones.along(retreat, who.top_speed)
-                slower = pace(
-                    points,
-                    self._now,
-                    top_speed=top,
-                    max_speed=who.human.max_speed,
-                    max_acceleration=who.human.max_acceleration,
-                )
-                if slower is None or self.meet(who, slower):
-                    continue
-                draft = slower
-            yield retreat, draft

@@ -1,0 +1,223 @@
+"""Retreats: walks of somebody who steps aside, off the course of another, among all others.
+
+For the tables see `discs`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import cython
+else:
+    from . import uncompiled as cython
+
+if not cython.compiled:
+    from math import inf
+
+    from .candidates import bounds
+    from .discs import distance, first_but, met
+    from .edges import Grid, touches
+    from .pacing import stand, walk_table
+
+    INFINITY = inf
+else:
+    from cython.cimports.libc.math import INFINITY
+    from cython.cimports.navigation.kernels.candidates import bounds
+    from cython.cimports.navigation.kernels.discs import distance, first_but, met
+    from cython.cimports.navigation.kernels.edges import Grid, touches
+    from cython.cimports.navigation.kernels.pacing import stand, walk_table
+
+_R: cython.Py_ssize_t = 10  # numbers in a row of a table
+_HAIR: float = 1e-6  # metres, for rounding
+_JUST_NOW: float = 2e-3  # metres; at least what `met` takes for too close already
+
+
+class Retreats:
+    """Walks from rest at `start` (seconds) along a path and on to one of several places.
+
+    They are `width` metres off the `legs` of a course (as edges are given to `touches`), at
+    `top_speed` and never faster than `max_speed` (m/s), with this `acceleration` (m/s²), and of
+    somebody who keeps `own` metres and the other's radius from each other, and from the end of the
+    path on `radius` metres from `walls`. They meet nobody who is `moving`: tables, bounds and radii
+    of these as for `first_met`. So are those of all who are on the `floor`; of these, who is
+    `apart` does not count.
+    """
+
+    def __init__(
+        self,
+        legs: list[float],
+        width: float,
+        start: float,
+        top_speed: float,
+        max_speed: float,
+        acceleration: float,
+        own: float,
+        walls: Grid,
+        radius: float,
+        moving: tuple[list[list[float]], list[float], list[float]],
+        floor: tuple[list[list[float]], list[float], list[float]],
+        apart: bytearray,
+    ) -> None:
+        self.legs = legs
+        self.width = width
+        self.start = start
+        self.top_speed = top_speed
+        self.max_speed = max_speed
+        self.acceleration = acceleration
+        self.own = own
+        self.walls = walls
+        self.radius = radius
+        self.tables, self.boxes, self.radii = moving
+        self.floor_tables, self.floor_boxes, self.floor_radii = floor
+        self.apart = apart
+        none: list[float] = []
+        self.none = none
+        self.path = none
+        self.places = none
+        self.k = -1
+        self.last = -1
+        self.stood = none
+        self.table = none
+        self.box = none
+        self.hit = -1
+        self.tried = 0
+
+    def look(self, path: list[float], places: list[float]) -> None:
+        """Look from now on for walks along `path`, and on to one of the `places`.
+
+        `path` has x and y of its corners in turn, `places` x and y of each from the end of the path
+        (metres). Who steps aside stands where all paths begin.
+        """
+        self.path = path
+        self.places = places
+        self.k = -1
+        if self.last < 0:
+            self._note_ends()
+            self.last = 0
+
+    def next(
+        self,
+        most: cython.Py_ssize_t,
+        fit: Callable[[float, float], bool] | None,
+        refusing: bytearray,
+    ) -> int:
+        """Come to the next walk that may be taken: return the number of its place; -1 for none.
+
+        Its `table` and `box` are there then, and who of those on the floor is met first: `hit`, -1
+        for nobody. `fit`, if there is one, says of a place whether one may walk there from the end
+        of the path. A walk that meets first who is `refusing` is not taken; it is one of those
+        `tried`, as is the one that is returned. At most so many are tried.
+        """
+        x: float = self.path[len(self.path) - 2]
+        y: float = self.path[len(self.path) - 1]
+        self.tried = 0
+        while self.tried < most and self._come(x, y):
+            px: float = x + self.places[2 * self.k]
+            py: float = y + self.places[2 * self.k + 1]
+            if self.walls.touched(x, y, px, py, self.radius) or (
+                fit is not None and not fit(px, py)
+            ):
+                continue
+            self.tried += 1
+            self.hit = first_but(
+                self.table,
+                self.box,
+                self.floor_tables,
+                self.floor_boxes,
+                self.floor_radii,
+                self.own,
+                self.start,
+                self.apart,
+            )
+            if self.hit < 0 or not refusing[self.hit]:
+                found: int = self.k
+                return found
+        return -1
+
+    def _note_ends(self) -> cython.int:
+        """Note where those who are moving come to stand: x, y, and how near is too near."""
+        stood: list[float] = []
+        i: cython.Py_ssize_t
+        here: list[float] = []
+        stand(here, self.start, INFINITY, self.path[0], self.path[1])
+        for i in range(len(self.radii)):
+            table: list[float] = self.tables[i]
+            last: cython.Py_ssize_t = len(table) - _R
+            least: float = self.own + self.radii[i]
+            # As `met`: who is too close already is met by coming closer still.
+            apart: float = distance(here, table, self.start)
+            if apart < least + _JUST_NOW:
+                least = min(least, apart)
+            stood.append(table[last + 2])
+            stood.append(table[last + 6])
+            stood.append(least - _HAIR)
+        self.stood = stood
+        return 0
+
+    def _come(self, x: float, y: float) -> bool:
+        """Come to the next place whose walk meets nobody who is moving; False for none."""
+        corners: list[float]
+        table: list[float]
+        tops: list[float]
+        count: cython.Py_ssize_t = len(self.places) // 2
+        while self.k + 1 < count:
+            self.k += 1
+            px: float = x + self.places[2 * self.k]
+            py: float = y + self.places[2 * self.k + 1]
+            # No table is drawn up for what can't be fit: whoever stands there for good in the end
+            # is met, at the latest then.
+            if touches(self.legs, px, py, px, py, self.width) or self._is_taken(px, py):
+                continue
+            corners = self.path[:]
+            corners.append(px)
+            corners.append(py)
+            table = []
+            tops = [self.top_speed] * (len(corners) // 2 - 1)
+            if not walk_table(
+                corners, tops, self.start, 0.0, self.max_speed, self.acceleration, table
+            ):
+                continue
+            self.table = table
+            self.box = bounds(corners, [])
+            # Whoever was in the way of the last one is likely to be in the way of this one.
+            if len(self.radii) == 0 or (not self._meets(self.last) and not self._meets_any()):
+                return True
+        return False
+
+    def _is_taken(self, x: float, y: float) -> bool:
+        """Return whether somebody who is moving comes to stand at a place, or too near to it."""
+        stood: list[float] = self.stood
+        i: cython.Py_ssize_t
+        for i in range(0, len(stood), 3):
+            dx: float = stood[i] - x
+            dy: float = stood[i + 1] - y
+            least: float = stood[i + 2]
+            if least > 0.0 and dx * dx + dy * dy < least * least:
+                return True
+        return False
+
+    def _meets_any(self) -> bool:
+        """Return whether the walk meets anybody who is moving: `last`, then."""
+        i: cython.Py_ssize_t
+        for i in range(len(self.radii)):
+            if i != self.last and self._meets(i):
+                self.last = i
+                return True
+        return False
+
+    def _meets(self, i: cython.Py_ssize_t) -> bool:
+        """Return whether the walk meets one who is moving."""
+        t: float = met(
+            self.table,
+            self.box,
+            self.tables,
+            self.boxes,
+            self.radii,
+            self.own,
+            self.start,
+            INFINITY,
+            i,
+        )
+        return t < INFINITY
