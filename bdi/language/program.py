@@ -79,7 +79,16 @@ def are_apart(args: Iterable[Term]) -> bool:
 
 
 @dataclass(frozen=True, repr=False)
-class Clause:
+class _Picklable:
+    """Base of values that keep what has been worked out from them."""
+
+    def __getstate__(self) -> dict[str, object]:
+        """Leave that behind: functions can't be sent, and hashes hold in one process alone."""
+        return {name: vars(self)[name] for name in self.__dataclass_fields__}
+
+
+@dataclass(frozen=True, repr=False)
+class Clause(_Picklable):
     """Base of what a program consists of."""
 
     def __repr__(self) -> str:
@@ -262,7 +271,7 @@ def _is_plain(term: Term) -> bool:
 
 
 @dataclass(frozen=True, repr=False)
-class Program:
+class Program(_Picklable):
     """Program of an agent: what it believes, wants and knows to do at the start.
 
     Attributes:

@@ -243,6 +243,17 @@ class Literal:
             self._hash = hash((self.functor, self.args, self.negated))
         return self._hash
 
+    def __reduce__(self) -> str | tuple[object, ...]:
+        """Leave the hash behind: texts have others in other processes.
+
+        What there is only one of, as `TRUE`, is one there, too.
+        """
+        if self is TRUE or self is FALSE:
+            return self.functor.upper()
+        if self.is_atom:
+            return atom, (self.functor,)
+        return Literal, (self.functor, self.args, self.annots, self.negated)
+
 
 class Nil:
     """The empty list. Its one instance is EMPTY."""
@@ -262,6 +273,9 @@ class Nil:
         return "[]"
 
     __repr__ = __str__
+
+    def __reduce__(self) -> str:
+        return "EMPTY"
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Nil)

@@ -1,5 +1,10 @@
 """Terms of every kind: written and read, compared, unified, renamed, put in order."""
 
+import os
+import pickle
+import subprocess
+import sys
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -113,3 +118,18 @@ def test_python_values_become_terms(value, made):
     program = bdi.parse("!go. +!go <- my.value(X); .term2string(X, S); .print(S).")
     bdi.Agent(program, actions=actions, act=lambda action: True, print=said.append).advance(0.0)
     assert said == [made]
+
+
+def test_programs_of_other_processes_hash_as_those_made_here():
+    text = "at(dock, 2)[source(self)]. !go. +!go : at(X, _) <- walk(X)."
+    made = bdi.parse(text)
+    send = f"import bdi, pickle, sys; made = bdi.parse({text!r})"
+    use = "{made, *made.beliefs}; bdi.Agent(made, act=bool).advance(0.0)"
+    sent = subprocess.run(
+        [sys.executable, "-c", f"{send}; {use}; sys.stdout.buffer.write(pickle.dumps(made))"],
+        env={**os.environ, "PYTHONHASHSEED": "1"},
+        capture_output=True,
+        check=True,
+    )
+    got = pickle.loads(sent.stdout)
+    assert {got, *got.beliefs, *got.plans} == {made, *made.beliefs, *made.plans}
