@@ -9,6 +9,7 @@ from weakref import WeakValueDictionary
 
 from ..errors import Problem, ProgramError
 from .builder import THIS, Directive
+from .kept import kept_clauses
 from .namespaces import NO_NAMESPACE, Namespace
 from .parser import read_clauses
 from .patterns import PATTERNS, WrongPatternError, apply_pattern
@@ -120,7 +121,8 @@ def _read_all(
     namespace: Namespace = NO_NAMESPACE,
 ) -> tuple[list[Clause], list[Problem]]:
     """Return the clauses of a text, those of included files in their places, and all problems."""
-    clauses, wrong = read_clauses(source, file)
+    read = kept_clauses if Path(file) in _built_in().values() else read_clauses
+    clauses, wrong = read(source, file)
     reading = _Reading(folder, (*including, file), namespace, "::" in source or THIS in source)
     found = reading.read(list(clauses))
     problems = [*wrong, *reading.problems]
