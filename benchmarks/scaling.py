@@ -22,7 +22,8 @@ from monitor import INTEGRAL, LAW, SPAN, pair
 import floorplan
 import navigation
 import sim
-from sim.views.plots.style import BLUE, VERMILION, new_figure, save, styled
+from sim.views.colours import BLUE, VERMILION
+from sim.views.plots.style import new_figure, save, styled
 
 Curve = list[tuple[float, float]]
 """Points: how many there are, and CPU seconds."""

@@ -48,6 +48,7 @@ from .plan import Floorplan
 from .problems import FloorplanError, InputError, Problem, suggestion
 from .reading import (
     LARGEST_RECORDED,
+    is_file,
     is_there,
     read_bytes,
     read_lines,
@@ -100,6 +101,7 @@ __all__ = [
     "footprint",
     "free_area",
     "height_fault",
+    "is_file",
     "is_there",
     "load",
     "load_movingai",

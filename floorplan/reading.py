@@ -47,6 +47,11 @@ def is_there(path: Path) -> bool:
         return False
 
 
+def is_file(path: Path) -> bool:
+    """Return whether there is a regular file at `path`; False for a name that no file can have."""
+    return is_there(path) and path.is_file()
+
+
 def read_bytes(path: Path, error: type[InputError], most: int = LARGEST_DOCUMENT) -> bytes:
     """Return the contents of the file at `path`.
 

@@ -34,6 +34,8 @@ def parse_wkt(text: str, *, file: str = "<text>", metre: float = 1.0) -> Floorpl
     except shapely.GEOSException as why:
         reason = re.sub(r"^ParseException: ", "", str(why)).strip()
         raise FloorplanError.of(file, f"is not well-known text: {reason}") from None
+    except UnicodeDecodeError:  # of the reason: GEOS cuts a long one off amid a character
+        raise FloorplanError.of(file, "is not well-known text: it is not all ASCII") from None
     geometry = shapely.transform(shapely.force_2d(geometry), lambda at: at * metre)
     area = joined(geometry, file)
     return Floorplan.of_area(Path(file).stem, f"{Path(file).name} (WKT)", area)

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import shapely
 
-from floorplan import Floorplan, InputError, Point, Problem, read_text, suggestion
+from floorplan import Floorplan, InputError, Point, Problem, is_there, read_text, suggestion
 
 from ..obstruction import blocked_place
 from ..world import CollisionWorld
@@ -140,7 +140,7 @@ def map_of(path: Path) -> Path:
         if len(words) != _COLUMNS:
             raise QuestionsError.of(path, _columns_fault(words), line=number)
         map_path = path.parent / Path(words[1]).name
-        if not map_path.exists():
+        if not is_there(map_path):
             message = f"is about {words[1]}, but there is no file {map_path}"
             raise QuestionsError.of(path, message, line=number)
         return map_path

@@ -148,7 +148,7 @@ def changed(
     commands: Path | None = None,
 ) -> Trial:
     """Return the trial as the options change it; `TrialError` if it can't be run so."""
-    from floorplan import is_there
+    from floorplan import is_file
 
     from ..machines.gantry.controllers import controller_source
     from ..people.planners import with_planner
@@ -159,8 +159,7 @@ def changed(
 
     if personality is not None:
         path = Path(personality)
-        is_file = is_there(path) and path.is_file()
-        trial = trial.with_personality(str(path.resolve()) if is_file else personality)
+        trial = trial.with_personality(str(path.resolve()) if is_file(path) else personality)
     if controller is not None:
         controller_source(controller, trial.folder, own_code=trial.own_code)
         trial = replace(trial, gantry=replace(trial.gantry, controller=controller))

@@ -57,7 +57,7 @@ def _is_trial(path: Path) -> bool:
 
 def outermost_keys(path: Path) -> set[str]:
     """Return the outermost keys of a YAML file, none of what is no such file."""
-    if path.suffix.lower() not in (".yaml", ".yml") or not path.is_file():
+    if path.suffix.lower() not in (".yaml", ".yml") or not floorplan.is_file(path):
         return set()
     data = floorplan.read_yaml(path, floorplan.FloorplanError).data
     return set(data) if isinstance(data, dict) else set()

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from floorplan import InputError, is_there, read_bytes, suggestion
+from floorplan import InputError, is_file, read_bytes, suggestion
 
 Definition: TypeAlias = "ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef"
 
@@ -65,7 +65,7 @@ def find_source(name: str, folder: Path, kind: Kind) -> Source:
         raise OwnCodeError(f"{name!r} is not of the form package.module:name")
     path = folder.resolve().joinpath(*parts)
     files = (path / "__init__.py", path.parent / f"{path.name}.py")
-    file = next((file for file in files if is_there(file) and file.is_file()), None)
+    file = next(filter(is_file, files), None)
     if file is None:
         raise OwnCodeError(
             f"{name!r} can't be found: there is no {'/'.join(parts)}.py in {folder.resolve()};"

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import bdi
-from floorplan import is_there
+from floorplan import is_file
 
 from ..core.own_code import import_own
 from ..core.own_source import (
@@ -98,7 +98,7 @@ def _file_of(personality: str | bdi.Program | Path, folder: Path) -> Path | None
     if path.suffix == ".asl":
         return path
     inside = path / f"{path.name}.asl"
-    return inside if is_there(inside) else None
+    return inside if is_file(inside) else None
 
 
 def _names_in(file: Path) -> list[str]:
@@ -110,8 +110,9 @@ def _first(module: str, folder: Path) -> Source:
     """Return the first function in a module that is registered as an action."""
     path = folder.joinpath(*module.split("."))
     file = path.with_name(f"{path.name}.py")
-    names = definitions_in(module, file) if file.is_file() else {}
+    there = is_file(file)
+    names = definitions_in(module, file) if there else {}
     first = next((name for name, one in names.items() if _registered(one)), None)
-    if file.is_file() and first is None:
+    if there and first is None:
         raise OwnCodeError(f"{module!r} has no {ACTIONS.words}")
     return find_source(f"{module}:{first or 'actions'}", folder, ACTIONS)

@@ -9,7 +9,7 @@ from functools import lru_cache
 from pathlib import Path
 
 import bdi
-from floorplan import Problem, is_there, suggestion
+from floorplan import Problem, is_file, is_there, suggestion
 
 from ..core.scenario import PersonEntry, Scenario, TrialError
 from .own_actions import modules_of, names_of, sources_of
@@ -31,7 +31,7 @@ def find_program(personality: str, folder: Path) -> str | Path:
     path = folder / personality
     if is_there(path) and path.is_dir():
         path = path / f"{path.name}.asl"
-    if is_there(path) and path.is_file():
+    if is_file(path):
         return path
     known = (*bdi.programs(), EXTERNAL)
     message = f"no personality and no .asl file is called {personality!r};"
@@ -92,7 +92,7 @@ def written_personality(personality: str | bdi.Program, folder: Path) -> str:
     if isinstance(personality, str):
         return personality
     path = Path(personality.source)
-    if not (is_there(path) and path.is_file() and bdi.parse_file(path) == personality):
+    if not (is_file(path) and bdi.parse_file(path) == personality):
         raise ValueError("is in no file; save it, and give the file as personality")
     builtin = [name for name, file in bdi.programs().items() if file.resolve() == path.resolve()]
     return builtin[0] if builtin else Path(os.path.relpath(path, folder)).as_posix()

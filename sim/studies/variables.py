@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from floorplan import is_there, suggestion
+from floorplan import is_file, suggestion
 from navigation import PlannerChoice
 
 from ..core.scenario import AgvMove, Job, PersonEntry
@@ -216,7 +216,7 @@ def _spared(trial: Trial, changed: Trial, names: set[str]) -> Trial:
 def _seen_from(trial_folder: Path, folder: Path, name: str) -> str:
     """The file `name` beside the study as it is seen from the trial, or `name` itself."""
     path = folder / name
-    if is_there(path) and path.is_file() and trial_folder.resolve() != folder.resolve():
+    if is_file(path) and trial_folder.resolve() != folder.resolve():
         return Path(os.path.relpath(path, trial_folder)).as_posix()
     return name
 

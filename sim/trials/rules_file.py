@@ -120,7 +120,7 @@ def find_rules(source: str, folder: Path = Path(), *, own_code: bool = True) -> 
     there is neither.
     """
     path = folder / source
-    if source not in RULE_SETS and floorplan.is_there(path) and path.is_file():
+    if source not in RULE_SETS and floorplan.is_file(path):
         return load_rules(path, own_code=own_code)
     return rule_set(source)
 

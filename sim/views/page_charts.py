@@ -7,6 +7,8 @@ import re
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, Literal
 
+from .colours import BLUE, BROWN, GREEN, ORANGE, PURPLE, SKY, VERMILION
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
@@ -14,8 +16,8 @@ if TYPE_CHECKING:
 INK = "#123456"
 """Stands for the page's colour of text, and is replaced by it."""
 
-COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8a6d3b")
-"""Those of M. Okabe and K. Ito, which people with colour blindness can distinguish."""
+COLOURS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BROWN)
+"""Colours of rows and lines, in their order."""
 
 
 def page_chart(name: str, size: tuple[float, float], draw: Callable[[Figure], None]) -> str | None:

@@ -44,6 +44,8 @@ def test_heights_in_the_text_are_left_out(tmp_path):
         ("POLYGON ((0 0, 1 0, 1 1, 0 1", "is not well-known text"),
         ("", "is not well-known text"),
         ("walls", "is not well-known text"),
+        ("ü(", "is not well-known text"),
+        ("ü" * 600 + "(", "is not well-known text"),
         ("POLYGON EMPTY", "is empty: there is no area to walk on"),
         ("GEOMETRYCOLLECTION EMPTY", "is empty"),
         ("LINESTRING (0 0, 1 1)", "expected a POLYGON, found a LINESTRING"),

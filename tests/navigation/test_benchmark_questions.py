@@ -112,9 +112,11 @@ def test_what_is_wrong_with_a_scenario_is_said(hall, line, words):
         ask(hall / "hall.map.scen", plan, f"version 1\n{line}\n")
 
 
-def test_a_scenario_without_its_map_says_so(hall):
-    (hall / "a.scen").write_text("version 1\n0 attic.map 6 4 0 0 3 3 5\n")
-    with pytest.raises(QuestionsError, match=r"line 2: is about attic\.map, but there is no file"):
+@pytest.mark.parametrize("name", ["attic", "a" * 300])
+def test_a_scenario_without_its_map_says_so(hall, name):
+    (hall / "a.scen").write_text(f"version 1\n0 {name}.map 6 4 0 0 3 3 5\n")
+    message = rf"line 2: is about {name}\.map, but there is no file"
+    with pytest.raises(QuestionsError, match=message):
         map_of(hall / "a.scen")
 
 

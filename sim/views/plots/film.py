@@ -27,6 +27,7 @@ from ...machines.kinds import rails_under
 from ...record.outcome import Outcome
 from ...record.words import told_apart
 from ..chromium import find_chromium
+from ..colours import BLACK, GREY, PALE, VERMILION
 from ..extras import MissingExtraError
 from ..page_film import PageFilm, View
 from .curves import Span, instants, span_of
@@ -34,7 +35,7 @@ from .floor import draw_floor, floor_axes
 from .incidents import breaches, disabled_spans
 from .moving_names import MovingNames
 from .names import draw_names
-from .style import BLACK, GREY, MACHINES, PALE, VERMILION, person_colour, require_place, styled
+from .style import MACHINES, person_colour, require_place, styled
 
 ENDINGS = (".gif", ".mp4")
 

@@ -15,21 +15,9 @@ from shapely.geometry import Polygon
 from floorplan import Floorplan, Gate, Lane, Obstacle
 
 from ...core.machine import MachineShape
+from ..colours import BLACK, GREEN, GREY, PALE, VERMILION
 from .names import draw_names
-from .style import (
-    BLACK,
-    GREEN,
-    GREY,
-    MACHINES,
-    PALE,
-    VERMILION,
-    Width,
-    explain,
-    inches,
-    new_figure,
-    obstacle_shade,
-    styled,
-)
+from .style import MACHINES, Width, explain, inches, new_figure, obstacle_shade, styled
 
 _DASHES = (0, (3, 2))
 

@@ -10,8 +10,8 @@ from floorplan import Point
 
 from ...machines.gantry.robot import GANTRY
 from ...record.outcome import Outcome
+from ..colours import VERMILION
 from .curves import Span
-from .style import VERMILION
 
 
 def breaches(run: Outcome, span: Span) -> list[tuple[float, Point]]:

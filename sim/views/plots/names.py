@@ -13,8 +13,9 @@ from shapely.geometry import Point as Spot
 
 from floorplan import Floorplan, Point
 
+from ..colours import BLACK, GREEN, GREY
 from .curves import Array
-from .style import BLACK, GREEN, GREY, obstacle_shade
+from .style import obstacle_shade
 
 _DARK = 0.6
 """Names on what is darker than this are white."""

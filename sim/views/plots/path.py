@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 
 from navigation import CollisionWorld, Path
 
+from ..colours import BLUE, GREY, PALE, VERMILION
 from .floor import draw_floor, fill_area, floor_axes, floor_height
 from .names import draw_names
-from .style import BLUE, GREY, PALE, VERMILION, Width, new_figure, styled
+from .style import Width, new_figure, styled
 
 STEP = 0.05
 """Metres along the path between two places at which the clearance is taken."""

@@ -9,19 +9,10 @@ from matplotlib.figure import Figure
 from navigation import STANDING_SPEED
 
 from ...record.outcome import Outcome
+from ..colours import BLACK, BLUE, GREY, VERMILION
 from .curves import Array, Span, instants, span_of, speeds
 from .incidents import disabled_spans
-from .style import (
-    BLACK,
-    BLUE,
-    GREY,
-    VERMILION,
-    Width,
-    explain,
-    label_time,
-    new_figure,
-    styled,
-)
+from .style import Width, explain, label_time, new_figure, styled
 
 SHOWN = 3.0
 """Distances of more than this many times the largest required one are cut off."""

@@ -12,9 +12,10 @@ from navigation import Motion
 
 from ...core.machine import MachineShape
 from ...record.outcome import Outcome
+from ..colours import GREY
 from .curves import Array, Span, instants, span_of, while_present
 from .incidents import breaches, mark_breaches
-from .style import GREY, MACHINES, Width, explain, new_figure, person_colour, styled
+from .style import MACHINES, Width, explain, new_figure, person_colour, styled
 
 _PANEL = 2.3
 """Inches. The height of one axis's panel."""

@@ -17,24 +17,13 @@ from floorplan import Obstacle
 
 from ...core.machine import Category
 from ...core.output import OutputError, replacing, writing
+from ..colours import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY
 
 Width = Literal["single", "double"]
 """The number of columns of a paper that a picture takes."""
 
 WIDTHS: dict[Width, float] = {"single": 3.5, "double": 7.16}
 """Inches: the columns of the IEEE's journals, close to those of others."""
-
-BLACK = "#222222"
-GREY = "#8a8a8a"
-PALE = "#d9d9d9"
-PALE_ORANGE = "#fbe6bd"
-BLUE = "#0072b2"
-ORANGE = "#e69f00"
-VERMILION = "#d55e00"
-GREEN = "#009e73"
-PURPLE = "#cc79a7"
-SKY = "#56b4e9"
-# M. Okabe and K. Ito, "Color universal design", 2008.
 
 PEOPLE = (BLUE, GREEN, PURPLE, SKY)
 """Colours of people, in their order; from the first again where there are more."""

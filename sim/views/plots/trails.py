@@ -11,11 +11,12 @@ from matplotlib.patheffects import withStroke
 from shapely.geometry import Polygon
 
 from ...record.outcome import Outcome
+from ..colours import PALE, PALE_ORANGE
 from .curves import Array, Span, instants, span_of, while_present
 from .floor import draw_floor, fill_area, floor_figure
 from .incidents import breaches, mark_breaches
 from .names import draw_names
-from .style import MACHINES, PALE, PALE_ORANGE, Width, explain, person_colour, styled
+from .style import MACHINES, Width, explain, person_colour, styled
 
 _THIN = 1.0
 """Points. The line of the person who is drawn last."""
