@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
@@ -129,7 +129,7 @@ def load_run(folder: str | Path, *, damage: Callable[[str], None] | None = None)
     if damages and not duration:
         raise RecordingError.of(folder, f"holds nothing that can be shown: {damages[-1]}")
     if not broken_off:
-        violations, requirements = _violations(folder / "violations.jsonl", reading)
+        violations, requirements = _violations(folder / "violations.jsonl", scene, reading)
     if broken_off or damages:
         violations, requirements = _worked_out(scene, motions, duration)
     return Recorded(
@@ -199,9 +199,7 @@ def _motions(path: Path, scene: Scene, reading: _Reading) -> dict[str, Motion]:
     done: dict[str, list[Motion]] = {body: [] for body in scene.starts}
     for line, motion in _lines(path, _Motion, reading):
         try:
-            if motion.body not in done:
-                message = f"no body of the scene is called {motion.body!r}"
-                raise RecordingError(str(path), [Problem(message, "body", line)])
+            _require("body", motion.body, done, path, line)
             done[motion.body].append(_motion(motion, done[motion.body]))
         except RecordingError as why:
             reading.refuse(why)
@@ -234,8 +232,25 @@ def _joined(motions: list[Motion], start: Pose) -> Motion:
     return join(motions) if motions else standing((x, y), heading=rotation)
 
 
-def _violations(path: Path, reading: _Reading) -> tuple[Violations, Requirements]:
-    lines = [line for _, line in _lines(path, _Violation, reading)]
+def _require(kind: str, name: str, known: Iterable[str], path: Path, line: int) -> None:
+    """Raise `RecordingError` if the body that a line is about is not in the scene."""
+    if name not in known:
+        field = "with" if kind == "machine" else kind
+        message = f"no {kind} of the scene is called {name!r}"
+        raise RecordingError(str(path), [Problem(message, field, line)])
+
+
+def _violations(path: Path, scene: Scene, reading: _Reading) -> tuple[Violations, Requirements]:
+    people = [person.name for person in scene.people]
+    machines = [machine.name for machine in scene.machines]
+    lines = []
+    try:
+        for number, line in _lines(path, _Violation, reading):
+            _require("person", line.person, people, path, number)
+            _require("machine", line.machine, machines, path, number)
+            lines.append(line)
+    except RecordingError as why:
+        reading.refuse(why)
     return (
         {(line.person, line.machine): line.intervals for line in lines},
         {(line.person, line.machine): line.required for line in lines if line.required},

@@ -201,6 +201,8 @@ def test_a_run_of_nobody_comes_back(tmp_path):
         ("summary.json", lambda text: text[:-30], "is not JSON"),
         ("summary.json", lambda text: "[]", "is not a summary"),
         ("violations.jsonl", lambda text: text.replace("with", "wiht"), "line 1, with: .*required"),
+        ("violations.jsonl", lambda text: text.replace("ada", "eve"), "person: no person .* 'eve'"),
+        ("violations.jsonl", lambda text: text.replace("agv1", "agv"), "with: no machine .* 'agv'"),
         ("scene.json", lambda text: text[:999], "is not JSON: .* line 1"),
         ("scene.json", lambda text: "[]", "expected the format"),
         ("scene.json", lambda text: text.replace("scene/1", "scene/9"), "found '.*scene/9'"),
