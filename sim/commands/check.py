@@ -15,7 +15,7 @@ from .notices import print_floor_notices, print_notices
 
 if TYPE_CHECKING:
     from floorplan import Floorplan
-    from sim import Study, Trial
+    from sim import Trial
 
 
 def check(
@@ -29,7 +29,9 @@ def check(
     ],
     no_own_code: NoOwnCode = False,
 ) -> None:
-    """Check files of every kind: all their problems, each with its place; exit 1 if any.
+    """Check files of every kind, and list all their problems.
+
+    Each is listed with its place; the exit code is 1 if there are any.
 
     Nothing is run: Python that they name is read, not imported.
     """
@@ -55,9 +57,10 @@ def _read(file: str, own_code: bool) -> str:
     """Return the contents of a file or built-in of that name, in words."""
     import bdi
     import floorplan
-    from sim import Study, Trial, load_rules
-    from sim.commands.sources import outermost_keys
-    from sim.trials.rules_file import RuleKeys
+
+    from ..trials.rules_file import RuleKeys, load_rules
+    from ..trials.trial import Trial
+    from .sources import outermost_keys
 
     path = Path(file)
     if path.suffix == ".asl" or file in bdi.programs():
@@ -67,7 +70,7 @@ def _read(file: str, own_code: bool) -> str:
     if path.suffix in (".yaml", ".yml") and path.exists():
         keys = outermost_keys(path)
         if "trials" in keys:
-            return _study(Study.load(path, own_code=own_code))
+            return _study(path, own_code)
         if {"boundary", "base", "image"} & keys:
             return _floor(floorplan.load(path))
         if keys & {*RuleKeys.model_fields} - {"name", "source"} and "floorplan" not in keys:
@@ -79,7 +82,9 @@ def _read(file: str, own_code: bool) -> str:
 def _built_in(name: str) -> Iterator[str]:
     """Return the built-ins of that name: a trial may share it with its floorplan, or its rules."""
     import floorplan
-    from sim import RULE_SETS, Trial, builtin_trials
+
+    from ..core.rules import RULE_SETS
+    from ..trials.trial import Trial, builtin_trials
 
     if name in builtin_trials():
         yield _trial(Trial.load(name), name)
@@ -89,7 +94,10 @@ def _built_in(name: str) -> Iterator[str]:
         yield f"the rule set {name}"
 
 
-def _study(study: Study) -> str:
+def _study(path: Path, own_code: bool) -> str:
+    from ..studies.study import Study
+
+    study = Study.load(path, own_code=own_code)
     trials = _number(len(study.trials), "trial")
     return f"a study of {trials}, {_number(len(study), 'row')}"
 

@@ -25,14 +25,14 @@ def metrics(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
     no_own_code: NoOwnCode = False,
 ) -> None:
-    """Measure how a run went: paths, speeds, distances, and time in people's spaces."""
+    """Measure paths, speeds, distances and personal space in a run."""
     import json
 
-    import sim
-    from sim.commands.sources import run_from
+    from ..record.social_metrics import metrics as measured
+    from .sources import run_from
 
     radii = dict(map(_radius, radius or []))
-    figures = sim.metrics(run_from(source, own_code=not no_own_code), radii=radii)
+    figures = measured(run_from(source, own_code=not no_own_code), radii=radii)
     if as_json:
         say(json.dumps(figures, indent=2, ensure_ascii=False))
         return
