@@ -53,7 +53,7 @@ def _version(asked: bool) -> None:
 @app.callback()
 def _floorwalker(
     version: Annotated[
-        bool, typer.Option("--version", callback=_version, is_eager=True, help="Say which one.")
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
     ] = False,
 ) -> None:
     pass

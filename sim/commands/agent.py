@@ -45,7 +45,7 @@ def agent(
         bool, typer.Option("--trace", help="Print on stderr what happens inside.")
     ] = False,
 ) -> None:
-    """Run an AgentSpeak program alone and print its actions and what it says."""
+    """Run an AgentSpeak program alone; print its actions and words."""
     import json
 
     import bdi

@@ -77,7 +77,10 @@ def benchmark(
         Path | None, typer.Option(help="A folder for CSV, OMPL benchmark logs and a report.")
     ] = None,
 ) -> None:
-    """Measure planners: success, CPU time, length against the shortest path, clearance, memory."""
+    """Measure planners: success, CPU time, length, clearance, memory.
+
+    Lengths are compared with the shortest path.
+    """
     from navigation import planners
     from navigation.benchmark import benchmark as measure
     from navigation.benchmark import known, summary

@@ -71,7 +71,7 @@ def bridge(
     rules: Rules = None,
     no_own_code: NoOwnCode = False,
 ) -> None:
-    """Talk ROS: serve a trial over rosbridge, or be the agent of one that is served elsewhere."""
+    """Serve a trial to ROS over rosbridge, or be the agent of one."""
     from sim import Trial
 
     given = Trial.load(trial, own_code=not no_own_code)

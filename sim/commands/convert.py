@@ -28,7 +28,7 @@ def convert(
         typer.Option(help="Of a ROS map: metres per cell, 0.05 if it is not given."),
     ] = None,
 ) -> None:
-    """Write the floor IN in the format of OUT; a --resolution makes a .yaml a ROS map."""
+    """Write the floor IN in the format of OUT. A --resolution makes a .yaml a ROS map."""
     import floorplan
 
     plan = floorplan.load(source)

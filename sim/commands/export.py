@@ -27,7 +27,10 @@ def export(
     rate: Annotated[float, typer.Option(help="Instants a second, in Hz.")] = 20.0,
     no_own_code: NoOwnCode = False,
 ) -> None:
-    """Write a run in the format of another tool, sampled from the exact motions."""
+    """Write a run in the format of another tool.
+
+    Places are sampled from the exact motions.
+    """
     from sim.commands.sources import run_from
     from sim.exports import Export
 

@@ -10,7 +10,10 @@ from .consoles import say
 
 
 def list_all() -> None:
-    """List floorplans, trials, planners, personalities, controllers and rule sets."""
+    """List what comes with Floorwalker.
+
+    That is floorplans, trials, planners, personalities, gantry controllers and rule sets.
+    """
     import bdi
     import floorplan
     import navigation

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 app = typer.Typer(
     name="plot",
-    help="Draw floors, paths and runs as PNG, SVG or PDF, ready to be printed.",
+    help="Draw floors, paths and runs as PNG, SVG or PDF.",
     no_args_is_help=True,
     rich_markup_mode=None,
 )

@@ -37,7 +37,10 @@ def report(
     ] = None,
     no_own_code: NoOwnCode = False,
 ) -> None:
-    """Write a report that can be handed to an auditor: assumptions, laws, figures, limits."""
+    """Write a report that can be handed to an auditor.
+
+    It has the assumptions, laws, figures and limits of a run or a study.
+    """
     from sim.commands.sources import is_study, run_from
     from sim.commands.study import carried_out
     from sim.studies import Study, safety_report

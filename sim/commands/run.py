@@ -77,7 +77,10 @@ def run(
     ] = False,
     no_own_code: NoOwnCode = False,
 ) -> None:
-    """Simulate a trial and record it: summary, events, motions, trajectory, replay page."""
+    """Simulate a trial and record it.
+
+    The recording has its summary, events, motions, trajectory, and a page that replays it.
+    """
     from ..trials.trial import Trial
 
     if speed is not None and not watch:

@@ -44,7 +44,10 @@ def study(
     ] = None,
     no_own_code: NoOwnCode = False,
 ) -> None:
-    """Run the trials of a study in all their variations; go on where it was stopped before."""
+    """Run the trials of a study in all their variations.
+
+    A study that was stopped goes on from there.
+    """
     from sim.studies import Study, save_trial
 
     chosen = Study.load(file, own_code=not no_own_code)
@@ -110,7 +113,7 @@ def _report(results: StudyResults) -> None:
     table = Table(title=results.study.name, title_justify="left")
     for factor in compared.factors:
         table.add_column(factor, no_wrap=True)
-    table.add_column("runs", justify="right")
+    table.add_column("Runs", justify="right")
     measures = [measure for measure in compared.spreads if measure.chief]
     for measure in measures:
         table.add_column(measure.label, justify="right")

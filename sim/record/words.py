@@ -56,7 +56,7 @@ def order(value: Any, beside: Mapping[str, Any]) -> str:
 def nearest_people(value: Any, beside: Mapping[str, Any]) -> str:
     """Return a distance between two people, who they are, and when it was."""
     one, other = value["between"]
-    return f"{value['distance']:.2f} m ({one} and {other}) at t = {value['time']:.1f} s"
+    return f"{value['distance']:.2f} m ({one} and {other}) at {value['time']:.1f} s"
 
 
 def told_apart(distance: float, required: float) -> tuple[str, str]:
