@@ -147,20 +147,29 @@ _REST = (0.0,)
 
 
 class _Ruckig(threading.local):
-    """Ruckig and what it is asked, by the number of axes, kept for each thread.
+    """Ruckig and what it is asked within some limits, kept for each thread.
 
     To make them takes longer than an answer.
     """
 
     def __init__(self) -> None:
-        self.kept: dict[int, tuple[Any, Any]] = {}
+        self.solvers: dict[int, Any] = {}
+        """By the number of axes."""
+        self.tasks: dict[tuple[AxisLimits, ...], Any] = {}
 
-    def of(self, axes: int) -> tuple[Any, Any]:
-        """Return both for so many axes."""
-        known = self.kept.get(axes)
-        if known is None:
-            known = self.kept[axes] = ruckig.Ruckig(axes), ruckig.InputParameter(axes)
-        return known
+    def of(self, limits: Sequence[AxisLimits]) -> tuple[Any, Any]:
+        """Return both for axes with these limits."""
+        axes = tuple(limits)
+        task = self.tasks.get(axes)
+        if task is None:
+            if len(self.tasks) >= _MOST_KEPT:
+                self.tasks.clear()
+            task = self.tasks[axes] = ruckig.InputParameter(len(axes))
+            task.max_velocity = [axis.max_speed for axis in axes]
+            task.max_acceleration = [axis.max_acceleration for axis in axes]
+            task.max_jerk = [axis.max_jerk for axis in axes]
+            self.solvers.setdefault(len(axes), ruckig.Ruckig(len(axes)))
+        return self.solvers[len(axes)], task
 
 
 _RUCKIG = _Ruckig()
@@ -170,14 +179,11 @@ def _solve(
     states: list[list[float]], target: States, limits: Sequence[AxisLimits]
 ) -> list[list[float]]:
     """Return Ruckig's answer: of each axis, in one of `states`, the rows of `merge_axes`."""
-    solver, task = _RUCKIG.of(len(states))
+    solver, task = _RUCKIG.of(limits)
     task.current_position = [state[0] for state in states]
     task.current_velocity = [state[1] for state in states]
     task.current_acceleration = [state[2] for state in states]
     task.target_position, task.target_velocity, task.target_acceleration = target
-    task.max_velocity = [axis.max_speed for axis in limits]
-    task.max_acceleration = [axis.max_acceleration for axis in limits]
-    task.max_jerk = [axis.max_jerk for axis in limits]
     trajectory = ruckig.Trajectory(len(states))  # one used before keeps figures of its brakes
     try:
         result = solver.calculate(task, trajectory)

@@ -1,3 +1,8 @@
+cdef double _INFINITE
+cdef Py_ssize_t _WIDTH
+cdef double _STANDS
+cdef double _EASES
+
 cpdef bint stands(double velocity, double acceleration) noexcept
 cpdef list[double] braking(
     double position, double velocity, double acceleration, double top, double jerk

@@ -13,15 +13,21 @@ else:
     from . import uncompiled as cython
 
 from .odometer import WIDTH
-from .pieces import evaluate, merge_axes
 
 if not cython.compiled:
     from math import sqrt
 
     from .odometer import row_at
+    from .pieces import bend_at, merge_axes, rate_at, value_at
 else:
     from cython.cimports.libc.math import sqrt
     from cython.cimports.navigation.kernels.odometer import row_at
+    from cython.cimports.navigation.kernels.pieces import (
+        bend_at,
+        merge_axes,
+        rate_at,
+        value_at,
+    )
 
 _INFINITE: float = float("inf")
 _WIDTH: cython.Py_ssize_t = WIDTH
@@ -128,10 +134,16 @@ class AxisStops(Stops):
 
     def table(self, motion: list[float], t: float) -> list[float]:
         """Return the table of the stop from a motion at `t` (seconds)."""
-        row: cython.Py_ssize_t = max(row_at(motion, _WIDTH, t), 0)
+        state: list[float] = [0.0] * 9
+        o: cython.Py_ssize_t = _WIDTH * max(row_at(motion, _WIDTH, t), 0) + 2
         moves: cython.bint = motion[0] <= t and t < motion[len(motion) - _WIDTH + 1]
-        at, velocity, acceleration = evaluate(motion, row, t, moves)
-        return self.after([*at, *velocity, *acceleration], t)
+        k: cython.Py_ssize_t
+        for k in range(3):
+            state[k] = value_at(motion, o + 4 * k, t)
+            if moves:
+                state[3 + k] = rate_at(motion, o + 4 * k, t)
+                state[6 + k] = bend_at(motion, o + 4 * k, t)
+        return self.after(state, t)
 
     def after(self, state: list[float], t: float) -> list[float]:
         """Return the table of the stop at `t` from position, velocity and acceleration."""
@@ -174,12 +186,15 @@ class LaneStops(Stops):
 
     def table(self, motion: list[float], t: float) -> list[float]:
         """Return the table of the stop from a motion at `t` (seconds)."""
-        row: cython.Py_ssize_t = max(row_at(motion, _WIDTH, t), 0)
-        moves: cython.bint = motion[0] <= t and t < motion[len(motion) - _WIDTH + 1]
-        at, velocity, acceleration = evaluate(motion, row, t, moves)
-        q: float = (at[0] - self.x) * self.c + (at[1] - self.y) * self.s
-        v: float = velocity[0] * self.c + velocity[1] * self.s
-        a: float = acceleration[0] * self.c + acceleration[1] * self.s
+        o: cython.Py_ssize_t = _WIDTH * max(row_at(motion, _WIDTH, t), 0) + 2
+        x: float = value_at(motion, o, t)
+        y: float = value_at(motion, o + 4, t)
+        q: float = (x - self.x) * self.c + (y - self.y) * self.s
+        v: float = 0.0
+        a: float = 0.0
+        if motion[0] <= t and t < motion[len(motion) - _WIDTH + 1]:
+            v = rate_at(motion, o, t) * self.c + rate_at(motion, o + 4, t) * self.s
+            a = bend_at(motion, o, t) * self.c + bend_at(motion, o + 4, t) * self.s
         return self.after(min(max(q, self.low), self.high), v, a, t)
 
     def after(self, q: float, v: float, a: float, t: float) -> list[float]:

@@ -1,3 +1,12 @@
+cdef Py_ssize_t _ROW
+cdef Py_ssize_t _R
+cdef double _BEFORE
+cdef double _RAMP
+cdef double _HAIR
+cdef double _CLEAR
+cdef double _HARDLY
+cdef double _STANDS
+
 cdef class Candidates:
     cdef list[double] course
     cdef double begin

@@ -1,3 +1,7 @@
+cdef Py_ssize_t _R
+cdef double _RESOLUTION
+cdef double _JUST_NOW
+
 cpdef Py_ssize_t first_but(
     list[double] table,
     list[double] box,

@@ -2,6 +2,9 @@ from navigation.kernels.follower cimport Follower
 from navigation.kernels.gauge cimport Course, Gauge
 from navigation.kernels.odometer cimport Figure, Odometer
 
+cdef double _INFINITE
+cdef double _NEAR
+
 cdef class Encounter:
     cdef Follower person
     cdef Follower machine

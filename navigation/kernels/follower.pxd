@@ -1,5 +1,8 @@
 from navigation.kernels.odometer cimport Figure
 
+cdef double _INFINITE
+cdef Py_ssize_t _WIDTH
+
 cdef class Follower:
     cdef list[double] table
     cdef Py_ssize_t rows

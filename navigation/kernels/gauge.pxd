@@ -1,3 +1,5 @@
+cdef double _INFINITE
+
 cdef class Course:
     cdef double x
     cdef double y

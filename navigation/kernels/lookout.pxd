@@ -2,6 +2,10 @@ from navigation.kernels.braking cimport Stops
 from navigation.kernels.encounter cimport Encounter
 from navigation.kernels.laws cimport Law
 
+cdef double _INFINITE
+cdef Py_ssize_t _WIDTH
+cdef Py_ssize_t _PERSON
+
 cdef class Towards(Law):
     cdef Law law
     cdef double speed

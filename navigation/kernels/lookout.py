@@ -24,7 +24,7 @@ if not cython.compiled:
     from .encounter import Encounter
     from .laws import Law
     from .odometer import Figure, Odometer, row_at
-    from .pieces import along, rate
+    from .pieces import rate_at, value_at
     from .watch import TooClose, Watch
 else:
     from cython.cimports.libc.math import sqrt
@@ -32,7 +32,7 @@ else:
     from cython.cimports.navigation.kernels.encounter import Encounter
     from cython.cimports.navigation.kernels.laws import Law
     from cython.cimports.navigation.kernels.odometer import Figure, Odometer, row_at
-    from cython.cimports.navigation.kernels.pieces import along, rate
+    from cython.cimports.navigation.kernels.pieces import rate_at, value_at
     from cython.cimports.navigation.kernels.watch import TooClose, Watch
 
 _INFINITE: float = float("inf")
@@ -83,15 +83,15 @@ class Part:
         figure: Figure = odometer.out
         self.fastest = figure.value + abs(figure.slope) * ((end - begin) / 2) + figure.slack
         o: cython.Py_ssize_t = _WIDTH * max(row_at(table, _WIDTH, begin), 0)
-        self.x = along(table, o + 2, begin)
-        self.y = along(table, o + 6, begin)
+        self.x = value_at(table, o + 2, begin)
+        self.y = value_at(table, o + 6, begin)
         o = _WIDTH * max(row_at(table, _WIDTH, end), 0)
-        self.last_x = along(table, o + 2, end)
-        self.last_y = along(table, o + 6, end)
+        self.last_x = value_at(table, o + 2, end)
+        self.last_y = value_at(table, o + 6, end)
         self.last_speed = 0.0
         if table[0] <= end and end < table[len(table) - _WIDTH + 1]:
-            vx: float = rate(table, o + 2, end)
-            vy: float = rate(table, o + 6, end)
+            vx: float = rate_at(table, o + 2, end)
+            vy: float = rate_at(table, o + 6, end)
             self.last_speed = sqrt(vx * vx + vy * vy)
 
 
@@ -232,12 +232,13 @@ def nearest_on(
             over = True
         # Before the motion begins its first row is held at its beginning.
         o: cython.Py_ssize_t = _WIDTH * max(row_at(motion, _WIDTH, t), 0)
-        x: float = along(motion, o + 2, t)
-        y: float = along(motion, o + 6, t)
+        x: float = value_at(motion, o + 2, t)
+        y: float = value_at(motion, o + 6, t)
         after: float = min(t - now, horizon)
-        for k in range(0, len(people), _PERSON):
-            dx: float = x - (people[k] + after * people[k + 2])
-            dy: float = y - (people[k + 1] + after * people[k + 3])
+        for k in range(len(people) // _PERSON):
+            p: cython.Py_ssize_t = k * _PERSON
+            dx: float = x - (people[p] + after * people[p + 2])
+            dy: float = y - (people[p + 1] + after * people[p + 3])
             least = min(least, sqrt(dx * dx + dy * dy))
         i += 1
         t = begin + i * step
@@ -278,9 +279,10 @@ def most_remote(
             if length > 0.0:
                 share = min(1.0, top * max(0.0, t - lag) / length)
             after: float = min(t, horizon)
-            for k in range(0, len(people), _PERSON):
-                dx: float = x + share * along - (people[k] + people[k + 2] * after)
-                dy: float = y + share * across - (people[k + 1] + people[k + 3] * after)
+            for k in range(len(people) // _PERSON):
+                p: cython.Py_ssize_t = k * _PERSON
+                dx: float = x + share * along - (people[p] + people[p + 2] * after)
+                dy: float = y + share * across - (people[p + 1] + people[p + 3] * after)
                 least = min(least, sqrt(dx * dx + dy * dy))
         if i == 0 and least >= enough:
             return 0

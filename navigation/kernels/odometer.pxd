@@ -1,3 +1,7 @@
+cdef double _INFINITE
+cdef Py_ssize_t _STRETCH
+cdef Py_ssize_t _WIDTH
+
 cdef class Figure:
     cdef double value
     cdef double slope

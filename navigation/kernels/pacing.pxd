@@ -1,3 +1,7 @@
+cdef double _SHORT
+cdef double _DEVIATION
+cdef double _HAIR
+
 cpdef bint walk_table(
     list[double] corners,
     list[double] tops,

@@ -67,7 +67,7 @@ def evaluate(
     return at, velocity, (2 * ax + 6 * u * jx, 2 * ay + 6 * u * jy, 2 * ar + 6 * u * jr)
 
 
-def along(table: list[float], o: cython.Py_ssize_t, t: float) -> float:
+def value_at(table: list[float], o: cython.Py_ssize_t, t: float) -> float:
     """Return the value at `t` (seconds) of the cubic whose coefficients begin at `o`.
 
     Its piece is that of the row which `o` is in; it is held within that.
@@ -79,12 +79,21 @@ def along(table: list[float], o: cython.Py_ssize_t, t: float) -> float:
     return value
 
 
-def rate(table: list[float], o: cython.Py_ssize_t, t: float) -> float:
-    """Return the derivative of `along`."""
+def rate_at(table: list[float], o: cython.Py_ssize_t, t: float) -> float:
+    """Return the derivative of `value_at`."""
     row: cython.Py_ssize_t = o - o % _WIDTH
     begin: float = table[row]
     u: float = min(max(t, begin), table[row + 1]) - begin
     value: float = table[o + 1] + u * (2 * table[o + 2] + u * 3 * table[o + 3])
+    return value
+
+
+def bend_at(table: list[float], o: cython.Py_ssize_t, t: float) -> float:
+    """Return the second derivative of `value_at`."""
+    row: cython.Py_ssize_t = o - o % _WIDTH
+    begin: float = table[row]
+    u: float = min(max(t, begin), table[row + 1]) - begin
+    value: float = 2 * table[o + 2] + 6 * u * table[o + 3]
     return value
 
 
@@ -230,9 +239,10 @@ def packed(table: list[float]) -> tuple[list[int], list[float]]:
     """
     kept: list[float] = []
     masks: list[int] = []
-    o: cython.Py_ssize_t
+    row: cython.Py_ssize_t
     k: cython.Py_ssize_t
-    for o in range(0, len(table), _WIDTH):
+    for row in range(len(table) // _WIDTH):
+        o: cython.Py_ssize_t = row * _WIDTH
         mask: cython.int = 0
         for k in range(_WIDTH):
             number: float = table[o + k]
@@ -268,7 +278,9 @@ def cut(table: list[float], begin: float, end: float) -> list[float]:
     if begin < first:
         _append_still(found, table, 0, begin, begin, min(first, end))
     o: cython.Py_ssize_t
-    for o in range(0, len(table), _WIDTH):
+    row: cython.Py_ssize_t
+    for row in range(len(table) // _WIDTH):
+        o = row * _WIDTH
         since: float = table[o]
         until: float = table[o + 1]
         if since >= end:

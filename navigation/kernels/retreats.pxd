@@ -1,5 +1,9 @@
 from navigation.kernels.edges cimport Grid
 
+cdef Py_ssize_t _R
+cdef double _HAIR
+cdef double _JUST_NOW
+
 
 cdef class Retreats:
     cdef list[double] legs

@@ -143,8 +143,9 @@ def corner_speeds(
 def ends_after(table: list[float], t: float) -> list[Corner]:
     """Return where the pieces of a motion end that are not over at `t` (seconds)."""
     ends: list[Corner] = []
-    o: cython.Py_ssize_t
-    for o in range(0, len(table), _WIDTH):
+    k: cython.Py_ssize_t
+    for k in range(len(table) // _WIDTH):
+        o: cython.Py_ssize_t = k * _WIDTH
         u: float = table[o + 1] - table[o]
         if table[o + 1] > t:
             x: float = table[o + 2] + u * (table[o + 3] + u * (table[o + 4] + u * table[o + 5]))

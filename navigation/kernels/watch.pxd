@@ -1,6 +1,9 @@
 from navigation.kernels.encounter cimport Encounter
 from navigation.kernels.laws cimport Law
 
+cdef double _INFINITE
+cdef int UNDECIDED
+
 cdef class Judge:
     cdef int holds(self, Encounter encounter, double begin, double end) except -2
 

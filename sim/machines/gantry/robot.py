@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
+from operator import attrgetter
+from typing import TYPE_CHECKING, Any
 
 from simpy.events import Event, Process
 
@@ -107,10 +108,10 @@ class GantryRobot(Machine):
 
     # Its sensors.
 
-    @property
-    def now(self) -> float:
-        """Simulated time (seconds)."""
-        return self._clock.now
+    if TYPE_CHECKING:
+        now: float
+    else:
+        now = property(attrgetter("_clock.now"), doc="Simulated time (seconds).")  # asked a lot
 
     @property
     def state(self) -> State:
@@ -249,8 +250,13 @@ class GantryRobot(Machine):
     def way(self, task: Task) -> tuple[Pose, ...]:
         """Return the poses of the task's steps that are left; none if one can't be reached now."""
         rotation = self.position[2]
-        poses = [self._sites.pose_for(step, rotation) for step in self._catchable(task).steps_left]
-        return () if None in poses else tuple(pose for pose in poses if pose is not None)
+        poses: list[Pose] = []
+        for step in self._catchable(task).steps_left:
+            pose = self._sites.pose_for(step, rotation)
+            if pose is None:
+                return ()
+            poses.append(pose)
+        return tuple(poses)
 
     def locate(self, task: Task) -> Event:
         """Begin the task, or go on with it: `where` its next step is, once it can be reached."""
@@ -330,11 +336,11 @@ class GantryRobot(Machine):
     def _sightings(self) -> tuple[Sighting, ...]:
         if self._stage.blind[self.name]:
             return ()
-        return tuple(
-            Sighting(person.name, state.at, state.velocity[:2])
-            for person in self._stage.people
-            for state in [person.body.state]
-        )
+        seen = []
+        for person in self._stage.people:
+            position, velocity, _ = person.body.state
+            seen.append(Sighting(person.name, position[:2], velocity[:2]))
+        return tuple(seen)
 
     def _find(self, task: Task) -> Steps:
         _next_step(task)

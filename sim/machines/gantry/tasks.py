@@ -105,22 +105,19 @@ class Task:
         self.lost: Callable[[], tuple[Step, ...]] = self._same_steps if lost is None else lost
         self.group = 0
         self.announced = False
-        self._steps_done = 0
+        self._count(0)
         if not self.steps:
             raise ValueError("a task needs at least one step")
 
     def __repr__(self) -> str:
         return f"<task {self.kind} {self.fields}>"
 
-    @property
-    def begun(self) -> bool:
-        """True once a step of it has been done."""
-        return self._steps_done > 0
-
-    @property
-    def finished(self) -> bool:
-        """True once all of it has been done."""
-        return self._steps_done == len(self.steps)
+    def _count(self, done: int) -> None:
+        self._steps_done = done
+        self.begun = done > 0
+        """Whether a step of it has been done."""
+        self.finished = done == len(self.steps)
+        """Whether all of it has been done."""
 
     @property
     def steps_left(self) -> tuple[Step, ...]:
@@ -134,12 +131,12 @@ class Task:
 
     def advance(self) -> None:
         """Take note that the next step has been done."""
-        self._steps_done += 1
+        self._count(self._steps_done + 1)
 
     def begin_again(self, steps: tuple[Step, ...]) -> None:
         """Do these `steps` from now on, instead of those that are left."""
         self.steps = steps
-        self._steps_done = 0
+        self._count(0)
         picked = [step.place for step in steps if step.action == "pick"]
         if picked and "from" in self.fields:
             self.fields["from"] = picked[0]
@@ -167,7 +164,13 @@ class Tasks:
     @property
     def open(self) -> tuple[Task, ...]:
         """The tasks that may be begun or gone on with now, the preferred one first."""
-        return tuple(task for _, group in self._groups for task in _current(group) if task.ready())
+        return tuple(self._open())
+
+    def _open(self) -> Iterator[Task]:
+        for _, group in self._groups:
+            for task in _current(group):
+                if task.ready():
+                    yield task
 
     def picking(self, passing: Passing) -> Iterator[Task]:
         """Yield the tasks whose next step is to pick it."""
@@ -206,7 +209,7 @@ class Tasks:
         ]
         if not self._waiting:
             return
-        preferred = next(iter(self.open), None)
+        preferred = next(self._open(), None)
         if preferred is None and (self._groups or self.more_to_come):
             return
         waiting, self._waiting = self._waiting, []
@@ -214,11 +217,18 @@ class Tasks:
             event.succeed(preferred)
 
 
-def _current(group: list[Task]) -> Iterator[Task]:
+def _current(group: list[Task]) -> list[Task]:
     """Return the unfinished tasks of the lowest stage, with those that were begun in front."""
-    left = [task for task in group if not task.finished]
-    stage = min((task.stage for task in left), default=0)
-    return iter(sorted((t for t in left if t.stage == stage), key=lambda task: not task.begun))
+    begun: list[Task] = []
+    others: list[Task] = []
+    stage = math.inf
+    for task in group:
+        if not task.finished and task.stage <= stage:
+            if task.stage < stage:
+                stage = task.stage
+                begun, others = [], []
+            (begun if task.begun else others).append(task)
+    return begun + others
 
 
 def tasks_of(jobs: Iterable[Job], handling: Handling) -> list[Task]:

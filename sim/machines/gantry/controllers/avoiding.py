@@ -97,6 +97,7 @@ class Outlook:
     ) -> tuple[Task, Pose] | None:
         """Return the task with the shortest path that is clear, and the pose to go to for it."""
         here = self._gantry.position
+        rows = _rows(people)
         tried: set[Pose] = set()
         for task, (pose, *_) in sorted(paths, key=lambda entry: _length((here, *entry[1]))):
             step = task.next_step
@@ -104,7 +105,7 @@ class Outlook:
             if pose in tried or step is None:
                 continue
             tried.add(pose)
-            if self._is_clear(self._caution.preview(pose), people, step.seconds):
+            if self._is_clear(self._caution.preview(pose), rows, step.seconds):
                 return task, pose
             detour = self._detour(pose, people)
             if detour is not None:
@@ -126,21 +127,14 @@ class Outlook:
         k = most_remote(places, _rows(people), _GLANCES, FORESIGHT, axis.max_speed, lag, self._zone)
         return (places[2 * k], places[2 * k + 1], rotation)
 
-    def _is_clear(self, motion: Motion, people: Sequence[Sighting], seconds: float) -> bool:
+    def _is_clear(self, motion: Motion, people: list[float], seconds: float) -> bool:
         """Return True if it can keep moving on `motion`, and stand at its end for `seconds`."""
-        now = self._gantry.now
+        now, table = self._gantry.now, motion.table
+        moving = nearest_on(table, people, now, now, motion.end, GLANCE, FORESIGHT)
+        if moving < self._rooms[-1]:
+            return False
         stay = max(motion.end + seconds, now + FORESIGHT)
-        moving = self._clearance(motion, people, now, motion.end)
-        return moving >= self._rooms[-1] and (
-            self._clearance(motion, people, motion.end, stay) >= self._zone
-        )
-
-    def _clearance(
-        self, motion: Motion, people: Sequence[Sighting], begin: float, end: float
-    ) -> float:
-        """Return the least distance (metres) to anybody from `begin` to `end` (seconds)."""
-        now = self._gantry.now
-        return nearest_on(motion.table, _rows(people), now, begin, end, GLANCE, FORESIGHT)
+        return nearest_on(table, people, now, motion.end, stay, GLANCE, FORESIGHT) >= self._zone
 
     def _detour(self, pose: Pose, people: Sequence[Sighting]) -> Pose | None:
         """Return the first waypoint of a path to `pose` round everybody; None if there is none."""
@@ -166,20 +160,33 @@ class Outlook:
         Without waypoints, and 0, if there is no such path.
         """
         nearest = min(math.dist(pose[:2], place) for place in places)
-        for room in self._rooms:
-            # The goal may be nearer than one would like to pass, but not so near as to stop there.
-            radius = min(room, nearest - ROOM)
-            if radius < self._zone:
+        # The goal may be nearer than one would like to pass, but not so near as to stop there.
+        radii = [min(room, nearest - ROOM) for room in self._rooms]
+        radii = [radius for radius in dict.fromkeys(radii) if radius >= self._zone]
+        answers = {radius: self._round(pose, places, radius) for radius in radii[:1]}
+        if "unreachable" in answers.values():
+            # Where the smallest leaves no path either, none does.
+            answers[radii[-1]] = self._round(pose, places, radii[-1])
+            if answers[radii[-1]] == "unreachable":
+                return (), 0.0
+        for radius in radii:
+            answer = answers.get(radius) or self._round(pose, places, radius)
+            if not isinstance(answer, str):
+                return answer, radius
+            if answer == "start_blocked":  # somebody is within the arm's reach
                 break
-            keep_out = [(*place, radius) for place in places]
-            try:
-                path = self._planner.plan(self._gantry.position, pose, keep_out=keep_out)
-            except PlanningError as why:
-                if why.reason == "start_blocked":  # somebody is within the arm's reach
-                    break
-                continue
-            return tuple((x, y, rotation) for x, y, rotation in path.points[1:].tolist()), radius
         return (), 0.0
+
+    def _round(
+        self, pose: Pose, places: Sequence[tuple[float, float]], radius: float
+    ) -> tuple[Pose, ...] | str:
+        """Return waypoints to `pose` at `radius` metres from `places`, or why there are none."""
+        keep_out = [(*place, radius) for place in places]
+        try:
+            path = self._planner.plan(self._gantry.position, pose, keep_out=keep_out)
+        except PlanningError as why:
+            return why.reason
+        return tuple((x, y, rotation) for x, y, rotation in path.points[1:].tolist())
 
 
 def _rows(people: Sequence[Sighting]) -> list[float]:

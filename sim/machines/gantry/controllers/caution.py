@@ -43,6 +43,8 @@ class Caution:
         self._foresight = Foresight(gantry.law, top)
         self._move: Event = gantry.stop()
         self._under_way: tuple[Motion, Pose, float] | None = None
+        self._stuck: tuple[Motion, Pose, Sequence[Sighting]] | None = None
+        """The standstill, and what it was before it, from which no motion was safe."""
         self._seen: tuple[Sighting, ...] = ()
         self._seen_at = -math.inf
 
@@ -129,12 +131,17 @@ class Caution:
         """
         gantry = self._gantry
         if not gantry.disabled:
-            # From the fastest on: the first that is safe is taken.
-            for candidate in SHARES:
-                motion = self.preview(pose, candidate)
-                seconds = self.safe_for(motion, people)
-                if seconds > 0.0:
-                    return candidate, seconds if candidate == 1.0 else min(seconds, AGAIN)
+            motion = gantry.body.motion
+            now_at = (motion, pose, people) if motion.end <= gantry.now else None
+            # What was not safe from a standstill is not while nobody has moved since.
+            if now_at is None or self._stuck != now_at:
+                # From the fastest on: the first that is safe is taken.
+                for candidate in SHARES:
+                    motion = self.preview(pose, candidate)
+                    seconds = self.safe_for(motion, people)
+                    if seconds > 0.0:
+                        return candidate, seconds if candidate == 1.0 else min(seconds, AGAIN)
+                self._stuck = now_at
         nearest = min((math.dist(p.at, gantry.position[:2]) for p in people), default=math.inf)
         lacking = self.required(0.0) - nearest
         return 0.0, max(LEAST, lacking / self._human_speed)
