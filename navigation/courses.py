@@ -62,7 +62,7 @@ class Courses:
         cuts = self._cuts()
         self._begins, self._durations = cuts[:-1], np.diff(cuts)
         self._there = (self._spans[:, :1] <= self._begins) & (self._begins < self._spans[:, 1:])
-        self._pieces = np.array([_pieces_at(motion, self._begins) for motion in motions])
+        self._pieces = np.array([motion.cubics(self._begins) for motion in motions])
 
     @cached_property
     def time(self) -> Array:
@@ -250,24 +250,6 @@ class _Meetings:
         inside = time_negative(excess, np.tile(self.durations, len(self.within)))
         rows = inside.reshape(len(self.within), -1)
         return [_totals(self.group, row, self.count) for row in rows]
-
-
-def _pieces_at(motion: Motion, begins: Array) -> Array:
-    """The cubics of a motion from each of `begins` (K,) on, counted from there: (K, 3, 4)."""
-    pieces = motion.pieces
-    table = np.array([(p.x, p.y, p.rotation) for p in pieces])
-    starts, ends = np.array([p.begin for p in pieces]), np.array([p.end for p in pieces])
-    index = np.maximum(np.searchsorted(starts, begins, side="right") - 1, 0)
-    u = np.clip(begins - starts[index], 0.0, (ends - starts)[index])[:, None]
-    c = table[index]
-    shifted = np.empty_like(c)
-    shifted[..., 0] = c[..., 0] + u * (c[..., 1] + u * (c[..., 2] + u * c[..., 3]))
-    shifted[..., 1] = c[..., 1] + u * (2 * c[..., 2] + u * 3 * c[..., 3])
-    shifted[..., 2] = c[..., 2] + u * 3 * c[..., 3]
-    shifted[..., 3] = c[..., 3]
-    still = (begins < starts[0]) | (begins >= ends[-1])
-    shifted[still, :, 1:] = 0.0
-    return shifted
 
 
 def _totals(groups: Index, figures: Array, count: int) -> Array:

@@ -154,15 +154,25 @@ class Motion:
 
     def position(self, t: ArrayLike) -> Array:
         """Return the position at `t` (seconds): x, y in metres, (2,) or (N, 2)."""
-        return self._sample(t, derivative=0)[..., :2]
+        return _value(*self._found(t))[..., :2]
 
     def velocity(self, t: ArrayLike) -> Array:
         """The velocity at `t` (seconds): m/s, (2,) or (N, 2). At a change, the one after it."""
-        return self._sample(t, derivative=1)[..., :2]
+        return np.where(self._moves(t)[..., None], _slope(*self._found(t)), 0.0)[..., :2]
 
     def rotation(self, t: ArrayLike) -> Array:
         """The rotation at `t` (seconds): radians, () or (N,); 0 along x, counterclockwise."""
-        return self._sample(t, derivative=0)[..., 2]
+        return _value(*self._found(t))[..., 2]
+
+    def cubics(self, t: ArrayLike) -> Array:
+        """Return x, y and rotation as cubics of the time since each of `t` (seconds): (..., 3, 4).
+
+        They hold up to the next change; at one they are those after it.
+        """
+        u, c = self._found(t)
+        found = np.stack((_value(u, c), _slope(u, c), c[..., 2] + u * 3 * c[..., 3], c[..., 3]), -1)
+        found[~self._moves(t), :, 1:] = 0.0
+        return found
 
     def state(self, t: float) -> State:
         """Return position, velocity and acceleration at the instant `t` (seconds)."""
@@ -218,18 +228,25 @@ class Motion:
         rows = np.array(self.table).reshape(-1, WIDTH)
         return rows[:, 0], rows[:, 1] - rows[:, 0], rows[:, 2:].reshape(-1, 3, 4)
 
-    def _sample(self, t: ArrayLike, derivative: int) -> Array:
+    def _found(self, t: ArrayLike) -> tuple[Array, Array]:
+        """Return the cubics in force at each `t`, and for how long they have been: (..., 1)."""
         times = np.asarray(t, dtype=np.float64)
         begins, durations, table = self._tables
         # Of pieces that begin at one instant the last: at a change, what comes after it.
-        index = np.searchsorted(begins, times, side="right") - 1
-        index = np.maximum(index, 0)
-        u = np.clip(times - begins[index], 0.0, durations[index])[..., None]
-        c = table[index]
-        if derivative == 0:
-            return np.asarray(c[..., 0] + u * (c[..., 1] + u * (c[..., 2] + u * c[..., 3])))
-        moving = ((times >= self.start) & (times < self.end))[..., None]
-        return np.where(moving, c[..., 1] + u * (2 * c[..., 2] + u * 3 * c[..., 3]), 0.0)
+        index = np.maximum(np.searchsorted(begins, times, side="right") - 1, 0)
+        return np.clip(times - begins[index], 0.0, durations[index])[..., None], table[index]
+
+    def _moves(self, t: ArrayLike) -> NDArray[np.bool_]:
+        times = np.asarray(t, dtype=np.float64)
+        return (times >= self.start) & (times < self.end)
+
+
+def _value(u: Array, c: Array) -> Array:
+    return np.asarray(c[..., 0] + u * (c[..., 1] + u * (c[..., 2] + u * c[..., 3])))
+
+
+def _slope(u: Array, c: Array) -> Array:
+    return np.asarray(c[..., 1] + u * (2 * c[..., 2] + u * 3 * c[..., 3]))
 
 
 def _table(pieces: Sequence[Piece]) -> list[float]:

@@ -6,7 +6,6 @@ import io
 import json
 import tempfile
 from pathlib import Path
-from types import TracebackType
 from typing import Any, Literal
 
 import numpy as np
@@ -72,13 +71,8 @@ class PageFilm:
             raise
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        self._browser.__exit__(kind, error, traceback)
+    def __exit__(self, *why: object) -> None:
+        self._browser.__exit__(*why)
 
     def at(self, t: float) -> Any:
         """Return the picture of the instant `t` (seconds): rows of red, green and blue."""
