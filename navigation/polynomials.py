@@ -13,6 +13,8 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
+from .quadrature import NODES_8, WEIGHTS_8
+
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
@@ -25,7 +27,7 @@ NEGATIVE = -1e-12
 _PARTS = 8
 """Number of parts that an interval is cut into at once, a power of two."""
 
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
+_NODES, _WEIGHTS = np.array(NODES_8), np.array(WEIGHTS_8)
 
 
 def bernstein(coefficients: Array, durations: Array) -> Array:

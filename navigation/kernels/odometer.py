@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
+from ..quadrature import NODES_8, WEIGHTS_8
 
 if TYPE_CHECKING:
     import cython
@@ -33,8 +33,8 @@ WIDTH = 14
 _WIDTH: cython.Py_ssize_t = WIDTH
 
 # Nodes from 0 to 2, so that half a length times a node is a place from 0 to that length.
-_NODES = [1.0 + node for node in np.polynomial.legendre.leggauss(8)[0].tolist()]
-_WEIGHTS = np.polynomial.legendre.leggauss(8)[1].tolist()
+_NODES = [1.0 + node for node in NODES_8]
+_WEIGHTS = [*WEIGHTS_8]
 
 
 class Figure:

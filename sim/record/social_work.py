@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from navigation import Motion
+from navigation.quadrature import NODES_5, WEIGHTS_5
 
 Array = NDArray[np.float64]
 
@@ -22,7 +23,7 @@ FACTOR, LAMBDA, GAMMA, N, N_PRIME = 2.1, 2.0, 0.35, 2.0, 3.0
 LONGEST = 0.25
 """Seconds. Stretches are halved until they are no longer than this."""
 
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(5)
+_NODES, _WEIGHTS = np.array(NODES_5), np.array(WEIGHTS_5)
 
 
 def social_force(at: Array, velocity: Array, other: Array, others_velocity: Array) -> Array:

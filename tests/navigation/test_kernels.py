@@ -3,8 +3,10 @@
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 
+from navigation import quadrature
 from navigation.kernels import COMPILED
 
 AS_PYTHON = """
@@ -23,6 +25,7 @@ sys.meta_path.insert(0, Sources())
 RUN = """
 import hashlib, pathlib, random, sys, tempfile
 import floorplan, navigation, sim
+from navigation import quadrature
 from navigation.kernels import COMPILED
 
 print(COMPILED, file=sys.stderr)
@@ -96,3 +99,10 @@ def test_results_are_the_same_compiled_and_not(tmp_path):
     ]
     assert [run.stderr for run in runs] == ["True\n", "False\n"]
     assert runs[0].stdout == runs[1].stdout
+
+
+@pytest.mark.parametrize("n", [5, 8])
+def test_quadratures_are_gauss_and_legendres(n):
+    nodes, weights = np.polynomial.legendre.leggauss(n)
+    assert getattr(quadrature, f"NODES_{n}") == pytest.approx(nodes, rel=1e-15, abs=1e-16)
+    assert getattr(quadrature, f"WEIGHTS_{n}") == pytest.approx(weights, rel=1e-14)
