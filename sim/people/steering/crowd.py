@@ -234,7 +234,7 @@ class Crowd:
         if hit is not None and party.waits_on_the_same(hit, now):
             self._wait(party, outlook, hit, ask=now >= party.tries_again)
             return
-        nowhere = party.gets_nowhere(outlook.whole, now)
+        nowhere = party.note_progress(outlook.whole, now)
         if nowhere and hit is not None and hit.at_rest and takes_way_round(me, outlook, nowhere):
             self._decide(me, (me,))
             return
@@ -369,7 +369,7 @@ class Crowd:
         """Ask those in the way to step aside; return whether they did."""
         party, floor = self._parties[me], self._whereabouts
         effort = USUAL
-        if party.searches_on(self._clock.now):
+        if party.begin_search(self._clock.now):
             effort = UTMOST if party.said else MORE
         request = Request(me, self._clock.now, floor, self._ground, effort, party.behind())
         if not request.succeeds(outlook, outlook.gone(hit.t)):

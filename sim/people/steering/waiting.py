@@ -95,8 +95,8 @@ class Party:
             other is not None and other.me.body.motion is self.waits_on and now < self.tries_again
         )
 
-    def gets_nowhere(self, left: float, now: float) -> float:
-        """Return for how long they have walked without getting nearer, seconds; 0 if they have.
+    def note_progress(self, left: float, now: float) -> float:
+        """Take note of it; return for how long they have walked without any, seconds.
 
         `left` is what is left of their path, metres. Who waits does not count, and it begins anew
         with each answer.
@@ -115,8 +115,8 @@ class Party:
         self.pause = min(2 * self.pause, LONGEST) if self.pause else PAUSE
         self.tries_again = now + self.pause
 
-    def searches_on(self, now: float) -> bool:
-        """Return whether they look at all that others could do: after ever longer pauses."""
+    def begin_search(self, now: float) -> bool:
+        """Look at all that others could do, after ever longer pauses; return whether it is time."""
         if self.pause < LONGEST or now < self.searches_again:
             return False
         self.search = 2 * self.search if self.search else 2 * LONGEST
