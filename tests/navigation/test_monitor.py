@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from stretches import encounters
+from stretches import assert_bounds, assert_negative_within, encounters, part_of
 
 import navigation
 from navigation import (
@@ -83,13 +83,7 @@ def sampled(person, machine, law, step=1e-3):
 def test_violations_are_those_of_dense_sampling(person, machine, law):
     ts, margins = sampled(person, machine, law)
     found = navigation.violations(person, machine, law, 0.0, END)
-    inside = np.zeros(len(ts), dtype=bool)
-    for begin, end in found:
-        assert 0.0 <= begin <= end <= END
-        inside |= (ts >= begin) & (ts <= end)
-    # Where sampling is sure, the monitor agrees; the doubtful are within rounding of the limit.
-    assert inside[margins < -1e-6].all()
-    assert not inside[margins > 1e-6].any()
+    assert_negative_within(found, ts, margins, END)
     assert navigation.first_violation(person, machine, law, 0.0, END) == (
         found[0][0] if found else None
     )
@@ -415,15 +409,9 @@ def test_the_constant_approach_speed_keeps_people_away_who_stand():
 @given(walks, gantry_motions(), *(st.floats(-1, 1) for _ in range(2)), st.floats(0, 1))
 def test_bounds_on_distances_hold_throughout_an_interval(person, machine, slope, curve, share):
     for encounter in encounters(person, machine, 0.0, END):
-        begin, end = encounter.begin, encounter.end
-        end = begin + share * (end - begin)
-        near, far, candidate = encounter.apart(begin, end, slope, curve)
-        assert begin <= candidate <= end
-        ts = np.linspace(begin, end, 9)
-        u = ts - (begin + end) / 2
-        exact = [encounter.distance(t) for t in ts.tolist()] - slope * u - curve * u * u / 2
-        assert near - 1e-9 <= exact.min()
-        assert far + 1e-9 >= exact.max()
+        begin, end = part_of(encounter, 0.0, share)
+        distances = np.vectorize(encounter.distance)
+        assert_bounds(encounter, begin, end, slope, curve, distances)
 
 
 @pytest.mark.parametrize("metres", [1e-9, 1e-80, 1e-145, 1e-160, 1e-300, 5e-324])

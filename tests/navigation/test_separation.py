@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from stretches import encounters
+from stretches import encounters, part_of
 
 import floorplan
 import navigation
@@ -147,9 +147,7 @@ def test_what_a_law_says_of_an_interval_holds_throughout(person, machine, t1, t2
     for law in laws:
         assert is_of_motions(law)
         for encounter in encounters(person, machine, 0.0, 6.0):
-            length = encounter.end - encounter.begin
-            begin = encounter.begin + length * min(low, high)
-            end = encounter.begin + length * max(low, high)
+            begin, end = part_of(encounter, low, high)
             found = law.required(encounter, begin, end)
             # A robot that halts at once, at the end, is not meant by what is said of before.
             for t in np.linspace(begin, end, 9)[:-1].tolist():

@@ -3,6 +3,7 @@
 import itertools
 import math
 import pickle
+from functools import partial
 
 import fcl
 import numpy as np
@@ -10,7 +11,7 @@ import pytest
 import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from stretches import encounters
+from stretches import assert_bounds, assert_negative_within, encounters, part_of
 
 import floorplan
 import navigation
@@ -152,12 +153,7 @@ def test_violations_are_those_of_dense_sampling(person, machine, shapes, law):
     human, robot = (np.hypot(*motion.velocity(ts).T) for motion in (person, machine))
     margins = by_shapely(person, machine, shapes, ts) - law.distance(human, robot)
     found = navigation.violations(person, machine, law, 0.0, END, shapes=shapes)
-    inside = np.zeros(len(ts), dtype=bool)
-    for begin, end in found:
-        assert 0.0 <= begin <= end <= END
-        inside |= (ts >= begin) & (ts <= end)
-    assert inside[margins < -1e-6].all()
-    assert not inside[margins > 1e-6].any()
+    assert_negative_within(found, ts, margins, END)
     first = navigation.first_violation(person, machine, law, 0.0, END, shapes=shapes)
     assert first == (found[0][0] if found else None)
     _, least = navigation.minimum_margin(person, machine, law, 0.0, END, shapes=shapes)
@@ -193,20 +189,13 @@ def test_the_minimum_is_that_of_dense_sampling(person, machine, shapes):
 
 @given(walks, gantry_motions, all_shapes, st.floats(-1, 1), st.floats(0, 1), st.floats(0, 1))
 def test_bounds_hold_throughout_an_interval(person, machine, shapes, slope, low, high):
+    distances = partial(by_shapely, person, machine, shapes)
     for encounter in encounters(person, machine, 0.0, END, shapes.gauges):
-        length = encounter.end - encounter.begin
-        begin = encounter.begin + length * min(low, high)
-        end = encounter.begin + length * max(low, high)
+        begin, end = part_of(encounter, low, high)
         if end <= begin:
             continue
         for steepness, curve in ((0.0, 0.0), (slope, 0.0), (slope, 2 * slope), (0.0, slope)):
-            near, far, candidate = encounter.apart(begin, end, steepness, curve)
-            assert begin <= candidate <= end
-            ts = np.linspace(begin, end, 9)
-            u = ts - (begin + end) / 2
-            exact = by_shapely(person, machine, shapes, ts) - steepness * u - curve * u * u / 2
-            assert near <= exact.min() + 1e-9
-            assert far >= exact.max() - 1e-9
+            assert_bounds(encounter, begin, end, steepness, curve, distances)
 
 
 @pytest.mark.parametrize("milliseconds", [1.0, 0.1, 0.01])

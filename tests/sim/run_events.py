@@ -1,4 +1,4 @@
-"""Runs recorded, and their events by kind and field, for tests."""
+"""Runs recorded, their events by kind and field, and what thoughts add up to, for tests."""
 
 import sim
 
@@ -28,3 +28,12 @@ def first(run, *kinds, after=0.0):
 def said(run):
     """Everything that people say, in order."""
     return [event["text"] for event in events(run, "said")]
+
+
+def beliefs_after(thoughts):
+    """Return the beliefs after these thoughts, from their changes alone."""
+    held = set()
+    for thought in thoughts:
+        held -= set(thought.get("forgets", ()))
+        held |= set(thought.get("believes", ()))
+    return held

@@ -2,7 +2,7 @@
 
 import json
 
-from run_events import events, record
+from run_events import beliefs_after, events, record
 
 import bdi
 import sim
@@ -24,15 +24,6 @@ def watched(source, **options):
     inspector = MindInspector("me", thoughts.append)
     agent = bdi.Agent(bdi.parse(source), on_event=inspector.note, **options)
     return agent, inspector, thoughts
-
-
-def beliefs_after(thoughts):
-    """Beliefs after these thoughts, from their changes alone."""
-    held = set()
-    for thought in thoughts:
-        held -= set(thought.get("forgets", ()))
-        held |= set(thought.get("believes", ()))
-    return held
 
 
 def test_the_changes_add_up_to_what_the_agent_believes():

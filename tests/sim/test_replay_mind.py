@@ -5,6 +5,7 @@ import itertools
 import re
 
 import pytest
+from run_events import beliefs_after
 
 import sim
 from sim.views import replay
@@ -51,14 +52,6 @@ def thoughts_until(run, person, t):
     return [x for x in run.thoughts if x["person"] == person and x["t"] <= t]
 
 
-def believed(thoughts):
-    held = set()
-    for thought in thoughts:
-        held -= set(thought.get("forgets", ()))
-        held |= set(thought.get("believes", ()))
-    return held
-
-
 def shown(viewer, selector):
     """What the items say in full: long figures are shortened, and whole under the pointer."""
     return viewer.page.locator(f".mind {selector} code").evaluate_all(
@@ -77,7 +70,7 @@ def test_the_mind_shown_is_that_of_the_instant(viewer, run, person):
     for t in instants(run):
         viewer.seek(t)
         past = thoughts_until(run, person, t)
-        assert set(shown(viewer, ".beliefs")) == believed(past), t
+        assert set(shown(viewer, ".beliefs")) == beliefs_after(past), t
         intends = next((x["intends"] for x in reversed(past) if "intends" in x), [])
         assert shown(viewer, ".intentions") == [s for one in intends for s in one["stack"]], t
         steps = [
