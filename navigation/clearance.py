@@ -9,9 +9,9 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from .kernels.discs import ROW, gone, meeting
+from .kernels.discs import ROW, gone, meeting, swept
 from .kernels.pacing import turned
-from .motion import Motion, TablePieces, value
+from .motion import Motion, TablePieces
 
 
 class Swath(NamedTuple):
@@ -47,29 +47,12 @@ class Swath(NamedTuple):
 
 def swath(motion: Motion, begin: float) -> Swath:
     """Return the swath of `motion` from `begin` (seconds) on."""
-    table: list[float] = []
-    xs: list[float] = []
-    ys: list[float] = []
-    for piece in motion.pieces_from(begin):
-        if piece.end <= begin or piece.end <= piece.begin:
-            continue
-        table += (piece.begin, piece.end, *piece.x, *piece.y)
-        duration = piece.end - piece.begin
-        for axis, cubic in ((xs, piece.x), (ys, piece.y)):
-            ends = cubic[0], value(cubic, duration)
-            axis += ends
-            # A quadratic turns back where its velocity changes sign between the two ends.
-            if cubic[3] or (cubic[2] and cubic[1] * (cubic[1] + 2 * cubic[2] * duration) < 0):
-                # It may turn back within the piece: no farther out than its control points.
-                third = duration * cubic[1] / 3
-                axis.append(cubic[0] + third)
-                axis.append(cubic[0] + 2 * third + duration * duration * cubic[2] / 3)
     since = max(begin, motion.end)
     x, y = motion.state(since).at
+    box = [x, y, x, y]
+    table = swept(motion.table, begin, box)
     table += (since, math.inf, x, 0.0, 0.0, 0.0, y, 0.0, 0.0, 0.0)
-    xs.append(x)
-    ys.append(y)
-    return Swath.of(table, [min(xs), min(ys), max(xs), max(ys)])
+    return Swath.of(table, box)
 
 
 def walked(swath: Swath, heading: float) -> Motion:

@@ -51,6 +51,7 @@ cdef class Candidates:
     cdef int _seek(self, double length) noexcept
 
 cdef bint _runs_into(list[double] corners, list[double] stood) noexcept
+cdef bint _ends_at(list[double] corners, list[double] ends) noexcept
 cdef double _length(list[double] corners) noexcept
 cdef list[double] _first(list[double] corners, double length)
 cdef list[double] bounds(list[double] corners, list[double] more)

@@ -18,13 +18,13 @@ from .discs import ROW
 if not cython.compiled:
     from math import inf, sqrt
 
-    from .discs import met
+    from .discs import distance, met
     from .pacing import bend_speed, stand, walk_table
 
     INFINITY = inf
 else:
     from cython.cimports.libc.math import INFINITY, sqrt
-    from cython.cimports.navigation.kernels.discs import met
+    from cython.cimports.navigation.kernels.discs import distance, met
     from cython.cimports.navigation.kernels.pacing import bend_speed, stand, walk_table
 
 _ROW: cython.Py_ssize_t = 6  # loss, length, top speed, delay, and for an aside: along, side
@@ -208,11 +208,14 @@ class Candidates:
         now: float = self.now
         i: cython.Py_ssize_t
         k: cython.Py_ssize_t
-        stood: list[float] = self._standing(near, tables, radii, own)
+        stood: list[float] = []
+        ends: list[float] = []
+        self._look_at(near, tables, radii, own, stood, ends)
         while self.next_course():
             corners: list[float] = _first(self.corners, self.length)
-            # No table is drawn up for what can't be free, whenever they walk there.
-            if _runs_into(corners, stood) or not self._draw(corners):
+            # No table is drawn up for what can't be free, whenever they walk there: through
+            # somebody who stands, or to where somebody will stand in the end.
+            if _runs_into(corners, stood) or _ends_at(corners, ends) or not self._draw(corners):
                 continue
             table: list[float] = self.table
             box: list[float] = self.box
@@ -233,32 +236,35 @@ class Candidates:
             self.blocker = blocker
         return False
 
-    def _standing(
-        self, near: list[int], tables: list[list[float]], radii: list[float], own: float
-    ) -> list[float]:
-        """Return who of those `near` stands for good: x, y, and how near to come is to meet them.
+    def _look_at(
+        self,
+        near: list[int],
+        tables: list[list[float]],
+        radii: list[float],
+        own: float,
+        stood: list[float],
+        ends: list[float],
+    ) -> None:
+        """Add who of those `near` stands for good to `stood`, and where others will to `ends`.
 
-        Those alone who are farther off than that where one sets out: then every walk through there
-        meets them, whenever it is.
+        Of each x, y, and how near to come is to meet them. Those alone who are farther off than
+        that where one sets out: then every walk through there, or to there, meets them, whenever it
+        is.
         """
-        stood: list[float] = []
         i: cython.Py_ssize_t
         if len(self.lead) > 0:
-            return stood
+            return
+        here: list[float] = []
+        stand(here, self.now, INFINITY, self.course[0], self.course[1])
         for i in range(len(near)):
             other: list[float] = tables[near[i]]
             last: cython.Py_ssize_t = len(other) - _R
-            if other[last] <= self.now:
-                x: float = other[last + 2]
-                y: float = other[last + 6]
-                least: float = own + radii[near[i]]
-                dx: float = x - self.course[0]
-                dy: float = y - self.course[1]
-                if sqrt(dx * dx + dy * dy) > least + _CLEAR:
-                    stood.append(x)
-                    stood.append(y)
-                    stood.append(least - _HAIR)
-        return stood
+            least: float = own + radii[near[i]]
+            if distance(here, other, self.now) > least + _CLEAR:
+                found: list[float] = stood if other[last] <= self.now else ends
+                found.append(other[last + 2])
+                found.append(other[last + 6])
+                found.append(least - _HAIR)
 
     def _draw(self, corners: list[float]) -> bool:
         """Set `table` and `box` to those of the walk along `corners` that is to be looked at."""
@@ -403,6 +409,21 @@ def _runs_into(corners: list[float], stood: list[float]) -> bool:
                 py -= share * dy
             if px * px + py * py < least * least:
                 return True
+    return False
+
+
+def _ends_at(corners: list[float], ends: list[float]) -> bool:
+    """Return whether a polyline ends nearer to any place than is said with it: x, y, metres."""
+    count: cython.Py_ssize_t = len(corners)
+    x: float = corners[count - 2]
+    y: float = corners[count - 1]
+    i: cython.Py_ssize_t
+    for i in range(0, len(ends), 3):
+        dx: float = ends[i] - x
+        dy: float = ends[i + 1] - y
+        least: float = ends[i + 2]
+        if dx * dx + dy * dy < least * least:
+            return True
     return False
 
 

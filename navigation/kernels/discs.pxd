@@ -48,3 +48,6 @@ cdef double _within(
 cdef double _entered(
     double x, double vx, double y, double vy, double duration, double least
 ) noexcept
+cdef int _widen(
+    list[double] box, Py_ssize_t axis, list[double] pieces, Py_ssize_t o, double u
+) except -1

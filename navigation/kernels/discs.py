@@ -25,6 +25,7 @@ ROW = 10
 """Numbers in a row."""
 
 _R: cython.Py_ssize_t = ROW
+_PIECE: cython.Py_ssize_t = 14  # numbers of a piece of a motion
 _RESOLUTION: float = 1e-4  # seconds; what is undecided when it is shorter counts as a conflict
 _JUST_NOW: float = 1e-3  # seconds; who is too close so soon is so already
 
@@ -48,6 +49,48 @@ def within_bounds(
         ):
             found.append(k)  # noqa: PERF401
     return found
+
+
+def swept(pieces: list[float], begin: float, box: list[float]) -> list[float]:
+    """Return the rows of a motion that is not over at `begin` (seconds), but for its standing.
+
+    `pieces` is its table as those of `pieces`. `box` is widened to bound it: least x and y,
+    greatest x and y (metres).
+    """
+    table: list[float] = []
+    o: cython.Py_ssize_t
+    for o in range(0, len(pieces), _PIECE):
+        end: float = pieces[o + 1]
+        duration: float = end - pieces[o]
+        if end > begin and end > pieces[o]:
+            table += pieces[o : o + _R]
+            _widen(box, 0, pieces, o + 2, duration)
+            _widen(box, 1, pieces, o + 6, duration)
+    return table
+
+
+def _widen(
+    box: list[float], axis: cython.Py_ssize_t, pieces: list[float], o: cython.Py_ssize_t, u: float
+) -> cython.int:
+    """Widen bounds along an axis to those of a cubic that lasts `u` seconds."""
+    a: float = pieces[o]
+    b: float = pieces[o + 1]
+    c: float = pieces[o + 2]
+    d: float = pieces[o + 3]
+    last: float = a + u * (b + u * (c + u * d))
+    low: float = min(a, last)
+    high: float = max(a, last)
+    # A quadratic turns back where its velocity changes sign between the two ends.
+    if d != 0.0 or (c != 0.0 and b * (b + 2 * c * u) < 0.0):
+        # It may turn back within the piece: no farther out than its control points.
+        third: float = u * b / 3
+        one: float = a + third
+        two: float = a + 2 * third + u * u * c / 3
+        low = min(low, min(one, two))
+        high = max(high, max(one, two))
+    box[axis] = min(box[axis], low)
+    box[axis + 2] = max(box[axis + 2], high)
+    return 0
 
 
 def first_met(

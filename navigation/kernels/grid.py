@@ -37,11 +37,14 @@ def block_discs(
         x: float = (discs[k] - low_x) / width - 0.5
         y: float = (discs[k + 1] - low_y) / width - 0.5
         reach: float = radius / width
-        for j in range(rows):
+        # One cell more on either side than can be within reach; whole numbers are cut towards 0.
+        left: cython.Py_ssize_t = int(max(x - reach, 0.0))
+        right: cython.Py_ssize_t = int(min(max(x + reach + 2.0, 0.0), columns * 1.0))
+        bottom: cython.Py_ssize_t = int(max(y - reach, 0.0))
+        top: cython.Py_ssize_t = int(min(max(y + reach + 2.0, 0.0), rows * 1.0))
+        for j in range(bottom, top):
             dy: float = j - y
-            if dy * dy >= reach * reach:
-                continue
-            for i in range(columns):
+            for i in range(left, right):
                 dx: float = i - x
                 if dx * dx + dy * dy < reach * reach:
                     blocked[j * columns + i] = 1

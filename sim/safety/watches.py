@@ -80,7 +80,10 @@ class Pair:
         It holds if nobody changes course; None if `condition` never does.
         """
         begin = max(self.clock.now, since)
-        return first_time(condition, *self.motions, begin, max(begin, self.horizon()))
+        one, other = self.motions
+        # As `horizon`: where that is now, `begin` is no earlier.
+        last = max(begin, min(max(one.end, other.end), self.end))
+        return first_time(condition, one, other, begin, last)
 
     def next_interval(self, condition: Condition) -> tuple[float, float] | None:
         """Return the first interval from now on in which `condition` holds, if any."""

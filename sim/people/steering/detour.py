@@ -53,18 +53,22 @@ class Detours:
         It stays as far from each place where somebody is `standing` as is said with it (metres);
         `free` says whether there are no walls along a segment.
         """
-        cells = self._cells(at, goal, standing)
-        if cells is None:
+        found = self._cells(at, goal, standing)
+        if found is None:
             return None
+        cells, middle = found
         width = max((needed for _, needed in standing), default=0.0)
         discs = [number for place, _ in standing for number in (*place, *place)]
-        kept, k = [at], 0
-        while k < len(cells) - 1:
+        kept, k, last = [at], 0, max(len(cells) - 1, 1)
+        while k < last:
             # Cells zigzag: leave out as many as a straight line can, by halving leaps from the
             # farthest.
-            ends = dict.fromkeys(min(k + step, len(cells) - 1) for step in LEAPS)
-            for end in ends:
-                a, b = cells[k], cells[end]
+            a, tried = kept[-1], -1
+            for step in LEAPS:
+                end = min(k + step, last)
+                if end == tried:
+                    continue
+                tried, b = end, goal if end == last else middle(cells[end])
                 if not touches(discs, *a, *b, width) and free(a, b):
                     kept.append(b)
                     k = end
@@ -75,8 +79,11 @@ class Detours:
 
     def _cells(
         self, at: Point, goal: Point, standing: Sequence[tuple[Point, float]]
-    ) -> list[Point] | None:
-        """Return the middles of the cells of a way round, with both ends; None if there is none."""
+    ) -> tuple[list[int], Callable[[int], Point]] | None:
+        """Return the cells of a way round, and what says where the middle of one is.
+
+        None if there is none.
+        """
         low_column, high_column = _span(at[0], goal[0])
         low_row, high_row = _span(at[1], goal[1])
         columns, rows = high_column - low_column + 1, high_row - low_row + 1
@@ -96,11 +103,12 @@ class Detours:
         cells = grid_path(blocked, columns, start, end)
         if not cells:
             return None
-        between = [
-            ((k % columns + low_column + 0.5) * CELL, (k // columns + low_row + 0.5) * CELL)
-            for k in cells[1:-1]
-        ]
-        return [at, *between, goal]
+
+        def middle(k: int) -> Point:
+            row, column = divmod(k, columns)
+            return ((column + low_column + 0.5) * CELL, (row + low_row + 0.5) * CELL)
+
+        return cells, middle
 
     def _blocked(self, low_column: int, low_row: int, columns: int, rows: int) -> bytearray:
         """Return for each cell of a window whether it is blocked; those around its edge are."""

@@ -49,10 +49,10 @@ class Ground:
         self.world = world
         self.radius = radius
         self.detours = Detours(world, radius)
-        self._walls = world.walls(radius)
-        self.walls = self._walls.grid
+        self.walls = world.walls(radius).grid
         """The sides of the walls."""
         self._gates = world.gates
+        self._gated = bool(self._gates)
         self._narrow_cells: dict[tuple[int, int], bool | None] = {}
 
     @cached_property
@@ -64,14 +64,15 @@ class Ground:
 
         Nor goes through a gate against its direction.
         """
-        if not self._walls.clear(a, b) or (self._gates and not self._gates.allow(a, b)):
+        radius = self.radius
+        if self.walls.touched(*a, *b, radius) or (self._gated and not self._gates.allow(a, b)):
             return False
-        near = self.world.near(a, b, self.radius)
-        return not near or self.world.segment_free(a, b, self.radius, near)
+        near = self.world.near(a, b, radius)
+        return not near or self.world.segment_free(a, b, radius, near)
 
     def has_only_walls(self, place: Point, metres: float) -> bool:
         """Return whether nothing but walls can be in the way so far around a place."""
-        return not self._gates and not self.world.near(place, place, self.radius + metres)
+        return not self._gated and not self.world.near(place, place, self.radius + metres)
 
     def free_and_back(self, a: Point, b: Point) -> bool:
         """Return whether the segment from a to b is free, and a way leads back.
@@ -79,7 +80,7 @@ class Ground:
         It may be another, where the segment goes through a gate.
         """
         return self.free(a, b) and (
-            not self._gates
+            not self._gated
             or self._gates.allow(b, a)
             or self._gates.reach(self.world.fixed_space(self.radius), b, a)
         )

@@ -59,7 +59,8 @@ class Whereabouts:
 
     def put(self, who: Traveller) -> None:
         """Take note of what somebody has committed themselves to."""
-        table, rests, box = who.swath
+        swath = who.swath
+        table, rests, box = swath
         self.changes += 1
         k = self.indices.get(who)
         if k is None:
@@ -69,14 +70,14 @@ class Whereabouts:
             self.boxes += box
             self.radii.append(who.radius)
             self.rests.append(rests)
-            self.places.append(who.swath.place)
+            self.places.append(swath.place)
             self._changed.append(self.changes)
             self.widest = max(self.widest, who.radius)
         else:
             self.tables[k] = table
             self.boxes[4 * k : 4 * k + 4] = box
             self.rests[k] = rests
-            self.places[k] = who.swath.place
+            self.places[k] = swath.place
             self._changed[k] = self.changes
 
     def take_away(self, who: Traveller) -> None:
@@ -197,8 +198,8 @@ class Others:
         found = self._first_met(ahead, comfort)
         if found < 0:
             return None
-        t, other = self._when[0], self.floor.people[found]
-        return Hit(t, other, t >= other.swath.rests)
+        t = self._when[0]
+        return Hit(t, self.floor.people[found], t >= self.floor.rests[found])
 
     def free(self, ahead: Swath) -> bool:
         """Return whether a motion of theirs from now on conflicts with none of these."""
