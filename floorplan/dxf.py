@@ -21,7 +21,7 @@ from shapely.geometry import Polygon
 from .cad import Reader
 from .checks import polygon_fault
 from .dxf_file import DAMAGED, open_drawing
-from .layers import AS_IT_IS, BOUNDARY, Drawn
+from .layers import BOUNDARY, Drawn
 from .model import DEFAULT_HEIGHT, Obstacle
 from .outlines import Loose, enclosed, opened, pieces_of, polygons_of
 from .plan import Floorplan
@@ -44,7 +44,7 @@ class _Area:
 
 
 @no_garbage()
-def load_dxf(path: Path, drawn: Drawn = AS_IT_IS) -> Floorplan:
+def load_dxf(path: Path, drawn: Drawn) -> Floorplan:
     """The floorplan in the DXF file at `path`; `FloorplanError` with all that is wrong with it."""
     file = str(path)
     drawing = open_drawing(path)

@@ -21,7 +21,7 @@ from shapely.geometry import shape as shape_of
 from .checks import LARGEST, polygon_fault
 from .document import field_name, misfits
 from .fields import Number
-from .layers import AS_IT_IS, BOUNDARY, Drawn
+from .layers import BOUNDARY, Drawn
 from .model import DEFAULT_HEIGHT, Obstacle, SafeZone, Station
 from .outlines import pieces_of
 from .plan import Floorplan
@@ -60,13 +60,9 @@ class _Parts:
     notices: list[Problem] = field(default_factory=list)
 
 
-def load_geojson(path: Path, drawn: Drawn = AS_IT_IS) -> Floorplan:
+def load_geojson(path: Path, drawn: Drawn) -> Floorplan:
     """The floorplan in the GeoJSON file at `path`; `FloorplanError` with all its faults."""
-    return parse_geojson(read_text(path, FloorplanError), file=str(path), drawn=drawn)
-
-
-def parse_geojson(text: str, *, file: str = "<text>", drawn: Drawn = AS_IT_IS) -> Floorplan:
-    """Return the floorplan in `text`, read as `drawn`; errors call it `file`."""
+    file, text = str(path), read_text(path, FloorplanError)
     try:
         data = json.loads(text)
     except json.JSONDecodeError as why:

@@ -17,7 +17,7 @@ import shapely
 from numpy.typing import NDArray
 from shapely.geometry import box
 
-from .layers import AS_IT_IS, Drawn
+from .layers import Drawn
 from .model import DEFAULT_HEIGHT, Obstacle
 from .plan import Floorplan
 from .problems import FloorplanError, Problem, shown
@@ -95,7 +95,7 @@ def _solid(piece: shapely.Polygon) -> Iterator[shapely.Polygon]:
                 yield from _solid(part)
 
 
-def load_drawn_map(path: Path, drawn: Drawn = AS_IT_IS) -> Floorplan:
+def load_drawn_map(path: Path, drawn: Drawn) -> Floorplan:
     """Return the floorplan in the map at `path`, with the unit of a drawing as its cells."""
     return load_movingai(path, drawn.metre or CELL)
 

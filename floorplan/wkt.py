@@ -15,13 +15,13 @@ import shapely
 from shapely.geometry import Polygon
 
 from .checks import LARGEST, polygon_fault
-from .layers import AS_IT_IS, Drawn
+from .layers import Drawn
 from .plan import Floorplan
 from .problems import FloorplanError, Problem
 from .reading import read_text
 
 
-def load_wkt(path: Path, drawn: Drawn = AS_IT_IS) -> Floorplan:
+def load_wkt(path: Path, drawn: Drawn) -> Floorplan:
     """The floorplan in the WKT file at `path`; `FloorplanError` with all that is wrong with it."""
     return parse_wkt(read_text(path, FloorplanError), file=str(path), metre=drawn.metre or 1.0)
 
