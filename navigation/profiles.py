@@ -156,9 +156,14 @@ class _Ruckig(threading.local):
         self.solvers: dict[int, Any] = {}
         """By the number of axes."""
         self.tasks: dict[tuple[AxisLimits, ...], Any] = {}
+        self.last: tuple[Sequence[AxisLimits], Any, Any] = ((), None, None)
+        """The limits that were asked for last, a tuple, and the answer."""
 
     def of(self, limits: Sequence[AxisLimits]) -> tuple[Any, Any]:
         """Return both for axes with these limits."""
+        known, solver, task = self.last
+        if limits is known:
+            return solver, task
         axes = tuple(limits)
         task = self.tasks.get(axes)
         if task is None:
@@ -169,7 +174,9 @@ class _Ruckig(threading.local):
             task.max_acceleration = [axis.max_acceleration for axis in axes]
             task.max_jerk = [axis.max_jerk for axis in axes]
             self.solvers.setdefault(len(axes), ruckig.Ruckig(len(axes)))
-        return self.solvers[len(axes)], task
+        solver = self.solvers[len(axes)]
+        self.last = (axes, solver, task)
+        return solver, task
 
 
 _RUCKIG = _Ruckig()
@@ -180,9 +187,9 @@ def _solve(
 ) -> list[list[float]]:
     """Return Ruckig's answer: of each axis, in one of `states`, the rows of `merge_axes`."""
     solver, task = _RUCKIG.of(limits)
-    task.current_position = [state[0] for state in states]
-    task.current_velocity = [state[1] for state in states]
-    task.current_acceleration = [state[2] for state in states]
+    task.current_position, task.current_velocity, task.current_acceleration = zip(
+        *states, strict=True
+    )
     task.target_position, task.target_velocity, task.target_acceleration = target
     trajectory = ruckig.Trajectory(len(states))  # one used before keeps figures of its brakes
     try:

@@ -109,9 +109,13 @@ class Pair:
 
     def horizon(self) -> float:
         """Return the instant from which on both stand, or the trial's end (seconds)."""
-        last = max(self.clock.now, self._one.motion.end, self._other.motion.end)
+        last, one, other = self.clock.now, self._one.motion.end, self._other.motion.end
+        if last < one:
+            last = one
+        if last < other:
+            last = other
         # When both stand nothing changes any more: a condition that does not hold then never will.
-        return min(last, self.end)
+        return last if last < self.end else self.end
 
 
 class SeparationWatch:
