@@ -67,6 +67,9 @@ class Outlook:
         self._zone = caution.required(0.0) + ROOM
         self._rooms = [caution.room_to_move(pace) + ROOM for pace in PACES]
         self._free_at = gantry.now
+        self._standing = gantry.body.motion
+        self._from_here: dict[Pose, Motion] = {}
+        """Motions from where the gantry stands, by their ends."""
         self._path: tuple[Pose, tuple[Pose, ...], float] = (gantry.position, (), 0.0)
         self._planner = GantryPlanner(gantry.floorplan)
         x, y = (
@@ -105,7 +108,7 @@ class Outlook:
             if pose in tried or step is None:
                 continue
             tried.add(pose)
-            if self._is_clear(self._caution.preview(pose), rows, step.seconds):
+            if self._is_clear(*self._motion_to(pose), rows, step.seconds):
                 return task, pose
             detour = self._detour(pose, people)
             if detour is not None:
@@ -127,9 +130,29 @@ class Outlook:
         k = most_remote(places, _rows(people), _GLANCES, FORESIGHT, axis.max_speed, lag, self._zone)
         return (places[2 * k], places[2 * k + 1], rotation)
 
-    def _is_clear(self, motion: Motion, people: list[float], seconds: float) -> bool:
+    def _motion_to(self, pose: Pose) -> tuple[Motion, float]:
+        """Return the motion to `pose`, and the instant of it that is now (seconds).
+
+        While the gantry stands, that from here begins later and later, but is the same one.
+        """
+        gantry = self._gantry
+        standing = gantry.body.motion
+        if gantry.now < standing.end:
+            return self._caution.preview(pose), gantry.now
+        if self._standing is not standing:
+            self._standing = standing
+            self._from_here.clear()
+        motion = self._from_here.get(pose)
+        if motion is None:
+            motion = self._caution.preview(pose)
+            if motion is standing:
+                return motion, gantry.now
+            self._from_here[pose] = motion
+        return motion, motion.start
+
+    def _is_clear(self, motion: Motion, now: float, people: list[float], seconds: float) -> bool:
         """Return True if it can keep moving on `motion`, and stand at its end for `seconds`."""
-        now, table = self._gantry.now, motion.table
+        table = motion.table
         moving = nearest_on(table, people, now, now, motion.end, GLANCE, FORESIGHT)
         if moving < self._rooms[-1]:
             return False
