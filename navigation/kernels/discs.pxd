@@ -1,4 +1,5 @@
 cdef Py_ssize_t _R
+cdef Py_ssize_t _PIECE
 cdef double _RESOLUTION
 cdef double _JUST_NOW
 

@@ -58,8 +58,9 @@ def swept(pieces: list[float], begin: float, box: list[float]) -> list[float]:
     greatest x and y (metres).
     """
     table: list[float] = []
-    o: cython.Py_ssize_t
-    for o in range(0, len(pieces), _PIECE):
+    k: cython.Py_ssize_t
+    for k in range(len(pieces) // _PIECE):
+        o: cython.Py_ssize_t = k * _PIECE
         end: float = pieces[o + 1]
         duration: float = end - pieces[o]
         if end > begin and end > pieces[o]:
