@@ -1,0 +1,113 @@
+"""Walks among others: the kernels take those that a plain look at each takes, in the same order."""
+
+import math
+import random
+from collections.abc import Iterator
+
+import shapely
+
+import navigation
+from navigation.walls import Walls
+
+GAP = 0.006
+START, TOP, FASTEST, ACCELERATION = 7.0, 0.9, 1.2, 2.5
+WALLS = Walls(shapely.box(-2.5, -2.5, 2.5, 2.5), 0.3)
+
+Place = tuple[float, float]
+Crowd = tuple[list[list[float]], list[float], list[float]]
+
+
+def drawn(corners: list[Place]) -> navigation.Swath | None:
+    limits = {"top_speed": TOP, "max_speed": FASTEST, "max_acceleration": ACCELERATION}
+    return navigation.pace(corners, START, **limits)
+
+
+def somewhere(rng: random.Random) -> Place:
+    return (rng.uniform(-2.2, 2.2), rng.uniform(-2.2, 2.2))
+
+
+def crowd(rng: random.Random, count: int) -> Crowd:
+    """Return some who walk about: tables, bounds and radii."""
+    walks = [drawn([somewhere(rng) for _ in range(3)]) for _ in range(count)]
+    found = [walk for walk in walks if walk is not None]
+    boxes = [bound for walk in found for bound in walk.box]
+    return [walk.table for walk in found], boxes, [rng.uniform(0.2, 0.4) for _ in found]
+
+
+def met(walk: navigation.Swath, others: Crowd, but: bytearray, own: float) -> int:
+    near = [k for k in range(len(others[2])) if not but[k]]
+    return navigation.first_met(walk.table, walk.box, near, *others, own, START, [math.inf])
+
+
+def plainly(
+    path: list[Place],
+    places: list[Place],
+    legs: list[float],
+    moving: Crowd,
+    floor: Crowd,
+    apart: bytearray,
+    refusing: bytearray,
+) -> Iterator[tuple[int, int, list[float]]]:
+    x, y = path[-1]
+    for k, (dx, dy) in enumerate(places):
+        to = (x + dx, y + dy)
+        walk = drawn([*path, to])
+        if (
+            walk is not None
+            and not navigation.touches(legs, *to, *to, 0.6)
+            and met(walk, moving, bytearray(len(moving[2])), 0.3 + GAP) < 0
+            and WALLS.clear((x, y), to)
+        ):
+            hit = met(walk, floor, apart, 0.3 + GAP)
+            if hit < 0 or not refusing[hit]:
+                yield k, hit, walk.table
+
+
+def test_the_steps_taken_are_those_of_a_plain_look() -> None:
+    taken = 0
+    for seed in range(150):
+        rng = random.Random(seed)
+        moving, floor = crowd(rng, rng.randrange(4)), crowd(rng, 5)
+        apart = bytearray(rng.random() < 0.2 for _ in floor[2])
+        refusing = bytearray(rng.random() < 0.5 for _ in floor[2])
+        legs = [*somewhere(rng), *somewhere(rng)]
+        path = [somewhere(rng) for _ in range(rng.choice((1, 1, 2)))]
+        places = [(rng.uniform(-1.5, 1.5), rng.uniform(-1.5, 1.5)) for _ in range(40)]
+        walks = navigation.Retreats(
+            legs, 0.6, START, TOP, FASTEST, ACCELERATION, 0.3 + GAP,
+            WALLS.grid, 0.3, moving, floor, apart,
+        )  # fmt: skip
+        walks.look([c for corner in path for c in corner], [c for place in places for c in place])
+        found = []
+        while (k := walks.next(1000, None, refusing)) >= 0:
+            found.append((k, walks.hit, walks.table))
+        assert found == [*plainly(path, places, legs, moving, floor, apart, refusing)], seed
+        taken += len(found)
+    assert taken > 200
+
+
+def test_the_next_free_walk_is_that_of_a_plain_look() -> None:
+    taken = 0
+    for seed in range(150):
+        rng = random.Random(seed)
+        others = crowd(rng, 6)
+        course = [c for _ in range(3) for c in somewhere(rng)]
+        walks = navigation.Candidates(
+            course, START, START, 0.0, 0.0, 0.0, FASTEST, ACCELERATION, [], []
+        )
+        asked = [(rng.uniform(0.3, 6.0), rng.uniform(0.3, TOP), rng.choice((0.0, 1.0)))
+                 for _ in range(30)]  # fmt: skip
+        plain = []
+        for length, top_speed, delay in asked:
+            if walks.draw_along(length, top_speed, delay):
+                walk = navigation.Swath.of(walks.table, walks.box)
+                if met(walk, others, bytearray(len(others[2])), 0.3 + GAP) < 0:
+                    plain.append(walk.table)
+        for loss, one in enumerate(asked):
+            walks.add(loss, *one)
+        found = []
+        while walks.next_free([*range(len(others[2]))], *others, 0.3 + GAP):
+            found.append(walks.table)
+        assert found == plain, seed
+        taken += len(found)
+    assert taken > 200
