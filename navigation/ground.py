@@ -106,9 +106,9 @@ def roadmap(
 
 
 @_kept(MOST_KEPT)
-def narrow_places(floor: shapely.Geometry, radius: float) -> shapely.Geometry:
-    """Return where discs of `radius` metres can't pass each other on `floor`, and around it."""
-    return narrows(fixed_space(floor, radius), radius)
+def narrow_places(floor: shapely.Geometry, radius: float, abreast: int) -> shapely.Geometry:
+    """Return where discs of `radius` metres can't go so many `abreast`, and around it."""
+    return narrows(fixed_space(floor, radius), radius, abreast)
 
 
 @_kept(MOST_KEPT)

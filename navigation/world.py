@@ -201,12 +201,12 @@ class CollisionWorld:
             known = self._fixed_space[radius] = ground.fixed_space(self.floor, radius)
         return known
 
-    def narrows(self, radius: float) -> shapely.Geometry:
-        """Return where discs of `radius` metres can't pass each other, and 0.35 m around it.
+    def narrows(self, radius: float, abreast: int = 2) -> shapely.Geometry:
+        """Return where discs of `radius` metres can't go so many `abreast`, and 0.35 m around it.
 
-        On a floor without bodies, computed once for each radius.
+        On a floor without bodies, computed once for each radius and number.
         """
-        return ground.narrow_places(self.floor, radius)
+        return ground.narrow_places(self.floor, radius, abreast)
 
     def walls(self, radius: float) -> Walls:
         """Return the walls of the floor as discs of `radius` metres see them; no bodies."""

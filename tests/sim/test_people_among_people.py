@@ -306,6 +306,20 @@ def test_a_crowd_gets_through_a_door(walks, seed):
     assert arrived(run) == set(run.summary["people"])
 
 
+def test_an_aisle_for_two_does_not_fill_from_both_ends(walks):
+    """Ten from either side; nobody goes in behind others while somebody comes who is inside."""
+    floor, ways = rooms(12, 10, 1.5, 3.0)
+    run = walks(floor, ways, 100.0)
+    assert least(run) >= 0.6
+    assert arrived(run) == set(run.summary["people"])
+
+
+def test_who_can_not_get_past_somebody_in_an_aisle_stops_behind_them(walks):
+    ways = [((1, 0.35), [(15, 0.35)]), ((8, 0.35), [])]
+    run = walks(hall(16, 0.7), ways, 40.0, manners=MannersEntry(steps_aside=False))
+    assert 0.6 <= math.dist(*(run.motions[name].position(40.0) for name in ("p0", "p1"))) < 0.9
+
+
 def test_the_same_people_walk_the_same_again(walks):
     floor, ways = scene(3)
     one, again = walks(floor, ways, 40.0), walks(floor, ways, 40.0)

@@ -40,6 +40,22 @@ def place_after(course: Sequence[Point], length: float) -> Point:
     return _sought(course, length)[0]
 
 
+def nearest_length(course: Sequence[Point], place: Point) -> float:
+    """Return the length along a polyline at which it is nearest to a point."""
+    best, at, gone = math.inf, 0.0, 0.0
+    for (ax, ay), (bx, by) in itertools.pairwise(course):
+        leg = math.hypot(bx - ax, by - ay)
+        if leg < 1e-9:
+            continue
+        u = ((place[0] - ax) * (bx - ax) + (place[1] - ay) * (by - ay)) / leg
+        u = min(max(u, 0.0), leg)
+        away = math.hypot(ax + u * (bx - ax) / leg - place[0], ay + u * (by - ay) / leg - place[1])
+        if away < best:
+            best, at = away, gone + u
+        gone += leg
+    return at
+
+
 def _sought(course: Sequence[Point], length: float) -> tuple[Point, int]:
     """Return the place `length` metres on, and the index of the corner that comes after it."""
     for k, (a, b) in enumerate(itertools.pairwise(course), 1):

@@ -85,6 +85,22 @@ def behind(me: Traveller, outlook: Outlook) -> Behind | None:
     return found._replace(speed=max(found.speed, LEAST))
 
 
+def is_opposed(outlook: Outlook, length: float) -> bool:
+    """Return whether somebody in a narrow place ahead comes, where one has gone `length` metres."""
+    t, frame = outlook.t, outlook.walks.at(length)
+    (x, y, c, s), (narrow, abreast) = frame, (outlook.ground.narrow, outlook.abreast)
+    for other in outlook.near:
+        at = other.body.motion.state(t).at
+        if (
+            (at[0] - outlook.at[0]) * c + (at[1] - outlook.at[1]) * s > 0.0
+            and abs((at[1] - y) * c - (at[0] - x) * s) < CLOSES_UP
+            and _cosine(other, t, frame) < 0.0
+            and (narrow(at, abreast) or narrow(other.swath.place, abreast))
+        ):
+            return True
+    return False
+
+
 def _behind(me: Traveller, other: Traveller, t: float, frame: Frame) -> Behind | None:
     """Return what it is to follow the other; None for who is not in the way."""
     x, y, c, s = frame

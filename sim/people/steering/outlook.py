@@ -35,6 +35,10 @@ STEP = 0.25
 CELL = 0.5
 """Metres. The width of the cells by which it is known what is narrow."""
 
+INSIDE, OUTSIDE = 2, 3
+"""People. A place is narrow where so many can't go abreast: for who is in it, and for who is not.
+In an aisle for two, those of one direction side by side leave no room for the other."""
+
 FARTHEST = 25.0
 """Metres. So far a course is looked ahead to find the end of a narrow place."""
 
@@ -53,11 +57,7 @@ class Ground:
         """The sides of the walls."""
         self._gates = world.gates
         self._gated = bool(self._gates)
-        self._narrow_cells: dict[tuple[int, int], bool | None] = {}
-
-    @cached_property
-    def _narrow(self) -> shapely.Geometry:
-        return self.world.narrows(self.radius)
+        self._narrow_cells: dict[tuple[int, int, int], bool | None] = {}
 
     def free(self, a: Point, b: Point) -> bool:
         """Return whether the segment from a, a free place, to b touches nothing.
@@ -85,22 +85,25 @@ class Ground:
             or self._gates.reach(self.world.fixed_space(self.radius), b, a)
         )
 
-    def narrow(self, place: Point) -> bool:
-        """Return whether a place is in a narrow one, or just before it."""
+    def narrow(self, place: Point, abreast: int) -> bool:
+        """Return whether a place is one where so many can't go `abreast`, or just before it."""
         x, y = place
-        cell = (math.floor(x / CELL), math.floor(y / CELL))
+        cell = (math.floor(x / CELL), math.floor(y / CELL), abreast)
         if cell not in self._narrow_cells:
             self._narrow_cells[cell] = self._narrow_cell(*cell)
         known = self._narrow_cells[cell]
-        return bool(shapely.intersects_xy(self._narrow, x, y)) if known is None else known
+        if known is None:
+            return bool(shapely.intersects_xy(self.world.narrows(self.radius, abreast), x, y))
+        return known
 
-    def _narrow_cell(self, column: int, row: int) -> bool | None:
+    def _narrow_cell(self, column: int, row: int, abreast: int) -> bool | None:
         """Return whether all of a cell is narrow, or none of it; None if some is."""
+        narrows = self.world.narrows(self.radius, abreast)
         x, y = column * CELL, row * CELL
         cell = shapely.box(x, y, x + CELL, y + CELL)
-        if not shapely.intersects(self._narrow, cell):
+        if not shapely.intersects(narrows, cell):
             return False
-        return True if shapely.contains_properly(self._narrow, cell) else None
+        return True if shapely.contains_properly(narrows, cell) else None
 
 
 class Outlook:
@@ -312,8 +315,13 @@ class Outlook:
         if k * STEP > min(self.whole, FARTHEST) + STEP:
             return False
         if k not in self._narrow:
-            self._narrow[k] = self.ground.narrow(self.walks.at(k * STEP)[:2])
+            self._narrow[k] = self.ground.narrow(self.walks.at(k * STEP)[:2], self.abreast)
         return self._narrow[k]
+
+    @cached_property
+    def abreast(self) -> int:
+        """So many can't go abreast where it is narrow for them: see `INSIDE` and `OUTSIDE`."""
+        return INSIDE if self.ground.narrow(self.at, OUTSIDE) else OUTSIDE
 
     def free(self, motion: Motion) -> bool:
         """Return whether a motion of theirs from now on conflicts with nobody."""

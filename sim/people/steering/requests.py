@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Container, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterator, Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
 from floorplan import Point
-from navigation import Retreats, Swath, first_met, pace
+from navigation import Retreats, Swath, pace
 
+from .backing_out import back_out
 from .course import first, length_of, place_after, rest
+from .moving import Moving
 from .outlook import STEP, Ground, Outlook
 from .traveller import Traveller
 from .whereabouts import GAP, Whereabouts
@@ -110,6 +112,19 @@ class Request:
             if self._clear(self._asker, first(course, length), 0):
                 self._set_out_sooner(outlook, course, length)
                 return True
+        return self._effort.far and self._back_out(outlook, passed)
+
+    def _back_out(self, outlook: Outlook, passed: float) -> bool:
+        """Return whether all can back out of the asker's course, or one beside it."""
+        near = min(outlook.stop_beyond(passed + PASSED), outlook.whole)
+        for length in dict.fromkeys((near, outlook.stop_beyond(outlook.reach))):
+            for course in (outlook.course, *self._beside(outlook, length)):
+                found = back_out(
+                    outlook, course, length, self._whereabouts, self._ground_of, self._refuses
+                )
+                if found is not None:
+                    self.drafts = found
+                    return True
         return False
 
     def _courses(self, outlook: Outlook, passed: float) -> Iterator[tuple[Sequence[Point], float]]:
@@ -120,16 +135,21 @@ class Request:
         """
         near = min(outlook.stop_beyond(passed + PASSED), outlook.whole)
         yield outlook.course, near
-        for side in self._effort.sides:
-            steps = [min(k * LANE, near) for k in range(1, math.ceil(near / LANE) + 1)]
-            ways = [outlook.walks.at(along) for along in steps]
-            course = [outlook.at, *((x - side * s, y + side * c) for x, y, c, s in ways)]
-            if all(outlook.ground.free(a, b) for a, b in pairwise(course)):
-                yield course, near
+        for course in self._beside(outlook, near):
+            yield course, near
         far = outlook.stop_beyond(outlook.reach)
         # Where others keep them from getting past, they keep them from going on nearly always.
         if self._effort.far and far != near:
             yield outlook.course, far
+
+    def _beside(self, outlook: Outlook, length: float) -> Iterator[Sequence[Point]]:
+        """Yield courses beside the first `length` metres of the asker's own, as the effort goes."""
+        for side in self._effort.sides:
+            steps = [min(k * LANE, length) for k in range(1, math.ceil(length / LANE) + 1)]
+            ways = [outlook.walks.at(along) for along in steps]
+            course = [outlook.at, *((x - side * s, y + side * c) for x, y, c, s in ways)]
+            if all(outlook.ground.free(a, b) for a, b in pairwise(course)):
+                yield course
 
     def _set_out_sooner(self, outlook: Outlook, course: Sequence[Point], length: float) -> None:
         """Let the asker set out as soon as all the others who move are out of its way."""
@@ -307,29 +327,3 @@ def _lookout(
                 return
             free.add(leg)
         yield path, beside
-
-
-class Moving:
-    """Those who move for a request, as of `now` (seconds): where each of them goes."""
-
-    def __init__(self, drafts: Mapping[Traveller, Swath], now: float) -> None:
-        self._now = now
-        self.all = (
-            [draft.table for draft in drafts.values()],
-            [bound for draft in drafts.values() for bound in draft.box],
-            [who.radius for who in drafts],
-        )
-        """Tables, bounds and radii."""
-
-    def meet(self, who: Traveller, draft: Swath) -> bool:
-        """Return whether somebody who goes like this would come too close to any of them."""
-        found = first_met(
-            draft.table,
-            draft.box,
-            [*range(len(self.all[0]))],
-            *self.all,
-            who.radius + GAP,
-            self._now,
-            [math.inf],
-        )
-        return found >= 0

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator, Sequence
-from itertools import pairwise
 from typing import Protocol
 
-from floorplan import Point
 from navigation import Motion, Swath
 
-from .following import Behind, behind
+from .course import nearest_length
+from .following import Behind, behind, is_opposed
 from .outlook import Outlook
 from .traveller import Traveller
 from .whereabouts import GAP, Hit
@@ -159,13 +157,19 @@ class Foresighted:
     ) -> Iterator[float]:
         """Yield the lengths after which to stop short of a conflict `gone` metres ahead.
 
-        Not in a narrow place, but behind somebody who leaves it the same way.
+        Who `follows` goes the same way as whom they would run into.
         """
         stands = outlook.speed < STANDS
         # v² / (2 a), the shortest stop there is, and a little more against rounding.
         braking = outlook.speed**2 / (2 * me.human.max_acceleration) * 1.001
+        goes_in: bool | None = None
         for part in PARTS:
-            length = part * gone if follows else outlook.stop_before(part * gone)
+            length = part * gone
+            if outlook.is_narrow(length):
+                if goes_in is None:
+                    goes_in = _goes_in(me, outlook, length, follows)
+                if not goes_in:
+                    length = outlook.stop_before(length)
             if length >= (SHORTEST if stands else braking):
                 yield length
         if not stands:
@@ -178,6 +182,19 @@ def _first_free(outlook: Outlook) -> Swath | None:
         draft = outlook.next_free()
         if draft is None or outlook.has_room():
             return draft
+
+
+def _goes_in(me: Traveller, outlook: Outlook, length: float, follows: bool) -> bool:
+    """Return whether somebody may stop in a narrow place, after `length` metres of their course.
+
+    Only against nobody who comes, else two files would go in from either end behind those who come
+    out, and meet inside: who is in it already, or follows somebody who leaves it the same way. Who
+    is in it and has lost patience does in any case.
+    """
+    inside = outlook.is_narrow(0.0)
+    if inside and me.time_blocked(outlook.now) >= me.manners.patience:
+        return True
+    return (inside or follows) and not is_opposed(outlook, length)
 
 
 def _same_way(me: Traveller, hit: Hit, now: float) -> bool:
@@ -252,25 +269,9 @@ def both_aside(
                 if theirs is None:
                     theirs = look()
                     their_others = theirs.others.without([me])
-                    passed = _nearest_length(theirs.course, (x, y))
+                    passed = nearest_length(theirs.course, (x, y))
                 if theirs.wished is None:
                     return
                 yours = theirs.aside(max(passed, 0.1), way * (1 - share) * width, their_others)
                 if yours is not None:
                     yield ours, yours, theirs
-
-
-def _nearest_length(course: Sequence[Point], place: Point) -> float:
-    """Return the length along a polyline at which it is nearest to a point."""
-    best, at, gone = math.inf, 0.0, 0.0
-    for (ax, ay), (bx, by) in pairwise(course):
-        leg = math.hypot(bx - ax, by - ay)
-        if leg < 1e-9:
-            continue
-        u = ((place[0] - ax) * (bx - ax) + (place[1] - ay) * (by - ay)) / leg
-        u = min(max(u, 0.0), leg)
-        away = math.hypot(ax + u * (bx - ax) / leg - place[0], ay + u * (by - ay) / leg - place[1])
-        if away < best:
-            best, at = away, gone + u
-        gone += leg
-    return at

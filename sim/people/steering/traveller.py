@@ -91,7 +91,11 @@ class Traveller:
 
     def time_lost(self, now: float) -> float:
         """Return the seconds that others have cost them until now."""
-        return self.lost + (0.0 if self.stands_since is None else now - self.stands_since)
+        return self.lost + self.time_blocked(now)
+
+    def time_blocked(self, now: float) -> float:
+        """Return the seconds for which they have been kept from going on."""
+        return 0.0 if self.stands_since is None else now - self.stands_since
 
     def stands(self, now: float) -> bool:
         """Return whether their motion is over, or all but."""

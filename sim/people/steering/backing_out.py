@@ -1,0 +1,149 @@
+"""Backing out: all who stand in an aisle that is full from both ends make way for one of them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from itertools import pairwise
+
+from floorplan import Point
+from navigation import Swath, pace, touches
+
+from .course import first, length_of, nearest_length, place_after, rest
+from .moving import Moving
+from .outlook import Ground, Outlook
+from .traveller import Traveller
+from .whereabouts import GAP, Whereabouts
+
+BACK = (0.0, 1.0, 2.0, 4.0, 8.0, 16.0)
+"""Seconds that somebody waits who backs out behind others, and whoever they do it for."""
+
+ROOM = 0.15
+"""Metres. Who is so near beside the course of somebody for whom others back out does so too."""
+
+STEP = 0.25
+"""Metres between the points of a course from which who backs out along it looks for a place."""
+
+NEAR = (0.1, 0.3, 0.5, 0.7, 1.0, 1.4, 2.0, 2.8)
+"""Metres. So far around them they look for a place off the course."""
+
+BESIDE = (1.1, 1.3, 1.8, 2.5)
+"""The same beside a point of the course: in widths that two need."""
+
+ANGLES = 16
+
+Drafts = dict[Traveller, Swath]
+
+
+def back_out(
+    outlook: Outlook,
+    course: Sequence[Point],
+    length: float,
+    floor: Whereabouts,
+    ground_of: Callable[[Traveller], Ground],
+    refuses: Callable[[int], bool],
+) -> Drafts | None:
+    """Return where all go who back out of `length` metres of a course, and who looks; None if any
+    can't.
+
+    The one farthest ahead goes first, who has room behind, then the next, who goes by where that
+    one stood: so a full aisle is emptied from its end, however many are in it. `refuses` says of
+    somebody's index whether they may not be asked.
+    """
+    me, now = outlook.me, outlook.now
+    way = first(course, length)
+    at_once = outlook.draft(way)
+    # Those who only wait for their turn, all the same way, have no reason to.
+    if at_once is None or not any(_comes(me, other, now) for other in outlook.near):
+        return None
+    if course is not outlook.course:
+        course = [*way, *rest(outlook.course, length)]
+    ahead = []
+    for other in floor.others(me, at_once.box, now).people:
+        gone = nearest_length(way, other.swath.place)
+        away = math.dist(place_after(way, gone), other.swath.place)
+        if away < me.radius + other.radius + ROOM:
+            ahead.append((gone, other))
+    ahead.sort(key=lambda one: -one[0])
+    if any(refuses(floor.indices[who]) for _, who in ahead):
+        return None
+    drafts: Drafts = {}
+    for _, who in ahead:
+        paths = _paths_off(who, course, who.radius + me.radius + GAP, ground_of(who))
+        draft = _backs_out(who, paths, drafts, floor, now)
+        if draft is None:
+            return None
+        drafts[who] = draft
+    moving = Moving(drafts, now)
+    for wait in BACK:
+        draft = outlook.draft(way, delay=wait)
+        if draft is None or moving.meet(me, draft):
+            continue
+        if floor.first_but(me, draft, drafts, now) < 0:
+            drafts[me] = draft
+            return drafts
+    return None
+
+
+def _comes(me: Traveller, other: Traveller, now: float) -> bool:
+    """Return whether the other walks the other way, or will."""
+    mine, theirs = me.direction(now), other.direction(now)
+    if mine is None or theirs is None:
+        return False
+    return mine[0] * theirs[0] + mine[1] * theirs[1] < 0.0
+
+
+def _backs_out(
+    who: Traveller, paths: Iterator[list[Point]], drafts: Drafts, floor: Whereabouts, now: float
+) -> Swath | None:
+    """Return where `who` goes on the first of `paths` on which they meet nobody; None for none."""
+    moving = Moving(drafts, now)
+    for path in paths:
+        points, top = who.zones.along(path, who.top_speed) if who.zones else (path, who.top_speed)
+        for wait in BACK:
+            draft = pace(
+                points,
+                now + wait,
+                top_speed=top,
+                max_speed=who.human.max_speed,
+                max_acceleration=who.human.max_acceleration,
+                since=now,
+            )
+            if draft is None:
+                break
+            hit = floor.first_but(who, draft, drafts, now)
+            if hit < 0 and not moving.meet(who, draft):
+                return draft
+            if hit >= 0 and floor.rests[hit] <= now:
+                break  # and stands there just as much later on
+    return None
+
+
+def _paths_off(
+    who: Traveller, course: Sequence[Point], needed: float, ground: Ground
+) -> Iterator[list[Point]]:
+    """Yield paths `needed` metres off a course: to places near them, then ahead along it."""
+    at = who.swath.place
+    legs = [number for a, b in pairwise(course) for number in (*a, *b)]
+
+    def off(start: Point, radii: Sequence[float]) -> Iterator[Point]:
+        for r in radii:
+            for k in range(ANGLES):
+                angle = 2 * math.pi * k / ANGLES
+                place = (start[0] + r * math.cos(angle), start[1] + r * math.sin(angle))
+                clear = not touches(legs, *place, *place, needed)
+                if clear and ground.free_and_back(start, place):
+                    yield place
+
+    for place in off(at, NEAR):
+        yield [at, place]
+    beside = [share * needed for share in BESIDE]
+    free = set[tuple[Point, Point]]()
+    ahead = rest(course, nearest_length(course, at) + STEP)
+    for k in range(math.ceil(length_of(ahead) / STEP) + 1):
+        path = [at, *first(ahead, k * STEP)]
+        if not all(leg in free or ground.free_and_back(*leg) for leg in pairwise(path)):
+            return
+        free.update(pairwise(path))
+        for place in off(path[-1], beside):
+            yield [*path, place]
