@@ -59,6 +59,10 @@ class Ground:
         self._gated = bool(self._gates)
         self._narrow_cells: dict[tuple[int, int, int], bool | None] = {}
 
+    @cached_property
+    def _narrows(self) -> dict[int, shapely.Geometry]:
+        return {number: self.world.narrows(self.radius, number) for number in (INSIDE, OUTSIDE)}
+
     def free(self, a: Point, b: Point) -> bool:
         """Return whether the segment from a, a free place, to b touches nothing.
 
@@ -93,12 +97,12 @@ class Ground:
             self._narrow_cells[cell] = self._narrow_cell(*cell)
         known = self._narrow_cells[cell]
         if known is None:
-            return bool(shapely.intersects_xy(self.world.narrows(self.radius, abreast), x, y))
+            return bool(shapely.intersects_xy(self._narrows[abreast], x, y))
         return known
 
     def _narrow_cell(self, column: int, row: int, abreast: int) -> bool | None:
         """Return whether all of a cell is narrow, or none of it; None if some is."""
-        narrows = self.world.narrows(self.radius, abreast)
+        narrows = self._narrows[abreast]
         x, y = column * CELL, row * CELL
         cell = shapely.box(x, y, x + CELL, y + CELL)
         if not shapely.intersects(narrows, cell):
