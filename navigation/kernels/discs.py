@@ -138,7 +138,11 @@ def first_but(
     begin: float,
     apart: bytearray,
 ) -> cython.Py_ssize_t:
-    """Return who of all but those `apart` is met first, as `first_met` has it; -1 for nobody."""
+    """Return who of all but those `apart` is met first from `begin` (seconds) on; -1 for nobody.
+
+    `apart` has a byte for each, 0 for who counts. For `table`, `box`, `tables`, `boxes`, `radii`
+    and `own` see `first_met`.
+    """
     first: float = INFINITY
     who: cython.Py_ssize_t = -1
     k: cython.Py_ssize_t
