@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from operator import attrgetter
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from simpy.events import Event, Process
 
@@ -108,10 +107,10 @@ class GantryRobot(Machine):
 
     # Its sensors.
 
-    if TYPE_CHECKING:
-        now: float
-    else:
-        now = property(attrgetter("_clock.now"), doc="Simulated time (seconds).")  # asked a lot
+    @property
+    def now(self) -> float:
+        """Simulated time (seconds)."""
+        return self._clock.now
 
     @property
     def state(self) -> State:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise
 
 from floorplan import Point
-from navigation import Swath, pace, touches
+from navigation import Swath, touches
 
 from .course import first, length_of, nearest_length, place_after, rest
 from .moving import Moving
@@ -43,12 +43,11 @@ def back_out(
     ground_of: Callable[[Traveller], Ground],
     refuses: Callable[[int], bool],
 ) -> Drafts | None:
-    """Return where all go who back out of `length` metres of a course, and who looks; None if any
-    can't.
+    """Return where they go who back out of `length` metres of a course, and for whom they do.
 
-    The one farthest ahead goes first, who has room behind, then the next, who goes by where that
-    one stood: so a full aisle is emptied from its end, however many are in it. `refuses` says of
-    somebody's index whether they may not be asked.
+    None if any of them can't. The one farthest ahead goes first, who has room behind, then the
+    next, who goes by where that one stood: so a full aisle is emptied from its end, however many
+    are in it. `refuses` says of somebody's index whether they may not be asked.
     """
     me, now = outlook.me, outlook.now
     way = first(course, length)
@@ -99,16 +98,8 @@ def _backs_out(
     """Return where `who` goes on the first of `paths` on which they meet nobody; None for none."""
     moving = Moving(drafts, now)
     for path in paths:
-        points, top = who.zones.along(path, who.top_speed) if who.zones else (path, who.top_speed)
         for wait in BACK:
-            draft = pace(
-                points,
-                now + wait,
-                top_speed=top,
-                max_speed=who.human.max_speed,
-                max_acceleration=who.human.max_acceleration,
-                since=now,
-            )
+            draft = who.draft(path, now, wait)
             if draft is None:
                 break
             hit = floor.first_but(who, draft, drafts, now)

@@ -8,7 +8,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 from floorplan import Point
-from navigation import Retreats, Swath, pace
+from navigation import Retreats, Swath
 
 from .backing_out import back_out
 from .course import first, length_of, place_after, rest
@@ -258,7 +258,7 @@ class Request:
                 return False
             if not who.zones:
                 return True
-            slower = self._in_zones(who, [*path, (x, y)])
+            slower = who.draft([*path, (x, y)], self._now)
             if slower is None or moving.meet(who, slower):
                 return False
             walks.table, walks.box = slower.table, slower.box
@@ -279,17 +279,6 @@ class Request:
                 yield retreat, Swath.of(walks.table, walks.box), walks.hit
             if wide <= 0 or self._left <= 0:
                 return
-
-    def _in_zones(self, who: Traveller, retreat: list[Point]) -> Swath | None:
-        """Return what comes of a retreat of somebody where limits hold; None for nothing."""
-        points, top = who.zones.along(retreat, who.top_speed)
-        return pace(
-            points,
-            self._now,
-            top_speed=top,
-            max_speed=who.human.max_speed,
-            max_acceleration=who.human.max_acceleration,
-        )
 
 
 def _lookout(

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from floorplan import Human, Point
-from navigation import CollisionWorld, Motion, Swath, swath
+from navigation import CollisionWorld, Motion, Swath, pace, swath
 
 from ...core.body import Body
 from .manners import Manners
@@ -76,6 +77,23 @@ class Traveller:
         """Follow `motion` from now on, which goes `ahead`."""
         self._of, self._swath = motion, ahead
         self.body.follow(motion)
+
+    def draft(self, course: Sequence[Point], now: float, delay: float = 0.0) -> Swath | None:
+        """Return where they would go who stand, along a course, `delay` seconds from now on.
+
+        None where they can't.
+        """
+        top: float | list[float] = self.top_speed
+        if self.zones:
+            course, top = self.zones.along(course, self.top_speed)
+        return pace(
+            course,
+            now + delay,
+            top_speed=top,
+            max_speed=self.human.max_speed,
+            max_acceleration=self.human.max_acceleration,
+            since=now,
+        )
 
     @property
     def rank(self) -> tuple[bool, float, int]:

@@ -116,7 +116,7 @@ class Party:
         self.tries_again = now + self.pause
 
     def begin_search(self, now: float) -> bool:
-        """Look at all that others could do, after ever longer pauses; return whether it is time."""
+        """Begin to look at what others could do if the pause is over; return whether it is."""
         if self.pause < LONGEST or now < self.searches_again:
             return False
         self.search = 2 * self.search if self.search else 2 * LONGEST
