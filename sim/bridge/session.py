@@ -281,7 +281,7 @@ class Session:
         if missing:
             self._standing = True
             self._say(f"stands still at t = {self._workcell.now:.1f} s: {missing}")
-            await self._change(None if self._agent_since is None else LONGEST_NAP)
+            await self._change()
         return bool(missing)
 
     def _resume(self) -> None:
@@ -306,11 +306,12 @@ class Session:
             for client in tuple(self.server.clients):
                 client.report("warning", text)
 
-    async def _change(self, longest: float | None = None) -> None:
-        """Wait for a change, at the longest for some seconds of the wall's clock."""
+    async def _change(self) -> None:
+        """Wait for a change, for `LONGEST_NAP` at the longest."""
+        # Not for ever: Ctrl-C does not wake a loop that was just about to wait.
         self._changed.clear()
         with suppress(TimeoutError, asyncio.TimeoutError):
-            await asyncio.wait_for(self._changed.wait(), longest)
+            await asyncio.wait_for(self._changed.wait(), LONGEST_NAP)
 
     def _start(self, _: Client, __: dict[str, Any]) -> dict[str, Any]:
         began, self._hold = self._hold or self._readying() > 0, False
