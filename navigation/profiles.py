@@ -173,7 +173,8 @@ class _Ruckig(threading.local):
             task.max_velocity = [axis.max_speed for axis in axes]
             task.max_acceleration = [axis.max_acceleration for axis in axes]
             task.max_jerk = [axis.max_jerk for axis in axes]
-            self.solvers.setdefault(len(axes), ruckig.Ruckig(len(axes)))
+            if len(axes) not in self.solvers:
+                self.solvers[len(axes)] = ruckig.Ruckig(len(axes))
         solver = self.solvers[len(axes)]
         self.last = (axes, solver, task)
         return solver, task
