@@ -11,7 +11,7 @@ from navigation import Swath, touches
 
 from .course import first, length_of, nearest_length, place_after, rest
 from .moving import Moving
-from .outlook import Ground, Outlook
+from .outlook import STEP, Ground, Outlook
 from .traveller import Traveller
 from .whereabouts import GAP, Whereabouts
 
@@ -20,9 +20,6 @@ BACK = (0.0, 1.0, 2.0, 4.0, 8.0, 16.0)
 
 ROOM = 0.15
 """Metres. Who is so near beside the course of somebody for whom others back out does so too."""
-
-STEP = 0.25
-"""Metres between the points of a course from which who backs out along it looks for a place."""
 
 NEAR = (0.1, 0.3, 0.5, 0.7, 1.0, 1.4, 2.0, 2.8)
 """Metres. So far around them they look for a place off the course."""
@@ -129,12 +126,8 @@ def _paths_off(
     for place in off(at, NEAR):
         yield [at, place]
     beside = [share * needed for share in BESIDE]
-    free = set[tuple[Point, Point]]()
     ahead = rest(course, nearest_length(course, at) + STEP)
-    for k in range(math.ceil(length_of(ahead) / STEP) + 1):
-        path = [at, *first(ahead, k * STEP)]
-        if not all(leg in free or ground.free_and_back(*leg) for leg in pairwise(path)):
-            return
-        free.update(pairwise(path))
+    lengths = (k * STEP for k in range(math.ceil(length_of(ahead) / STEP) + 1))
+    for path in ground.paths_ahead(at, ahead, lengths):
         for place in off(path[-1], beside):
             yield [*path, place]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cached_property
 from itertools import pairwise
 
@@ -30,7 +30,7 @@ from .traveller import Traveller
 from .whereabouts import GAP, Hit, Others, Sight, Whereabouts
 
 STEP = 0.25
-"""Metres between the places along a course that are looked at for a stop."""
+"""Metres between the places along a course that are looked at, to stop or to get off it."""
 
 CELL = 0.5
 """Metres. The width of the cells by which it is known what is narrow."""
@@ -73,6 +73,21 @@ class Ground:
             return False
         near = self.world.near(a, b, radius)
         return not near or self.world.segment_free(a, b, radius, near)
+
+    def paths_ahead(
+        self, at: Point, course: Sequence[Point], lengths: Iterable[float]
+    ) -> Iterator[list[Point]]:
+        """Yield the path from `at`, beside a course, along it to each of these lengths (metres).
+
+        They grow; it ends before the first path that is not free, there and back.
+        """
+        free: set[tuple[Point, Point]] = set()
+        for length in lengths:
+            path = [at, *first(course, length)]
+            if not all(leg in free or self.free_and_back(*leg) for leg in pairwise(path)):
+                return
+            free.update(pairwise(path))
+            yield path
 
     def has_only_walls(self, place: Point, metres: float) -> bool:
         """Return whether nothing but walls can be in the way so far around a place."""

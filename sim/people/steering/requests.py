@@ -306,13 +306,6 @@ def _lookout(
         for number in (r * math.cos(angle), r * math.sin(angle))
     ]
     beyond = rest(course, gone + STEP)
-    free: set[tuple[Point, Point]] = set()
-    for s in steps:
-        if s <= gone + STEP:
-            continue
-        path = [at, *first(beyond, s - gone - STEP)]
-        for leg in pairwise(path):
-            if leg not in free and not ground.free_and_back(*leg):
-                return
-            free.add(leg)
+    lengths = (s - gone - STEP for s in steps if s > gone + STEP)
+    for path in ground.paths_ahead(at, beyond, lengths):
         yield path, beside
