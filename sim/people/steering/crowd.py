@@ -291,8 +291,8 @@ class Crowd:
             and other.goal is not None
             and other not in asked
             and len(asked) < 6
-            and now - other.decided >= APART
-            and now - party.looked >= APART
+            and now - other.decided >= ANEW
+            and now - party.looked >= ANEW
             and party.arriving.time is None
             and party.sight is None
             and not party.waits_unchanged(now)

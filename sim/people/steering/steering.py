@@ -31,7 +31,7 @@ SHARES = (0.75, 0.5, 0.25)
 DELAYS = (0.5, 1.0, 2.0, 4.0)
 """Seconds that somebody who stands waits before setting out."""
 
-SHORTEST = 0.3
+SHORTEST = 0.5
 """Metres. Nobody who stands sets out for less."""
 
 PHANTOM = 0.3

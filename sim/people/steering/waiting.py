@@ -15,7 +15,7 @@ from .outlook import Outlook
 from .traveller import AT_THE_DOOR, Traveller
 from .whereabouts import GAP, Hit, Sight, Whereabouts
 
-PAUSE, LONGEST = 1.0, 4.0
+PAUSE, LONGEST = 1.0, 8.0
 """Seconds until somebody who waits looks again for a way round what has not changed: at first, and
 at most, as each pause is twice as long as the one before."""
 
