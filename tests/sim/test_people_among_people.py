@@ -6,6 +6,7 @@ import dataclasses
 import itertools
 import math
 import random
+from collections import Counter
 from collections.abc import Iterator
 
 import numpy as np
@@ -312,6 +313,30 @@ def test_an_aisle_for_two_does_not_fill_from_both_ends(walks):
     run = walks(floor, ways, 100.0)
     assert least(run) >= 0.6
     assert arrived(run) == set(run.summary["people"])
+
+
+@pytest.mark.parametrize("seed", [13, pytest.param(18, marks=pytest.mark.slow)])
+def test_a_throng_in_an_aisle_for_two_dissolves(walks, seed):
+    """Also where those who rank highest are in the middle of it, and others alone can back out."""
+    rng = random.Random(seed)
+    floor = hall(22, 9, (9.5, 0, 12.5, 3.75), (9.5, 5.25, 12.5, 9))
+
+    def anywhere() -> list[Place]:
+        found: list[Place] = []
+        while len(found) < 44:
+            x, y = rng.uniform(0.4, 21.6), rng.uniform(0.4, 8.6)
+            if not 9.1 <= x <= 12.9 and all(math.dist((x, y), other) > 0.65 for other in found):
+                found.append((x, y))
+        return found
+
+    ways = [
+        (start, [*goals]) for start, *goals in zip(*(anywhere() for _ in range(3)), strict=True)
+    ]
+    run = walks(floor, ways, 400.0)
+    assert least(run) >= 0.6
+    assert Counter(event["person"] for event in events(run, "arrived")) == dict.fromkeys(
+        run.summary["people"], 2
+    )
 
 
 def test_who_can_not_get_past_somebody_in_an_aisle_stops_behind_them(walks):

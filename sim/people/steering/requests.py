@@ -40,6 +40,9 @@ PASSED = 1.0
 LANE = 1.0
 """Metres between the points of a course that is laid to a side."""
 
+RANK_COUNTS = 60.0
+"""Seconds. Who has been kept from going on for longer asks those as well who rank higher."""
+
 WAITS = (0.0, 0.5, 1.0, 2.0, 4.0)
 """Seconds that whoever asks waits for the others to be out of the way."""
 
@@ -76,8 +79,9 @@ class Request:
 
     Depth first: each asked looks for the nearest place off the way of whoever asks, else ahead of
     them, and asks those who stand in the way of that step. Nobody is asked who ranks higher than
-    the first asker, unless they are `behind`: who waits for the asker to go on gains by it. Nor is
-    who moves: passages that are agreed stay so. All of it is checked together.
+    the first asker, unless they are `behind`, as who waits for the asker to go on gains by it, or
+    rank does not count any more: those whose turn it is may have no way out. Nor is who moves:
+    passages that are agreed stay so. All of it is checked together.
     """
 
     def __init__(
@@ -207,7 +211,11 @@ class Request:
             and other.manners.steps_aside
             and not other.recorded
             and other.body.motion.end <= self._now
-            and (other.rank > self._asker.rank or other in self._behind)
+            and (
+                other.rank > self._asker.rank
+                or other in self._behind
+                or self._asker.time_blocked(self._now) > RANK_COUNTS
+            )
         )
         self._refusing[k] = refuses
         return refuses
