@@ -1,5 +1,12 @@
+cimport cython
+
 cdef Py_ssize_t _STRAIGHT
 cdef Py_ssize_t _ACROSS
 cdef Py_ssize_t _BUCKETS
 
 cdef Py_ssize_t _estimate(Py_ssize_t cell, Py_ssize_t goal, Py_ssize_t columns) noexcept
+
+@cython.locals(costs="long long[::1]", came="long long[::1]")
+cpdef list grid_path(
+    bytearray blocked, Py_ssize_t columns, Py_ssize_t start, Py_ssize_t goal
+)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from array import array
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -63,9 +64,8 @@ def grid_path(
     with buckets of whole costs (R. Dial, "Algorithm 360", 1969).
     """
     count: cython.Py_ssize_t = len(blocked)
-    far: cython.Py_ssize_t = 100 * count
-    costs: list[int] = [far] * count
-    came: list[int] = [-1] * count
+    costs: array[int] = array("q", [100 * count]) * count
+    came: array[int] = array("q", [-1]) * count
     buckets: list[list[int]] = [[] for _ in range(_BUCKETS)]
     costs[start] = 0
     level: cython.Py_ssize_t = _estimate(start, goal, columns)

@@ -53,6 +53,13 @@ class Detours:
         It stays as far from each place where somebody is `standing` as is said with it (metres);
         `free` says whether there are no walls along a segment.
         """
+        # Most who look in vain have somebody at their goal.
+        there = (
+            (math.floor(goal[0] / CELL) + 0.5) * CELL,
+            (math.floor(goal[1] / CELL) + 0.5) * CELL,
+        )
+        if any(math.dist(place, there) < needed for place, needed in standing):
+            return None
         found = self._cells(at, goal, standing)
         if found is None:
             return None
