@@ -53,6 +53,7 @@ from .monitor import (
     when,
 )
 from .motion import Cubic, Motion, Piece, State, join, standing
+from .narrows import Narrows
 from .odometer import Enclosure, Odometer
 from .pace import pace, paced
 from .path import Path, PlannerError, PlannerInfo, PlanningError, Watch
@@ -113,6 +114,7 @@ __all__ = [
     "MotionLaw",
     "Mover",
     "Moving",
+    "Narrows",
     "Nearest",
     "Not",
     "Odometer",

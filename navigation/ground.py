@@ -19,7 +19,7 @@ from floorplan import Gate, free_area
 from .bodies import Body, region
 from .freespace import FreeSpace, shrunk, without
 from .gates import Gates
-from .narrows import narrows
+from .narrows import Narrows, narrows
 from .roadmap import Roadmap
 from .walls import Walls
 
@@ -106,7 +106,7 @@ def roadmap(
 
 
 @_kept(MOST_KEPT)
-def narrow_places(floor: shapely.Geometry, radius: float, abreast: int) -> shapely.Geometry:
+def narrow_places(floor: shapely.Geometry, radius: float, abreast: int) -> Narrows:
     """Return where discs of `radius` metres can't go so many `abreast`, and around it."""
     return narrows(fixed_space(floor, radius), radius, abreast)
 

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import math
+
 import shapely
+
+from floorplan import Point
 
 from .freespace import FreeSpace
 
@@ -12,11 +16,41 @@ SPARE = 0.03
 APRON = 0.35
 """Metres. So far from a narrow place somebody who stands is still in its way."""
 
+CELL = 0.5
+"""Metres. The width of the cells by which it is known what is narrow."""
+
 _NICHE = 0.3
 """Square metres. A narrow place that leads nowhere counts from this size on; corners don't."""
 
 
-def narrows(space: FreeSpace, radius: float, abreast: int) -> shapely.Geometry:
+class Narrows:
+    """Narrow places of a floor, and just before them: where nobody should stop."""
+
+    def __init__(self, area: shapely.Geometry) -> None:
+        self._area = area
+        self._cells: dict[tuple[int, int], bool | None] = {}
+        """Whether all of a cell is narrow, or none of it; None if some is."""
+        shapely.prepare(area)
+
+    def has(self, place: Point) -> bool:
+        """Return whether a place (x, y in metres) is one of them."""
+        x, y = place
+        cell = (math.floor(x / CELL), math.floor(y / CELL))
+        try:
+            known = self._cells[cell]
+        except KeyError:
+            known = self._cells[cell] = self._whole(*cell)
+        return bool(shapely.intersects_xy(self._area, x, y)) if known is None else known
+
+    def _whole(self, column: int, row: int) -> bool | None:
+        x, y = column * CELL, row * CELL
+        cell = shapely.box(x, y, x + CELL, y + CELL)
+        if not shapely.intersects(self._area, cell):
+            return False
+        return True if shapely.contains_properly(self._area, cell) else None
+
+
+def narrows(space: FreeSpace, radius: float, abreast: int) -> Narrows:
     """Return where nobody should stop: the narrow places of a free space, and their aprons.
 
     The narrow places for discs of `radius` metres are the free space of their centres less its
@@ -34,6 +68,4 @@ def narrows(space: FreeSpace, radius: float, abreast: int) -> shapely.Geometry:
             # What is left of every corner has one mouth as well, but is small.
             if part.area > _NICHE or len(shapely.get_parts(mouths)) > 1:
                 found.append(part)
-    around = shapely.union_all(found).buffer(APRON)
-    shapely.prepare(around)
-    return around
+    return Narrows(shapely.union_all(found).buffer(APRON))

@@ -18,6 +18,7 @@ from .bodies import TOLERANCE, Body, Disc, Sweep, touch
 from .freespace import FreeSpace
 from .gates import Gates
 from .kernels.discs import within_bounds
+from .narrows import Narrows
 from .roadmap import HAIR, Roadmap
 from .walls import Walls
 
@@ -201,7 +202,7 @@ class CollisionWorld:
             known = self._fixed_space[radius] = ground.fixed_space(self.floor, radius)
         return known
 
-    def narrows(self, radius: float, abreast: int = 2) -> shapely.Geometry:
+    def narrows(self, radius: float, abreast: int = 2) -> Narrows:
         """Return where discs of `radius` metres can't go so many `abreast`, and 0.35 m around it.
 
         On a floor without bodies, computed once for each radius and number.

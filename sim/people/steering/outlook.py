@@ -7,13 +7,12 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cached_property
 from itertools import pairwise
 
-import shapely
-
 from floorplan import Point
 from navigation import (
     Candidates,
     CollisionWorld,
     Motion,
+    Narrows,
     Swath,
     can_go_on,
     pace,
@@ -31,9 +30,6 @@ from .whereabouts import GAP, Hit, Others, Sight, Whereabouts
 
 STEP = 0.25
 """Metres between the places along a course that are looked at, to stop or to get off it."""
-
-CELL = 0.5
-"""Metres. The width of the cells by which it is known what is narrow."""
 
 INSIDE, OUTSIDE = 2, 3
 """People. A place is narrow where so many can't go abreast: for who is in it, and for who is not.
@@ -57,10 +53,9 @@ class Ground:
         """The sides of the walls."""
         self._gates = world.gates
         self._gated = bool(self._gates)
-        self._narrow_cells: dict[tuple[int, int, int], bool | None] = {}
 
     @cached_property
-    def _narrows(self) -> dict[int, shapely.Geometry]:
+    def _narrows(self) -> dict[int, Narrows]:
         return {number: self.world.narrows(self.radius, number) for number in (INSIDE, OUTSIDE)}
 
     def free(self, a: Point, b: Point) -> bool:
@@ -106,23 +101,7 @@ class Ground:
 
     def narrow(self, place: Point, abreast: int) -> bool:
         """Return whether a place is one where so many can't go `abreast`, or just before it."""
-        x, y = place
-        cell = (math.floor(x / CELL), math.floor(y / CELL), abreast)
-        if cell not in self._narrow_cells:
-            self._narrow_cells[cell] = self._narrow_cell(*cell)
-        known = self._narrow_cells[cell]
-        if known is None:
-            return bool(shapely.intersects_xy(self._narrows[abreast], x, y))
-        return known
-
-    def _narrow_cell(self, column: int, row: int, abreast: int) -> bool | None:
-        """Return whether all of a cell is narrow, or none of it; None if some is."""
-        narrows = self._narrows[abreast]
-        x, y = column * CELL, row * CELL
-        cell = shapely.box(x, y, x + CELL, y + CELL)
-        if not shapely.intersects(narrows, cell):
-            return False
-        return True if shapely.contains_properly(narrows, cell) else None
+        return self._narrows[abreast].has(place)
 
 
 class Outlook:
