@@ -209,22 +209,13 @@ def gone(table: list[float], since: float, t: float) -> float:
     return total
 
 
-def meeting(
-    a: list[float],
-    b: list[float],
-    least: float,
-    begin: float,
-    until: float,
-    row: int = 0,
-    other_row: int = 0,
-) -> float:
+def meeting(a: list[float], b: list[float], least: float, begin: float, until: float) -> float:
     """Return the first instant from `begin` to `until` at which two are nearer than `least`.
 
-    Seconds and metres; infinite if there is none. Both tables reach back to `begin`, from these
-    rows on. Never misses one; finds one too many only where the two stay within rounding of
-    `least`.
+    Seconds and metres; infinite if there is none. Both tables reach back to `begin`. Never misses
+    one; finds one too many only where the two stay within rounding of `least`.
     """
-    return _meeting(a, b, least, begin, until, row, other_row)
+    return _meeting(a, b, least, begin, until, 0, 0)
 
 
 def distance(a: list[float], b: list[float], t: float) -> float:

@@ -393,27 +393,6 @@ def test_who_finds_an_aisle_full_takes_another(walks):
     assert least(run) >= 0.6 and through_walls(run) == []
 
 
-def test_nearest_pair_sees_what_an_oracle_sees():
-    rng = np.random.default_rng(7)
-    for _ in range(20):
-        count = int(rng.integers(2, 6))
-        motions = [
-            navigation.walk(rng.uniform(0, 6, (4, 2)), float(rng.uniform(0, 2)), max_speed=1.5)
-            for _ in range(count)
-        ]
-        radii = rng.uniform(0.1, 0.4, count)
-        found = navigation.nearest_pair(motions, list(radii), [1.5] * count, 0.0, 20.0)
-        apart = {
-            (i, j): navigation.minimum_separation(motions[i], motions[j], 0.0, 20.0)[1]
-            - radii[i]
-            - radii[j]
-            for i, j in itertools.combinations(range(count), 2)
-        }
-        if min(apart.values()) >= 0:
-            assert found.distance == pytest.approx(min(apart.values()), abs=1e-8)
-        assert found.overlaps == sum(gap < -1e-9 for gap in apart.values())
-
-
 CREW = """
 floorplan: ariac2023
 duration: 20

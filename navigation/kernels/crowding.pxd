@@ -1,0 +1,37 @@
+cdef Py_ssize_t _R
+cdef double _SHARE
+cdef double _HAIR
+
+cpdef tuple nearest_seen(
+    const double[::1] xs,
+    const double[::1] ys,
+    list[double] radii,
+    list[double] steps,
+    list[list[double]] jumps,
+)
+cpdef list nearer_between(
+    const double[::1] xs,
+    const double[::1] ys,
+    list[double] radii,
+    list[double] steps,
+    list[list[double]] jumps,
+    list[double] times,
+    list[list[double]] tables,
+    double best,
+)
+cdef double _distance(
+    const double[::1] xs,
+    const double[::1] ys,
+    Py_ssize_t i,
+    Py_ssize_t j,
+) noexcept
+cdef Py_ssize_t _passed(
+    Py_ssize_t k,
+    double spare,
+    double step,
+    list[double] jumps,
+    list[double] other_jumps,
+    Py_ssize_t count,
+) noexcept
+cdef Py_ssize_t _next(list[double] jumps, Py_ssize_t k, Py_ssize_t count) noexcept
+cdef Py_ssize_t _row_at(list[double] table, Py_ssize_t row, double t) noexcept
