@@ -12,19 +12,11 @@ from .checks import (
     starting_fault,
     time_fault,
 )
-from .document import (
-    Document,
-    Fault,
-    Place,
-    field_name,
-    misfits,
-    parse_yaml,
-    read_yaml,
-    refuse,
-)
+from .document import Document, parse_yaml, read_yaml, refuse
 from .fields import Flag, NotNegative, Number, Pair, Positive, Range, Strictly, whole
 from .kinds import require, require_fields
 from .loading import build, builtin, load, parse
+from .misfits import Fault, Place, field_name, misfits
 from .model import (
     EVERYBODY,
     LEFT_OUT_IF_EMPTY,

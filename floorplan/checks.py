@@ -13,8 +13,9 @@ import shapely
 from shapely.geometry import LineString, Point, Polygon
 from shapely.validation import explain_validity
 
-from .document import Fault, Place, refuse
+from .document import refuse
 from .kinds import SOUND, require, require_fields
+from .misfits import Fault, Place
 from .model import Floor, Gate, Lane, Obstacle, Zone
 from .problems import FloorplanError
 

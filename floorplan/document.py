@@ -3,57 +3,25 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Hashable, Iterable, Iterator
+from collections.abc import Hashable, Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, TypeAlias, TypeVar
+from typing import Any, TypeVar
 
 import yaml
 from pydantic import BaseModel, ValidationError
 
-from .problems import InputError, Problem, shown
+from .misfits import MOST_MISFITS, Fault, Place, field_name, misfits
+from .problems import InputError, Problem
 from .reading import no_garbage, read_text
 from .yaml_loader import MOST_VALUES, safe_loader, too_many
-
-Place = tuple[str | int, ...]
-"""The keys and indices that lead to a value."""
-
-Fault: TypeAlias = tuple[str, Place]
-"""A problem with a value, and the value's place."""
 
 MOST_TEXT = 4_000_000
 """A longer document (in characters) is refused: it would take minutes to look at."""
 
-MOST_PROBLEMS = 1_000
-"""Most problems of one file that are kept."""
-
-EXPONENT = re.compile(r"[-+]?[0-9.]+[eE][-+]?[0-9]+")
-"""Numbers that YAML 1.1 takes for text, unless they have a point and a sign."""
-
 UNWRITABLE = re.compile("[\0-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff]")
 """Characters that are refused, though an escape in YAML can give them: names of files and JSON have
 no lone surrogates, and a terminal obeys control characters."""
-
-EXPECTED = {
-    "bool_type": "true or false",
-    "dict_type": "keys with values",
-    "finite_number": "a finite number",
-    "float_parsing": "a number",
-    "float_type": "a number",
-    "greater_than": "more than {gt:g}",
-    "greater_than_equal": "at least {ge:g}",
-    "int_type": "a whole number",
-    "less_than": "less than {lt:g}",
-    "less_than_equal": "at most {le:g}",
-    "list_type": "a list",
-    "literal_error": "{expected}",
-    "model_type": "keys with values",
-    "string_type": "text",
-    "too_long": "a list of {max_length}",
-    "too_short": "a list of at least {min_length}",
-    "tuple_type": "a list",
-}
-"""Expected values, by pydantic's name for the misfit."""
 
 _Schema = TypeVar("_Schema", bound=BaseModel)
 
@@ -88,64 +56,14 @@ class Document:
             raise error(self.file, [self.problem(message)])
         try:
             return schema.model_validate(self.data)
-        except ValidationError as misfits:
-            known = sorted(schema.model_fields)
-            errors = misfits.errors(include_url=False)
-            problems = [self._misfit(dict(one), known) for one in errors[:MOST_PROBLEMS]]
-            if len(errors) > MOST_PROBLEMS:
-                message = f"{len(errors):,} values are not what they should be; the first are:"
+        except ValidationError as why:
+            problems = [
+                self.problem(message, *place) for message, place in misfits(why, schema, self.data)
+            ]
+            if (count := why.error_count()) > MOST_MISFITS:
+                message = f"{count:,} values are not what they should be; the first are:"
                 problems.insert(0, Problem(message))
             raise error(self.file, problems) from None
-
-    def _misfit(self, misfit: dict[str, Any], known: list[str]) -> Problem:
-        place = self._known(misfit["loc"], missing=misfit["type"] == "missing")
-        return self.problem(_message(misfit, known if len(place) == 1 else []), *place)
-
-    def _known(self, place: Place, missing: bool) -> Place:
-        """Return `place` without the parts that only name one of several forms of a value.
-
-        A `missing` key at its end stays, though it isn't there.
-        """
-        known: Place = ()
-        for k, part in enumerate(place):
-            if (*known, part) in self.lines or (missing and k == len(place) - 1):
-                known = (*known, part)
-        return known
-
-
-def misfits(error: ValidationError) -> Iterator[Fault]:
-    """Yield what pydantic found wrong with a value, by its `error`, each with its place in it."""
-    for one in error.errors(include_url=False)[:MOST_PROBLEMS]:
-        yield _message(dict(one), []), one["loc"]
-
-
-def _message(misfit: dict[str, Any], known: list[str]) -> str:
-    """Return what is wrong; for an unknown key, with those `known` where there are any."""
-    kind, context = misfit["type"], misfit.get("ctx", {})
-    if kind in ("missing", "missing_argument"):
-        return "is missing"
-    if kind in ("extra_forbidden", "unexpected_keyword_argument"):
-        return "unknown key" + (f" (known are: {', '.join(known)})" if known else "")
-    if kind == "value_error":
-        return str(context["error"])
-    expected = EXPECTED.get(kind)
-    if expected is None:
-        message = str(misfit["msg"])
-        message = message[:1].lower() + message[1:]
-    else:
-        message = "expected " + expected.format(**context)
-    found = misfit["input"]
-    if kind == "float_type" and isinstance(found, str) and EXPONENT.fullmatch(found):
-        message += " (to YAML 1e3 is text; write 1.0e+3 or 1000)"
-    return f"{message}, found {shown(found)}"
-
-
-def field_name(place: Place) -> str:
-    """Return `place` as people write it: `people[0].start` for `("people", 0, "start")`."""
-    text = ""
-    for part in place:
-        text += f"[{part}]" if isinstance(part, int) else f".{part}" if text else part
-    return text
 
 
 def refuse(about: str, faults: Iterable[Fault], error: type[InputError]) -> None:

@@ -19,9 +19,9 @@ from shapely.geometry import Polygon
 from shapely.geometry import shape as shape_of
 
 from .checks import LARGEST, polygon_fault
-from .document import field_name, misfits
 from .fields import Number
 from .layers import BOUNDARY, Drawn
+from .misfits import field_name, misfits
 from .model import DEFAULT_HEIGHT, Obstacle, SafeZone, Station
 from .outlines import pieces_of
 from .plan import Floorplan
@@ -95,10 +95,11 @@ def _collection(features: list[Any], file: str, drawn: Drawn) -> Floorplan:
         if not isinstance(feature, dict) or feature.get("type") != "Feature":
             parts.problems.append(Problem("expected a feature", place))
             continue
+        given = feature.get("properties") or {}
         try:
-            properties = Properties.model_validate(feature.get("properties") or {})
+            properties = Properties.model_validate(given)
         except ValidationError as wrong:
-            for message, at in misfits(wrong):
+            for message, at in misfits(wrong, Properties, given):
                 inner = f"{place}.properties.{field_name(at)}"
                 parts.problems.append(Problem(message, inner))
             continue

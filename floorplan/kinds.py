@@ -13,7 +13,7 @@ from typing import Any, Literal, Union, get_args, get_origin
 
 import numpy as np
 
-from .document import Fault, field_name
+from .misfits import Fault, field_name
 from .named import NamedField
 from .problems import shown
 

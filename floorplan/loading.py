@@ -9,10 +9,11 @@ from shapely.geometry import Polygon
 
 from .building import parts
 from .checks import check, faults
-from .document import Document, Place, parse_yaml, read_yaml
+from .document import Document, parse_yaml, read_yaml
 from .dxf import load_dxf
 from .geojson import load_geojson
 from .layers import AS_IT_IS, Drawn, Group
+from .misfits import Place
 from .movingai import load_drawn_map
 from .overlay import corrected, correction_faults, laid_over
 from .placing import put, scaled

@@ -9,7 +9,7 @@ from typing import TypeVar
 
 import shapely
 
-from .document import Fault
+from .misfits import Fault
 from .model import Door, Gate, Obstacle, Station, Zone
 from .plan import Floorplan
 from .problems import suggestion

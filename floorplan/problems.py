@@ -42,11 +42,11 @@ def shown(value: object) -> str:
 
 
 class InputError(ValueError):
-    """A file that can't be used: `file` and every one of its `problems`."""
+    """A file that can't be used: `file` and all of its `problems`, in order of their lines."""
 
     def __init__(self, file: str, problems: Iterable[Problem]) -> None:
         self.file = file
-        self.problems = tuple(problems)
+        self.problems = tuple(sorted(problems, key=lambda problem: problem.line or 0))
         lines = [str(problem) for problem in self.problems]
         place = clipped(file)
         if len(lines) == 1:

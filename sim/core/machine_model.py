@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
-from pydantic import ConfigDict, TypeAdapter
+from pydantic import BaseModel, ConfigDict, TypeAdapter
 from typing_extensions import Self
 
 from floorplan import Fault, Floorplan
@@ -24,6 +24,9 @@ class MachineModel(ABC):
     """
 
     __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(extra="forbid", allow_inf_nan=False)
+
+    key_schema: ClassVar[type[BaseModel] | None] = None
+    """Model of its keys in a trial file, if these are not its fields."""
 
     @classmethod
     def read(cls, name: str, keys: Mapping[str, Any]) -> Self:

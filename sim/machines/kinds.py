@@ -54,7 +54,7 @@ def models_of(scenario: Scenario, *, own: bool = True) -> dict[str, MachineModel
             models[name] = kind.read(name, entry.keys)
             faults = [*models[name].faults(scenario.floorplan, _vehicles(scenario))]
         except ValidationError as why:
-            faults = [*misfits(why)]
+            faults = misfits(why, kind.key_schema or kind, entry.keys)
         if faults:
             listed = "; ".join(f"{field_name(place)}: {message}" for message, place in faults)
             raise MachineError(f"the machine {name!r}: {listed}")
@@ -100,11 +100,12 @@ def machine_faults(scenario: Scenario) -> Iterator[Fault]:
             if is_own(entry):
                 own_kind(entry, scenario.folder, own_code=scenario.own_code)
                 continue
-            model = _kind(name, entry, scenario).read(name, entry.keys)
+            kind = _kind(name, entry, scenario)
+            model = kind.read(name, entry.keys)
         except MachineError as why:
             yield str(why), (name, "kind")
         except ValidationError as why:
-            for message, place in misfits(why):
+            for message, place in misfits(why, kind.key_schema or kind, entry.keys):
                 yield message, (name, *place)
         else:
             for message, place in model.faults(plan, vehicles):

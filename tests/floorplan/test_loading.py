@@ -72,9 +72,9 @@ foo: 1
         "line 5, obstacles.c.x[0]: expected a number, found '1m'",
         "line 6, stations.s: expected a list of 2, found [5, 5, 6]",
         "line 7, human.radius: expected more than 0, found -1",
-        "line 8, foo: unknown key (known are: agvs, base, boundary, doors, gantry, gates, holes,"
+        "line 8, foo: unknown key; there are: agvs, base, boundary, doors, gantry, gates, holes,"
         " human, layers, leave_out, move, name, obstacles, origin, patrol, remove, rename,"
-        " rotation, safe_zone, snap, source, stations, title, units, zones)",
+        " rotation, safe_zone, snap, source, stations, title, units, zones",
     ]
 
 

@@ -242,7 +242,7 @@ def test_draws_follow_their_distributions():
         (("trials: [ariac2023, ", "trials: [busy.trial.yaml, "), "'busy.trial.yaml' stands twice"),
         (("[ariac2023, ", "[./busy.trial.yaml, "), "another trial is called 'busy'"),
         (("busy.trial.yaml", "none.trial.yaml"), "there is no such file"),
-        (("grid:", "girds:"), "girds: unknown key (known are: grid"),
+        (("grid:", "girds:"), "girds: unknown key; did you mean 'grid'?"),
         (("[indifferent, helpful]", "[]"), "line 3, grid.personality: has no values"),
         (("[indifferent, helpful]", "[helpful, helpful]"), "grid.personality[1]: 'helpful' stands"),
         (("[indifferent, helpful]", "[helpfull]"), "did you mean 'helpful'?"),

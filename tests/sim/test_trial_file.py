@@ -89,7 +89,7 @@ def test_every_builtin_trial_loads(name):
         (("agv1:", "agv9:"), "no AGV is called 'agv9'"),
         (("time: 40.0", "time: 4.0"), "put moves in order"),
         (('">= 1.0"', '">> 1.0"'), "expected a number or a comparison"),
-        (("people:", "peopel:"), "line 3, peopel: unknown key (known are: "),
+        (("people:", "peopel:"), "line 3, peopel: unknown key; did you mean 'people'?"),
         (("controller: oblivious", "controller: oblvious"), "did you mean 'oblivious'?"),
         (("controller: oblivious", "controller: a.b:c"), "there is no a/b.py in"),
         (

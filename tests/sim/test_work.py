@@ -199,7 +199,7 @@ people:
   - {name: ann, work: line, schedule: [at noon], shifts: [6 to 14], breaks: [09:00 bench for 1 hr]}
 work:
   line: [{at: press}, {at: press, duration: 5, count: 2}]
-""")[:3] == [
+""")[1:4] == [
         "8: people[0].schedule[0]: expected keys, or text as '09:00 station2 for 12 min', found"
         " 'at noon'",
         "8: people[0].breaks[0]: expected a length of time as 12 min, 90 s or 1.5 h, found '1 hr'",

@@ -54,7 +54,11 @@ TRIALS = {
     "people: [{name: e, noticing: {field_of_view: [90, 20]}}]": "low < high",
     "people: [{name: e, noticing: {reaction_time: {normal: [1]}}}]": "normal[1]: is missing",
     "people: [{name: e, noticing: {occlusion: 3}}]": "expected true or false",
-    "people: [{name: e, max_speed: {gauss: [1, 2]}}]": "unknown key",
+    "people: [{name: e, max_speed: {gauss: [1, 2]}}]": "unknown key; there are: exponential, logn",
+    "people: [{name: e, max_speed: {norml: [1, 2]}}]": "norml: unknown key; did you mean 'normal'?",
+    "people: [{name: e, start: {tim: 4}}]": "start.tim: unknown key; did you mean 'time'?",
+    "agvs: {cart: {yields: true}}": "yields: unknown key; did you mean 'yield'?",
+    "machines: {van: {kind: agv, orgin: [1, 2]}}": "orgin: unknown key; did you mean 'origin'?",
     "people: [{name: e, max_speed: fast}]": "expected a number, found 'fast'",
     "blackouts: [{machine: car, seconds: 3}]": "no machine is called 'car'; did you mean",
     "blackouts: [{machine: cart, seconds: 0}]": "expected more than 0",
@@ -63,7 +67,7 @@ TRIALS = {
     " carries a part called 'pmup'; did you mean 'pump'?",
     "gantry: {drops: [{part: pump, after: -1}]}": "expected at least 0",
     "gantry: {drops: [{part: pump, delay: -1}]}": "expected at least 0",
-    "gantry: {drops: [{port: pump}]}": "unknown key",
+    "gantry: {drops: [{port: pump}]}": "unknown key; did you mean 'part'?",
 }
 
 VARIED = """\
@@ -100,3 +104,27 @@ def test_what_is_wrong_is_told_with_its_line(tmp_path, read, before, wrong, mess
         read(f"{before}{wrong}\n", tmp_path)
     first = next(one for one in refused.value.problems if message in str(one))
     assert first.line - before.count("\n") in range(1, wrong.count("\n") + 2)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ("at: press", "at: expected a list or 'anywhere', found 'press'"),
+        ("at: [1]", "at[1]: is missing"),
+        ("sink: {at: 3}", "sink: expected a list or text, found {'at': 3}"),
+        ("manners: {patience: -3}", "manners.patience: expected more than 0, found -3"),
+        ("manners: {comfort: [2, 1]}", "comfort: must be [low, high] with low < high, found [2.0,"),
+    ],
+)
+def test_a_value_that_may_have_several_forms_is_one_problem(wrong, message):
+    with pytest.raises(sim.TrialError) as refused:
+        sim.Trial.parse(f"{HALL}people: [{{name: e, {wrong}}}]")
+    (problem,) = refused.value.problems
+    assert message in str(problem)
+
+
+def test_problems_are_in_the_order_of_their_lines():
+    text = "sed: 1\npeople:\n  - {name: e, radius: -1}\n  - {nam: f}\nduration: 0\n"
+    with pytest.raises(sim.TrialError) as refused:
+        sim.Trial.parse(f"floorplan: ariac2023\n{text}")
+    assert [problem.line for problem in refused.value.problems] == [2, 4, 5, 5, 6]

@@ -25,6 +25,8 @@ class AgvModel(MachineModel):
     moves: tuple[AgvMove, ...] = ()
     yields: bool = False
 
+    key_schema = CartKeys
+
     @classmethod
     def read(cls, name: str, keys: Mapping[str, Any]) -> AgvModel:
         """Return the model with these keys of a trial file."""

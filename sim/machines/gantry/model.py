@@ -31,6 +31,8 @@ class GantryModel(MachineModel):
     x: tuple[float, float] | None = None
     y: tuple[float, float] | None = None
 
+    key_schema = BridgeKeys
+
     @classmethod
     def read(cls, name: str, keys: Mapping[str, Any]) -> GantryModel:
         """Return the model with these keys of a trial file."""
