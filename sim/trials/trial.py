@@ -25,6 +25,7 @@ from ..people.own_actions import modules_of
 from ..people.programs import load_program
 from .checks import faults
 from .command_keys import commands_of, load_commands
+from .idle_names import idle_names
 from .keys import TrialKeys
 from .own_names import out_of_reach
 from .rules_file import build_rules
@@ -164,7 +165,7 @@ def build(form: type[Trial], document: Document, folder: Path, own_code: bool) -
         problems.append(document.problem(fault, "folder"))
     if problems:
         raise TrialError(document.file, problems)
-    return trial
+    return replace(trial, notices=(*trial.notices, *idle_names(trial, document)))
 
 
 def _with_orders(trial: Trial, schema: TrialKeys, name: str, document: Document) -> Trial:

@@ -220,10 +220,10 @@ work:
 """) == [
         "9: people[0].work[0]: no list of tasks is called 'lines'; did you mean 'line'?",
         "10: people[0].schedule[2].time: is at 82800 s of the trial, which ends at 600 s",
+        "10: people[0].schedule[1]: begins at 300 s, before schedule[0] ends at 360 s",
         "11: people[0].breaks[0].at: no station is called 'counter'; there are: press, bench,"
         " canteen",
         "11: people[0].breaks[0]: begins at 120 s, before schedule[0] ends at 360 s",
-        "10: people[0].schedule[1]: begins at 300 s, before schedule[0] ends at 360 s",
         "12: people[0].shifts[0]: ends before it begins, or at once: 10 … 5 s",
         "12: people[0].shifts[2]: begins at 25 s, before the one in front of it ends",
         "14: work.line.tasks[0].at: no station is called 'pres'; did you mean 'press'?",

@@ -128,3 +128,29 @@ def test_problems_are_in_the_order_of_their_lines():
     with pytest.raises(sim.TrialError) as refused:
         sim.Trial.parse(f"floorplan: ariac2023\n{text}")
     assert [problem.line for problem in refused.value.problems] == [2, 4, 5, 5, 6]
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "message"),
+    [
+        ("floorplan: ariac2023\nrules: {laws: {agx: {fixed: 1}}}", 2, "'agx'; did you mean 'agv"),
+        ("floorplan: ariac2023\nrules: {laws: {gantry: {fixed: 1}, agv2: {fixed: 1}}}", 0, ""),
+        ("floorplan: ariac2023\nrules: {laws: {agv: {fixed: 1}}}", 0, ""),
+        (
+            "people: [{name: guest, count: 2}]\nfloorplan:\n  base: warehouse\n  zones:\n"
+            "    a: {x: [1, 2], y: [6, 7], max_speed: 1, concerns: [guest*, tug1, gest1]}",
+            5,
+            "nobody is called 'gest1'; did you mean 'guest1'?",
+        ),
+        (
+            "people: [{name: e}]\nfloorplan:\n  base: warehouse\n  zones:\n"
+            "    a: {x: [1, 2], y: [6, 7], max_speed: 1}",
+            0,
+            "",
+        ),
+    ],
+)
+def test_a_name_that_nobody_has_is_noticed(text, line, message):
+    told = sim.Trial.parse(text).notices
+    assert [notice.line for notice in told] == [line] * bool(message)
+    assert message in "".join(map(str, told))
