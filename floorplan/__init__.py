@@ -37,7 +37,7 @@ from .model import (
 from .movingai import CELL, load_movingai
 from .named import Named
 from .plan import Floorplan
-from .problems import FloorplanError, InputError, Problem, suggestion
+from .problems import FloorplanError, InputError, Problem, shown, suggestion
 from .reading import (
     LARGEST_RECORDED,
     is_file,
@@ -112,6 +112,7 @@ __all__ = [
     "require",
     "require_fields",
     "require_readable",
+    "shown",
     "size_fault",
     "standing_fault",
     "starting_fault",

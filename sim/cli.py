@@ -141,8 +141,9 @@ def _sentence(why: Exception) -> str:
 
 def _is_for_user(why: Exception) -> bool:
     """Return True if an error is for the user: one of ours, or of a kind that bad input raises."""
-    ours = type(why).__module__.partition(".")[0] in ("floorplan", "navigation", "bdi", "sim")
-    return ours or isinstance(why, ValueError | OSError)
+    from .core.own_source import is_ours
+
+    return is_ours(why) or isinstance(why, ValueError | OSError)
 
 
 if __name__ == "__main__":

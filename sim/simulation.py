@@ -18,6 +18,7 @@ from .core.closures import Closures
 from .core.commander import Commander
 from .core.commands import Command
 from .core.events import Notice, TrialEnded, TrialStarted
+from .core.own_code import supervised
 from .core.recorder import Event, Listener, Listeners, recording_to, rounded
 from .core.scenario import TrialError
 from .core.scene import Figure, Scene
@@ -27,7 +28,7 @@ from .core.triggers import Triggers
 from .machines import blackouts
 from .machines.agv.agv import Agv
 from .machines.gantry.robot import GantryRobot
-from .machines.kinds import models_of
+from .machines.kinds import made_by, models_of
 from .orders import Dispatcher
 from .people.company import Company
 from .people.drawing import speed_of, with_figures
@@ -59,6 +60,7 @@ class Simulation:
     `LawError` or `ControllerError` if a law or controller of the user's own can't be imported.
     """
 
+    @supervised()
     def __init__(self, trial: Trial, *listeners: Listener) -> None:
         self._cpu_begin = time.process_time()
         require(trial, Trial, "sim.Trial.load")
@@ -91,7 +93,7 @@ class Simulation:
         self.world = self._stage.world
         self.machines = self._stage.machines
         for name, model in models_of(trial).items():
-            self.machines[name] = model.make(name, self._stage)
+            self.machines[name] = made_by(model, name, self._stage)
         self.referee = Referee(self._stage)
         self.dispatcher = self._make_dispatcher()
         self._commander = Commander(self._stage)
@@ -101,6 +103,7 @@ class Simulation:
         self.clock.most = MOST_AT_ONCE + MOST_AT_ONCE_EACH * len(self.bodies)
         self.scene = self._scene()
 
+    @supervised()
     def start(self) -> None:
         """Let the trial begin, if it has not yet: machines, orders and people act from now on."""
         if self._started:
@@ -162,7 +165,8 @@ class Simulation:
             raise ValueError("a simulation can't be advanced to nan: give seconds")
         self.start()
         if until > self.clock.now and not self.over:
-            self.clock.run(min(until, self.trial.duration))
+            with supervised(self.clock):
+                self.clock.run(min(until, self.trial.duration))
 
     def command(self, command: Command) -> None:
         """Have something done from outside, at the command's time; it is recorded.
@@ -190,6 +194,7 @@ class Simulation:
         """True once it was told to stop."""
         return self.clock.stopped
 
+    @supervised()
     def finish(self) -> Run:
         """Return the run as far as it went."""
         self.start()

@@ -129,7 +129,8 @@ def apply_function(
 ) -> float:
     """Return the value of a function of ground arguments; NaN if it is not defined for them.
 
-    `calculate` is set for one of RUN_FUNCTIONS.
+    `calculate` is set for one of RUN_FUNCTIONS and of the user's own. One of these that can't take
+    numbers at all is wrong: its `TypeError` is raised.
     """
     try:
         if name in _OF_NUMBERS:
@@ -147,7 +148,11 @@ def apply_function(
         if function is None or not all(isinstance(arg, float) for arg in args):
             return NAN
         return float(function(*args))
-    except (TypeError, ValueError, OverflowError):
+    except TypeError:
+        if calculate is not None and all(isinstance(arg, float) for arg in args):
+            raise
+        return NAN
+    except (ValueError, OverflowError):
         return NAN
 
 

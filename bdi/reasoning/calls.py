@@ -54,6 +54,8 @@ class Waiting:
 
 WAITING = Waiting()
 
+_ANSWERS = (bool, dict, Waiting, Iterator)
+
 
 def call(
     agent: AgentState, action: Literal, u: Unifier, intention: Intention | None
@@ -62,6 +64,7 @@ def call(
 
     Raises:
         ActionError: the action fails.
+        ValueError: its function returned something that is no answer.
     """
     internal = agent.actions.get(action.functor)
     if internal is None:
@@ -69,7 +72,12 @@ def call(
     internal.check(action.functor, len(action.args))
     args = tuple([substitute(arg, u) for arg in action.args])
     answer: Answer | Waiting = internal.function(Call(agent, u, intention), *args)
-    return answer
+    if answer is None or isinstance(answer, _ANSWERS):
+        return answer
+    raise ValueError(
+        f"the internal action {action.functor} returned {answer!r}, not True, False, None,"
+        " a unifier or an iterator of unifiers"
+    )
 
 
 def call_in_query(agent: AgentState, action: Literal, u: Unifier) -> Answer:

@@ -96,12 +96,12 @@ def fail(agent: AgentState, intention: Intention, annots: tuple[Term, ...]) -> N
             code = substitute(step.term, means.u)
     if agent.circumstance.states is not None and means.is_goal:
         _note_failure(agent, intention, means.sort, means.literal, event, annots)
+    why = "; ".join(filter(None, map(_summary, annots)))
+    at = f" at {place.file}:{place.line}" if place is not None and place.line else ""
     if not means.is_goal:
-        agent.warn(f"an intention ended: {means.trigger} could not be finished", intention)
+        agent.warn(f"an intention ended: {means.trigger} failed{at}: {why}", intention)
         return
     if event is None:
-        why = "; ".join(_summary(annot) for annot in annots)
-        at = f" at {place.file}:{place.line}" if place is not None and place.line else ""
         agent.warn(
             f"no plan for the failure of {means.sort}{means.literal.without_annots()}{at}: {why}",
             intention,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import sys
+import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib.machinery import BuiltinImporter, FrozenImporter
@@ -11,7 +12,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from .own_source import OwnCodeError, Source, in_words, line_in, misfit
+from .clock import Clock
+from .own_source import OwnCodeError, Source, in_words, is_ours, line_in, misfit
 
 _imported: dict[Path, dict[str, ModuleType]] = {}
 """Modules imported from the folders of trials, by their names there."""
@@ -45,6 +47,34 @@ def import_own(source: Source) -> Any:
     if not source.kind.made(found):
         raise misfit(source)
     return found
+
+
+@contextmanager
+def supervised(clock: Clock | None = None) -> Iterator[None]:
+    """Give an error that arises in an imported module, or in what it calls, the line there.
+
+    It becomes an `OwnCodeError`, with the time of `clock`. Errors of Floorwalker's own kinds say
+    themselves what is wrong.
+    """
+    try:
+        yield
+    except Exception as why:
+        place = own_line(why)
+        if not place or is_ours(why):
+            raise
+        when = "" if clock is None else f" at t = {clock.now:g} s"
+        raise OwnCodeError(f"code of your own failed{when}{place}: {in_words(why)}") from why
+
+
+def own_line(why: BaseException) -> str:
+    """Return the innermost line of an imported module in which an error arose.
+
+    As " (FILE, line N)", or nothing.
+    """
+    imported = {module.__file__ for own in _imported.values() for module in own.values()}
+    frames = traceback.extract_tb(why.__traceback__)
+    own = [frame for frame in frames if frame.filename in imported]
+    return f" ({Path(own[-1].filename).name}, line {own[-1].lineno})" if own else ""
 
 
 def _refuse_names_of_python(source: Source) -> None:

@@ -20,7 +20,7 @@ REFUSED = "code of your own is refused here (own_code: false, --no-own-code)"
 
 
 class OwnCodeError(ValueError):
-    """Code of the user's own that can't be found, or is not of the kind that is wanted."""
+    """Code of the user's own that can't be found, is not of the kind that is wanted, or fails."""
 
 
 @dataclass(frozen=True)
@@ -93,6 +93,11 @@ def misfit(source: Source) -> OwnCodeError:
 def in_words(why: BaseException) -> str:
     """Return the error's text with its type: a `KeyError` says no more than the key."""
     return f"{type(why).__name__}: {why}".removesuffix(": ")
+
+
+def is_ours(why: BaseException) -> bool:
+    """Return True if an error is of one of Floorwalker's own kinds."""
+    return type(why).__module__.partition(".")[0] in ("floorplan", "navigation", "bdi", "sim")
 
 
 def line_in(why: BaseException, file: Path) -> str:

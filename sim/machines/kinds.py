@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Iterator, Mapping
+from dataclasses import is_dataclass
 from pathlib import Path
 
 from pydantic import ValidationError
 
-from floorplan import Fault, Floorplan, Gantry, field_name, misfits, suggestion
+from floorplan import Fault, Floorplan, Gantry, field_name, misfits, shown, suggestion
 
-from ..core.machine import MachineShape
+from ..core.machine import Machine, MachineShape
 from ..core.machine_model import MachineEntry, MachineModel
 from ..core.own_code import import_own
 from ..core.own_source import REFUSED, Kind, OwnCodeError, Source, find_source, is_derived
 from ..core.scenario import AgvMove, GantryEntry, Scenario
+from ..core.stage import Stage
 from .agv.model import AgvModel
 from .gantry.model import GantryModel
 from .gantry.robot import GANTRY
@@ -28,11 +30,13 @@ class MachineError(ValueError):
 
 
 def _is_model(found: object) -> bool:
-    return inspect.isclass(found) and issubclass(found, MachineModel)
+    if not inspect.isclass(found) or not issubclass(found, MachineModel):
+        return False
+    return is_dataclass(found) and not inspect.isabstract(found)
 
 
 MODEL = Kind(
-    words="machine: a machine is a subclass of sim.MachineModel",
+    words="machine: a machine is a dataclass derived from sim.MachineModel",
     written=is_derived,
     made=_is_model,
 )
@@ -59,6 +63,14 @@ def models_of(scenario: Scenario, *, own: bool = True) -> dict[str, MachineModel
             listed = "; ".join(f"{field_name(place)}: {message}" for message, place in faults)
             raise MachineError(f"the machine {name!r}: {listed}")
     return models
+
+
+def made_by(model: MachineModel, name: str, stage: Stage) -> Machine:
+    """Return the machine `name` of a model; `MachineError` if that makes something else."""
+    made = model.make(name, stage)
+    if not isinstance(made, Machine):
+        raise MachineError(f"the machine {name!r}: make returned {shown(made)}, not a sim.Machine")
+    return made
 
 
 def on_floor(scenario: Scenario) -> dict[str, MachineModel]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -119,11 +120,15 @@ class Finished:
 
     @cached_property
     def of_machines(self) -> dict[str, dict[str, Any]]:
-        """The figures of each machine alone, by its name."""
-        return {
-            name: machine.figures(self.motions[name], self.duration)
-            for name, machine in self.machines.items()
-        }
+        """The figures of each machine alone, by its name; `ValueError` if JSON has no such."""
+        found = {}
+        for name, machine in self.machines.items():
+            found[name] = machine.figures(self.motions[name], self.duration)
+            try:
+                json.dumps(found[name], allow_nan=False)
+            except (TypeError, ValueError) as why:
+                raise ValueError(f"the figures of the machine {name!r}: {why}") from why
+        return found
 
     def of_robots(self, figure: str) -> Any:
         """Return a figure of robots, all of them together."""

@@ -8,30 +8,14 @@ from typing import Any
 
 import pytest
 
-import bdi
 import floorplan
-from floorplan import Document, InputError
+from floorplan import Document
 
-from ..core.clock import StandstillError
+from ..core.own_source import is_ours
 from ..core.scenario import TrialError
-from ..machines.gantry.controllers import ControllerError
-from ..machines.kinds import MachineError
-from ..people.actions import MindError
-from ..safety.own_law import LawError
 from ..trials.comparison import Verdict
 from ..trials.trial import Trial, build
 from .failures import Failures
-
-_TOLD = (
-    InputError,
-    bdi.ProgramError,
-    ControllerError,
-    LawError,
-    MachineError,
-    MindError,
-    StandstillError,
-)
-"""Errors that say what is wrong with the user's own files."""
 
 
 class UnmetError(Exception):
@@ -49,7 +33,9 @@ class TrialFile(pytest.File):
             trial = build(Trial, document, self.path.parent, own_code)
             if "expect" in document.data:
                 yield TrialItem.from_parent(self, name=trial.name, trial=trial, document=document)
-        except (*_TOLD, OSError) as why:
+        except Exception as why:
+            if not is_ours(why) and not isinstance(why, OSError):
+                raise
             raise self.CollectError(str(why)) from None
 
 
@@ -76,7 +62,7 @@ class TrialItem(pytest.Item):
         """Return what was expected, what happened instead and when, and the replay page's path."""
         if isinstance(excinfo.value, UnmetError):
             return self._unmet()
-        if isinstance(excinfo.value, _TOLD):
+        if is_ours(excinfo.value):
             pages = [f"replay: {self._failures.page(k)}" for k in range(len(self._failures.runs))]
             return "\n".join([str(excinfo.value), *pages])
         return super().repr_failure(excinfo, style)

@@ -152,6 +152,69 @@ def test_keys_of_a_kind_of_ones_own_are_checked_before_it_moves(tmp_path):
         sim.Trial.parse(text, folder=tmp_path, own_code=False)
 
 
+OWN = """
+import dataclasses
+
+import sim
+from tugger import Train, Tugger
+
+
+class Stops(Train):
+    def begin(self):
+        self._rest.set(5.0)
+
+    def _stands(self):
+        {}["a"]
+
+
+class Counts(Train):
+    def figures(self, motion, now):
+        return {"rounds": {1, 2}}
+
+
+@dataclasses.dataclass(frozen=True)
+class Failing(Tugger):
+    def make(self, name, stage):
+        return Stops(self, name, stage)
+
+
+@dataclasses.dataclass(frozen=True)
+class Counting(Tugger):
+    def make(self, name, stage):
+        return Counts(self, name, stage)
+
+
+@dataclasses.dataclass(frozen=True)
+class Nothing(Tugger):
+    def make(self, name, stage):
+        return 3
+
+
+@dataclasses.dataclass(frozen=True)
+class Half(sim.MachineModel):
+    def make(self, name, stage):
+        pass
+"""
+
+
+@pytest.mark.parametrize(
+    ("kind", "words"),
+    [
+        ("Failing", r"code of your own failed at t = 5 s \(own.py, line 13\): KeyError: 'a'"),
+        ("Counting", "the figures of the machine 'train': Object of type set"),
+        ("Nothing", "the machine 'train': make returned 3, not a sim.Machine"),
+        ("Half", "is no machine: a machine is a dataclass derived from sim.MachineModel"),
+    ],
+)
+def test_a_kind_of_ones_own_that_goes_wrong_is_told_with_its_place(tmp_path, kind, words):
+    shutil.copy(EXAMPLES / "tugger.py", tmp_path)
+    (tmp_path / "own.py").write_text(OWN, encoding="utf-8")
+    text = f"floorplan: ariac2023\nduration: 9\nmachines: {{train: {{kind: 'own:{kind}',"
+    trial = sim.Trial.parse(f"{text} course: [[-10, -9], [0, -9], [0, -7]]}}}}", folder=tmp_path)
+    with pytest.raises(ValueError, match=words):
+        sim.run(trial)
+
+
 @pytest.mark.parametrize("rules", ["paper", "protective_stop"])
 def test_several_gantries_work_on_one_floor(rules):
     trial = sim.Trial.parse(TWO_GANTRIES.format(rules=rules))

@@ -118,3 +118,25 @@ def test_they_are_refused_where_own_code_is(folder):
     with pytest.raises(sim.TrialError) as error:
         sim.Trial.load(folder / "own.trial.yaml", own_code=False)
     assert str(error.value).count("code of your own is refused here") == 2
+
+
+FAULTS = {
+    "    x = []\n    return x[5]": r"failed at t = 0 s \(module.py, line 9\): IndexError",
+    '    return "done"': "floor.twice returned 'done', not True, False",
+}
+
+
+@pytest.mark.parametrize("body", FAULTS)
+def test_an_action_that_goes_wrong_is_named_with_its_line(folder, body):
+    text = MODULE.replace("    return call.unify(result, 2 * x)", body)
+    (folder / "own" / "module.py").write_text(text, encoding="utf-8")
+    (folder / "polite" / "helpers.py").write_text(MODULE, encoding="utf-8")
+    with pytest.raises(ValueError, match=FAULTS[body]):
+        sim.run(sim.Trial.load(folder / "own.trial.yaml"))
+
+
+def test_a_function_that_takes_no_numbers_is_wrong_and_not_undefined(folder):
+    text = MODULE.replace("x / 2", 'x / "2"')
+    (folder / "own" / "module.py").write_text(text, encoding="utf-8")
+    with pytest.raises(ValueError, match=r"\(module.py, line 12\): TypeError"):
+        sim.run(sim.Trial.load(folder / "own.trial.yaml"))

@@ -461,6 +461,10 @@ class Reckless:
 class Broken:
     def replan(self, body, neighbours, outlook):
         return outlook.nothing
+
+
+class Empty:
+    pass
 """
 
 
@@ -479,10 +483,12 @@ def test_nobody_overlaps_whatever_a_steering_of_ones_own_does(tmp_path):
 
 
 def test_what_is_wrong_with_a_steering_is_said(tmp_path):
-    with pytest.raises(ValueError, match=r"steering mine:Broken, for a1 at t = 0 s: Attribute"):
+    with pytest.raises(ValueError, match=r"a1 at t = 0 s \(mine.py, line 9\): Attribute"):
         sim.run(own(tmp_path, "Broken"))
     with pytest.raises(sim.TrialError, match=r"line 5, steering: the steering .*Missing"):
         own(tmp_path, "Missing")
+    with pytest.raises(sim.TrialError, match=r"line 5, steering: the steering .* is no steering"):
+        own(tmp_path, "Empty")
 
 
 @pytest.mark.parametrize(

@@ -11,8 +11,18 @@ from pathlib import Path
 from floorplan import Problem, require
 from navigation import Motion
 
-from ...core.own_code import import_own
-from ...core.own_source import REFUSED, Definition, Kind, OwnCodeError, Source, find_source
+from ...core.own_code import import_own, own_line
+from ...core.own_source import (
+    REFUSED,
+    Definition,
+    Kind,
+    OwnCodeError,
+    Source,
+    find_source,
+    in_words,
+    is_plain,
+    methods,
+)
 from ...core.scenario import TrialError
 from .outlook import Outlook
 from .steering import Steering
@@ -27,7 +37,9 @@ class SteeringError(ValueError):
 
 
 def _has_replan(definition: Definition) -> bool:
-    return isinstance(definition, ast.ClassDef)
+    if not isinstance(definition, ast.ClassDef):
+        return False
+    return not is_plain(definition) or "replan" in methods(definition)
 
 
 STEERING = Kind(
@@ -80,7 +92,7 @@ class _Held:
             require(motion, Motion)
             parted = dist(motion.state(outlook.now).at, body.body.at)
         except Exception as why:
-            raise SteeringError(f"{where}: {type(why).__name__}: {why}") from why
+            raise SteeringError(f"{where}{own_line(why)}: {in_words(why)}") from why
         if parted > NEAR:
             raise SteeringError(f"{where}: its motion begins {parted:.3g} m from where they are")
         return motion
