@@ -9,6 +9,7 @@ agent.advance(12.5)
 """
 
 from .agent import Agent
+from .doubts import doubts
 from .errors import EndlessProgramError, Problem, ProgramError
 from .language.loading import load, parse, parse_file, programs
 from .language.parser import parse_literal, parse_term
@@ -46,6 +47,7 @@ __all__ = [
     "Society",
     "Term",
     "Var",
+    "doubts",
     "load",
     "parse",
     "parse_file",

@@ -103,21 +103,33 @@ def _study(path: Path, own_code: bool) -> str:
 
 
 def _program(file: str) -> str:
+    import bdi
     from sim.people.programs import load_program
 
     program = load_program(file, Path())
     assert program is not None  # it is no name of somebody outside
+    for doubt in bdi.doubts(program):
+        say(str(doubt), err=True)
     return f"a program of {_number(len(program.plans), 'plan')}"
 
 
 def _trial(trial: Trial, file: str) -> str:
     print_notices(trial)
     _warn_of_short_laws(trial, file)
+    _print_doubts(trial)
     names = [f"{p.name} ({Path(p.personality_name).stem})" for p in trial.people]
     people = ", ".join(names) or "nobody"
     work = f" and {_number(len(trial.workload.orders), 'order')}" if trial.workload else ""
     upto = "up to " if trial.until_submitted else ""
     return f"a trial of {upto}{trial.duration:g} s on {trial.floorplan.name} with {people}{work}"
+
+
+def _print_doubts(trial: Trial) -> None:
+    """Print what is doubtful in the programs of people, each once."""
+    from sim.people.doubts import doubts_in
+
+    for doubt in doubts_in(trial):
+        say(str(doubt), err=True)
 
 
 def _warn_of_short_laws(trial: Trial, file: str) -> None:

@@ -6,6 +6,7 @@ import inspect
 import math
 from collections.abc import Callable
 from functools import cache
+from types import MethodType
 
 import bdi
 from floorplan import Point, SafeZone
@@ -64,29 +65,10 @@ class Actions:
         self._crowd = crowd
         self._worker = worker
         self._actions: dict[str, Callable[..., bool]] = {
-            "move": self._move,
-            "stop_movement": self._stop_movement,
-            "move_to_gantry": self._move_to_gantry,
-            "teleport_safe": self._teleport_safe,
-            "teleport_agv": self._teleport_agv,
-            "walk_speed": self._walk_speed,
-            "face_gantry": self._face_gantry,
-            "move_away": self._move_away,
-            "step_between": self._step_between,
-            "let_pass": self._let_pass,
-            "follow": self._follow,
-            "walk_with": self._walk_with,
-            "approach": self._approach,
-            "avoid": self._avoid,
+            name: MethodType(action, self) for name, action in ACTIONS.items()
         }
         if worker is not None:
-            self._actions |= {
-                "take": worker.take,
-                "begin_task": worker.begin,
-                "give_back": worker.give_back,
-                "refuse": worker.refuse,
-                "work_pace": worker.work_pace,
-            }
+            self._actions |= {name: MethodType(one, worker) for name, one in WORK.items()}
 
     def perform(self, action: bdi.Literal) -> bool:
         """Carry out an external action; return True if it could be.
@@ -231,6 +213,40 @@ class Actions:
     def _robot(self) -> Machine | None:
         here = self._walker.body.at
         return min(self._stage.robots, key=lambda r: math.dist(r.body.at, here), default=None)
+
+
+ACTIONS: dict[str, Callable[..., bool]] = {
+    "move": Actions._move,
+    "stop_movement": Actions._stop_movement,
+    "move_to_gantry": Actions._move_to_gantry,
+    "teleport_safe": Actions._teleport_safe,
+    "teleport_agv": Actions._teleport_agv,
+    "walk_speed": Actions._walk_speed,
+    "face_gantry": Actions._face_gantry,
+    "move_away": Actions._move_away,
+    "step_between": Actions._step_between,
+    "let_pass": Actions._let_pass,
+    "follow": Actions._follow,
+    "walk_with": Actions._walk_with,
+    "approach": Actions._approach,
+    "avoid": Actions._avoid,
+}
+"""Actions of everybody, by the names that programs have for them."""
+
+WORK: dict[str, Callable[..., bool]] = {
+    "take": Worker.take,
+    "begin_task": Worker.begin,
+    "give_back": Worker.give_back,
+    "refuse": Worker.refuse,
+    "work_pace": Worker.work_pace,
+}
+"""Actions of people in a trial with work."""
+
+
+def numbers_of_arguments() -> dict[str, tuple[int, int]]:
+    """Return the least and the largest number of arguments of each action."""
+    taken = {name: _takes(action) for name, action in (ACTIONS | WORK).items()}
+    return {name: (least, len(parameters)) for name, (least, parameters) in taken.items()}
 
 
 @cache

@@ -59,3 +59,20 @@ def test_only_the_latest_percept_of_a_kind_is_kept():
     percepts.see("at", 1.0, 2.0)
     agent.advance(agent.now + 1.0)
     assert {str(percept) for percept in agent.percepts} == {"work_completed(2)", "at(1,2)"}
+
+
+def test_check_doubts_programs_of_people_that_do_not_do_what_they_say(tmp_path, floorwalker):
+    (tmp_path / "shy.asl").write_text(
+        '{ include("patrol.asl") }\n+gantry_detect(_) <- go_away; let_pass.\n+person_gone(W, _).'
+    )
+    (tmp_path / "shy.trial.yaml").write_text(
+        "floorplan: ariac2023\npeople: [{name: a, personality: shy.asl}, {name: b}]\n"
+    )
+    done = floorwalker("check", "shy.trial.yaml", cwd=tmp_path)
+    assert done.returncode == 0
+    said = [line.partition(" ")[2] for line in done.stderr.splitlines() if "shy.asl:2" in line]
+    assert said == [
+        "nothing adds gantry_detect; did you mean gantry_detected?",
+        "there is no action go_away; did you mean move_away?",
+        "the action let_pass takes 1 arguments, found 0",
+    ]
