@@ -6,6 +6,7 @@ import math
 import os
 import sys
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -229,7 +230,8 @@ def _kept(
         with taken_by(simulation.stop):
             advance(simulation)
     except Exception:
-        finish()
+        with suppress(Exception):  # where nothing can be written that was the error already
+            finish()
         raise
     return finish()
 

@@ -76,6 +76,8 @@ class Recording(Listener):
             for name in LINES:
                 self._lines[name] = WholeLines(self.folder / name)
         except FileExistsError as why:
+            if why.filename == str(self.folder):
+                raise OutputError(f"can't write to {self.folder}: it is no folder") from None
             raise self._taken(Path(why.filename).name) from None
         except OSError as why:
             raise OutputError(f"can't write to {self.folder}: {why.strerror}") from None

@@ -71,3 +71,21 @@ def test_runs_that_begin_at_once_get_folders_of_their_own(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(sim.OutputError):
         sim.Recording(tmp_path / "file" / "t", numbered=True).begin(scene)
+
+
+@pytest.mark.parametrize(
+    ("out", "why"), [("file", "it is no folder"), ("file/inside", "Not a directory")]
+)
+def test_a_run_that_can_not_be_written_says_so(tmp_path, floorwalker, out, why):
+    (tmp_path / "file").write_text("")
+    done = floorwalker("run", "--duration", "2", "--out", out, cwd=tmp_path)
+    assert done.returncode == 1 and done.stdout == ""
+    assert done.stderr == f"floorwalker: can't write to {out}: {why}\n"
+
+
+def test_a_run_needs_no_stdout(tmp_path, floorwalker, monkeypatch):
+    monkeypatch.setattr("sys.stdout", None)
+    monkeypatch.setattr("sys.__stdout__", None)
+    done = floorwalker("run", "--duration", "2", "--out", "run", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert sim.load_run(tmp_path / "run").duration == 2.0
