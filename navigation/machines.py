@@ -143,7 +143,10 @@ def longest_stop(machine: Machine) -> Stop:
 
 def _plain(pose: Sequence[float]) -> tuple[float, float, float]:
     """Return x, y and rotation as plain floats, of which arrays have none."""
-    x, y, rotation = map(float, pose)
+    try:
+        x, y, rotation = map(float, pose)
+    except (TypeError, ValueError):
+        raise ValueError(f"a pose is x, y and a rotation, found {pose!r}") from None
     return (x, y, rotation)
 
 

@@ -120,11 +120,13 @@ class Motion:
         times, places = np.asarray(t, dtype=float), np.asarray(xy, dtype=float)
         turned = np.zeros(times.shape) if rotation is None else np.asarray(rotation, dtype=float)
         for name, given, shape in (
-            ("t", times, times.shape[:1] or (1,)),
+            ("t", times, (times.size,)),
             ("xy", places, (*times.shape, 2)),
             ("rotation", turned, times.shape),
         ):
-            if given.shape != shape or not len(given):
+            if given.shape == (0,) == shape:
+                raise ValueError("a motion needs a sample, found none")
+            if given.shape != shape:
                 raise ValueError(f"{name} must have the shape {shape}, found {given.shape}")
             if not np.isfinite(given).all():
                 k = int(np.argwhere(~np.isfinite(given))[0, 0])
@@ -140,7 +142,9 @@ class Motion:
         return cls(tuple(map(Piece, ends, ends[1:], x, y, rotations)))
 
     def __repr__(self) -> str:
-        return f"<Motion from t = {self.start:g} s to {self.end:g} s: {len(self.pieces)} pieces>"
+        count = len(self.pieces)
+        pieces = f"{count} piece{'' if count == 1 else 's'}"
+        return f"<Motion from t = {self.start:g} s to {self.end:g} s: {pieces}>"
 
     @cached_property
     def start(self) -> float:

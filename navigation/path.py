@@ -33,6 +33,10 @@ class Path:
     def __reduce__(self) -> tuple[type[Path], tuple[NDArray[np.float64], float, str, int]]:
         return (type(self), (self.points, self.clearance, self.planner, self.checks))
 
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
+        """Return its points: a path stands for them wherever an array does, as in `walk`."""
+        return np.array(self.points, dtype=dtype, copy=True if copy is None else copy)
+
     @cached_property
     def clearance(self) -> float:
         """Metres from the polyline to the nearest thing anywhere along it.

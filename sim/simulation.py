@@ -143,6 +143,9 @@ class Simulation:
         """The AGVs."""
         return [m for m in self.machines.values() if isinstance(m, Agv)]
 
+    def __repr__(self) -> str:
+        return f"<Simulation of {self.trial.name!r} at t = {self.clock.now:g} s>"
+
     @property
     def over(self) -> bool:
         """True once the trial has come to its end."""

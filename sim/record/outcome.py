@@ -40,6 +40,10 @@ class Outcome:
     thoughts: tuple[Thought, ...] = ()
     requirements: dict[tuple[str, str], Curve] = field(default_factory=dict, kw_only=True)
 
+    def __repr__(self) -> str:
+        about = f"{self.duration:g} s, {len(self.motions)} bodies, {len(self.events)} events"
+        return f"<{type(self).__name__} of {self.scene.trial!r}: {about}>"
+
     @property
     def floorplan(self) -> Floorplan:
         """The floor it took place on."""

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from ..views.plots import RunPlots
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Recorded(Outcome):
     """A run that happened, with its pictures."""
 
@@ -35,7 +35,7 @@ class Recorded(Outcome):
         return as_html(self)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Run(Recorded):
     """A run of a trial that is at hand."""
 

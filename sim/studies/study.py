@@ -63,9 +63,13 @@ class _StudyKeys(Strictly):
     own_code: Flag = True
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Study(Design):
     """Trials in variations, as a `Design` has them; it can be loaded."""
+
+    def __repr__(self) -> str:
+        trials = ", ".join(repr(trial.name) for trial in self.trials)
+        return f"<{type(self).__name__} {self.name!r}: {len(self)} rows of {trials}>"
 
     @classmethod
     def load(cls, path: str | Path, *, own_code: bool = True) -> Study:

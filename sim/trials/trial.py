@@ -35,15 +35,25 @@ from .work_keys import at_instants, shift_at_instants
 BUILT_IN = Path(__file__).parents[1] / "data" / "trials"
 """Folder of the trials that come with Floorwalker."""
 
+MOST_NAMED = 5
+"""Most people whom a trial names as it is shown."""
+
 
 def builtin_trials() -> tuple[str, ...]:
     """Return the names of the trials that come with Floorwalker, sorted."""
     return tuple(sorted(path.stem for path in BUILT_IN.glob("*.yaml")))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Trial(Scenario):
     """Everything that decides a run, as a `Scenario` has it; it can be loaded and saved."""
+
+    def __repr__(self) -> str:
+        people = ", ".join(person.name for person in self.people[:MOST_NAMED]) or "nobody"
+        more = len(self.people) - MOST_NAMED
+        people += f" and {more} more" if more > 0 else ""
+        about = f"{self.duration:g} s on {self.floorplan.name!r} with {people}, seed {self.seed}"
+        return f"<{type(self).__name__} {self.name!r}: {about}>"
 
     @classmethod
     def load(cls, source: str | Path, *, own_code: bool = True) -> Trial:

@@ -313,7 +313,7 @@ def test_samples_of_a_walk_are_close_to_it_and_closer_the_more_there_are():
 @pytest.mark.parametrize(
     ("t", "xy", "rotation", "message"),
     [
-        ([], np.zeros((0, 2)), None, "t must"),
+        ([], np.zeros((0, 2)), None, "a motion needs a sample, found none"),
         (0.0, [0.0, 0.0], None, "t must"),
         ([0.0, 1.0], [0.0, 1.0], None, "xy must"),
         ([0.0, 1.0], [[0.0, 1.0]], None, "xy must"),

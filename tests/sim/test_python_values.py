@@ -127,3 +127,26 @@ LAW = navigation.FixedDistance(1.0)
 def test_a_wrong_type_is_reported_with_what_is_wanted(call, message):
     with pytest.raises(TypeError, match=message):
         call()
+
+
+def test_values_are_shown_in_a_line():
+    loaded = sim.Trial.load("people_bottleneck")
+    simulation = sim.Simulation(dataclasses.replace(loaded, duration=1.0))
+    simulation.advance(1.0)
+    study = sim.Study.parse("trials: [people_bottleneck]\nrepeat: 2")
+    for value in (loaded, simulation, simulation.finish(), study):
+        assert "people_bottleneck" in repr(value) and len(repr(value)) < 150
+
+
+def test_a_planned_path_is_walked_as_it_is():
+    world = navigation.CollisionWorld(floorplan.load("warehouse"))
+    path = navigation.PathPlanner(world, radius=0.3).plan((1.5, 1.5), (28.0, 10.0))
+    walked, given = navigation.walk(path), navigation.walk(path.points)
+    assert walked.end == given.end and np.array_equal(np.asarray(path), path.points)
+
+
+def test_a_pose_and_samples_that_are_none_are_refused():
+    with pytest.raises(ValueError, match=r"x, y and a rotation, found \(1, 2\)"):
+        navigation.gantry_move((1, 2), (3, 4, 0))
+    with pytest.raises(ValueError, match=r"t must have the shape \(2,\), found \(1, 2\)"):
+        navigation.Motion.from_samples([[0, 1]], [(0, 0), (1, 1)])
