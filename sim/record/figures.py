@@ -27,7 +27,8 @@ class SummaryFigure:
 
     `events` are those that made it what it is: their kind, and fields that they have. With
     `instant` it has the time of the figure of that name beside it; with `short` it is also found by
-    the name of the figure that it is a part of. It is one of the trials for which `only` holds.
+    the name of the figure that it is a part of. It is one of the trials for which `only` holds;
+    where `null` does it has no value, and nothing can be expected of it.
     `label` is what people read; `words`, if given, how much it is on a terminal. A study has it as
     a column unless not `column`; its report compares it as a `measure`, "rare" ones only where
     there is something, and its first rows are worth a look if it is among the `worst`: the least
@@ -43,11 +44,18 @@ class SummaryFigure:
     instant: str = ""
     short: bool = False
     only: Callable[[Scenario], object] = lambda trial: True
+    null: Callable[[Scenario], object] = lambda trial: False
     label: str = ""
     words: words.Words | None = None
     column: bool = True
     measure: Literal["", "plain", "chief", "rare"] = ""
     worst: int = 0
+
+
+def _no_robot(trial: Scenario) -> bool:
+    """Return True if no machine can be a robot: those of a kind of one's own may be one."""
+    others = any(entry.kind != "agv" for entry in trial.machines.values())
+    return trial.floorplan.gantry is None and not others
 
 
 def _has_orders(trial: Scenario) -> bool:
@@ -94,13 +102,15 @@ def _separation(prefix: str) -> Iterator[SummaryFigure]:
         meaning="the nearest that anybody came to the gantry's centre",
         unit="m",
         short=True,
+        null=_no_robot,
         instant="time",
         measure="" if prefix else "chief",
         worst=1,
     )
-    yield SummaryFigure(path=f"{path}.time", meaning="when that was", unit="s", instant="time")
+    part = partial(SummaryFigure, null=_no_robot, instant="time")
+    yield part(path=f"{path}.time", meaning="when that was", unit="s")
     meaning = "the distance that the law required then"
-    yield SummaryFigure(path=f"{path}.required", meaning=meaning, unit="m", instant="time")
+    yield part(path=f"{path}.required", meaning=meaning, unit="m")
 
 
 def _metrics() -> Iterator[SummaryFigure]:
@@ -164,7 +174,7 @@ FIGURES: dict[str, SummaryFigure] = {
             form="parts",
             of=lambda run: run.violations(),
             label="violations with the gantry",
-            words=words.by_cause,
+            words=words.of_robots(words.by_cause),
         ),
         *_violations("", {}),
         SummaryFigure(
@@ -209,7 +219,7 @@ FIGURES: dict[str, SummaryFigure] = {
             label="gantry disabled",
             meaning="by penalties",
             unit="s",
-            words=words.seconds,
+            words=words.of_robots(words.seconds),
             events=(events.GantryDisabled, {}),
             measure="chief",
         ),
@@ -226,7 +236,7 @@ FIGURES: dict[str, SummaryFigure] = {
             of=lambda run: run.of_robots("jobs_done"),
             label="gantry jobs done",
             meaning="by the gantry",
-            words=words.plain,
+            words=words.of_robots(words.plain),
             events=(events.JobDone, {}),
             measure="chief",
             worst=1,
@@ -333,6 +343,9 @@ FIGURES: dict[str, SummaryFigure] = {
             of=lambda run: run.nearest_of_all,
             label="nearest to the gantry",
             words=words.nearest,
+        ),
+        SummaryFigure(
+            path="machines.NAME", form="parts", label="NAME", words=words.machine, column=False
         ),
         *_separation(""),
         _of_several(

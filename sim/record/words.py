@@ -38,6 +38,27 @@ def stops(value: Any, beside: Mapping[str, Any]) -> str:
     return f"{value}, {beside['protective_stop_time']:.1f} s" if value else ""
 
 
+def of_robots(inner: Words) -> Words:
+    """Return words for a figure of gantries: none where people were there and no gantry was."""
+
+    def put(value: Any, beside: Mapping[str, Any]) -> str:
+        counts = value.values() if isinstance(value, Mapping) else [value]
+        there = beside["minimum_separation"] is not None or not beside["people"]
+        return inner(value, beside) if there or any(counts) else ""
+
+    return put
+
+
+def machine(value: Any, beside: Mapping[str, Any]) -> str:
+    """Return the figures of a machine that the trial adds."""
+    numbers = {
+        key.replace("_", " "): number
+        for key, number in value.items()
+        if isinstance(number, int | float) and not isinstance(number, bool)
+    }
+    return ", ".join(f"{key} {round(number, 2):g}" for key, number in numbers.items())
+
+
 def score(value: Any, beside: Mapping[str, Any]) -> str:
     """Return the points there were, of all there could have been."""
     return f"{value} of {beside['best_score']}"

@@ -82,9 +82,10 @@ def _outline(run: Run) -> list[str]:
     trial, summary = run.trial, run.summary
     names = [f"{p.name} ({Path(p.personality_name).stem})" for p in trial.people]
     people = ", ".join(names) or "no people"
+    gantry = f"gantry {trial.gantry.controller_name}; " if trial.floorplan.gantry else ""
     lines = [
         f"{trial.name} on {trial.floorplan.name}, {run.duration:g} s: {people};"
-        f" gantry {trial.gantry.controller_name}; rules {trial.rules.name}; seed {trial.seed}",
+        f" {gantry}rules {trial.rules.name}; seed {trial.seed}",
         f"penalties {summary['penalties']}, jobs done {summary['jobs_done']}",
     ]
     violations = [event for event in run.events if event["kind"] == "violation"]

@@ -60,7 +60,7 @@ def summary_fields(trial: Scenario) -> dict[str, SummaryField]:
     found: dict[str, SummaryField] = {}
     alone: dict[str, SummaryField] = {}
     for figure in FIGURES.values():
-        if figure.form in ("text", "parts") or not figure.only(trial):
+        if figure.form in ("text", "parts") or not figure.only(trial) or figure.null(trial):
             continue
         for path, name in _paths(figure.path, trial):
             field = SummaryField(figure, path, name)

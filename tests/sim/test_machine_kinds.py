@@ -59,6 +59,25 @@ def test_an_unknown_kind_is_watched_judged_and_expected(recorded):
         sim.run(wrong)
 
 
+def test_the_command_shows_the_figures_of_an_unknown_kind_and_none_of_a_gantry_not_there(
+    tmp_path, floorwalker
+):
+    shutil.copy(EXAMPLES / "tugger.py", tmp_path)
+    (tmp_path / "yard.trial.yaml").write_text(
+        "floorplan: {boundary: [[0, 0], [20, 0], [20, 9], [0, 9]], stations: {a: [1, 1]}}\n"
+        "duration: 60\npeople: [{name: eve, at: [10, 8]}]\n"
+        "machines: {train: {kind: 'tugger:Tugger', course: [[3, 3], [9, 3], [9, 5]]}}\n"
+    )
+    done = floorwalker("run", "yard.trial.yaml", "--out", "run", cwd=tmp_path)
+    rows = [[cell.strip() for cell in line.split("│")[1:3]] for line in done.stdout.splitlines()]
+    figures = dict(row for row in rows if len(row) == 2)
+    assert figures["train"] == "rounds 2" and "gantry jobs done" not in figures
+    with pytest.raises(sim.TrialError, match="minimum_separation: a run has no such figure"):
+        sim.Trial.parse(
+            "{floorplan: warehouse, people: [{name: a}], expect: {minimum_separation: 1}}"
+        )
+
+
 def test_an_unknown_kind_is_recorded_and_read_back(recorded):
     run, folder = recorded
     back = sim.load_run(folder)
