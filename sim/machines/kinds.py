@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import ast
 import inspect
 from collections.abc import Iterator, Mapping
-from dataclasses import is_dataclass
+from dataclasses import fields, is_dataclass
 from pathlib import Path
 
 from pydantic import ValidationError
@@ -92,6 +93,24 @@ def rails_under(machine: str, plan: Floorplan) -> Gantry | None:
 def is_own(entry: MachineEntry) -> bool:
     """Return True if the kind of a machine is code that stands beside the trial."""
     return isinstance(entry.kind, str) and entry.kind not in KINDS
+
+
+def keys_of(entry: MachineEntry, scenario: Scenario) -> list[str] | None:
+    """Return the keys that a machine of this kind may have; None where only a run can tell.
+
+    The source of a kind of the user's own is read, not run. `MachineError` if there is none.
+    """
+    if is_own(entry):
+        definition = own_kind(entry, scenario.folder, own_code=scenario.own_code).definition
+        assert isinstance(definition, ast.ClassDef)
+        if [ast.unparse(base).rpartition(".")[2] for base in definition.bases] != ["MachineModel"]:
+            return None
+        written = [node.target for node in definition.body if isinstance(node, ast.AnnAssign)]
+        return [target.id for target in written if isinstance(target, ast.Name)]
+    kind = entry.kind if isinstance(entry.kind, type) else KINDS[entry.kind]
+    if kind.key_schema is None:
+        return [field.name for field in fields(kind)]  # type: ignore[arg-type]
+    return [field.alias or name for name, field in kind.key_schema.model_fields.items()]
 
 
 def kind_name(entry: MachineEntry) -> str:

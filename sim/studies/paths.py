@@ -9,6 +9,7 @@ from typing import Any
 from floorplan import check, require_fields, suggestion
 
 from ..core.machine_model import MachineEntry
+from ..machines.kinds import keys_of
 from ..trials.comparison import is_number
 from ..trials.trial import Trial
 
@@ -29,7 +30,7 @@ def put_at(trial: Trial, path: str, value: Any) -> Trial:
         for axis in ("x", "y"):
             trial = put_at(trial, f"floorplan.gantry.{axis}.{parts[1]}", value)
         return trial
-    changed: Trial = _put(trial, parts, value, path)
+    changed: Trial = _put(_with_key(trial, parts, path), parts, value, path)
     law, before = changed.rules.gantry_law, trial.rules
     if before.notice.law.law == before.gantry_law != law:
         # People notice by the law itself unless the rules give another one, and still do.
@@ -43,6 +44,20 @@ def put_at(trial: Trial, path: str, value: Any) -> Trial:
     except TypeError as why:
         raise ValueError(str(why)) from None
     return changed
+
+
+def _with_key(trial: Trial, parts: Sequence[str], path: str) -> Trial:
+    """Return `trial` in which a machine of `machines` has the key at `path`, None if left out."""
+    match parts:
+        case ["machines", name, key] if name in trial.machines:
+            entry = trial.machines[name]
+            if key not in entry.keys:
+                known = keys_of(entry, trial)
+                if known is not None:
+                    _require(key, known, path)
+                entry = replace(entry, keys={**entry.keys, key: None})
+                return replace(trial, machines={**trial.machines, name: entry})
+    return trial
 
 
 def _put(owner: Any, parts: Sequence[str], value: Any, path: str) -> Any:
@@ -78,7 +93,9 @@ def _figure(before: Any, value: Any, path: str) -> Any:
     if isinstance(before, bool) or isinstance(value, bool):
         if isinstance(before, bool) and isinstance(value, bool):
             return value
-        raise ValueError(f"expected {'true or false' if isinstance(before, bool) else 'a number'}")
+        if before is not None:
+            form = "true or false" if isinstance(before, bool) else "a number"
+            raise ValueError(f"expected {form}")
     if is_number(before) or (before is None and is_number(value)):
         if not is_number(value):
             raise ValueError(f"expected a finite number, found {value!r}")

@@ -19,7 +19,7 @@ from ..trials.comparison import is_number
 from ..trials.rules_file import find_rules
 from ..trials.shortening import lasting
 from ..trials.trial import Trial
-from .paths import ROOTS, put_at
+from .paths import EVERYBODY, ROOTS, put_at
 
 Value = str | float | tuple[float, ...]
 """One value of a variable: a name, a number, or numbers that belong together."""
@@ -65,7 +65,7 @@ def variable(name: str) -> Variable:
     group, _, rest = name.partition(".")
     whose, _, last = rest.rpartition(".")
     if whose and last in _PARTS.get(group, {}):
-        return Variable(name, _PARTS[group][last], whose)
+        return Variable(name, _PARTS[group][last], "" if whose == EVERYBODY else whose)
     if rest and group in ROOTS:
         return Variable(name, "path", name)
     known = [*KINDS, *(f"{g}.NAME.{last}" for g, parts in _PARTS.items() for last in parts)]

@@ -310,3 +310,35 @@ def test_files_are_seen_from_the_study(folder):
     row.trial.save(folder / "again.yaml")
     again = sim.Trial.load(folder / "again.yaml")
     assert replace(again, folder=row.trial.folder) == row.trial
+
+
+TUG = """
+import dataclasses
+
+import sim
+
+
+@dataclasses.dataclass(frozen=True)
+class Tug(sim.MachineModel):
+    length: float = 1.0
+    careful: bool = True
+"""
+
+
+def test_keys_of_machines_that_a_trial_leaves_out_are_varied(tmp_path):
+    (tmp_path / "own.py").write_text(TUG, encoding="utf-8")
+    (tmp_path / "yard.trial.yaml").write_text(
+        "floorplan: warehouse\npeople: [{name: a}, {name: b}]\nmachines:\n"
+        "  tug: {kind: 'own:Tug'}\n  cart: {kind: agv, origin: [1, 8], limits: [0, 3]}\n"
+    )
+    varied = "machines.tug.careful: [false], machines.tug.length: [2], machines.cart.max_speed: [1]"
+    grid = f"grid: {{{varied}, people.*.max_speed: [0.5]}}"
+    study = sim.Study.parse(f"trials: [yard.trial.yaml]\n{grid}", folder=tmp_path)
+    trial = study.row(0).trial
+    assert trial.machines["tug"].keys == {"careful": False, "length": 2}
+    assert trial.machines["cart"].keys["max_speed"] == 1
+    assert [person.max_speed for person in trial.people] == [0.5, 0.5]
+    for wrong, hint in (("tug.carefull", "careful"), ("cart.maxspeed", "max_speed")):
+        grid = f"grid: {{machines.{wrong}: [1]}}"
+        with pytest.raises(sim.StudyError, match=f"did you mean '{hint}'"):
+            sim.Study.parse(f"trials: [yard.trial.yaml]\n{grid}", folder=tmp_path)

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from floorplan import Point
-from navigation import Motion, Swath
+from navigation import Motion, PlanningError, Swath
 
 from ...core.clock import Alarm
 from .course import length_of
@@ -171,7 +171,10 @@ def takes_way_round(me: Traveller, outlook: Outlook, stood: float) -> bool:
     if path is None or length_of(path) > outlook.whole + me.top_speed * (stood + LONGEST):
         # The bends of an earlier way round may be left, past others who have walked on since.
         before = me.route
-        me.route, me.goes_round = outlook.reroute(outlook.at), False
+        try:
+            me.route, me.goes_round = outlook.reroute(outlook.at), False
+        except PlanningError:  # a vehicle stands on the goal, or before it
+            return False
         return me.route != before
     me.route, me.goes_round = path[1:], True
     return True
