@@ -114,7 +114,8 @@ def _report(results: StudyResults) -> None:
     for factor in compared.factors:
         table.add_column(factor, no_wrap=True)
     table.add_column("Runs", justify="right")
-    measures = [measure for measure in compared.spreads if measure.chief]
+    named = [measure for measure in compared.spreads if measure.chief or measure.rare]
+    measures = [measure for measure in named if compared.constant(measure) != 0.0]
     for measure in measures:
         table.add_column(measure.label, justify="right")
     for k, group in enumerate(compared.groups):
@@ -123,4 +124,6 @@ def _report(results: StudyResults) -> None:
         table.add_row(*group.values, f"{len(group.rows):,}", *means)
     console = plain_console(WIDTH)
     console.print(table)
+    if nowhere := [measure.words for measure in named if measure not in measures]:
+        console.print(f"0 in every row: {', '.join(nowhere)}", highlight=False)
     console.print(f"{results.folder / 'report.html'} shows it", highlight=False, soft_wrap=True)

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..machines.kinds import KINDS
 from ..record.figures import FIGURES
 from .study import Study
 from .table import Cell, TableError
@@ -81,6 +82,27 @@ def measures() -> tuple[Measure, ...]:
         for figure in FIGURES.values()
         if figure.measure
     )
+
+
+def of_machines(columns: Columns) -> tuple[Measure, ...]:
+    """Return the figures of the machines that trials add; chief are those of kinds of one's own."""
+    names = [*columns]
+    begin = names.index("error") if "error" in columns else 0  # before it stands what was varied
+    parts = {name: name.split(".") for name in names[begin:] if name.startswith("machines.")}
+    kinds = {name: {*columns[c]} for c, (_, name, *last) in parts.items() if last == ["kind"]}
+    return tuple(
+        Measure(
+            f"{name}: {' '.join(figure).replace('_', ' ')}",
+            column,
+            chief=not kinds[name] <= {*KINDS, None},
+        )
+        for column, (_, name, *figure) in parts.items()
+        if name in kinds and figure != ["kind"] and all(map(_is_figure, columns[column]))
+    )
+
+
+def _is_figure(value: Cell) -> bool:
+    return value is None or (isinstance(value, int | float) and not isinstance(value, bool))
 
 
 @dataclass(frozen=True)
@@ -158,7 +180,8 @@ def compare(columns: Columns, factors: Sequence[str]) -> Comparison:
         Group(key, np.array([k for k, other in enumerate(keys) if other == key]))
         for key in dict.fromkeys(keys)
     )
-    found = {measure: measure.values(columns) for measure in measures()}
+    compared = (*measures(), *of_machines(columns))
+    found = {measure: measure.values(columns) for measure in compared}
     values = {measure: figures for measure, figures in found.items() if figures is not None}
     spreads = {
         measure: tuple(spread(figures[group.rows]) for group in groups)

@@ -167,6 +167,21 @@ def test_figures_of_all_people_are_added_up():
     assert Measure("", "people.NAME.replans").values(columns) is None
 
 
+def test_figures_of_machines_that_a_trial_adds_are_compared():
+    columns = {
+        "row": [0, 1],
+        "machines.tug.speed": [1.0, 2.0],
+        "error": [None, None],
+        "machines.tug.kind": ["tug", "tug"],
+        "machines.tug.full_rounds": [3, 5],
+        "machines.tug.ends": ["here", "there"],
+        "machines.cart.kind": ["agv", "agv"],
+        "machines.cart.runs": [1, 2],
+    }
+    found = {measure.title: measure.chief for measure in compare(columns, []).spreads}
+    assert found == {"tug: full rounds": True, "cart: runs": False}
+
+
 def test_measures_are_columns_of_the_results(results):
     known = {measure.column for measure in results.comparison.spreads}
     assert {"penalties", "minimum_separation.distance", "jobs_done"} <= known
