@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from pathlib import Path
 
@@ -26,6 +27,9 @@ from .wkt import load_wkt
 
 BUILT_IN = Path(__file__).parent / "data"
 """Folder of the floorplans that come with Floorwalker."""
+
+FAR_OUT = 5.0
+"""Sizes of a floor. What is farther away from it was probably meant in another unit."""
 
 YAML_SUFFIXES = (".yaml", ".yml")
 LAYERED = {".dxf": load_dxf, ".geojson": load_geojson, ".json": load_geojson}
@@ -107,9 +111,21 @@ def _build(document: Document, folder: Path, above: tuple[Path, ...]) -> Floorpl
     except ValueError as why:
         problems.append(document.problem(str(why), "rotation"))
     problems += [_problem(document, *fault) for fault in faults(plan)]
+    if problems and schema.units is None and schema.base and _is_far_out(plan):
+        message = "lengths in this file are metres; if they are in another unit, give `units`"
+        problems.append(document.problem(message, "base"))
     if problems:
         raise FloorplanError(document.file, problems)
     return plan
+
+
+def _is_far_out(plan: Floorplan) -> bool:
+    """Return True if places are so far from the floor as lengths are in another unit."""
+    places = [station.position for station in plan.stations]
+    places += [plan.safe_zone.position] if plan.safe_zone else []
+    west, south, east, north = plan.boundary.bounds
+    size = max(east - west, north - south)
+    return any(math.dist(at, (west, south)) > FAR_OUT * size for at in places)
 
 
 def _base(

@@ -104,6 +104,13 @@ def test_wrong_corrections_have_their_lines(lay):
     assert found == ["line 1, stations.dock: (0, 1) is inside obstacle 'box'"]
 
 
+@pytest.mark.parametrize(("at", "hinted"), [("[20, 3]", False), ("[4000, 900]", True)])
+def test_lengths_that_may_be_in_another_unit_have_a_hint(lay, at, hinted):
+    found = problems(lay, f"stations: {{gate: {at}}}\n")
+    assert ("line 1, base: lengths in this file are metres" in found[0]) == hinted
+    assert "outside the boundary" in found[-1] and len(found) == 1 + hinted
+
+
 def test_keys_without_their_base(tmp_path):
     text = "boundary: [[0, 0], [1, 0], [1, 1]]\nsnap: 0.1\nrename: {a: b}\n"
     with pytest.raises(floorplan.FloorplanError) as wrong:
