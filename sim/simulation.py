@@ -302,7 +302,8 @@ def run(trial: Trial, *listeners: Listener) -> Run:
 
     Raises `TrialError` if there is something in the trial that can't be, `ControllerError`,
     `LawError` or `MindError` when the user's own programs go wrong, `StandstillError` when things
-    happen again and again without letting time pass.
+    happen again and again without letting time pass. Other code that the trial names, as machines
+    and actions, makes it a `ValueError` with the line.
     """
     simulation = Simulation(trial, *listeners)
     simulation.advance(trial.duration)

@@ -98,6 +98,10 @@ class Study(Design):
 
 
 def _build(form: type[Study], document: Document, folder: Path, own_code: bool) -> Study:
+    keys = document.data if isinstance(document.data, dict) else {}
+    if "floorplan" in keys and "trials" not in keys:
+        message = "is a trial, not a study; a study names it among its `trials`"
+        raise StudyError(document.file, [Problem(message)])
     schema = document.checked(_StudyKeys, StudyError)
     reader = _Reader(document, folder, own_code and schema.own_code)
     trials = reader.trials(schema.trials)

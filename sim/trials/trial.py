@@ -72,6 +72,9 @@ class Trial(Scenario):
         if not path.suffix and not floorplan.is_there(path):
             message = f"no such file, nor a built-in trial; {suggestion(name, builtin_trials())}"
             raise TrialError(name, [Problem(message)])
+        if path.suffix == ".asl":
+            message = "is a program, not a trial; a trial names it as a `personality`"
+            raise TrialError(name, [Problem(message)])
         return build(cls, floorplan.read_yaml(path, TrialError), path.parent, own_code)
 
     @classmethod
@@ -122,6 +125,8 @@ def build(form: type[Trial], document: Document, folder: Path, own_code: bool) -
     """Return the trial in `document`, which stands in `folder`. Errors as of `Trial.load`."""
     if reading.is_ariac(document):
         return replace(reading.build(form, document, folder), own_code=own_code)
+    if other := _something_else(document):
+        raise TrialError(document.file, [Problem(f"is {other}")])
     schema = document.checked(TrialKeys, TrialError)
     home, folder = folder, folder / schema.folder
     plan = _floorplan(schema.floorplan, folder, document)
@@ -176,6 +181,18 @@ def build(form: type[Trial], document: Document, folder: Path, own_code: bool) -
     if problems:
         raise TrialError(document.file, problems)
     return replace(trial, notices=(*trial.notices, *idle_names(trial, document)))
+
+
+def _something_else(document: Document) -> str:
+    """Return what a file is by its keys, if it is no trial, and how a trial is about it."""
+    keys = {*document.data} if isinstance(document.data, dict) else set()
+    if "floorplan" in keys:
+        return ""
+    if "trials" in keys:
+        return "a study, not a trial; `floorwalker study` runs it"
+    if keys & {"boundary", "base", "image"}:
+        return "a floorplan, not a trial; a trial names it as its `floorplan`"
+    return ""
 
 
 def _with_orders(trial: Trial, schema: TrialKeys, name: str, document: Document) -> Trial:

@@ -132,3 +132,20 @@ def test_a_program_with_a_fault_is_reported_with_line_and_column(tmp_path):
     path.write_text("floorplan: ariac2023\npeople: [{name: a, personality: mine.asl}]\n")
     with pytest.raises((sim.TrialError, bdi.ProgramError), match=r"mine.asl.*2"):
         sim.Trial.load(path)
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "words"),
+    [
+        ("a.yaml", "trials: [x]", "is a study, not a trial"),
+        ("a.yaml", "boundary: [[0, 0]]", "is a floorplan, not a trial"),
+        ("a.asl", "+a <- b.", "is a program, not a trial"),
+    ],
+)
+def test_a_file_of_something_else_is_told_by_what_it_is(tmp_path, name, text, words):
+    (tmp_path / name).write_text(text)
+    with pytest.raises(sim.TrialError, match=words):
+        sim.Trial.load(tmp_path / name)
+    (tmp_path / "trial.yaml").write_text("floorplan: ariac2023")
+    with pytest.raises(sim.StudyError, match="is a trial, not a study"):
+        sim.Study.load(tmp_path / "trial.yaml")
