@@ -138,6 +138,8 @@ def _wrong_form(misfit: dict[str, Any], forms: Iterable[str]) -> str:
     found = misfit["input"]
     if last == EXPECTED["float_type"] and isinstance(found, str) and EXPONENT.fullmatch(found):
         message += " (to YAML 1e3 is text; write 1.0e+3 or 1000)"
+    if last == EXPECTED["string_type"] and isinstance(found, bool):
+        message += " (to YAML yes, no, on and off are true or false: put them in quotes)"
     return f"{message}, found {shown(found)}"
 
 

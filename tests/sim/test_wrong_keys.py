@@ -154,3 +154,10 @@ def test_a_name_that_nobody_has_is_noticed(text, line, message):
     told = sim.Trial.parse(text).notices
     assert [notice.line for notice in told] == [line] * bool(message)
     assert message in "".join(map(str, told))
+
+
+def test_a_name_that_yaml_takes_for_a_flag_is_told():
+    with pytest.raises(floorplan.FloorplanError, match=r"line 4, zones.*put them in quotes"):
+        floorplan.parse(f"{ROOM}zones: {{no: {{x: [1, 2], y: [1, 2], max_speed: 1}}}}")
+    with pytest.raises(sim.TrialError, match=r"people\[0\].name: .*put them in quotes"):
+        sim.Trial.parse("{floorplan: warehouse, people: [{name: on}]}")
