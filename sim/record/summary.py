@@ -39,6 +39,13 @@ def summarise(run: Finished) -> dict[str, Any]:
     return figures
 
 
+MOST_AT_LENGTH, MOST_PEOPLE = 5, 20
+"""People of whom each figure has a line of its own, and of whom there are figures at all."""
+
+NOTHING = ("0", "0.0 s", "0.0 m", "none")
+"""Figures in words that are left out where there are many people."""
+
+
 def figures_in_words(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
     """Return the figures of a summary that people look at first: names, and how much each is.
 
@@ -47,10 +54,22 @@ def figures_in_words(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
     found = []
     shown = [figure for figure in FIGURES.values() if figure.words]
     for above, figures in itertools.groupby(shown, lambda f: f.path.rpartition("NAME")[0]):
-        together = list(figures)
-        for name, beside in _owners(summary, above):
+        together, owners = list(figures), [*_owners(summary, above)]
+        if above == PEOPLE.rpartition("NAME")[0] and len(owners) > MOST_AT_LENGTH:
+            found += [(name, _in_short(together, beside)) for name, beside in owners[:MOST_PEOPLE]]
+            more = len(owners) - MOST_PEOPLE
+            found += [("others", f"{more} people, in the summary")] if more > 0 else []
+            continue
+        for name, beside in owners:
             found += [(_line(figure, name), _amount(figure, beside)) for figure in together]
     return [(line, amount) for line, amount in found if amount]
+
+
+def _in_short(figures: Iterable[SummaryFigure], beside: Any) -> str:
+    """Return the figures of one of many people in a line, without those that are nothing."""
+    personality, *amounts = ((one.label, _amount(one, beside)) for one in figures)
+    told = [f"{label} {amount}" for label, amount in amounts if amount and amount not in NOTHING]
+    return "; ".join([personality[1], *told])
 
 
 def _owners(summary: Mapping[str, Any], above: str) -> Iterable[tuple[str, Any]]:

@@ -46,3 +46,13 @@ def test_a_figure_is_added_by_its_declaration_alone(own_figures, tmp_path):
     assert results.columns["goals_set"] == [run.summary["goals_set"]] * 2
     assert results.columns["people.nina.waits"] == [0, 0]
     assert "Goals set" in [measure.title for measure in results.comparison.spreads]
+
+
+def test_many_people_have_a_line_each():
+    person = {"visits": ["press"], "distance_walked": 3.0, "time_standing": 0.0, "replans": 0}
+    people = {f"p{k}": {"personality": "helpful", **person} for k in range(25)}
+    lines = dict(figures_in_words({"people": people}))
+    assert lines["p0"] == "helpful; visits press 1×; walked 3.0 m"
+    assert len(lines) == 21 and lines["others"].startswith("5 people")
+    few = dict(figures_in_words({"people": {"p0": people["p0"]}}))
+    assert few["p0: walked"] == "3.0 m" and few["p0: replans"] == "0"
