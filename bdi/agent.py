@@ -9,9 +9,9 @@ from collections.abc import Callable, Collection, Iterable, Mapping
 
 from .errors import Problem, ProgramError, TooDeepError
 from .internal_actions import STANDARD
-from .language.parser import parse_literal
 from .language.program import Belief, Program
 from .language.terms import Literal
+from .language.texts import parse_literal
 from .reasoning import loading
 from .reasoning.actions import InternalAction
 from .reasoning.beliefs import LiveBeliefs

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from ..errors import ProgramError
 from ..language.body import BodyTerm
-from ..language.parser import parse_trigger
 from ..language.terms import Cons, Literal, Nil, Term, TriggerTerm, Var, text
+from ..language.texts import parse_trigger
 from ..reasoning.actions import ActionError
 
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import re
 
 from ..errors import ProgramError
-from ..language.parser import parse_term
 from ..language.substitution import substitute
 from ..language.terms import Literal, Term, Var, plain_text, text
+from ..language.texts import parse_term
 from ..reasoning.actions import ActionError
 from ..reasoning.calls import WAITING, Call, Waiting
 from .arguments import wrong

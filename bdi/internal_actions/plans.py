@@ -7,10 +7,10 @@ from dataclasses import replace
 
 from ..errors import ProgramError
 from ..language.loading import find_included, parse_file
-from ..language.parser import parse_plan
 from ..language.program import Plan, PlanTerm
 from ..language.substitution import Unifier, rename
 from ..language.terms import Cons, Literal, Nil, Term, Var, make_list, plain_text, text
+from ..language.texts import parse_plan
 from ..reasoning.actions import ActionError
 from ..reasoning.beliefs import has_source
 from ..reasoning.calls import Call

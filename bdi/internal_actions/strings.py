@@ -6,8 +6,8 @@ import re
 from collections.abc import Iterator
 
 from ..errors import ProgramError
-from ..language.parser import parse_term
 from ..language.terms import Term, Var, make_list, plain_text, text
+from ..language.texts import parse_term
 from ..reasoning.actions import ActionError
 from ..reasoning.calls import Call
 from .arguments import wrong

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, TypeAlias
 
 from lark import Token, Transformer_NonRecursive, v_args
@@ -25,8 +25,9 @@ from .body import (
     Update,
     While,
 )
+from .namespaces import THIS
 from .order import sorted_annots
-from .program import Belief, Clause, Goal, Plan, PlanTerm, Rule, RuleTerm, Trigger
+from .program import Belief, Directive, Goal, Plan, PlanTerm, Rule, RuleTerm, Trigger
 from .terms import (
     DEFAULT,
     EMPTY,
@@ -51,17 +52,6 @@ from .terms import (
     make_list,
     text,
 )
-
-
-@dataclass(frozen=True, repr=False)
-class Directive(Clause):
-    """`{ include("file.asl") }`: carried out while a program is read."""
-
-    name: str
-    args: tuple[Term, ...]
-    place: Place
-    opens: bool = False
-    """True for `{ begin name }`, which `{ end }` closes."""
 
 
 class RefusedError(Exception):
@@ -374,10 +364,6 @@ class Builder(Transformer_NonRecursive[Token, Any]):
         if not isinstance(head, Literal):
             raise RefusedError(meta, "a variable cannot be the head of a rule")
         return RuleTerm(Rule(head, body, self._place(meta)))
-
-
-THIS = "this_ns"
-"""Name of the namespace of the file in which it is written."""
 
 
 def _in(qualifier: Term | None, name: str) -> str:

@@ -11,8 +11,8 @@ from importlib.util import cache_from_source
 from pathlib import Path
 
 from ..errors import Problem
-from .parser import read_clauses
 from .program import Clause
+from .texts import read_clauses
 
 _Read = tuple[tuple[Clause, ...], tuple[Problem, ...]]
 

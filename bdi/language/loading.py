@@ -8,13 +8,12 @@ from pathlib import Path
 from weakref import WeakValueDictionary
 
 from ..errors import Problem, ProgramError
-from .builder import THIS, Directive
 from .kept import kept_clauses
-from .namespaces import NO_NAMESPACE, Namespace
-from .parser import read_clauses
+from .namespaces import NO_NAMESPACE, THIS, Namespace
 from .patterns import PATTERNS, WrongPatternError, apply_pattern
-from .program import Belief, Clause, Goal, Plan, Program, Rule
+from .program import Belief, Clause, Directive, Goal, Plan, Program, Rule
 from .terms import Literal
+from .texts import read_clauses
 
 MAX_TEXT = 4_000_000
 """Length of the longest program that is read (characters); it takes about a minute."""

@@ -25,10 +25,12 @@ from .body import (
     Update,
     While,
 )
-from .builder import THIS
 from .changes import transformed
 from .program import Belief, Clause, Goal, Plan, Rule
 from .terms import DEFAULT, And, Literal, Not, Or, Qualified, Relation, Term, Var, rebuilt
+
+THIS = "this_ns"
+"""Name of the namespace of the file in which it is written."""
 
 #: Names that are in no namespace.
 _RESERVED = frozenset(

@@ -18,8 +18,7 @@ from lark.exceptions import UnexpectedInput, UnexpectedToken, VisitError
 from ..errors import Problem, ProgramError, TooDeepError
 from .builder import Builder, RefusedError, stray_message
 from .facts import plain_fact
-from .program import Belief, Clause, Plan, Rule
-from .terms import Literal, Term, TriggerTerm
+from .program import Clause, Plan
 from .tokens import clauses, grammar, is_block, nesting, tokenize
 
 _NAMES = {
@@ -177,8 +176,12 @@ _NO_PLAN = "inside a plan there are plans only"
 _remembered_clauses = lru_cache(maxsize=64)(_read_clauses)
 
 
-def _parse_part(source: str, before: str = "") -> Any:
-    """Return the clause of `before`, a part of a clause, and a full stop."""
+def parse_part(source: str, before: str = "") -> Any:
+    """Return the clause of `before`, a part of a clause, and a full stop.
+
+    Raises:
+        ProgramError: they make no clause.
+    """
     first = list(tokenize(before)) if before else []
     previous = str(first[-1]) if first else ""
     tokens = [*first, *tokenize(source, previous), Token("DOT", _END)]
@@ -186,48 +189,3 @@ def _parse_part(source: str, before: str = "") -> Any:
         return parse_clause(tokens, source)
     except (UnexpectedInput, VisitError, RecursionError, TooDeepError) as error:
         raise ProgramError([_problem(error, tokens, source)]) from None
-
-
-def _wrong_part(source: str, expected: str) -> ProgramError:
-    return ProgramError([Problem(source, 0, 0, f"{expected} is expected")])
-
-
-def parse_literal(source: str) -> Literal:
-    """Return the belief, goal or percept in `source`, as `gantry_detected(3)[source(percept)]`.
-
-    Raises:
-        ProgramError: `source` is not one literal.
-    """
-    clause = _parse_part(source)
-    if isinstance(clause, Belief):
-        return clause.belief
-    raise _wrong_part(source, "a literal")
-
-
-def parse_term(source: str) -> Term:
-    """Return the term or formula in `source`.
-
-    Raises:
-        ProgramError: `source` is not one term.
-    """
-    clause = _parse_part(source, "term :- ")
-    if isinstance(clause, Rule):
-        return clause.body
-    raise _wrong_part(source, "a term")
-
-
-def parse_trigger(source: str) -> TriggerTerm:
-    """Return the event in `source`, as `+work_completed(_)`."""
-    clause = _parse_part(source)
-    if isinstance(clause, Plan):
-        return TriggerTerm(clause.trigger.sort, clause.trigger.literal)
-    raise _wrong_part(source, "an event, as +b or +!g,")
-
-
-def parse_plan(source: str) -> Plan:
-    """Return the plan in `source`, with or without its full stop."""
-    whole = source.rstrip()
-    clause = _parse_part(whole[:-1] if whole.endswith(".") else whole)
-    if isinstance(clause, Plan):
-        return clause
-    raise _wrong_part(source, "a plan")

@@ -14,10 +14,9 @@ from typing import TypeAlias
 
 from ..errors import ProgramError
 from .body import BodyFormula, Place, Test, Update
-from .builder import Directive
-from .parser import parse_plan, parse_term, parse_trigger
-from .program import Belief, Clause, Plan
+from .program import Belief, Clause, Directive, Plan
 from .terms import TRUE, And, Literal, Not, Term, text
+from .texts import parse_plan, parse_term, parse_trigger
 from .unification import unified
 
 Clauses: TypeAlias = list[Clause]

@@ -271,6 +271,17 @@ def _is_plain(term: Term) -> bool:
 
 
 @dataclass(frozen=True, repr=False)
+class Directive(Clause):
+    """`{ include("file.asl") }`: carried out while a program is read."""
+
+    name: str
+    args: tuple[Term, ...]
+    place: Place
+    opens: bool = False
+    """True for `{ begin name }`, which `{ end }` closes."""
+
+
+@dataclass(frozen=True, repr=False)
 class Program(_Picklable):
     """Program of an agent: what it believes, wants and knows to do at the start.
 
