@@ -17,7 +17,7 @@ from ..core.folder_names import folder_for
 from . import completion
 from .arguments import Duration, NoOwnCode, Personality, RecordingFolder, Rules, Seed, TrialName
 from .browser import open_in_browser, somebody_looks
-from .consoles import plain_console, progress_bars, say
+from .consoles import progress_bars, say
 from .interrupts import taken_by
 from .notices import print_notices
 
@@ -238,10 +238,8 @@ def _kept(
 
 def _advance(simulation: Simulation) -> None:
     """Run to the end, or until it is stopped, with a progress bar on a terminal."""
-    from rich.console import Console
-
     duration = simulation.trial.duration
-    if not Console(stderr=True).is_terminal:
+    if not sys.stderr.isatty():
         simulation.advance(duration)
         return
 
@@ -255,23 +253,17 @@ def _advance(simulation: Simulation) -> None:
 
 
 def _report(run: Run, folder: Path) -> None:
-    from rich.table import Table
-
     from sim.record.summary import figures_in_words
 
     summary = run.summary
-    console = plain_console()
     trial, floor = summary["trial"], summary["floorplan"]
-    title = trial if trial == floor else f"{trial} on {floor}"
-    table = Table(title=title, title_justify="left")
-    table.add_column("figure")
-    table.add_column("value", overflow="fold")
-    for name, value in figures_in_words(summary):
-        table.add_row(name, value)
-    console.print(table)
-    console.print(
+    say(trial if trial == floor else f"{trial} on {floor}")
+    figures = figures_in_words(summary)
+    widest = max(len(name) for name, _ in figures)
+    for name, value in figures:
+        say(f"  {name:{widest}}  {value}")
+    say(
         f"{run.duration:g} s in {summary['cpu_seconds']:.3f} s of CPU time:"
-        f" {summary['realtime_factor']:,.0f} × real time",
-        highlight=False,
+        f" {summary['realtime_factor']:,.0f} × real time"
     )
-    console.print(f"{folder / 'replay.html'} shows it", highlight=False, soft_wrap=True)
+    say(f"{folder / 'replay.html'} shows it")
