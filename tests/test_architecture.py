@@ -157,3 +157,14 @@ def test_the_help_loads_no_planner_and_no_geometry():
         [sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True
     )
     assert done.stdout.strip() == "[]"
+
+
+def test_the_parser_is_loaded_with_the_first_program_that_is_read():
+    code = (
+        "import sys, sim, bdi; before = 'lark' in sys.modules;"
+        "bdi.parse('!go.'); print(before, 'lark' in sys.modules)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True
+    )
+    assert done.stdout.split() == ["False", "True"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import sys
 from typing import TYPE_CHECKING, Any
 
 import typer
@@ -24,7 +25,8 @@ def visible(text: str) -> str:
 
 def say(text: str, *, err: bool = False) -> None:
     """Print a line on stdout, or on stderr if `err`."""
-    typer.echo(visible(text), err=err)
+    # Left to itself, typer writes UTF-8 to terminals that have ASCII alone.
+    typer.echo(visible(text), file=None if err else sys.stdout, err=err)
 
 
 def plain_console(width: int | None = None) -> Console:
