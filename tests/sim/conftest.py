@@ -55,18 +55,21 @@ def floorwalker(capfd, monkeypatch):
 
 
 @pytest.fixture
-def room_for():
+def room_for(monkeypatch):
     """Lets no file grow beyond a number of bytes, while the context lasts: a full disk."""
     resource = pytest.importorskip("resource")
 
     @contextmanager
     def room_for(size):
         before = resource.getrlimit(resource.RLIMIT_FSIZE)
-        resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
-        try:
-            yield
-        finally:
-            resource.setrlimit(resource.RLIMIT_FSIZE, before)
+        with monkeypatch.context() as now:
+            # Python keeps the first part of a module's bytecode, and fails to import it again.
+            now.setattr(sys, "dont_write_bytecode", True)
+            resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
+            try:
+                yield
+            finally:
+                resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
     return room_for
 

@@ -113,7 +113,7 @@ except sim.OutputError as why:
 """
     pytest.importorskip("av")
     for name in ("a.gif", "a.mp4"):
-        command = [sys.executable, "-c", code, TRIAL, str(tmp_path / name)]
+        command = [sys.executable, "-B", "-c", code, TRIAL, str(tmp_path / name)]
         done = subprocess.run(command, capture_output=True, text=True, check=True)
         assert done.stdout == f"can't write {tmp_path / name}: File too large\n"
     assert list(tmp_path.iterdir()) == []
