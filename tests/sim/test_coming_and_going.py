@@ -188,6 +188,29 @@ def test_somebody_alone_comes_and_goes_too():
     assert "overlaps" not in run.summary
 
 
+OUT = """
+floorplan:
+  name: hall
+  boundary: [[0, 0], [12, 0], [12, 3], [0, 3]]
+  human: {{max_speed: {speed}, max_acceleration: {acceleration}}}
+duration: 40.0
+rules: observe
+people:
+  - {{name: a, personality: visitor, at: [5, 1.5], sink: [11, 1.5], beliefs: ["calls(0)"]}}
+  - {{name: b, personality: visitor, at: [3, 1.5], sink: [11, 1.5], beliefs: ["calls(0)"]}}
+"""
+
+
+@pytest.mark.parametrize(("speed", "acceleration", "walks"), [(1.0, 2.5, True), (2.5, 1.0, False)])
+def test_who_leaves_the_floor_walks_out_at_full_speed(speed, acceleration, walks):
+    """Unless they would begin to brake too far from the door."""
+    run = sim.run(sim.Trial.parse(OUT.format(speed=speed, acceleration=acceleration)))
+    assert run.summary["left"] == 2
+    for event in events(run, "left"):
+        velocity = run.motions[event["person"]].velocity(event["t"] - 1e-3)
+        assert float(np.hypot(*velocity)) == pytest.approx(speed if walks else 0.0, abs=0.01)
+
+
 def test_a_group_waits_for_a_leader_who_comes_later():
     """And those whom nobody leads yet start on the floor."""
     tour = """people:

@@ -32,7 +32,7 @@ from .outlook import Ground, Outlook
 from .requests import MORE, USUAL, UTMOST, Request
 from .room import Place, places_at, room_near
 from .steering import Foresighted, Steering, both_aside
-from .traveller import Traveller
+from .traveller import AT_THE_DOOR, Traveller
 from .vehicles import Vehicle
 from .waiting import APART, LONGEST, Party, is_beside_goal, is_no_nearer, takes_way_round
 from .whereabouts import GAP, Hit, Whereabouts
@@ -402,9 +402,9 @@ class Crowd:
             party.goes_on(self._clock.now)
         me.decided = now
         me.follow(motion, ahead)
-        at_goal = me.goal is not None and math.dist(ahead.place, me.goal) < 1e-6
-        party.arriving.set(motion.end if at_goal else None)
-        if me.goal is None or (wished and at_goal):
+        arrival = _arrival(me, motion, ahead.place, wished)
+        party.arriving.set(None if arrival is None else max(arrival, now))
+        if me.goal is None or (wished and arrival is not None):
             party.deciding.set(None)
         else:
             # Before they begin to brake for the stop at the end of what they look ahead: who
@@ -443,6 +443,22 @@ class Crowd:
         if (world, radius) not in self._grounds:
             self._grounds[world, radius] = Ground(world, radius)
         return self._grounds[world, radius]
+
+
+def _arrival(me: Traveller, motion: Motion, place: Point, wished: bool) -> float | None:
+    """Return when somebody who follows a motion has arrived (s); None if it leads elsewhere.
+
+    It ends at `place`; `wished` says whether others have left it as it is. Who leaves the floor is
+    out before they would brake, not to keep the next ones inside, or where others make them stop.
+    """
+    if me.goal is None:
+        return None
+    away, leaves = math.dist(place, me.goal), me.goal == me.leaves_at
+    if away >= 1e-6:
+        return motion.end if leaves and not wished and away < AT_THE_DOOR else None
+    brakes = motion.pieces[-1].begin
+    walks_out = leaves and math.dist(motion.state(brakes).at, me.goal) < AT_THE_DOOR
+    return brakes if walks_out else motion.end
 
 
 def _conflict(me: Traveller, mine: Swath, other: Traveller, theirs: Swath, now: float) -> bool:
