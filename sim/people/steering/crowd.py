@@ -336,7 +336,8 @@ class Crowd:
         stands = hit.at_rest and hit.other.body.motion.end <= now
         if ask and stands and stood >= me.manners.reaction_time:
             party.pause_longer(now)
-            if me.rank < hit.other.rank and self._ask(me, outlook, hit):
+            # Of two who wait for each other the other may ask where the one has done so in vain.
+            if (me.rank < hit.other.rank or party.said) and self._ask(me, outlook, hit):
                 return
             if party.rounded < now and takes_way_round(me, outlook, stood):
                 party.rounded = now

@@ -143,14 +143,17 @@ class Party:
                 other.kept[self] = None
 
     def behind(self) -> set[Traveller]:
-        """Return those who wait for them, and for those, but none whom they wait for in turn."""
+        """Return those who wait for them, and for those, but none whom they wait for in turn.
+
+        Those as well once they have lost patience: who waits for each other gains by any way out.
+        """
         found, left = set[Party](), [*self.kept]
         while left:
             party = left.pop()
             if party not in found:
                 found.add(party)
                 left += party.kept
-        ahead = self.waits_for
+        ahead = None if self.said else self.waits_for
         while ahead is not None and ahead in found:
             found.discard(ahead)
             ahead = ahead.waits_for
