@@ -255,6 +255,21 @@ def test_the_distance_in_a_single_file_grows_with_the_speed(walks, speed):
     assert float(np.mean(-np.diff(x, axis=0))) == pytest.approx(0.36 + 1.06 * speed, rel=0.15)
 
 
+def test_a_full_corridor_takes_up_its_width(walks):
+    """One person/m² in files 0.93 m apart walk at Weidmann's speed (1993), within 20 %."""
+    rng = random.Random(1)
+    starts = [(0.5 + 1.07 * (c + r % 2 / 2), 0.6 + 0.93 * r) for c in range(16) for r in range(4)]
+    speeds = [min(max(rng.gauss(1.34, 0.26), 0.6), 2.0) for _ in starts]
+    floor = "human: {radius: 0.2, max_speed: 1.34}\n" + hall(40, 4)
+    run = walks(floor, [((x, y), [(39, y)]) for x, y in starts], 8.0, speeds=speeds)
+    assert least(run) >= 0.4
+    t = np.linspace(3.0, 8.0, 50)
+    middle = [k for k, (x, _) in enumerate(starts) if x < 10.0]
+    found = [np.hypot(*run.motions[f"p{k}"].velocity(t).T).mean() for k in middle]
+    weidmann = 1.34 * (1 - math.exp(-1.913 * (1 / 1.0 - 1 / 5.4)))
+    assert float(np.mean(found)) == pytest.approx(weidmann, rel=0.2)
+
+
 def test_a_crowd_around_a_goal_dissolves(walks):
     """Fifteen want to one place and back; who comes late arrives at the edge of the others."""
     _, ways = circle(15)

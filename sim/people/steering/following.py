@@ -50,31 +50,12 @@ def behind(me: Traveller, outlook: Outlook) -> Behind | None:
     way, is not followed, and nobody keeps a gap into which somebody who comes the other way would
     step: that jams aisles.
     """
-    gap, t, others = me.manners.time_gap, outlook.t, outlook.others
-    if gap <= 0.0:
+    if me.manners.time_gap <= 0.0:
         return None
-    # The kernel decides among all who are near; `_behind` below says for the one it finds what the
-    # formula gives, and for those who set out only now, who have no velocity yet.
-    frame = outlook.walks.at(0.0)
-    people, slow = others.floor.people, list[int]()
-    k = followed(
-        others.near,
-        others.floor.tables,
-        others.floor.radii,
-        t,
-        SEES,
-        *frame,
-        me.radius,
-        gap,
-        AHEAD,
-        me.top_speed,
-        SAME_WAY,
-        CLOSES_UP,
-        slow,
-    )
-    found = None if k < 0 else _behind(me, people[k], t, frame)
+    t, frame, floor, slow = outlook.t, outlook.walks.at(0.0), outlook.others.floor, list[int]()
+    found = _followed(me, outlook, frame, slow)
+    people, rests = floor.people, floor.rests
     # Who has hardly set out yet may be followed too, and comes where their route leads them.
-    rests = others.floor.rests
     for other in [people[k] for k in slow if rests[k] > t]:
         if _cosine(other, t, frame) > SAME_WAY:
             one = _behind(me, other, t, frame)
@@ -83,6 +64,13 @@ def behind(me: Traveller, outlook: Outlook) -> Behind | None:
     if found is None or any(_comes(people[k], t, frame) for k in slow):
         return None
     return found._replace(speed=max(found.speed, LEAST))
+
+
+def speed_beside(me: Traveller, outlook: Outlook, side: float) -> float:
+    """Return how fast (m/s) somebody would come on `side` metres to the left, behind others."""
+    x, y, c, s = outlook.walks.at(0.0)
+    other = _followed(me, outlook, (x - side * s, y + side * c, c, s), [])
+    return me.top_speed if other is None else max(other.speed, LEAST)
 
 
 def is_opposed(outlook: Outlook, length: float) -> bool:
@@ -99,6 +87,32 @@ def is_opposed(outlook: Outlook, length: float) -> bool:
         ):
             return True
     return False
+
+
+def _followed(me: Traveller, outlook: Outlook, frame: Frame, slow: list[int]) -> Behind | None:
+    """Return who keeps somebody below their top speed most, of those who walk.
+
+    `slow` receives those ahead who hardly move.
+    """
+    others, t = outlook.others, outlook.t
+    # The kernel decides among all who are near; `_behind` below says for the one it finds what the
+    # formula gives, and for those who set out only now, who have no velocity yet.
+    k = followed(
+        others.near,
+        others.floor.tables,
+        others.floor.radii,
+        t,
+        SEES,
+        *frame,
+        me.radius,
+        me.manners.time_gap,
+        AHEAD,
+        me.top_speed,
+        SAME_WAY,
+        CLOSES_UP,
+        slow,
+    )
+    return None if k < 0 else _behind(me, others.floor.people[k], t, frame)
 
 
 def _behind(me: Traveller, other: Traveller, t: float, frame: Frame) -> Behind | None:

@@ -8,8 +8,8 @@ from typing import Protocol
 from navigation import Motion, Swath
 
 from .course import nearest_length
-from .following import Behind, behind, is_opposed
-from .outlook import Outlook
+from .following import Behind, behind, is_opposed, speed_beside
+from .outlook import OUTSIDE, Outlook
 from .traveller import Traveller
 from .whereabouts import GAP, Hit
 
@@ -39,6 +39,15 @@ PHANTOM = 0.3
 
 PARTS = (1.0, 0.8, 0.6, 0.4, 0.2)
 """Parts of the free stretch ahead after which a stop is tried."""
+
+FILES = (0.25, 0.5)
+"""Metres to either side. There somebody who follows looks for room to walk faster beside others."""
+
+FASTER = 0.15
+"""m/s. For less nobody leaves a file."""
+
+BESIDE = 0.4
+"""Share of the foresight after which somebody who leaves a file is beside it."""
 
 STANDS = 1e-6
 """m/s. Slower than this is standing."""
@@ -151,6 +160,8 @@ class Foresighted:
         # A stop behind somebody who is about to walk on loses less than it seems: they soon go on.
         for length in self._stops(me, outlook, outlook.gone(hit.t), follows):
             walks.add(share * max(whole - length, 0.0), length, top, 0.0)
+        if ahead is not None and outlook.speed >= STANDS and ahead.speed + FASTER < me.top_speed:
+            _add_files(me, outlook, ahead)
 
     def _stops(
         self, me: Traveller, outlook: Outlook, gone: float, follows: bool
@@ -205,6 +216,22 @@ def _same_way(me: Traveller, hit: Hit, now: float) -> bool:
     return mine[0] * theirs[0] + mine[1] * theirs[1] > 0.3
 
 
+def _add_files(me: Traveller, outlook: Outlook, ahead: Behind) -> None:
+    """Add walks to a place beside the file of somebody who follows, where they come on faster.
+
+    So a crowd takes up all the width that there is, but where others need it to come the other way.
+    """
+    if outlook.ground.narrow(outlook.at, OUTSIDE):
+        return
+    walks, usual = outlook.walks, _usual(me)
+    for width in FILES:
+        for side in (usual * width, -usual * width):
+            speed = speed_beside(me, outlook, side)
+            along = BESIDE * speed * me.manners.foresight
+            if speed >= ahead.speed + FASTER and along < outlook.whole:
+                walks.add_asides([side], WIDEST, usual, OTHER_SIDE, along, speed, along)
+
+
 def _add_asides(me: Traveller, outlook: Outlook, hit: Hit, widths: Sequence[float] = ()) -> None:
     """Add the walks that pass the other on either side.
 
@@ -227,8 +254,12 @@ def _add_asides(me: Traveller, outlook: Outlook, hit: Hit, widths: Sequence[floa
             *sides,
         ]
     walks, length, along = outlook.walks, outlook.reach + 0.5, gone + max(ahead, 0.0)
-    usual = -1.0 if me.manners.passing_side == "right" else 1.0
-    walks.add_asides(sides, WIDEST, usual, OTHER_SIDE, length, me.top_speed, along)
+    walks.add_asides(sides, WIDEST, _usual(me), OTHER_SIDE, length, me.top_speed, along)
+
+
+def _usual(me: Traveller) -> float:
+    """Return the side on which somebody passes: 1 for the left, -1 for the right."""
+    return -1.0 if me.manners.passing_side == "right" else 1.0
 
 
 def _relative(outlook: Outlook, hit: Hit) -> tuple[float, float, float]:
@@ -256,7 +287,7 @@ def both_aside(
     x, y, _, _ = mine.walks.at(gone + max(ahead, 0.0) / 2)
     needed = me.radius + hit.other.radius + GAP + 1e-3
     comfort = min(me.manners.comfort, 0.1)
-    usual = -1.0 if me.manners.passing_side == "right" else 1.0
+    usual = _usual(me)
     for spare in (comfort, 0.0):
         for way in (usual, -usual):
             width = needed + spare + way * beside
