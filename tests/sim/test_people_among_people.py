@@ -270,6 +270,17 @@ def test_a_full_corridor_takes_up_its_width(walks):
     assert float(np.mean(found)) == pytest.approx(weidmann, rel=0.2)
 
 
+def test_many_who_meet_in_a_corridor_pass_each_other_one_by_one(walks):
+    """Past the first of them there is not yet room for all that people look ahead."""
+    rng = random.Random(0)
+    west, east = (places(rng, 9, (x, 0.35), (x + 5.0, 2.65), 0.65) for x in (0.5, 18.5))
+    ways = [((x, y), [(x + 18, y)]) for x, y in west] + [((x, y), [(x - 18, y)]) for x, y in east]
+    run = walks(hall(24, 3), ways)
+    ends = [event["t"] for event in events(run, "arrived")]
+    assert len(ends) == 18 and least(run) >= 0.6
+    assert float(np.mean(ends)) < 35.0  # 18 alone
+
+
 def test_a_crowd_around_a_goal_dissolves(walks):
     """Fifteen want to one place and back; who comes late arrives at the edge of the others."""
     _, ways = circle(15)

@@ -52,6 +52,9 @@ BESIDE = 0.4
 STANDS = 1e-6
 """m/s. Slower than this is standing."""
 
+PAST = 0.3
+"""Metres beyond the place beside somebody who comes where one who passes them may stop."""
+
 OTHER_SIDE = 0.15
 """Metres. What passing on the less usual side costs."""
 
@@ -108,15 +111,20 @@ class Foresighted:
             if draft is not None:
                 return outlook.made(draft)
             walks.clear()
-        _add_asides(body, outlook, near)
+        opposed = (
+            not follows
+            and hit.other.goal is not None
+            and not outlook.ground.narrow(outlook.at, OUTSIDE)
+        )
+        _add_asides(body, outlook, near, opposed=opposed)
         if near.other is not hit.other:
-            _add_asides(body, outlook, hit)
+            _add_asides(body, outlook, hit, opposed=opposed)
         draft = _first_free(outlook)
         # Only who stands, and before nobody who walks on, tries wide detours: they cost the most.
         if draft is None and outlook.speed < STANDS and not follows:
             outlook.look_around(DETOURS[-1])
             walks.clear()
-            _add_asides(body, outlook, hit, DETOURS)
+            _add_asides(body, outlook, hit, widths=DETOURS)
             draft = _first_free(outlook)
         return None if draft is None else outlook.made(draft)
 
@@ -232,29 +240,34 @@ def _add_files(me: Traveller, outlook: Outlook, ahead: Behind) -> None:
                 walks.add_asides([side], WIDEST, usual, OTHER_SIDE, along, speed, along)
 
 
-def _add_asides(me: Traveller, outlook: Outlook, hit: Hit, widths: Sequence[float] = ()) -> None:
+def _add_asides(
+    me: Traveller,
+    outlook: Outlook,
+    hit: Hit,
+    *,
+    widths: Sequence[float] = (),
+    opposed: bool = False,
+) -> None:
     """Add the walks that pass the other on either side.
 
-    Just past the other and a little wider, or else by these `widths` (metres) alone.
+    Just past the other and a little wider, or else by these `widths` (metres) alone. Who is
+    `opposed` may also stop beside the other: past the first of many there seldom is room for all
+    that they look ahead.
     """
     gone, ahead, beside = _relative(outlook, hit)
     needed = me.radius + hit.other.radius + GAP
-    sides = TO_EITHER_SIDE
+    wide = needed + me.manners.comfort
+    # Just past them at the comfort distance, then at the least one, then by set widths; to either
+    # side. Which is free, and loses least, is found out when they are drawn up.
+    past = [beside - wide, beside + wide, beside - needed - 1e-3, beside + needed + 1e-3]
+    sides = [*past, *TO_EITHER_SIDE]
     if widths:
         sides = [side for width in widths for side in (-width, width)]
-    else:
-        wide = needed + me.manners.comfort
-        sides = [
-            # Just past them at the comfort distance, then at the least one, then by set widths; to
-            # either side. Which is free, and loses least, is found out when they are drawn up.
-            beside - wide,
-            beside + wide,
-            beside - needed - 1e-3,
-            beside + needed + 1e-3,
-            *sides,
-        ]
     walks, length, along = outlook.walks, outlook.reach + 0.5, gone + max(ahead, 0.0)
     walks.add_asides(sides, WIDEST, _usual(me), OTHER_SIDE, length, me.top_speed, along)
+    if opposed:
+        length = along + PAST
+        walks.add_asides(past[:2], WIDEST, _usual(me), OTHER_SIDE, length, me.top_speed, along)
 
 
 def _usual(me: Traveller) -> float:
