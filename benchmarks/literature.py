@@ -53,6 +53,12 @@ WIDTHS = (0.8, 1.0, 1.2, 1.6, 2.0)
 DENSITIES = (0.5, 1.0, 1.5, 2.0)
 """People per square metre, at the start."""
 
+STARTS = (1, 2, 3, 4)
+"""Seeds of the places in a full corridor, and of when people come into counterflow.
+
+From files along the corridor, what is measured soon after would be how far apart these were laid.
+"""
+
 RATES = (0.15, 0.25, 0.4)
 """People per second who come in at each of three places at either end."""
 
@@ -97,6 +103,22 @@ def filled(low: Point, high: Point, count: int) -> list[Point]:
         for r in range(rows)
     ]
     return places[:count]
+
+
+def strewn(low: Point, high: Point, count: int, seed: int) -> list[Point]:
+    """Return `count` places, drawn at random over a rectangle, no two bodies nearer than 0.05 m.
+
+    Nearer where so many don't fit.
+    """
+    chance, apart, tries, places = random.Random(seed), 2 * RADIUS + 0.05, 0, list[Point]()
+    while len(places) < count:
+        at = (chance.uniform(low[0], high[0]), chance.uniform(low[1], high[1]))
+        tries += 1
+        if tries > 20_000:
+            apart, tries = 0.95 * apart, 0
+        if all(math.dist(at, other) > apart for other in places):
+            places.append(at)
+    return places
 
 
 def durations(data: pedpy.TrajectoryData) -> NDArray[np.float64]:
@@ -273,29 +295,36 @@ def rimea_4(walk: Program) -> Iterator[Found]:
 
     RiMEA's is 1,000 m by 10 m; this one is full for 36 m of its length of 60 m and 4 m wide. PedPy
     measures in 2 m by 2 m, 3 to 10 s after all set out, which is before either end of the crowd is
-    felt there.
+    felt there. Means of several random starts.
     """
     floor, length = rectangle(60.0, 4.0), 36.0
     area = pedpy.MeasurementArea([(18.0, 1.0), (20.0, 1.0), (20.0, 3.0), (18.0, 3.0)])
     for density in DENSITIES:
-        starts = filled((0.3, 0.25), (length, 3.75), round(density * length * 4.0))
-        speeds = drawn(len(starts))
-        walkers = [Walker(at, ((59.5, at[1]),), v) for at, v in zip(starts, speeds, strict=True)]
-        data = walk(Scene(floor, walkers, 10.0))
-        dense = pedpy.compute_classic_density(traj_data=data, measurement_area=area)
-        individual = pedpy.compute_individual_speed(
-            traj_data=data,
-            frame_step=2,
-            speed_calculation=pedpy.SpeedCalculation.BORDER_SINGLE_SIDED,
-        )
-        speed = pedpy.compute_mean_speed_per_frame(
-            traj_data=data, individual_speed=individual, measurement_area=area
-        )
-        steady = slice(3 * RATE, None)
-        yield Found(
-            float(dense["density"].to_numpy()[steady].mean()),
-            float(np.nanmean(speed["speed"].to_numpy()[steady])),
-        )
+        found = []
+        for seed in STARTS:
+            starts = strewn((0.3, 0.25), (length, 3.75), round(density * length * 4.0), seed)
+            speeds = drawn(len(starts))
+            walkers = [
+                Walker(at, ((59.5, at[1]),), v) for at, v in zip(starts, speeds, strict=True)
+            ]
+            data = walk(Scene(floor, walkers, 10.0))
+            dense = pedpy.compute_classic_density(traj_data=data, measurement_area=area)
+            individual = pedpy.compute_individual_speed(
+                traj_data=data,
+                frame_step=2,
+                speed_calculation=pedpy.SpeedCalculation.BORDER_SINGLE_SIDED,
+            )
+            speed = pedpy.compute_mean_speed_per_frame(
+                traj_data=data, individual_speed=individual, measurement_area=area
+            )
+            steady = slice(3 * RATE, None)
+            found.append(
+                Found(
+                    float(dense["density"].to_numpy()[steady].mean()),
+                    float(np.nanmean(speed["speed"].to_numpy()[steady])),
+                )
+            )
+        yield Found(*(statistics.mean(column) for column in zip(*found, strict=True)))
 
 
 def lanes(walk: Program, rate: float) -> tuple[float, float]:
@@ -305,10 +334,16 @@ def lanes(walk: Program, rate: float) -> tuple[float, float]:
     parameter of M. Moussaïd et al. ("Traffic instabilities in self-organized pedestrian crowds",
     PLoS Comput. Biol. 8, 2012) over strips of a body's width: the mean, over people and time, of
     ((n - m) / (n + m))², where n people of one's strip go one's way and m the other. The second
-    figure is what it would be if as many people were anywhere across the corridor.
+    figure is what it would be if as many people were anywhere across the corridor. Means of
+    several draws of when they come in.
     """
+    found = [_lanes(walk, rate, seed) for seed in STARTS]
+    return statistics.mean(one for one, _ in found), statistics.mean(one for _, one in found)
+
+
+def _lanes(walk: Program, rate: float, seed: int) -> tuple[float, float]:
     length, width, strip, count = 20.0, 3.0, 2 * RADIUS, 15
-    chance, walkers = random.Random(2), []
+    chance, walkers = random.Random(seed), []
     for here, there in ((0.5, length - 0.5), (length - 0.5, 0.5)):
         for y in (0.5, 1.5, 2.5):
             t = 0.0
