@@ -1,6 +1,7 @@
 """Machines of any kind: one that the library does not know, several gantries, an AGV of a trial."""
 
 import json
+import re
 import shutil
 from dataclasses import replace
 from pathlib import Path
@@ -69,7 +70,7 @@ def test_the_command_shows_the_figures_of_an_unknown_kind_and_none_of_a_gantry_n
         "machines: {train: {kind: 'tugger:Tugger', course: [[3, 3], [9, 3], [9, 5]]}}\n"
     )
     done = floorwalker("run", "yard.trial.yaml", "--out", "run", cwd=tmp_path)
-    rows = [[cell.strip() for cell in line.split("│")[1:3]] for line in done.stdout.splitlines()]
+    rows = [re.split(r"\s{2,}", line.strip()) for line in done.stdout.splitlines()]
     figures = dict(row for row in rows if len(row) == 2)
     assert figures["train"] == "rounds 2" and "gantry jobs done" not in figures
     with pytest.raises(sim.TrialError, match="minimum_separation: a run has no such figure"):
