@@ -349,7 +349,7 @@ def test_ten_from_either_side_get_through_an_aisle_for_two(walks, seed):
     assert arrived(run) == set(run.summary["people"])
 
 
-@pytest.mark.parametrize("seed", [13, pytest.param(18, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("seed", [91, pytest.param(92, marks=pytest.mark.slow)])
 def test_a_throng_in_an_aisle_for_two_dissolves(walks, seed):
     """Also where those who rank highest are in the middle of it, and others alone can back out."""
     rng = random.Random(seed)
