@@ -11,6 +11,7 @@ files is not counted. Whole processes count everything, the interpreter's start 
 from __future__ import annotations
 
 import argparse
+import itertools
 import json
 import math
 import resource
@@ -19,7 +20,10 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Generator
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import bdi
 import navigation
@@ -45,7 +49,23 @@ agvs:
   agv4: [{{time: 90.0, to: as4}}, {{time: 150.0, to: kitting}}]
 """
 CONTROLLERS = ("oblivious", "pausing", "avoiding")
-TRIALS = {"one person": ONE, "one person, 10 s": f"duration: 10\n{ONE}", "five people": FIVE}
+BESIDE = ("indifferent", "antagonistic", "helpful")
+"""Personalities of the one person beside a controller, in the pairs of both."""
+
+FOUR_AGVS = """\
+  agv2: [{time: 30.0, to: as2}, {time: 150.0, to: kitting}]
+  agv3: [{time: 45.0, to: as3}, {time: 180.0, to: kitting}]
+"""
+INTEGRAL = """\
+rules: {gantry_law: {iso_ts_15066_integral: {t1: 1.0, t2: 1.5, intrusion: 1.0}}}
+people: [{name: p, personality: antagonistic}]
+"""
+TRIALS = {
+    "one person": ONE,
+    "one person, 10 s": f"duration: 10\n{ONE}",
+    "five people": FIVE,
+    "one person, antagonistic, integral law": INTEGRAL,
+}
 for crowd, people in (("one person", ONE), ("five people", FIVE)):
     for controller in CONTROLLERS:
         work = WORK.format(controller=controller)
@@ -57,6 +77,36 @@ def cpu_of_run(trial: sim.Trial) -> float:
     begin = time.process_time()
     sim.run(trial)
     return time.process_time() - begin
+
+
+def pairs(repetitions: int) -> list[float]:
+    """How many times as fast as real time: three controllers at work, beside three personalities.
+
+    With four AGVs that move; the medians of each pair.
+    """
+    found = []
+    for controller in CONTROLLERS:
+        work = WORK.format(controller=controller) + FOUR_AGVS
+        for personality in BESIDE:
+            person = f"people: [{{name: p, personality: {personality}}}]\n"
+            trial = sim.Trial.parse(f"floorplan: ariac2023\n{person}{work}")
+            seconds = [cpu_of_run(trial) for _ in range(repetitions)]
+            found.append(trial.duration / statistics.median(seconds))
+    return found
+
+
+def looking_around(gantry: Any) -> Generator[Any, Any, None]:
+    """Look where people are ten times a second, and go somewhere else each time."""
+    for x, y in itertools.cycle([(-2.3, 3.0), (-9.0, 0.0), (-5.0, -3.0)]):
+        yield gantry.look(after=0.05)
+        gantry.move_to(x, y)
+
+
+def decisions(repetitions: int) -> float:
+    """Decisions in a second of CPU time of a gantry that is `looking_around`."""
+    trial = sim.Trial.parse(f"floorplan: ariac2023\n{ONE}")
+    trial = replace(trial, gantry=sim.GantryEntry(controller=looking_around))
+    return 10 * trial.duration / statistics.median(cpu_of_run(trial) for _ in range(repetitions))
 
 
 def cost_of_a_day() -> tuple[float, float]:
@@ -151,12 +201,20 @@ def main() -> None:
     for name, text in TRIALS.items():
         known, command = speeds(text, repetitions)
         print(f"{name:40} {known:9,.0f} {command:9,.0f}", flush=True)
+    factors = sorted(pairs(repetitions))
+    print(f"{'controllers beside personalities':40} {factors[4]:9,.0f}, least {factors[0]:,.0f}")
+    print(f"{'decisions of a controller /s':40} {decisions(repetitions):9,.0f}")
     print(f"{'whole process':32} {'median s':>9}")
     helps = [cpu_of_process("--help") for _ in range(repetitions)]
     print(f"{'floorwalker --help':32} {statistics.median(helps):9.4f}")
     with tempfile.TemporaryDirectory() as folder:
         runs = [cpu_of_process("run", "--out", f"{folder}/{k}") for k in range(repetitions)]
     print(f"{'floorwalker run':32} {statistics.median(runs):9.4f}")
+    with tempfile.TemporaryDirectory() as folder:
+        path = f"{folder}/t.trial.yaml"
+        Path(path).write_text(f"floorplan: ariac2023\n{ONE}", encoding="utf-8")
+        checks = [cpu_of_process("check", path) for _ in range(repetitions)]
+    print(f"{'floorwalker check':32} {statistics.median(checks):9.4f}")
     day, grown = cost_of_a_day()
     print(f"{'a day of one person':32} {day:9.4f} {86400 / day:,.0f} × real time, {grown:+.1f} MB")
     exact, sampled = cpu_of_monitor()
