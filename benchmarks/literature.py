@@ -6,7 +6,7 @@ through openings, one way and both ways in a corridor; in the tests 1, 4, 5, 6, 
 tests 1 to 6 of Jülich (JuPedSim 0.9, 2020). JuPedSim walks the same scenes beside, and PedPy
 measures what it has a method for.
 
-    python benchmarks/literature.py [--plot docs/images/literature.svg] [--people 250]
+    python benchmarks/literature.py [--plot docs/images/literature.svg] [--people 1000]
 """
 
 from __future__ import annotations
@@ -492,7 +492,7 @@ def main() -> None:
     """Measure, print tables in Markdown, and draw."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n\n")[0])
     parser.add_argument("--plot", type=Path, default=Path("docs/images/literature.svg"))
-    parser.add_argument("--people", type=int, default=250, help="in the hall of RiMEA 9")
+    parser.add_argument("--people", type=int, default=1000, help="in the hall of RiMEA 9")
     asked = parser.parse_args()
     for scene, published, measure in ROWS:
         print(
