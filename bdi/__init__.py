@@ -9,12 +9,12 @@ agent.advance(12.5)
 """
 
 from .agent import Agent
-from .doubts import doubts
 from .errors import EndlessProgramError, Problem, ProgramError
 from .language.loading import load, parse, parse_file, programs
 from .language.program import Belief, Goal, Plan, Program, Rule
 from .language.terms import Literal, Term, Var, text
 from .language.texts import parse_literal, parse_term
+from .lint import doubts
 from .reasoning.actions import InternalAction, InternalActions
 from .reasoning.beliefs import LiveBeliefs
 from .reasoning.calls import Call

@@ -16,7 +16,6 @@ from .document import Document, parse_yaml, read_yaml, refuse
 from .fields import Flag, NotNegative, Number, Pair, Positive, Range, Strictly, whole
 from .kinds import require, require_fields
 from .loading import build, builtin, load, parse
-from .misfits import Fault, Place, field_name, misfits
 from .model import (
     EVERYBODY,
     LEFT_OUT_IF_EMPTY,
@@ -48,6 +47,7 @@ from .reading import (
     require_readable,
 )
 from .schema import ObstacleSchema
+from .validation import Fault, Place, field_name, misfits
 from .writing import floor_keys, lost, obstacle_keys
 from .yaml_writing import yaml_text
 

@@ -15,9 +15,9 @@ from shapely.validation import explain_validity
 
 from .document import refuse
 from .kinds import SOUND, require, require_fields
-from .misfits import Fault, Place
 from .model import Floor, Gate, Lane, Obstacle, Zone
 from .problems import FloorplanError
+from .validation import Fault, Place
 
 LARGEST = 1e9
 """Largest figure of a floor, a trial or a rule set, in its unit: beyond, steps of a millimetre or a

@@ -11,9 +11,9 @@ from typing import Any, TypeVar
 import yaml
 from pydantic import BaseModel, ValidationError
 
-from .misfits import MOST_MISFITS, Fault, Place, field_name, misfits
 from .problems import InputError, Problem
 from .reading import no_garbage, read_text
+from .validation import MOST_MISFITS, Fault, Place, field_name, misfits
 from .yaml_loader import MOST_VALUES, safe_loader, too_many
 
 MOST_TEXT = 4_000_000

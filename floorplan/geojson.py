@@ -21,12 +21,12 @@ from shapely.geometry import shape as shape_of
 from .checks import LARGEST, polygon_fault
 from .fields import Number
 from .layers import BOUNDARY, Drawn
-from .misfits import field_name, misfits
 from .model import DEFAULT_HEIGHT, Obstacle, SafeZone, Station
 from .outlines import pieces_of
 from .plan import Floorplan
 from .problems import FloorplanError, Problem, shown
 from .reading import read_text
+from .validation import field_name, misfits
 from .wkt import joined
 
 DEGREES = ("CRS84", "4326")

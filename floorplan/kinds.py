@@ -13,9 +13,9 @@ from typing import Any, Literal, Union, get_args, get_origin
 
 import numpy as np
 
-from .misfits import Fault, field_name
 from .named import NamedField
 from .problems import shown
+from .validation import Fault, field_name
 
 _PLAIN: dict[Any, tuple[Any, str]] = {
     float: (Real, "a number"),

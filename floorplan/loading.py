@@ -14,7 +14,6 @@ from .document import Document, parse_yaml, read_yaml
 from .dxf import load_dxf
 from .geojson import load_geojson
 from .layers import AS_IT_IS, Drawn, Group
-from .misfits import Place
 from .movingai import load_drawn_map
 from .overlay import corrected, correction_faults, laid_over
 from .placing import put, scaled
@@ -23,6 +22,7 @@ from .problems import FloorplanError, Problem, suggestion
 from .reading import is_there
 from .ros_map import build_ros_map, is_ros_map
 from .schema import METRE, OF_DRAWINGS, FloorplanSchema
+from .validation import Place
 from .wkt import load_wkt
 
 BUILT_IN = Path(__file__).parent / "data"

@@ -9,11 +9,11 @@ from typing import TypeVar
 
 import shapely
 
-from .misfits import Fault
 from .model import Door, Gate, Obstacle, Station, Zone
 from .plan import Floorplan
 from .problems import suggestion
 from .schema import FloorplanSchema
+from .validation import Fault
 
 _Thing = TypeVar("_Thing", Obstacle, Station, Door, Zone, Gate)
 

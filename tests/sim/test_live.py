@@ -374,9 +374,8 @@ def test_the_page_interferes_with_the_run(open_address):
         press("hold")
         wait_for("hold", "Hold gantry")
 
-        box = page.locator(".view canvas.flat").bounding_box()
-
         def on_floor(x, y):
+            box = page.locator(".view canvas.flat").bounding_box()
             px, py = page.evaluate("p => floorwalker.place(...p)", [x, y])
             return box["x"] + px, box["y"] + py
 
