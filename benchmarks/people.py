@@ -47,7 +47,7 @@ def trial(people: int, duration: float) -> sim.Trial:
 def ours(given: sim.Trial) -> tuple[int, list[Start]]:
     """Run a patrol; return the legs that were finished, and where people started."""
     run = sim.run(given)
-    if run.summary["overlaps"]:
+    if run.summary.get("overlaps"):  # one alone has no such figure
         raise AssertionError(f"{run.summary['overlaps']} pairs of people overlap")
     starts = [tuple(run.motions[name].position(0.0).tolist()) for name in run.summary["people"]]
     return sum(len(person["visits"]) for person in run.summary["people"].values()), starts

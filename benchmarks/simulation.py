@@ -152,7 +152,8 @@ def speeds(text: str, repetitions: int) -> tuple[float, float]:
 def cpu_of_process(*arguments: str) -> float:
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     command = [sys.executable, "-m", "sim.cli", *arguments]
-    subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
+    nothing = subprocess.DEVNULL
+    subprocess.run(command, cwd=ROOT, check=True, stdout=nothing, stderr=nothing)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
