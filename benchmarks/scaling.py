@@ -9,6 +9,8 @@ the slope of a straight line through the right half of its points, where both ax
 from __future__ import annotations
 
 import argparse
+import math
+import random
 import time
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
@@ -19,6 +21,7 @@ from big_floors import hall
 from matplotlib.ticker import NullLocator
 from monitor import INTEGRAL, LAW, SPAN, pair
 
+import bdi
 import floorplan
 import navigation
 import sim
@@ -56,7 +59,7 @@ def running(text: str, *, warm: bool = True) -> Callable[[], object]:
 
 
 def people() -> dict[str, Curve]:
-    """People on patrol on the ARIAC floor for 60 s."""
+    """People for 60 s: on patrol on the ARIAC floor, and in a hall of 20 m² for each of them."""
 
     def crowd(count: float) -> Callable[[], object]:
         return running(
@@ -64,7 +67,48 @@ def people() -> dict[str, Curve]:
             f"people: [{{name: p, count: {count:g}, at: anywhere}}]\n"
         )
 
-    return {"on patrol, 60 s": measured((1, 2, 4, 8, 16, 32, 64), crowd)}
+    def hall_of(count: float) -> Callable[[], object]:
+        trial = strollers(round(count))
+        sim.run(trial)
+        return lambda: sim.run(trial)
+
+    return {
+        "on patrol, 60 s": measured((1, 2, 4, 8, 16, 32, 64), crowd),
+        "20 m² each": measured((10, 20, 50, 100, 200), hall_of),
+    }
+
+
+def strollers(count: int) -> sim.Trial:
+    """Return a trial of so many people on legs of 2 to 8 m, in an empty hall of 20 m² for each."""
+    chance, side = random.Random(count), math.sqrt(20.0 * count)
+
+    def anywhere() -> tuple[float, float]:
+        return (chance.uniform(0.5, side - 0.5), chance.uniform(0.5, side - 0.5))
+
+    starts: list[tuple[float, float]] = []
+    while len(starts) < count:
+        at = anywhere()
+        if all(math.dist(at, other) > 0.7 for other in starts):
+            starts.append(at)
+    crowd = []
+    for k, start in enumerate(starts):
+        goals = [start]
+        while len(goals) < 20:
+            at = anywhere()
+            if 2.0 < math.dist(at, goals[-1]) < 8.0:
+                goals.append(at)
+        heads = ["+human_start", *(f"+work_completed({n})" for n in range(len(goals) - 2))]
+        plans = [
+            f"{head} <- move({x}, {y}, 0)." for head, (x, y) in zip(heads, goals[1:], strict=True)
+        ]
+        crowd.append(sim.PersonEntry(f"p{k}", bdi.parse("\n".join(plans)), at=start))
+    floor = f"boundary: [[0, 0], [{side}, 0], [{side}, {side}], [0, {side}]]"
+    return sim.Trial(
+        floorplan.parse(floor),
+        duration=60.0,
+        rules=sim.RULE_SETS["observe"],
+        people=tuple(crowd),
+    )
 
 
 def machines() -> dict[str, Curve]:
