@@ -53,13 +53,6 @@ class Detours:
         It stays as far from each place where somebody is `standing` as is said with it (metres);
         `free` says whether there are no walls along a segment.
         """
-        # Most who look in vain have somebody at their goal.
-        there = (
-            (math.floor(goal[0] / CELL) + 0.5) * CELL,
-            (math.floor(goal[1] / CELL) + 0.5) * CELL,
-        )
-        if any(math.dist(place, there) < needed for place, needed in standing):
-            return None
         found = self._cells(at, goal, standing)
         if found is None:
             return None
@@ -91,6 +84,13 @@ class Detours:
 
         None if there is none.
         """
+        # Most who look in vain have somebody at their goal.
+        there = (
+            (math.floor(goal[0] / CELL) + 0.5) * CELL,
+            (math.floor(goal[1] / CELL) + 0.5) * CELL,
+        )
+        if any(math.dist(place, there) < needed for place, needed in standing):
+            return None
         low_column, high_column = _span(at[0], goal[0])
         low_row, high_row = _span(at[1], goal[1])
         columns, rows = high_column - low_column + 1, high_row - low_row + 1

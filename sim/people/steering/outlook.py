@@ -319,7 +319,12 @@ class Outlook:
     @cached_property
     def abreast(self) -> int:
         """So many can't go abreast where it is narrow for them: see `INSIDE` and `OUTSIDE`."""
-        return INSIDE if self.ground.narrow(self.at, OUTSIDE) else OUTSIDE
+        return INSIDE if self.inside else OUTSIDE
+
+    @cached_property
+    def inside(self) -> bool:
+        """Whether they are where it is narrow, or just before it."""
+        return self.ground.narrow(self.at, OUTSIDE)
 
     def free(self, motion: Motion) -> bool:
         """Return whether a motion of theirs from now on conflicts with nobody."""

@@ -9,7 +9,7 @@ from navigation import Motion, Swath
 
 from .course import nearest_length
 from .following import Behind, behind, is_opposed, speed_beside
-from .outlook import OUTSIDE, Outlook
+from .outlook import Outlook
 from .traveller import Traveller
 from .whereabouts import GAP, Hit
 
@@ -111,11 +111,7 @@ class Foresighted:
             if draft is not None:
                 return outlook.made(draft)
             walks.clear()
-        opposed = (
-            not follows
-            and hit.other.goal is not None
-            and not outlook.ground.narrow(outlook.at, OUTSIDE)
-        )
+        opposed = not follows and hit.other.goal is not None and not outlook.inside
         _add_asides(body, outlook, near, opposed=opposed)
         if near.other is not hit.other:
             _add_asides(body, outlook, hit, opposed=opposed)
@@ -229,7 +225,7 @@ def _add_files(me: Traveller, outlook: Outlook, ahead: Behind) -> None:
 
     So a crowd takes up all the width that there is, but where others need it to come the other way.
     """
-    if outlook.ground.narrow(outlook.at, OUTSIDE):
+    if outlook.inside:
         return
     walks, usual = outlook.walks, _usual(me)
     for width in FILES:
