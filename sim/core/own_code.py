@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import importlib
 import sys
-import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib.machinery import BuiltinImporter, FrozenImporter
@@ -31,7 +30,7 @@ def import_own(source: Source) -> Any:
         with _looked_up_in(source.folder, _top(source.module)):
             module = importlib.import_module(source.module)
     except (Exception, SystemExit) as why:
-        place = line_in(why, source.file)
+        place = line_in(why, {str(source.file)})
         raise OwnCodeError(f"{source.name!r} can't be imported{place}: {in_words(why)}") from why
     if module.__file__ is None or Path(module.__file__).resolve() != source.file.resolve():
         raise OwnCodeError(
@@ -72,9 +71,7 @@ def own_line(why: BaseException) -> str:
     As " (FILE, line N)", or nothing.
     """
     imported = {module.__file__ for own in _imported.values() for module in own.values()}
-    frames = traceback.extract_tb(why.__traceback__)
-    own = [frame for frame in frames if frame.filename in imported]
-    return f" ({Path(own[-1].filename).name}, line {own[-1].lineno})" if own else ""
+    return line_in(why, imported)
 
 
 def _refuse_names_of_python(source: Source) -> None:

@@ -6,7 +6,7 @@ import ast
 import keyword
 import traceback
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Container, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -100,13 +100,17 @@ def is_ours(why: BaseException) -> bool:
     return type(why).__module__.partition(".")[0] in ("floorplan", "navigation", "bdi", "sim")
 
 
-def line_in(why: BaseException, file: Path) -> str:
-    """Return the line of `file` in which an error arose, as " (FILE, line N)", or nothing."""
+def line_in(why: BaseException, files: Container[str | None]) -> str:
+    """Return the innermost line of some files in which an error arose.
+
+    As " (FILE, line N)", or nothing.
+    """
     frames = traceback.extract_tb(why.__traceback__)
-    lines = [frame.lineno for frame in frames if frame.filename == str(file)]
-    if isinstance(why, SyntaxError) and why.filename == str(file):
-        lines.append(why.lineno)
-    return f" ({file.name}, line {lines[-1]})" if lines else ""
+    places = [(frame.filename, frame.lineno) for frame in frames]
+    if isinstance(why, SyntaxError) and why.filename is not None:
+        places.append((why.filename, why.lineno))
+    inside = [(file, line) for file, line in places if file in files]
+    return f" ({Path(inside[-1][0]).name}, line {inside[-1][1]})" if inside else ""
 
 
 def is_plain(definition: ast.ClassDef) -> bool:
@@ -142,7 +146,9 @@ def definitions_in(name: str, file: Path) -> dict[str, Definition]:
     except InputError as why:
         raise OwnCodeError(f"{name!r} can't be read: {why}") from why
     except (SyntaxError, ValueError, RecursionError, MemoryError) as why:
-        raise OwnCodeError(f"{name!r} can't be read{line_in(why, file)}: {in_words(why)}") from why
+        raise OwnCodeError(
+            f"{name!r} can't be read{line_in(why, {str(file)})}: {in_words(why)}"
+        ) from why
 
 
 def _defined(body: list[ast.stmt]) -> Iterator[Definition]:

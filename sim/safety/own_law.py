@@ -146,7 +146,7 @@ class OwnLaw:
         try:
             return answer(*args, **terms)
         except Exception as why:
-            place = line_in(why, self._file)
+            place = line_in(why, {str(self._file)})
             raise LawError(f"the law {self} failed{place}: {in_words(why)}") from why
 
     def _try(self) -> None:
