@@ -96,16 +96,14 @@ def fail(agent: AgentState, intention: Intention, annots: tuple[Term, ...]) -> N
             code = substitute(step.term, means.u)
     if agent.circumstance.states is not None and means.is_goal:
         _note_failure(agent, intention, means.sort, means.literal, event, annots)
-    why = "; ".join(filter(None, map(_summary, annots)))
-    at = f" at {place.file}:{place.line}" if place is not None and place.line else ""
-    if not means.is_goal:
-        agent.warn(f"an intention ended: {means.trigger} failed{at}: {why}", intention)
-        return
-    if event is None:
-        agent.warn(
-            f"no plan for the failure of {means.sort}{means.literal.without_annots()}{at}: {why}",
-            intention,
-        )
+    if event is None or not means.is_goal:
+        why = "; ".join(filter(None, map(_summary, annots)))
+        at = f" at {place.file}:{place.line}" if place is not None and place.line else ""
+        if not means.is_goal:
+            agent.warn(f"an intention ended: {means.trigger} failed{at}: {why}", intention)
+            return
+        goal = f"{means.sort}{means.literal.without_annots()}"
+        agent.warn(f"no plan for the failure of {goal}{at}: {why}", intention)
         end(agent, intention)
         return
     event.literal = annotated(agent, event.literal, annots, code, place)
