@@ -20,8 +20,8 @@ import numpy as np
 from big_floors import hall
 from matplotlib.ticker import NullLocator
 from monitor import INTEGRAL, LAW, SPAN, pair
+from random_crowds import errands
 
-import bdi
 import floorplan
 import navigation
 import sim
@@ -97,11 +97,7 @@ def strollers(count: int) -> sim.Trial:
             at = anywhere()
             if 2.0 < math.dist(at, goals[-1]) < 8.0:
                 goals.append(at)
-        heads = ["+human_start", *(f"+work_completed({n})" for n in range(len(goals) - 2))]
-        plans = [
-            f"{head} <- move({x}, {y}, 0)." for head, (x, y) in zip(heads, goals[1:], strict=True)
-        ]
-        crowd.append(sim.PersonEntry(f"p{k}", bdi.parse("\n".join(plans)), at=start))
+        crowd.append(sim.PersonEntry(f"p{k}", errands(goals[1:]), at=start))
     floor = f"boundary: [[0, 0], [{side}, 0], [{side}, {side}], [0, {side}]]"
     return sim.Trial(
         floorplan.parse(floor),

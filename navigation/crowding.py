@@ -80,6 +80,9 @@ def nearest_pair(
 
 
 def _intervals(t: NDArray[np.float64], instants: Sequence[float]) -> list[float]:
-    """Return the numbers of the intervals between `t` that instants fall into, in order."""
+    """Return the numbers of the intervals between `t` that instants fall into, in order.
+
+    As floats, as the kernels have lists of numbers.
+    """
     found = np.clip(np.searchsorted(t, instants, side="right") - 1, 0, len(t) - 2)
     return [float(k) for k in found]

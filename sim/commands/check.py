@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -14,6 +14,7 @@ from .consoles import say
 from .notices import print_floor_notices, print_notices
 
 if TYPE_CHECKING:
+    from bdi import Problem
     from floorplan import Floorplan
     from sim import Trial
 
@@ -108,15 +109,16 @@ def _program(file: str) -> str:
 
     program = load_program(file, Path())
     assert program is not None  # it is no name of somebody outside
-    for doubt in bdi.doubts(program):
-        say(str(doubt), err=True)
+    _print_doubts(bdi.doubts(program))
     return f"a program of {_number(len(program.plans), 'plan')}"
 
 
 def _trial(trial: Trial, file: str) -> str:
+    from sim.people.doubts import doubts_in
+
     print_notices(trial)
     _warn_of_short_laws(trial, file)
-    _print_doubts(trial)
+    _print_doubts(doubts_in(trial))
     names = [f"{p.name} ({Path(p.personality_name).stem})" for p in trial.people]
     people = ", ".join(names) or "nobody"
     work = f" and {_number(len(trial.workload.orders), 'order')}" if trial.workload else ""
@@ -124,11 +126,9 @@ def _trial(trial: Trial, file: str) -> str:
     return f"a trial of {upto}{trial.duration:g} s on {trial.floorplan.name} with {people}{work}"
 
 
-def _print_doubts(trial: Trial) -> None:
-    """Print what is doubtful in the programs of people, each once."""
-    from sim.people.doubts import doubts_in
-
-    for doubt in doubts_in(trial):
+def _print_doubts(doubts: Iterable[Problem]) -> None:
+    """Print what is doubtful in programs."""
+    for doubt in doubts:
         say(str(doubt), err=True)
 
 
