@@ -11,6 +11,8 @@ from pathlib import Path
 import pytest
 from hypothesis import HealthCheck, settings
 
+from sim.core.events import EVENT_KINDS
+
 ALWAYS = {
     "deadline": None,
     "print_blob": True,
@@ -53,6 +55,15 @@ def pytest_sessionfinish():
 
 
 SHARED = Path(__file__).resolve().parents[2] / "shared" / "data"
+
+
+@pytest.fixture(autouse=True)
+def kinds_of_events_end_with_their_test():
+    """Forget the kinds of events that a test, or an example that it runs, defines."""
+    before = dict(EVENT_KINDS)
+    yield
+    EVENT_KINDS.clear()
+    EVENT_KINDS.update(before)
 
 
 @pytest.fixture

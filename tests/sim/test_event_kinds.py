@@ -30,8 +30,7 @@ def own_kind():
         by: Annotated[str, "person"] | None = None
         remark: str | None = None
 
-    yield TankFilled
-    del EVENT_KINDS[TankFilled.kind]
+    return TankFilled
 
 
 def test_an_own_kind_is_recorded_waited_for_expected_and_read_back(own_kind, tmp_path):
