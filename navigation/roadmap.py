@@ -41,6 +41,9 @@ In a larger one, bends are linked when a search comes to them.
 _AT_ONCE = 256
 """Number of bends that are linked at once."""
 
+_ROWS = 64
+"""Number of bends that are looked at from at once, so that tables about them stay in the cache."""
+
 
 class Roadmap:
     """The network of a floor for discs of one radius (metres), bends at most `step` radians.
@@ -140,14 +143,15 @@ class Roadmap:
     def _network(self) -> list[list[Link]]:
         """Return the links of all bends."""
         place = self.bends.point
-        there = self.bends.graze(*self.bends.beyond(place))
+        blocks = np.array_split(place, len(place) // _ROWS + 1)
+        there = np.concatenate([self.bends.graze(*self.bends.beyond(some)) for some in blocks])
         # `there` is whether the line from i only grazes the corner at j; it must do so at both
         # ends.
         one, other = np.nonzero(np.triu(there & there.T, 1))
         seen = self.visible(place[one], place[other])
         links: list[list[Link]] = [[] for _ in place]
         for i, j in zip(one[seen].tolist(), other[seen].tolist(), strict=True):
-            length = math.dist(place[i], place[j])
+            length = math.dist(self._points[i], self._points[j])
             for a, b in ((i, j), (j, i)):
                 if not self._gates or self._gates.allow(self._points[a], self._points[b]):
                     links[a].append((b, length))
@@ -168,7 +172,7 @@ class Roadmap:
             of[seen].tolist(), one[seen].tolist(), other[seen].tolist(), strict=True
         ):
             if not self._gates or self._gates.allow(self._points[i], self._points[j]):
-                links[k].append((j, math.dist(place[i], place[j])))
+                links[k].append((j, math.dist(self._points[i], self._points[j])))
         return links
 
     def _graze_both(self, bends: Bends, of: Ints, to: Ints) -> NDArray[np.bool_]:
