@@ -126,7 +126,9 @@ class HumanTopics:
         if self.outside is not None or event.get("person") != self._person.name:
             return
         if event["kind"] == "violation":
-            self.publish("gantry_disabled" if event["with"] == "gantry" else "agv_danger")
+            machine = self._simulation.machines[event["with"]]
+            is_robot = machine.shape.category == "robot"
+            self.publish("gantry_disabled" if is_robot else "agv_danger")
         elif event["kind"] in _HAPPENINGS:
             self.publish(_HAPPENINGS[event["kind"]])
 

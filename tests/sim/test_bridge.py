@@ -5,6 +5,7 @@ import json
 import math
 import socket
 import time
+from dataclasses import replace
 
 import pytest
 from bridge_parts import Client, InThread, relay, served, trial
@@ -133,6 +134,16 @@ def test_somebody_outside_drives_the_person():
     assert run.summary["penalties"] == 1
     reasons = [event["reason"] for event in run.events if event["kind"] == "teleport"]
     assert reasons[0] == "gantry"
+
+
+def test_who_watches_is_told_of_any_gantry_as_of_a_gantry():
+    north = sim.MachineEntry("gantry", {"at": [-10.8, -1.5, 0.0]})
+    a_trial = replace(trial("indifferent", duration=20.0), machines={"north": north})
+    with served(a_trial, speed=20.0) as session, Client(session.url) as client:
+        client.subscribe("/ariac_human/unsafe_distance")
+        assert client.message("/ariac_human/unsafe_distance") == {"data": True}
+        run = session.join()
+    assert {event["with"] for event in run.events if event["kind"] == "violation"} == {"north"}
 
 
 def test_a_stop_is_a_stop():
