@@ -13,7 +13,7 @@ from typing_extensions import Self
 from floorplan import Fault, Floorplan
 from navigation import Stop
 
-from .machine import Machine, MachineShape
+from .machine import Category, Machine, MachineShape
 from .stage import Stage
 
 
@@ -24,6 +24,9 @@ class MachineModel(ABC):
     """
 
     __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(extra="forbid", allow_inf_nan=False)
+
+    category: ClassVar[Category | None] = None
+    """Category of every machine of the kind; None if that is known once it has its shape."""
 
     key_schema: ClassVar[type[BaseModel] | None] = None
     """Model of its keys in a trial file, if these are not its fields."""

@@ -10,6 +10,7 @@ from typing import Any, Literal
 
 from ..core import events
 from ..core.scenario import Scenario
+from ..machines.kinds import may_be_robot
 from ..machines.law_audit import short_laws
 from . import words
 from .finished import CAUSES
@@ -53,9 +54,8 @@ class SummaryFigure:
 
 
 def _no_robot(trial: Scenario) -> bool:
-    """Return True if no machine can be a robot: those of a kind of one's own may be one."""
-    others = any(entry.kind != "agv" for entry in trial.machines.values())
-    return trial.floorplan.gantry is None and not others
+    """Return True if no machine can be a robot."""
+    return trial.floorplan.gantry is None and not any(map(may_be_robot, trial.machines.values()))
 
 
 def _has_orders(trial: Scenario) -> bool:

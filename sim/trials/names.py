@@ -9,10 +9,11 @@ from typing import Any
 import bdi
 from floorplan import suggestion
 
+from ..core.body import PERSON
 from ..core.events import Form
 from ..core.scenario import Scenario
 from ..machines.gantry.worksites import fixed_places
-from ..machines.kinds import kind_name, on_floor
+from ..machines.kinds import KINDS, kind_name, on_floor
 
 
 def people(trial: Scenario) -> list[str]:
@@ -92,7 +93,7 @@ _NAMES: dict[Form, Callable[[Scenario], list[str]]] = {
         "assemble",
     ],
     "type of order": lambda _: ["kitting", "assembly", "combined"],
-    "cause": lambda trial: ["gantry", "agv", "person", *map(kind_name, trial.machines.values())],
+    "cause": lambda trial: [*KINDS, PERSON, *map(kind_name, trial.machines.values())],
     "reason": lambda _: ["gantry", "agv"],
 }
 

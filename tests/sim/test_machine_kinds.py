@@ -3,15 +3,17 @@
 import json
 import re
 import shutil
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from run_events import record
 
+import floorplan
 import navigation
 import sim
+from sim.machines.kinds import KINDS, machines_on, may_be_robot
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 TWO_GANTRIES = """
@@ -253,6 +255,22 @@ def test_several_gantries_work_on_one_floor(rules):
     assert {name for _, name in run.violations} >= {"gantry", "north"}
     disabled = run.summary["gantry_disabled_time"]
     assert disabled == pytest.approx(sum(machines[m]["disabled_time"] for m in ("gantry", "north")))
+
+
+def test_a_kind_says_what_its_machines_are_before_there_is_one():
+    for shape in machines_on(floorplan.load("ariac2023")):
+        assert KINDS[shape.kind].category == shape.category
+
+    @dataclass(frozen=True)
+    class Cart(sim.MachineModel):
+        category = "vehicle"
+
+        def shape(self, name, plan): ...
+
+        def make(self, name, stage): ...
+
+    assert may_be_robot(sim.MachineEntry("gantry")) and not may_be_robot(sim.MachineEntry("agv"))
+    assert may_be_robot(sim.MachineEntry("own:Cart")) and not may_be_robot(sim.MachineEntry(Cart))
 
 
 def test_a_trial_adds_an_agv_and_a_law_of_its_own():

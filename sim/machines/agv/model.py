@@ -25,6 +25,7 @@ class AgvModel(MachineModel):
     moves: tuple[AgvMove, ...] = ()
     yields: bool = False
 
+    category = "vehicle"
     key_schema = CartKeys
 
     @classmethod

@@ -31,6 +31,7 @@ class GantryModel(MachineModel):
     x: tuple[float, float] | None = None
     y: tuple[float, float] | None = None
 
+    category = "robot"
     key_schema = BridgeKeys
 
     @classmethod
