@@ -216,10 +216,14 @@ class GantryEntry:
 
 @dataclass(frozen=True)
 class AgvMove:
-    """At `time` (seconds), go to a location's name or a lane position (metres)."""
+    """At `time`, and again `every` so often, go to a location's name or a lane position.
+
+    Seconds and metres.
+    """
 
     time: float
     to: str | float
+    every: float | None = None
 
 
 @dataclass(frozen=True)

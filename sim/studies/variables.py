@@ -11,7 +11,7 @@ from typing import Any
 from floorplan import is_file, suggestion
 from navigation import PlannerChoice
 
-from ..core.scenario import AgvMove, Job, PersonEntry
+from ..core.scenario import Job, PersonEntry
 from ..core.start import Start
 from ..machines.gantry.controllers import controller_source
 from ..people.planners import planner_source
@@ -132,7 +132,7 @@ def _agv_delay(trial: Trial, value: Any, whose: str, folder: Path) -> Trial:
     if not trial.agvs:
         raise ValueError("no AGV moves in it")
     agvs = {
-        name: tuple(AgvMove(max(move.time + delay, 0.0), move.to) for move in moves)
+        name: tuple(replace(move, time=max(move.time + delay, 0.0)) for move in moves)
         if whose in ("", name)
         else moves
         for name, moves in trial.agvs.items()

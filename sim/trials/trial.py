@@ -18,7 +18,7 @@ from ..core.output import write_whole
 from ..core.own_source import OwnCodeError
 from ..core.scenario import PersonEntry, Scenario, TrialError
 from ..core.work import WorkList
-from ..machines.agv.keys import MOST_MOVES
+from ..machines.agv.moves import MOST_MOVES, number_of
 from ..machines.gantry.controllers import ControllerError, controller_source
 from ..orders import reading
 from ..people.own_actions import modules_of
@@ -171,7 +171,7 @@ def build(form: type[Trial], document: Document, folder: Path, own_code: bool) -
     rule_problems += [
         document.problem(f"makes more than {MOST_MOVES:,} moves in the trial", "agvs", name)
         for name, agv in schema.agvs.items()
-        if agv.count(schema.duration) > MOST_MOVES
+        if number_of(agv.values(), schema.duration) > MOST_MOVES
     ]
     if schema.ariac is not None:
         trial = _with_orders(trial, schema, schema.ariac, document)

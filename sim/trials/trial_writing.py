@@ -6,7 +6,7 @@ import math
 import os
 import sys
 from collections.abc import Mapping
-from dataclasses import fields, is_dataclass, replace
+from dataclasses import asdict, fields, is_dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -173,7 +173,7 @@ def _span(span: Interval) -> list[float]:
 
 
 def _agv(moves: tuple[AgvMove, ...], yields: bool) -> Any:
-    written = [{"time": move.time, "to": move.to} for move in moves]
+    written = [_without(asdict(move), None) for move in moves]
     return {"yield": True, "moves": written} if yields else written
 
 

@@ -299,6 +299,38 @@ expect: {timeline: [{eventually: {kind: agv_moved, agv: cart}}]}
     assert json.loads(json.dumps(run.summary))["machines"]["cart"] == {"kind": "agv"}
 
 
+def moves_at(run, agv):
+    return [(e["t"], e["to"]) for e in run.events if e["kind"] == "agv_moved" and e["agv"] == agv]
+
+
+def test_moves_come_again_and_again_on_every_lane():
+    text = """
+floorplan: ariac2023
+duration: 60
+people: [{name: ada}]
+agvs: {agv1: MOVES}
+machines:
+  cart: {kind: agv, origin: [-12.0, -9.0], limits: [0.0, 10.0], locations: {far: 1.0}, moves: MOVES}
+"""
+    again = "[{time: 15, to: 0.0, every: 20}, {time: 5, to: 1.0, every: 20}]"
+    once = ", ".join(f"{{time: {5 + 10 * k}, to: {1.0 - k % 2}}}" for k in range(6))
+    one, other = (sim.Trial.parse(text.replace("MOVES", moves)) for moves in (again, f"[{once}]"))
+    assert sim.Trial.parse(one.to_yaml()) == one
+    run = sim.run(one)
+    assert run.events == sim.run(other).events
+    assert len(moves_at(run, "cart")) == len(moves_at(run, "agv1")) == 6
+    made = replace(one, agvs={"agv1": (sim.AgvMove(15, 0.0, 20), sim.AgvMove(5, 1.0, 20))})
+    assert sim.run(made).events == run.events
+    assert sim.Trial.parse(made.to_yaml()).agvs == one.agvs
+
+
+def test_an_agv_that_moves_too_often_is_refused():
+    cart = "kind: agv, origin: [-12, -9], limits: [0, 9], moves: [{time: 0, to: 1, every: 0.0001}]"
+    trial = sim.Trial.parse(f"{{floorplan: ariac2023, machines: {{cart: {{{cart}}}}}}}")
+    with pytest.raises(ValueError, match="cart makes more than 100,000 moves"):
+        sim.run(trial)
+
+
 def test_nothing_happens_before_the_start():
     heard = []
 

@@ -1,37 +1,25 @@
 """The keys of an AGV in a trial file."""
 
-import math
-
 from pydantic import Field, model_validator
 
 from floorplan import Flag, Lane, NotNegative, Number, Pair, Positive, Range, Strictly
 
 from ...core.keys import Keys
 from ...core.scenario import AgvMove
-
-MOST_MOVES = 100_000
-"""Moves of one AGV in a trial; more of them are a slip."""
+from .moves import MOST_MOVES, number_of, repeated
 
 
 class _Move(Keys):
+    stands_for = AgvMove
     time: NotNegative
     to: str | Number
-
-    def value(self) -> AgvMove:
-        return AgvMove(self.time, self.to)
-
-
-class _RepeatedMove(_Move):
     every: Positive | None = None
 
-    def count(self, end: float) -> int:
-        """Return how often it is made until `end` (seconds)."""
-        return 1 if self.every is None else max(1, math.ceil((end - self.time) / self.every))
 
+class AgvKeys(Strictly):
+    """One AGV of the floor; where it does not yield, a list of its moves will do."""
 
-class _Agv(Strictly):
-    """One AGV; where it does not yield, a list of its moves will do."""
-
+    moves: list[_Move] = []
     yields: Flag = Field(default=False, alias="yield")
 
     @model_validator(mode="before")
@@ -39,41 +27,29 @@ class _Agv(Strictly):
     def _only_moves(cls, value: object) -> object:
         return {"moves": value} if isinstance(value, list) else value
 
-
-class AgvKeys(_Agv):
-    """One AGV of the floor: its moves may come again and again."""
-
-    moves: list[_RepeatedMove] = []
-
-    def count(self, end: float) -> int:
-        """Return the number of its moves until `end` (seconds)."""
-        return sum(move.count(end) for move in self.moves)
+    def values(self) -> tuple[AgvMove, ...]:
+        """Return its moves as they are given."""
+        return tuple(move.value() for move in self.moves)
 
     def moves_until(self, end: float, lane: Lane | None) -> tuple[AgvMove, ...]:
-        """Return its moves on a lane until `end` (seconds); in order of time if any is repeated.
+        """Return all its moves on a lane until `end` (seconds).
 
         If there is something wrong with one, they are as given, so that it is found at its place.
         """
-        given = tuple(move.value() for move in self.moves)
-        if lane is None or self.count(end) > MOST_MOVES or all(m.every is None for m in self.moves):
+        given = self.values()
+        if lane is None or number_of(given, end) > MOST_MOVES:
             return given
         try:
             for move in given:
                 lane.lane_position(move.to)
         except ValueError:
             return given
-        found = [
-            AgvMove(move.time + k * (move.every or 0.0), move.to)
-            for move in self.moves
-            for k in range(move.count(end))
-        ]
-        return tuple(sorted(found, key=lambda move: move.time))
+        return repeated(given, end)
 
 
-class CartKeys(_Agv):
+class CartKeys(AgvKeys):
     """An AGV on a lane that the floor does not have; lengths in metres."""
 
-    moves: list[_Move] = []
     origin: Pair
     heading: Number = 0.0
     limits: Range

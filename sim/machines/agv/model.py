@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from floorplan import Fault, Floorplan, Lane, time_fault
+from floorplan import Fault, Floorplan, Lane, size_fault, time_fault
 from navigation import Stop, longest_stop
 
 from ...core.machine import MachineShape
@@ -15,6 +15,7 @@ from ...core.scenario import AgvMove
 from ...core.stage import Stage
 from .agv import Agv, agv_shape
 from .keys import CartKeys
+from .moves import MOST_MOVES, number_of, repeated
 
 
 @dataclass(frozen=True)
@@ -32,20 +33,23 @@ class AgvModel(MachineModel):
     def read(cls, name: str, keys: Mapping[str, Any]) -> AgvModel:
         """Return the model with these keys of a trial file."""
         given = CartKeys.model_validate(keys)
-        return cls(given.lane(name), tuple(move.value() for move in given.moves), given.yields)
+        return cls(given.lane(name), given.values(), given.yields)
 
     def shape(self, name: str, plan: Floorplan) -> MachineShape:
         """Return its shape, as others see it."""
         return agv_shape(self.lane)
 
     def make(self, name: str, stage: Stage) -> Agv:
-        """Return the AGV."""
-        return Agv(stage, self.lane, self.moves, yields=self.yields)
+        """Return the AGV; `ValueError` if it moves too often."""
+        if number_of(self.moves, stage.end) > MOST_MOVES:
+            raise ValueError(f"{name} makes more than {MOST_MOVES:,} moves in the trial")
+        return Agv(stage, self.lane, repeated(self.moves, stage.end), yields=self.yields)
 
     def faults(self, plan: Floorplan, vehicles: Iterable[str]) -> Iterator[Fault]:
         """Yield places that its lane does not have, and moves that are out of order."""
         if self.lane.start not in self.lane.locations:
             yield f"{self.lane.name} has no location {self.lane.start!r}", ("start",)
+        are_in_order = all(move.every is None for move in self.moves)
         for k, move in enumerate(self.moves):
             try:
                 self.lane.lane_position(move.to)
@@ -53,7 +57,9 @@ class AgvModel(MachineModel):
                 yield str(why), (k, "to")
             if fault := time_fault(move.time):
                 yield fault, (k, "time")
-            if k and move.time < self.moves[k - 1].time:
+            if move.every is not None and (fault := size_fault(move.every)):
+                yield fault, (k, "every")
+            if are_in_order and k and move.time < self.moves[k - 1].time:
                 message = f"{move.time:g} s is before the move above it; put moves in order"
                 yield message, (k, "time")
 
