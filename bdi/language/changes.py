@@ -1,12 +1,12 @@
-"""Parts of a program with something inside them replaced."""
+"""Parts of a program: what is inside them, and themselves with some of that replaced."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import fields, is_dataclass, replace
 from typing import Any
 
-from .terms import Var, rebuilt
+from .terms import Var, parts, rebuilt
 
 
 def transformed(part: Any, change: Callable[[Any], Any]) -> Any:
@@ -25,13 +25,20 @@ def transformed(part: Any, change: Callable[[Any], Any]) -> Any:
     return rebuilt(part, inside)
 
 
+def all_parts(part: Any) -> Iterator[Any]:
+    """Yield a part of a program and everything inside it."""
+    pending = [part]
+    while pending:
+        one = pending.pop()
+        yield one
+        if isinstance(one, tuple):
+            pending += one
+        elif is_dataclass(one) and not isinstance(one, type):
+            pending += [getattr(one, field.name) for field in fields(one)]
+        else:
+            pending += parts(one)
+
+
 def has_variables(part: Any) -> bool:
     """Return True if there is a variable somewhere in a part of a program."""
-    found = False
-
-    def look(inner: Any) -> None:
-        nonlocal found
-        found = found or isinstance(inner, Var)
-
-    transformed(part, look)
-    return found
+    return any(isinstance(inner, Var) for inner in all_parts(part))

@@ -13,7 +13,7 @@ from typing import Any, TypeAlias, TypeVar
 
 from .arithmetic import RUN_FUNCTIONS, is_function
 from .body import NOWHERE, Body, BodyTerm, Place, body_text
-from .changes import has_variables, transformed
+from .changes import all_parts, has_variables, transformed
 from .terms import (
     TRUE,
     And,
@@ -100,15 +100,12 @@ class Clause(_Picklable):
 
         Collected once: a clause is shared by all agents that run it.
         """
-        found: set[str] = set()
-
-        def look(part: object) -> None:
+        found = set()
+        for part in all_parts(self):
             if isinstance(part, Function):
                 found.add(part.symbol)
             elif isinstance(part, Literal) and part.is_internal_action and _is_own(part):
                 found.add(part.functor)
-
-        transformed(self, look)
         return frozenset(found)
 
 
