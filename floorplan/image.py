@@ -30,7 +30,7 @@ FORMATS = ("PNG", "BMP", "GIF", "JPEG", "PPM")
 
 Levels: TypeAlias = "NDArray[np.uint8] | NDArray[np.uint16]"
 
-_PGM_HEADER = re.compile(rb"(P[25])" + rb"(?:\s|#[^\n]*\n)+(\d{1,20})" * 3 + rb"(?:#[^\n]*\n)?\s")
+_PGM_HEADER = rb"(P[25])" + rb"(?:\s|#[^\n]*\n)+(\d{1,20})" * 3 + rb"(?:#[^\n]*\n)?\s"
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ def read_image(path: Path) -> GreyImage:
 
 
 def _read_pgm(data: bytes, path: Path) -> GreyImage:
-    header = _PGM_HEADER.match(data)
+    header = re.match(_PGM_HEADER, data)
     if header is None:
         raise FloorplanError.of(path, "is not a PGM image: its header is broken")
     kind = header.group(1)

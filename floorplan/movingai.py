@@ -36,10 +36,10 @@ BLOCKED = "@OTW"
 _MOST_CELLS = 16_000_000
 
 _HEADER = (
-    (re.compile(r"type\s+octile"), "type octile"),
-    (re.compile(r"height\s+(\d{1,9})"), "height and a number"),
-    (re.compile(r"width\s+(\d{1,9})"), "width and a number"),
-    (re.compile(r"map"), "map"),
+    (r"type\s+octile", "type octile"),
+    (r"height\s+(\d{1,9})", "height and a number"),
+    (r"width\s+(\d{1,9})", "width and a number"),
+    (r"map", "map"),
 )
 
 
@@ -129,7 +129,7 @@ def _size(lines: Sequence[str], file: str) -> tuple[int, int]:
     found: list[str] = []
     for number, (pattern, words) in enumerate(_HEADER, start=1):
         line = lines[number - 1].strip() if number <= len(lines) else ""
-        match = pattern.fullmatch(line)
+        match = re.fullmatch(pattern, line)
         if match is None:
             raise FloorplanError.of(file, f"expected {words}, found {shown(line)}", line=number)
         found += match.groups()

@@ -39,14 +39,14 @@ def _angle(value: object) -> object:
 Angle = Annotated[Any, AfterValidator(_angle)]
 """Radians, as a number or as text such as 'pi/2'; `angle` reads it."""
 
-_ANGLE = re.compile(r"(-?)\s*(?:(\d+(?:\.\d+)?)\s*\*?\s*)?pi(?:\s*/\s*(\d+(?:\.\d+)?))?")
+_ANGLE = r"(-?)\s*(?:(\d+(?:\.\d+)?)\s*\*?\s*)?pi(?:\s*/\s*(\d+(?:\.\d+)?))?"
 
 
 def angle(value: float | str) -> float | None:
     """Return an angle in radians, or None for a text that is none."""
     if not isinstance(value, str):
         return float(value)
-    found = _ANGLE.fullmatch(value.strip())
+    found = re.fullmatch(_ANGLE, value.strip())
     if found is not None:
         sign, factor, divisor = found.groups()
         size = math.pi * float(factor or 1.0) / (float(divisor or 1.0) or math.nan)

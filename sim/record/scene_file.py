@@ -32,7 +32,7 @@ from .strict_json import parse_json
 FORMAT = "floorwalker-scene/1"
 """Value of `format`, by which a reader knows the file."""
 
-_LATER = re.compile(r"floorwalker-scene/([2-9]|[1-9]\d+)")
+_LATER = r"floorwalker-scene/([2-9]|[1-9]\d+)"
 
 OPTIONAL = (*LEFT_OUT_IF_EMPTY, "one_way", "passing", "controller", "between_people")
 """Fields of floors, scenes and rule sets that are left out where they are empty."""
@@ -93,7 +93,7 @@ def read_scene(text: str, later: Callable[[str], None] | None = None) -> Scene:
     data = _with_polygons(data)
     found = data.get("format") if isinstance(data, dict) else None
     if found != FORMAT:
-        if later is None or not _LATER.fullmatch(str(found)):
+        if later is None or not re.fullmatch(_LATER, str(found)):
             raise SceneError(f"expected the format {FORMAT!r}, found {found!r}")
         later(f"made in the later format {found}; what this version knows of it is shown")
     try:

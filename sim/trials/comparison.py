@@ -11,8 +11,8 @@ from decimal import Decimal
 from typing import Any
 
 _NUMBER = r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?"
-_BOUND = re.compile(rf"\s*(<=|>=|==|!=|<|>)\s*({_NUMBER})\s*")
-_TOLERANCE = re.compile(rf"\s*({_NUMBER})\s*(?:±|\+/-)\s*({_NUMBER})\s*")
+_BOUND = rf"\s*(<=|>=|==|!=|<|>)\s*({_NUMBER})\s*"
+_TOLERANCE = rf"\s*({_NUMBER})\s*(?:±|\+/-)\s*({_NUMBER})\s*"
 _OPERATORS: dict[str, Callable[[float, float], bool]] = {
     "<": operator.lt,
     "<=": operator.le,
@@ -36,14 +36,14 @@ class Comparison:
         if is_number(wanted):
             return Comparison(f"= {wanted}", (("==", wanted),))
         if isinstance(wanted, str):
-            if tolerance := _TOLERANCE.fullmatch(wanted):
+            if tolerance := re.fullmatch(_TOLERANCE, wanted):
                 middle, more = Decimal(tolerance[1]), Decimal(tolerance[2])
                 if more >= 0:  # in decimals, for 0.7 + 0.1 is to be 0.8
                     return Comparison(
                         f"{tolerance[1]} ± {tolerance[2]}",
                         ((">=", float(middle - more)), ("<=", float(middle + more))),
                     )
-            found = [_BOUND.fullmatch(part) for part in wanted.split(",")]
+            found = [re.fullmatch(_BOUND, part) for part in wanted.split(",")]
             bounds = tuple((bound[1], float(bound[2])) for bound in found if bound)
             if len(bounds) == len(found):
                 return Comparison(wanted.strip(), bounds)

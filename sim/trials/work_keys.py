@@ -21,10 +21,10 @@ from ..core.work import Duration, Shift, WorkList, WorkTask
 DAY = 86_400.0
 
 _UNITS = {"s": 1.0, "sec": 1.0, "min": 60.0, "h": 3600.0}
-_LENGTH = re.compile(r"(\d+(?:\.\d+)?)\s*(s|sec|min|h)")
+_LENGTH = r"(\d+(?:\.\d+)?)\s*(s|sec|min|h)"
 _TIME = r"\d{1,2}:\d{2}(?::\d{2})?"
-_ENTRY = re.compile(rf"({_TIME})\s+(\S.*?)\s+for\s+(\S.*)")
-_SHIFT = re.compile(rf"({_TIME})\s*(?:-|–|to)\s*({_TIME})")
+_ENTRY = rf"({_TIME})\s+(\S.*?)\s+for\s+(\S.*)"
+_SHIFT = rf"({_TIME})\s*(?:-|–|to)\s*({_TIME})"
 
 
 class TimeOfDay(float):
@@ -45,7 +45,7 @@ def time_of_day(text: str) -> TimeOfDay:
 
 
 def _seconds(text: str) -> float:
-    found = _LENGTH.fullmatch(text)
+    found = re.fullmatch(_LENGTH, text)
     if found is None:
         raise ValueError(f"expected a length of time as 12 min, 90 s or 1.5 h, found {text!r}")
     return float(found[1]) * _UNITS[found[2]]
@@ -118,7 +118,7 @@ class TaskKeys(Keys):
 def _entry(value: Any) -> Any:
     if not isinstance(value, str):
         return value
-    found = _ENTRY.fullmatch(value.strip())
+    found = re.fullmatch(_ENTRY, value.strip())
     if found is None:
         raise ValueError(f"expected keys, or text as '09:00 station2 for 12 min', found {value!r}")
     return {"time": found[1], "at": found[2], "duration": found[3]}
@@ -153,7 +153,7 @@ WorkListEntry = Annotated[WorkListKeys, BeforeValidator(_as_list)]
 def _shift(value: Any) -> Any:
     if not isinstance(value, str):
         return value
-    found = _SHIFT.fullmatch(value.strip())
+    found = re.fullmatch(_SHIFT, value.strip())
     if found is None:
         raise ValueError(f"expected [begin, end] in seconds or '06:00 - 14:00', found {value!r}")
     return [found[1], found[2]]

@@ -32,8 +32,8 @@ METRE = {"m": 1.0, "cm": 0.01, "mm": 0.001}
 MOST_PROBLEMS = 20
 """Reading stops after so many rows that can't be read."""
 
-_UNIT = re.compile(r"\bx\s*(?:/|\[|\(|in)\s*(?:in\s+)?(m|cm|mm)\b", re.IGNORECASE)
-_RATE = re.compile(r"frame\s*rate\s*[:=]?\s*([0-9.]+)", re.IGNORECASE)
+_UNIT = r"(?i)\bx\s*(?:/|\[|\(|in)\s*(?:in\s+)?(m|cm|mm)\b"
+_RATE = r"(?i)frame\s*rate\s*[:=]?\s*([0-9.]+)"
 
 
 @dataclass
@@ -56,13 +56,13 @@ def read_text_tracks(path: Path) -> Tracks:
         if not text:
             continue
         if text.startswith("#"):
-            rate = float(told[1]) if (told := _RATE.search(text)) else rate
-            metre = METRE[told[1].lower()] if (told := _UNIT.search(text)) else metre
+            rate = float(told[1]) if (told := re.search(_RATE, text)) else rate
+            metre = METRE[told[1].lower()] if (told := re.search(_UNIT, text)) else metre
             continue
         if not columns:
             split = _splitting(text)
             columns, is_header = _columns(split(text), path, number)
-            metre = METRE[told[1].lower()] if (told := _UNIT.search(text)) else metre
+            metre = METRE[told[1].lower()] if (told := re.search(_UNIT, text)) else metre
             time = "t" if "t" in columns else "frame"
             wanted = [time, "x", "y", *(["rotation"] if "rotation" in columns else [])]
             if is_header:
