@@ -76,5 +76,6 @@ class Regard:
 @lru_cache(maxsize=64)
 def mentioned(program: bdi.Program) -> frozenset[str]:
     """Return those of the percepts about other people that stand anywhere in a program."""
-    words = set(re.findall(r"\w+", str(program)))
+    clauses = (*program.beliefs, *program.goals, *program.plans)
+    words = set(re.findall(r"\w+", " ".join(map(str, clauses))))
     return frozenset(words.intersection(PERCEPTS))
