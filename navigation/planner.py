@@ -262,9 +262,7 @@ def _distinct(points: list[Point]) -> list[Point]:
     """Return `points` without waypoints that are next to the one before or to the end."""
     kept, last = [points[0]], points[-1]
     for place in points[1:-1]:
-        if place not in (last, kept[-1]) and (
-            math.dist(place, kept[-1]) > _STEP and math.dist(place, last) > _STEP
-        ):
+        if math.dist(place, kept[-1]) > _STEP and math.dist(place, last) > _STEP:
             kept.append(place)
     return [*kept, last]
 
