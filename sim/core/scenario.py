@@ -29,6 +29,9 @@ from .workload import Drop, Workload
 RECORDED = "recorded"
 """The personality, in reports, of those who walk as they were measured."""
 
+ANYWHERE = "anywhere"
+"""The place of who starts at a free place, drawn from the trial's seed."""
+
 USUAL_PLANNER = PlannerChoice()
 """The planner of people's paths where a trial names none."""
 
@@ -95,8 +98,10 @@ class PersonEntry:
 
     `personality` is a built-in name, an .asl file, "external", or a program itself. A file is read
     when the trial is run. `changes` are what it changes to, and when. `at` is where the person
-    starts; "anywhere" is a free place that is drawn from the trial's seed. `actions` is a module
-    beside the trial with internal actions for the program; they go before the trial's.
+    starts, and `home` where they are put after a violation: x, y in metres, or the name of a
+    station or a door. `at` may also be "anywhere", a free place that is drawn from the trial's
+    seed. `actions` is a module beside the trial with internal actions for the program; they go
+    before the trial's.
 
     `work` names the lists that the person takes tasks from; `schedule` and `breaks` are for them
     alone. Where there are `shifts`, tasks are offered to them within these only.
@@ -113,13 +118,13 @@ class PersonEntry:
     name: str
     personality: str | bdi.Program = "indifferent"
     start: Start = AT_ONCE
-    at: tuple[float, float] | Literal["anywhere"] | None = None
+    at: Point | str | None = None
     beliefs: tuple[str, ...] = ()
     radius: float | None = None
     max_speed: Drawn | None = None
     max_acceleration: float | None = None
     changes: tuple[PersonalityChange, ...] = ()
-    home: tuple[float, float] | None = None
+    home: Point | str | None = None
     manners: MannersEntry = AS_USUAL
     planner: PlannerChoice | None = None
     actions: str | None = None
@@ -146,24 +151,29 @@ class PersonEntry:
         return _personality_name(self.personality)
 
     @property
-    def place(self) -> tuple[float, float] | None:
-        """The place of their own at which they start (x, y in metres)."""
-        if self.at is None or isinstance(self.at, str):
+    def anywhere(self) -> bool:
+        """Whether they start at a free place that is drawn."""
+        return isinstance(self.at, str) and self.at == ANYWHERE
+
+    def place_on(self, plan: Floorplan) -> Point | None:
+        """Return the place of their own at which they start (x, y in metres), if they have one."""
+        if self.at is None or self.anywhere:
             return None
-        x, y = self.at
-        return float(x), float(y)
+        return spot(plan, self.at, self.radius)
 
     def home_on(self, plan: Floorplan) -> SafeZone | None:
         """Place where the person is put after a violation, and starts if there is no `at`.
 
-        Their own `home`, else the safe zone of `plan`, else `at`, else where they come in.
+        Their own `home`, else the safe zone of `plan`, else `at`, else where they come in. None if
+        that is nowhere on `plan`.
         """
         if self.home is not None:
-            return SafeZone(self.home)
-        place = self.place if self.source is None else self.entrance_on(plan)
-        if plan.safe_zone is not None or place is None:
+            place = spot(plan, self.home, self.radius)
+        elif plan.safe_zone is not None:
             return plan.safe_zone
-        return SafeZone(place)
+        else:
+            place = self.place_on(plan) if self.source is None else self.entrance_on(plan)
+        return None if place is None else SafeZone(place)
 
     def entrance_on(self, plan: Floorplan) -> Point | None:
         """Return where they come in, None if they have no source or it is nowhere on `plan`."""

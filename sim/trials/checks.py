@@ -13,6 +13,7 @@ from floorplan import (
     SMALLEST,
     Fault,
     Place,
+    Point,
     refuse,
     require_fields,
     size_fault,
@@ -27,7 +28,14 @@ from ..core.manners import MannersEntry, Side
 from ..core.noticing import Drawn
 from ..core.own_source import OwnCodeError
 from ..core.rules import NO_TIME, MachineMeasure, PersonMeasure, RuleSet
-from ..core.scenario import PersonalityChange, PersonEntry, Scenario, TrialError, spot
+from ..core.scenario import (
+    ANYWHERE,
+    PersonalityChange,
+    PersonEntry,
+    Scenario,
+    TrialError,
+    spot,
+)
 from ..core.start import AT_ONCE, Start
 from ..core.work import Duration
 from ..machines.gantry.model import GantryModel
@@ -214,15 +222,16 @@ def _person_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:
 def _overlaps(trial: Scenario) -> Iterator[Fault]:
     """Yield the places at which somebody would start on somebody else."""
     usual = trial.floorplan.human.radius
-    for k, person in enumerate(trial.people):
-        for other in trial.people[:k]:
-            if person.place is None or other.place is None:
+    places = [person.place_on(trial.floorplan) for person in trial.people]
+    for k, (person, place) in enumerate(zip(trial.people, places, strict=True)):
+        for other, there in zip(trial.people[:k], places[:k], strict=True):
+            if place is None or there is None:
                 continue
             needed = (person.radius or usual) + (other.radius or usual)
-            apart = math.dist(person.place, other.place)
+            apart = math.dist(place, there)
             if apart < needed:
                 message = (
-                    f"{person.place} is {apart:.3g} m from where {other.name} starts; two bodies of"
+                    f"{place} is {apart:.3g} m from where {other.name} starts; two bodies of"
                     f" their size need {needed:g} m between their centres"
                 )
                 yield message, ("people", k, "at")
@@ -230,10 +239,8 @@ def _overlaps(trial: Scenario) -> Iterator[Fault]:
 
 def _coming_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:
     """Yield what is wrong with where somebody comes in, and where they leave."""
-    plan, source = trial.floorplan, person.source
-    ends: list[tuple[Place, tuple[float, float] | str | None]] = [(("sink",), person.sink)]
+    source = person.source
     if source is not None:
-        ends.append((("source", "at"), source.at))
         yield from _size(source.rate, "source", "rate")
         yield from _time(source.start, "source", "start")
         if source.number < 1:
@@ -242,15 +249,25 @@ def _coming_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:
             yield "who has a source is not there at the beginning; leave at out", ("at",)
         if person.start != AT_ONCE:
             yield "who has a source starts when they come in; leave start out", ("start",)
-    for place, given in ends:
-        if given is None:
-            continue
-        at = spot(plan, given, person.radius)
-        if at is None:
-            known = [*stations(trial), *(door.name for door in plan.doors)]
-            yield from _name_faults(str(given), "station or door", known, *place)
-        elif fault := starting_fault(plan, at, person.radius):
-            yield fault, place
+        yield from _spot_faults(person, source.at, trial, "source", "at")
+    yield from _spot_faults(person, person.sink, trial, "sink")
+
+
+def _spot_faults(
+    person: PersonEntry, given: Point | str | None, trial: Scenario, *place: str
+) -> Iterator[Fault]:
+    """Yield why somebody can't be at the place that is given, if there is one."""
+    if given is None:
+        return
+    plan = trial.floorplan
+    at = spot(plan, given, person.radius)
+    if at is None:
+        known = [*stations(trial), *(door.name for door in plan.doors)]
+        if place == ("at",):
+            known.append(ANYWHERE)
+        yield from _name_faults(str(given), "station or door", known, *place)
+    elif fault := starting_fault(plan, at, person.radius):
+        yield fault, place
 
 
 def _group_faults(trial: Scenario) -> Iterator[Fault]:
@@ -345,12 +362,10 @@ def _name_faults(
 
 def _place_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:
     plan, zone = trial.floorplan, trial.floorplan.safe_zone
-    if isinstance(person.at, str) and person.at != "anywhere":
-        yield f"must be [x, y] or anywhere, not {person.at!r}", ("at",)
-    for key, place in (("at", person.at), ("home", person.home)):
-        if isinstance(place, tuple) and (fault := starting_fault(plan, place, person.radius)):
-            yield fault, (key,)
-    if person.home_on(plan) is None:
+    own = None if person.anywhere else person.at
+    yield from _spot_faults(person, own, trial, "at")
+    yield from _spot_faults(person, person.home, trial, "home")
+    if own is None and person.home is None and person.home_on(plan) is None:
         yield "the floorplan has no safe zone to start in; give at: [x, y]", ()
     if person.home is None and zone is not None:
         fault = starting_fault(plan, zone.position, person.radius)

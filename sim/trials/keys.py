@@ -1,7 +1,7 @@
 """The keys of a trial file: how they are read, and the values that they stand for."""
 
 from dataclasses import replace
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 from pydantic import (
     AfterValidator,
@@ -171,8 +171,8 @@ class PersonKeys(WorkerKeys):
     personality: str = "indifferent"
     start: _Start = _Start(time=0.0)
     count: Annotated[int, whole(1)] | None = None
-    at: Pair | Literal["anywhere"] | None = None
-    home: Pair | None = None
+    at: Pair | str | None = None
+    home: Pair | str | None = None
     beliefs: list[str] = []
     radius: Positive | None = None
     max_speed: Drawn | None = None

@@ -70,16 +70,17 @@ def closed_place_faults(trial: Scenario) -> Iterator[Fault]:
     height = plan.human.height
     there = Closures(plan, trial.doors, trial.obstacles).at(0.0).values()
     for k, person in enumerate(trial.people):
-        if person.place is None or person.recorded is not None:
+        place = person.place_on(plan)
+        if place is None or person.recorded is not None:
             continue
-        at = Point(person.place)
+        at = Point(place)
         radius = person.radius or plan.human.radius
         for one in there:
             if one.overlaps(0.0, height) and one.footprint.distance(at) < radius:
-                yield f"{person.place} is in {one.name}, which is there then", ("people", k, "at")
+                yield f"{place} is in {one.name}, which is there then", ("people", k, "at")
         for zone in plan.zones:
             if zone.forbidden and zone.is_about(person.name) and zone.area.distance(at) < radius:
-                message = f"{person.place} is in the zone {zone.name!r}, forbidden to {person.name}"
+                message = f"{place} is in the zone {zone.name!r}, forbidden to {person.name}"
                 yield message, ("people", k, "at")
     for lane in plan.lanes:
         at_q = lane.locations.get(lane.start, 0.0)

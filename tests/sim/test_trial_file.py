@@ -92,6 +92,7 @@ def test_every_builtin_trial_loads(name):
         (("people:", "peopel:"), "line 3, peopel: unknown key; did you mean 'people'?"),
         (("controller: oblivious", "controller: oblvious"), "did you mean 'oblivious'?"),
         (("controller: oblivious", "controller: a.b:c"), "there is no a/b.py in"),
+        (("controller: oblivious", "controller: a.py:c"), "without its ending: a:c"),
         (
             ("duration: 60", "until_submitted: true"),
             "line 2, until_submitted: nothing is handed in",
@@ -117,6 +118,21 @@ def test_a_person_without_a_place_to_start_from(tmp_path):
         sim.Trial.parse(text, folder=tmp_path)
     trial = sim.Trial.parse(text.replace("{name: a}", "{name: a, at: [5, 5]}"), folder=tmp_path)
     assert trial.people[0].at == (5, 5)
+
+
+def test_people_start_and_are_at_home_at_places_by_name():
+    text = "floorplan: ariac2023\npeople: [{name: a, at: station1, home: station4}]\nduration: 60\n"
+    run = sim.run(sim.Trial.parse(text))
+    stations = run.floorplan.stations
+    assert run.motions["a"].position(0.0) == pytest.approx(stations["station1"].position)
+    put = [event for event in run.events if event["kind"] == "teleport"]
+    assert put == [] or put[0]["to"] == pytest.approx(stations["station4"].position)
+
+
+@pytest.mark.parametrize("key", ["at", "home"])
+def test_a_place_of_a_name_that_is_not_there(key):
+    message = f"people[0].{key}: no station or door is called 'station11'; did you mean 'station1'"
+    assert message in problems(f"floorplan: ariac2023\npeople: [{{name: a, {key}: station11}}]\n")
 
 
 def test_files_are_looked_up_beside_the_trial(tmp_path):

@@ -26,6 +26,7 @@ FLOORS = {
     " b: {between: [[0, 2], [9, 0]], towards: [5, 2]}}": "meets the gate 'a'",
     "gates: {a: {between: [[0, 1], [9, 1]]}}": "towards: is missing",
     "gates: {a: {between: [[0, 1], [9, 1]], towards: [5, 2], width: 1}}": "width: unknown key",
+    "safe_zone: {at: [4, 4], heading: 90}": "heading: expected radians, found 90: 90° are 1.5708",
     "gates: {wall: {between: [[0, 1], [9, 1]], towards: [5, 2]}}": "else is called 'wall'",
 }
 
@@ -57,6 +58,7 @@ TRIALS = {
     "people: [{name: e, max_speed: {gauss: [1, 2]}}]": "unknown key; there are: exponential, logn",
     "people: [{name: e, max_speed: {norml: [1, 2]}}]": "norml: unknown key; did you mean 'normal'?",
     "people: [{name: e, start: {tim: 4}}]": "start.tim: unknown key; did you mean 'time'?",
+    "machines: {tug: {kind: agv, origin: [2, 2], heading: 90, limits: [0, 4]}}": "expected radians",
     "agvs: {cart: {yields: true}}": "yields: unknown key; did you mean 'yield'?",
     "machines: {van: {kind: agv, orgin: [1, 2]}}": "orgin: unknown key; did you mean 'origin'?",
     "people: [{name: e, max_speed: fast}]": "expected a number, found 'fast'",
@@ -109,7 +111,7 @@ def test_what_is_wrong_is_told_with_its_line(tmp_path, read, before, wrong, mess
 @pytest.mark.parametrize(
     ("wrong", "message"),
     [
-        ("at: press", "at: expected a list or 'anywhere', found 'press'"),
+        ("at: 5", "at: expected a list or text, found 5"),
         ("at: [1]", "at[1]: is missing"),
         ("sink: {at: 3}", "sink: expected a list or text, found {'at': 3}"),
         ("manners: {patience: -3}", "manners.patience: expected more than 0, found -3"),

@@ -34,7 +34,7 @@ def starting_places(trial: Scenario, world: CollisionWorld, crowd: Crowd | None)
     """
     usual = trial.floorplan.human.radius
     radii = [entry.radius or usual for entry in trial.people]
-    places = [entry.place for entry in trial.people]
+    places = [entry.place_on(trial.floorplan) for entry in trial.people]
     for k, entry in enumerate(trial.people):
         taken = [(at, radii[j]) for j, at in enumerate(places) if at is not None]
         if places[k] is not None:
@@ -42,11 +42,11 @@ def starting_places(trial: Scenario, world: CollisionWorld, crowd: Crowd | None)
         leader = trial.leader(entry)
         if entry.source is not None:
             places[k] = wings(trial.floorplan, k)
-        elif entry.at == "anywhere" and crowd is not None and _is_there(leader):
+        elif entry.anywhere and crowd is not None and _is_there(leader):
             beside = places[trial.people.index(leader)]
             assert beside is not None  # leaders come before those whom they lead
             places[k] = crowd.room(beside, radii[k], taken=taken)
-        elif entry.at == "anywhere":
+        elif entry.anywhere:
             places[k] = _anywhere(entry, trial.seed, world, radii[k], taken)
         else:
             home = entry.home_on(trial.floorplan)
@@ -57,7 +57,7 @@ def starting_places(trial: Scenario, world: CollisionWorld, crowd: Crowd | None)
             elif world.hits(home.position, home.position, radii[k]):
                 places[k] = next(iter(world.exits(home.position, radii[k])), home.position)
         if places[k] is None:
-            found = "on the floor" if entry.at == "anywhere" else "at home; give at: [x, y]"
+            found = "on the floor" if entry.anywhere else "at home; give at: [x, y]"
             message = f"people[{k}]: there is no room for {entry.name} {found}"
             raise TrialError(f"trial {trial.name!r}", [Problem(message)])
     return [place for place in places if place is not None]
