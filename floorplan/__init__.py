@@ -13,7 +13,7 @@ from .checks import (
     time_fault,
 )
 from .document import Document, parse_yaml, read_yaml, refuse
-from .fields import Flag, NotNegative, Number, Pair, Positive, Range, Strictly, whole
+from .fields import Angle, Flag, NotNegative, Number, Pair, Positive, Range, Strictly, whole
 from .kinds import require, require_fields
 from .loading import build, builtin, load, parse
 from .model import (
@@ -58,6 +58,7 @@ __all__ = [
     "LARGEST_RECORDED",
     "LEFT_OUT_IF_EMPTY",
     "SMALLEST",
+    "Angle",
     "Axis",
     "Document",
     "Door",

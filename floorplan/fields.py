@@ -1,5 +1,6 @@
 """Fields of files, and the parts that they make up."""
 
+from math import radians, tau
 from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler
@@ -14,10 +15,19 @@ from pydantic_core.core_schema import (
 
 from .checks import LARGEST, size_fault
 
+LARGEST_ANGLE = 2 * tau
+"""Radians. Larger ones in a file are taken for degrees."""
+
 
 def _checked_size(value: float) -> float:
     if fault := size_fault(value):
         raise ValueError(fault)
+    return value
+
+
+def _checked_angle(value: float) -> float:
+    if abs(value) > LARGEST_ANGLE:
+        raise ValueError(f"expected radians, found {value:g}: {value:g}° are {radians(value):.4f}")
     return value
 
 
@@ -44,6 +54,9 @@ Number = Annotated[float, Reads(_NUMBER)]
 
 Positive = Annotated[float, Reads(no_info_after_validator_function(_checked_size, _POSITIVE))]
 """A field of a file: a number from 1e-6 to 1e9."""
+
+Angle = Annotated[float, Reads(no_info_after_validator_function(_checked_angle, _NUMBER))]
+"""A field of a file: an angle in radians, of two turns at most."""
 
 NotNegative = Annotated[float, Reads(_NOT_NEGATIVE)]
 """A field of a file: a number from 0 to 1e9."""

@@ -19,7 +19,7 @@ from shapely.geometry import Polygon
 from shapely.geometry import shape as shape_of
 
 from .checks import LARGEST, polygon_fault
-from .fields import Number
+from .fields import Angle, Number
 from .layers import BOUNDARY, Drawn
 from .model import DEFAULT_HEIGHT, Obstacle, SafeZone, Station
 from .outlines import pieces_of
@@ -45,7 +45,7 @@ class Properties(BaseModel):
     name: str | None = None
     bottom: Number | None = None
     top: Number | None = None
-    heading: Number = 0.0
+    heading: Angle = 0.0
 
 
 @dataclass
@@ -71,6 +71,8 @@ def load_geojson(path: Path, drawn: Drawn) -> Floorplan:
         raise FloorplanError.of(file, f"is not JSON: {why}") from None
     if not isinstance(data, dict):
         raise FloorplanError.of(file, f"is not GeoJSON: expected an object, found {shown(data)}")
+    if not isinstance(data.get("type"), str):
+        raise FloorplanError.of(file, "is not GeoJSON: it has no type, as 'FeatureCollection'")
     if any(mark in json.dumps(data.get("crs")) for mark in DEGREES):
         message = "its coordinates are degrees (crs); project it to metres"
         raise FloorplanError.of(file, message)

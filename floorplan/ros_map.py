@@ -17,7 +17,7 @@ from pydantic import BaseModel, ConfigDict, Field, Strict, model_validator
 from shapely.geometry import Polygon
 
 from .document import Document
-from .fields import Number
+from .fields import Angle, Number
 from .image import GreyImage, read_image
 from .plan import Floorplan
 from .problems import FloorplanError
@@ -39,7 +39,7 @@ class RosMapSchema(BaseModel):
 
     image: Annotated[str, Field(min_length=1)]
     resolution: Resolution
-    origin: tuple[Number, Number, Number]
+    origin: tuple[Number, Number, Angle]
     negate: Literal[0, 1] | bool
     occupied_thresh: Share
     free_thresh: Share

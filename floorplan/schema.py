@@ -12,7 +12,7 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
-from .fields import Flag, Number, Pair, Positive, Range, Strictly
+from .fields import Angle, Flag, Number, Pair, Positive, Range, Strictly
 from .model import DEFAULT_HEIGHT, EVERYBODY
 
 Size = tuple[Positive, Positive]
@@ -99,14 +99,14 @@ class SafeZoneSchema(Strictly):
     """Start of people."""
 
     at: Pair
-    heading: Number = 0.0
+    heading: Angle = 0.0
 
 
 class LaneSchema(Strictly):
     """Keys of a single AGV; those that all AGVs share count where it has none of its own."""
 
     origin: Pair
-    heading: Number = 0.0
+    heading: Angle = 0.0
     start: str | None = None
     serves: dict[str, str] = {}
     size: Size | None = None
@@ -207,7 +207,7 @@ class FloorplanSchema(Strictly):
     base: Name | None = None
     units: Unit | None = None
     origin: Pair = (0.0, 0.0)
-    rotation: Number = 0.0
+    rotation: Angle = 0.0
     layers: Annotated[dict[str, Group], Field(min_length=1)] | None = None
     snap: Positive | None = None
     leave_out: list[str] = []

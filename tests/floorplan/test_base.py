@@ -189,6 +189,7 @@ def test_wrong_geojson(tmp_path):
         path.write_text(text)
         return problems(floorplan.load, path)
 
+    assert found('{"trial": "a"}') == ["is not GeoJSON: it has no type, as 'FeatureCollection'"]
     assert found('{"type": \n"Poly') == ["line 2: is not JSON: Unterminated string starting at"]
     degrees = {"type": "Polygon", "coordinates": [], "crs": {"properties": {"name": "EPSG:4326"}}}
     assert "are degrees" in found(json.dumps(degrees))[0]

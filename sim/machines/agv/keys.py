@@ -2,7 +2,7 @@
 
 from pydantic import Field, model_validator
 
-from floorplan import Flag, Lane, NotNegative, Number, Pair, Positive, Range, Strictly
+from floorplan import Angle, Flag, Lane, NotNegative, Number, Pair, Positive, Range, Strictly
 
 from ...core.keys import Keys
 from ...core.scenario import AgvMove
@@ -51,7 +51,7 @@ class CartKeys(AgvKeys):
     """An AGV on a lane that the floor does not have; lengths in metres."""
 
     origin: Pair
-    heading: Number = 0.0
+    heading: Angle = 0.0
     limits: Range
     locations: dict[str, Number] = {}
     start: str | Number = 0.0
