@@ -38,6 +38,7 @@ def chart(
 
 def _draw(axes: Axes, groups: Sequence[Group], spreads: Sequence[Spread | None]) -> None:
     colours = _colours(groups)
+    axes.use_sticky_edges = False  # a box without a width would lie on the edge
     everything = np.concatenate([s.values for s in spreads if s is not None] or [np.zeros(1)])
     counted = bool((everything == everything.round()).all())
     counted = counted and len(np.unique(everything)) <= MOST_COUNTS

@@ -161,6 +161,12 @@ class Comparison:
         ends = {end for spread in there for end in (spread.least, spread.most)}
         return None if len(ends) > 1 else min(ends, default=math.nan)
 
+    @property
+    def telling(self) -> list[Measure]:
+        """The measures that differ between rows: the chief ones, or if none of them does, any."""
+        varying = [one for one in self.spreads if self.constant(one) is None]
+        return [one for one in varying if one.chief] or varying
+
     def label_of(self, line: int) -> str:
         """The label of the group that a line of the table is in."""
         return next(group.label for group in self.groups if line in group.rows)

@@ -22,7 +22,7 @@ class Effect:
 
 @dataclass(frozen=True)
 class Contrast:
-    """Two groups that differ in one factor only, and the effect of that on each chief measure.
+    """Two groups that differ in one factor only, and the effect of that on each telling measure.
 
     An effect is None where no repetition has the figure in both.
     """
@@ -35,9 +35,9 @@ class Contrast:
 def contrasts(compared: Comparison) -> Iterator[Contrast]:
     """Yield every pair of groups that differ in one factor, the first factor's pairs first.
 
-    They are compared by the chief measures that are not the same in all rows.
+    They are compared by the `telling` measures.
     """
-    measures = [m for m in compared.spreads if m.chief and compared.constant(m) is None]
+    measures = compared.telling
     for factor in range(len(compared.factors)):
         for one, other in itertools.combinations(compared.groups, 2):
             pairs = zip(one.values, other.values, strict=True)

@@ -89,7 +89,7 @@ def _delta(effect: Effect | None) -> str:
 
 
 def sensitivity(compared: Comparison) -> Iterator[Part]:
-    """Yield how far the chief measures change along each factor, as a table and as charts."""
+    """Yield how far the telling measures change along each factor, as a table and as charts."""
     if not compared.factors:
         yield Points(("Nothing was varied on a grid.",))
         return

@@ -44,13 +44,12 @@ class Trend:
 
 
 def sensitivities(compared: Comparison) -> Iterator[tuple[Measure, list[Trend]]]:
-    """Yield the chief measures that vary, with the trends of all factors on them."""
-    for measure in compared.spreads:
-        if measure.chief and compared.constant(measure) is None:
-            trends = [_trend(compared, measure, k) for k in range(len(compared.factors))]
-            found = [one for one in trends if one is not None]
-            if found:
-                yield measure, found
+    """Yield the `telling` measures, with the trends of all factors on them."""
+    for measure in compared.telling:
+        trends = [_trend(compared, measure, k) for k in range(len(compared.factors))]
+        found = [one for one in trends if one is not None]
+        if found:
+            yield measure, found
 
 
 def _trend(compared: Comparison, measure: Measure, factor: int) -> Trend | None:

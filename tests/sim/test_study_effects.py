@@ -61,6 +61,14 @@ def test_combinations_that_differ_in_one_factor_are_set_against_each_other():
     assert [effect is None for effect in found[1].effects.values()] == [False, True]
 
 
+def test_where_no_chief_figure_differs_the_others_are_compared():
+    columns = {"row": [0, 1], "speed": ["1", "2"], "penalties": [0, 0], "agv_violations": [4, 3]}
+    (found,) = contrasts(compare(columns, ["speed"]))
+    assert {measure.column: effect.delta for measure, effect in found.effects.items()} == {
+        "agv_violations": 1.0
+    }
+
+
 def test_missing_figures_take_their_repetition_with_them():
     one = np.array([1.0, math.nan, 5.0, 9.0])
     other = np.array([2.0, 0.0, math.nan, 3.0])
