@@ -26,10 +26,11 @@ class SummaryFigure:
     one below `people.NAME`; a part of another figure needs none. Trials can expect something of
     all that is a number, a flag or visits.
 
-    `events` are those that made it what it is: their kind, and fields that they have. With
-    `instant` it has the time of the figure of that name beside it; with `short` it is also found by
-    the name of the figure that it is a part of. It is one of the trials for which `only` holds;
-    where `null` does it has no value, and nothing can be expected of it.
+    `events` are those that made it what it is: their kind, and fields that they have, with NAME for
+    the one in `path` and VEHICLE for any kind of vehicle. With `instant` it has the time of the
+    figure of that name beside it; with `short` it is also found by the name of the figure that it
+    is a part of. It is one of the trials for which `only` holds; where `null` does it has no value,
+    and nothing can be expected of it.
     `label` is what people read; `words`, if given, how much it is on a terminal. A study has it as
     a column unless not `column`; its report compares it as a `measure`, "rare" ones only where
     there is something, and its first rows are worth a look if it is among the `worst`: the least
@@ -183,7 +184,7 @@ FIGURES: dict[str, SummaryFigure] = {
             label="violations with AGVs",
             meaning="with an AGV that moved",
             words=words.plain,
-            events=(events.Violation, {"cause": "agv"}),
+            events=(events.Violation, {"cause": "VEHICLE"}),
             measure="rare",
         ),
         SummaryFigure(

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Container, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from ..core.recorder import Event
 from ..core.scenario import Scenario
 from ..record.figures import FIGURES, PEOPLE, SummaryFigure
 from ..record.outcome import Outcome
@@ -40,16 +41,18 @@ class SummaryField:
         if self.figure.events is None:
             return []
         kind, named = self.figure.events
-        fields = {key: self.name if value == "NAME" else value for key, value in named.items()}
-        found = [e for e in run.events if e["kind"] == kind.kind and fields_match(e, fields)]
+        vehicles = {one.kind for one in run.scene.machines if one.category == "vehicle"}
+        meant = {"NAME": {self.name}, "VEHICLE": vehicles}
+        fields = {key: meant.get(value, {value}) for key, value in named.items()}
+        found = [e for e in run.events if e["kind"] == kind.kind and _match(e, fields)]
         if self.figure.form == "visits":
             found = [e for e in found if e["station"] is not None]
         return [e["t"] for e in found]
 
 
-def fields_match(event: dict[str, Any], fields: dict[str, Any]) -> bool:
-    """Return whether an event has these fields with these values."""
-    return all(event.get(key) == value for key, value in fields.items())
+def _match(event: Event, fields: Mapping[str, Container[Any]]) -> bool:
+    """Return whether an event has these fields, each with one of its values."""
+    return all(event.get(key) in values for key, values in fields.items())
 
 
 def summary_fields(trial: Scenario) -> dict[str, SummaryField]:

@@ -55,6 +55,8 @@ def test_an_unknown_kind_is_watched_judged_and_expected(recorded):
         just_before = run.distance("operator", "train", t - 1e-9)
         assert just_before == pytest.approx(event["distance"], abs=1e-6)
         assert event["distance"] <= law.distance(event["human_speed"], event["robot_speed"]) + 1e-6
+    one = replace(run.trial, expect={"agv_violations": 1})
+    assert [verdict.time for verdict in sim.run(one).verdicts] == [violations[-1]["t"]]
     few = replace(run.trial, expect={"machines.train.rounds": "< 7", "machines.train.wheels": 4})
     assert [verdict.met for verdict in sim.run(few).verdicts] == [False, False]
     wrong = replace(run.trial, expect={"timeline": [{"never": {"kind": "violation", "by": "x"}}]})
