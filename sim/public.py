@@ -2,7 +2,7 @@
 
 from .core.blackout import Blackout
 from .core.body import Body
-from .core.clock import Clock, StandstillError
+from .core.clock import Alarm, Clock, StandstillError, Turn
 from .core.commands import Command
 from .core.events import EventKind
 from .core.machine import Machine, MachineShape
@@ -69,6 +69,7 @@ __all__ = [
     "PAPER",
     "RULE_SETS",
     "AgvMove",
+    "Alarm",
     "Blackout",
     "Body",
     "Caution",
@@ -128,6 +129,7 @@ __all__ = [
     "Tasks",
     "Trial",
     "TrialError",
+    "Turn",
     "Verdict",
     "WorkList",
     "WorkTask",
