@@ -67,9 +67,12 @@ def find_source(name: str, folder: Path, kind: Kind) -> Source:
     files = (path / "__init__.py", path.parent / f"{path.name}.py")
     file = next(filter(is_file, files), None)
     if file is None:
+        hint = "code of your own stands beside the file that names it"
+        if parts[-1] == "py":
+            hint = f"a module is named without its ending: {'.'.join(parts[:-1])}:{attribute}"
         raise OwnCodeError(
             f"{name!r} can't be found: there is no {'/'.join(parts)}.py in {folder.resolve()};"
-            " code of your own stands beside the file that names it"
+            f" {hint}"
         )
     definitions = definitions_in(name, file)
     if attribute not in definitions:
