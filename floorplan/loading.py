@@ -63,12 +63,13 @@ def parse(text: str, *, file: str = "<text>") -> Floorplan:
     return build(parse_yaml(text, file, FloorplanError))
 
 
-def build(document: Document, folder: Path | None = None) -> Floorplan:
+def build(document: Document, folder: Path | None = None, name: str = "") -> Floorplan:
     """Return the floorplan in `document`; `FloorplanError` with all that is wrong with it.
 
-    A base of it is looked up from `folder`, that of the document's file by default.
+    A base of it is looked up from `folder`, that of the document's file by default. If it has no
+    name of its own it is called `name`, or else as the file.
     """
-    return _build(document, Path(document.file).parent if folder is None else folder, ())
+    return _build(document, Path(document.file).parent if folder is None else folder, (), name)
 
 
 def _read(path: Path, drawn: Drawn, above: tuple[Path, ...]) -> Floorplan:
@@ -88,11 +89,11 @@ def _read(path: Path, drawn: Drawn, above: tuple[Path, ...]) -> Floorplan:
     raise FloorplanError.of(path, f"no such file, nor a built-in floorplan; {hint}")
 
 
-def _build(document: Document, folder: Path, above: tuple[Path, ...]) -> Floorplan:
+def _build(document: Document, folder: Path, above: tuple[Path, ...], name: str = "") -> Floorplan:
     schema = document.checked(FloorplanSchema, FloorplanError)
     boundary = Polygon(schema.boundary or (), schema.holes)
     plan = Floorplan(
-        name=schema.name or Path(document.file).stem,
+        name=schema.name or name or Path(document.file).stem,
         title=schema.title,
         source=schema.source,
         boundary=boundary,

@@ -129,12 +129,13 @@ def build(form: type[Trial], document: Document, folder: Path, own_code: bool) -
         raise TrialError(document.file, [Problem(f"is {other}")])
     schema = document.checked(TrialKeys, TrialError)
     home, folder = folder, folder / schema.folder
-    plan = _floorplan(schema.floorplan, folder, document)
+    name = Path(document.file).name.split(".")[0] if schema.name is None else schema.name
+    plan = _floorplan(schema.floorplan, folder, document, name)
     lanes = {lane.name: lane for lane in plan.lanes}
     rules, rule_problems = build_rules(schema.rules, document, folder, "rules", own_code=own_code)
     trial = form(
         floorplan=plan,
-        name=Path(document.file).name.split(".")[0] if schema.name is None else schema.name,
+        name=name,
         duration=schema.duration,
         seed=schema.seed,
         rules=rules,
@@ -259,9 +260,11 @@ def _named_file(folder: Path, name: str, document: Document, key: str) -> Path:
     return path
 
 
-def _floorplan(name: str | dict[str, Any], folder: Path, document: Document) -> Floorplan:
+def _floorplan(
+    name: str | dict[str, Any], folder: Path, document: Document, trial: str
+) -> Floorplan:
     if not isinstance(name, str):
-        return floorplan.build(document.part("floorplan"), folder)
+        return floorplan.build(document.part("floorplan"), folder, trial)
     if name in floorplan.builtin():
         return floorplan.load(name)
     path = folder / name

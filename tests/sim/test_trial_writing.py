@@ -277,6 +277,12 @@ def test_a_floor_of_no_file_stands_in_the_trial(tmp_path):
     assert "floorplan: ariac2023\n" in sim.Trial(FLOOR).to_yaml()
 
 
+def test_a_floor_in_a_trial_without_a_name_is_called_as_the_trial():
+    text = "floorplan: {boundary: [[0, 0], [9, 0], [9, 9]]}\n"
+    assert sim.Trial.parse(text, file="a/lunch.trial.yaml").floorplan.name == "lunch"
+    assert sim.Trial.parse(f"{text}name: noon\n").floorplan.name == "noon"
+
+
 def test_faults_of_a_floor_in_a_trial_have_their_lines():
     text = "floorplan:\n  boundary: [[0, 0], [9, 0], [9, 9]]\n  stations: {gate: [0, 9]}\n"
     with pytest.raises(floorplan.FloorplanError) as wrong:
