@@ -14,6 +14,9 @@ from types import FrameType
 AGAIN = 0.02
 """Seconds after which it is tried again."""
 
+PATIENCE = 1.0
+"""Seconds that code of the user's own has to come to its end."""
+
 
 @contextmanager
 def put_off_while_loading() -> Iterator[None]:
@@ -42,22 +45,30 @@ def put_off_while_loading() -> Iterator[None]:
 def taken_by(stop: Callable[[], None]) -> Iterator[None]:
     """In this context the first Ctrl-C calls `stop`, in the middle of whatever happens.
 
-    The second one raises `KeyboardInterrupt`, if what happens does not come to its end.
+    `KeyboardInterrupt` is raised by the second one, and where code of the user's own is under way
+    that does not come to its end.
     """
     usual = signal.getsignal(signal.SIGINT)
     if usual not in (_interrupt, signal.default_int_handler):
         yield
         return
+    alarm = signal.getsignal(signal.SIGALRM) if hasattr(signal, "SIGALRM") else None
 
     def first(_number: int, _frame: FrameType | None) -> None:
         signal.signal(signal.SIGINT, usual)
         stop()
+        if alarm is not None:
+            signal.signal(signal.SIGALRM, _interrupt_own)
+            signal.setitimer(signal.ITIMER_REAL, PATIENCE, PATIENCE)
 
     signal.signal(signal.SIGINT, first)
     try:
         yield
     finally:
         signal.signal(signal.SIGINT, usual)
+        if alarm is not None:
+            signal.setitimer(signal.ITIMER_REAL, 0)
+            signal.signal(signal.SIGALRM, alarm)
 
 
 def leave_to_asyncio() -> None:
@@ -70,6 +81,13 @@ def _interrupt(_number: int, frame: FrameType | None) -> None:
     if _is_loading(frame):
         signal.setitimer(signal.ITIMER_REAL, AGAIN)
     else:
+        raise KeyboardInterrupt
+
+
+def _interrupt_own(_number: int, frame: FrameType | None) -> None:
+    from ..core.own_code import is_under_way
+
+    if is_under_way(frame):
         raise KeyboardInterrupt
 
 

@@ -219,6 +219,7 @@ def _kept(
     *listeners: Recording | LiveRun,
 ) -> Run:
     """Return the run as far as it went; listeners get it also where the user's own code fails."""
+    from ..core.own_code import broken_off
 
     def finish() -> Run:
         finished = simulation.finish()
@@ -227,7 +228,7 @@ def _kept(
         return finished
 
     try:
-        with taken_by(simulation.stop):
+        with broken_off(), taken_by(simulation.stop):
             advance(simulation)
     except Exception:
         with suppress(Exception):  # where nothing can be written that was the error already

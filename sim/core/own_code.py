@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib.machinery import BuiltinImporter, FrozenImporter
 from pathlib import Path
-from types import ModuleType
+from types import FrameType, ModuleType
 from typing import Any
 
 from .clock import Clock
@@ -65,13 +65,38 @@ def supervised(clock: Clock | None = None) -> Iterator[None]:
         raise OwnCodeError(f"code of your own failed{when}{place}: {in_words(why)}") from why
 
 
+@contextmanager
+def broken_off() -> Iterator[None]:
+    """Turn a Ctrl-C that breaks off an imported module into an `OwnCodeError` with the line."""
+    try:
+        yield
+    except KeyboardInterrupt as why:
+        place = own_line(why)
+        if not place:
+            raise
+        raise OwnCodeError(f"code of your own did not come to its end{place}") from why
+
+
 def own_line(why: BaseException) -> str:
     """Return the innermost line of an imported module in which an error arose.
 
     As " (FILE, line N)", or nothing.
     """
-    imported = {module.__file__ for own in _imported.values() for module in own.values()}
-    return line_in(why, imported)
+    return line_in(why, _own_files())
+
+
+def is_under_way(frame: FrameType | None) -> bool:
+    """Return True if an imported module is at work in `frame`, or waits for what it called."""
+    files = _own_files()
+    while frame is not None:
+        if frame.f_code.co_filename in files:
+            return True
+        frame = frame.f_back
+    return False
+
+
+def _own_files() -> set[str | None]:
+    return {module.__file__ for own in _imported.values() for module in own.values()}
 
 
 def _refuse_names_of_python(source: Source) -> None:

@@ -4,6 +4,7 @@ import csv
 import itertools
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -345,6 +346,27 @@ def test_an_interrupted_run_keeps_what_happened(tmp_path):
     for line in (out / "motions.jsonl").read_text().splitlines():
         json.loads(line)
     assert (out / "replay.html").read_text().rstrip().endswith("</html>")
+
+
+def test_one_interrupt_ends_an_endless_loop_in_the_users_code(tmp_path):
+    (tmp_path / "stuck.py").write_text(
+        "from pathlib import Path\n\n\nclass Stuck:\n"
+        "    def replan(self, body, neighbours, outlook):\n"
+        "        Path('there').touch()\n        while True:\n            pass\n"
+    )
+    (tmp_path / "stuck.trial.yaml").write_text(
+        "floorplan: warehouse\nsteering: 'stuck:Stuck'\n"
+        "people: [{name: a, count: 2, at: anywhere}]\n"
+    )
+    process = started("run", "stuck.trial.yaml", "--out", "out", cwd=tmp_path)
+    while not (tmp_path / "there").exists():
+        assert process.poll() is None
+        time.sleep(0.05)
+    process.send_signal(signal.SIGINT)
+    _, stderr = process.communicate(timeout=60)
+    assert process.returncode == 1
+    assert re.search(r"\(stuck\.py, line [78]\)", stderr) and "Traceback" not in stderr
+    assert json.loads((tmp_path / "out" / "summary.json").read_text())["interrupted"] is True
 
 
 def test_help_and_version(tmp_path):
