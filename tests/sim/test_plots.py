@@ -145,6 +145,17 @@ def test_separation_marks_every_violation(run):
         assert len(shown.get("violation", [])) == len(counted) > 0
 
 
+def test_names_of_people_leave_room_for_the_floor():
+    hall = "{boundary: [[0, 0], [30, 0], [30, 4], [0, 4]]}"
+    text = f"floorplan: {hall}\nduration: 1\npeople: [{{name: p, count: COUNT, at: anywhere}}]\n"
+    for count, named in ((12, 12), (20, 0)):
+        run = sim.run(sim.Trial.parse(text.replace("COUNT", str(count))))
+        figure = run.plot.trails()
+        figure.draw_without_rendering()
+        assert figure.axes[0].get_position().height * figure.get_figheight() > 0.5
+        assert sum(len(legend.get_texts()) for legend in figure.legends) == named
+
+
 def test_separation_of_a_long_run_is_drawn_in_columns(run, monkeypatch):
     (axes,) = run.plot.separation("ada").axes
     _, distance = curve(axes, "distance")

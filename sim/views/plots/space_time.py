@@ -15,7 +15,7 @@ from ...record.outcome import Outcome
 from ..colours import GREY
 from .curves import Array, Span, instants, span_of, while_present
 from .incidents import breaches, mark_breaches
-from .style import MACHINES, Width, explain, new_figure, person_colour, styled
+from .style import MACHINES, Width, explain, new_figure, person_colour, person_label, styled
 
 _PANEL = 2.3
 """Inches. The height of one axis's panel."""
@@ -66,7 +66,7 @@ def _draw_body(axes: Axes, run: Outcome, body: str, axis: int, span: Span) -> No
     if body in people:
         index = people.index(body)
         half = np.full(len(t), run.scene.people[index].radius)
-        colour, label = person_colour(index), body
+        colour, label = person_colour(index), person_label(body, len(people))
     else:
         machine = run.scene.machine(body)
         half = _half_extent(machine, motion, t, axis)
@@ -75,7 +75,7 @@ def _draw_body(axes: Axes, run: Outcome, body: str, axis: int, span: Span) -> No
         label = body if machine.category == "robot" else f"_{body}"
     axes.fill_between(t, at - half, at + half, facecolor=colour, alpha=0.3, linewidth=0)
     axes.plot(t, at, color=colour, linewidth=0.9, label=label)
-    if label != body and axis == 1:
+    if label != body and body not in people and axis == 1:
         axes.annotate(body, (there[0], at[0]), (2, 2), textcoords="offset points", size=6)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import math
 from collections.abc import Iterable
 from functools import partial
 from pathlib import Path
@@ -35,6 +36,12 @@ LONG = 3600.0
 
 HANDY = (600.0, 900.0, 1800.0, 3600.0, 7200.0, 14400.0, 43200.0, 86400.0)
 """Seconds between two marks of an axis of such times."""
+
+MOST_NAMED = 12
+"""So many people have their names in a legend: the colours of more would say nothing."""
+
+_LINE = 0.15
+"""Inches. The height of a line of a legend."""
 
 TALL = 2.5
 """Metres. Obstacles of this height and more are drawn darkest."""
@@ -144,7 +151,10 @@ def inches(width: Width) -> float:
 
 
 def explain(figure: Figure, axes: Iterable[Axes], width: Width) -> None:
-    """Put a legend of everything with a label in `axes` above the picture, if there is any."""
+    """Put a legend of everything with a label in `axes` above the picture, if there is any.
+
+    The picture grows by what has no room in one line.
+    """
     known: dict[str, Any] = {}
     for one in axes:
         handles, labels = one.get_legend_handles_labels()
@@ -152,6 +162,8 @@ def explain(figure: Figure, axes: Iterable[Axes], width: Width) -> None:
     if known:
         columns = min(len(known), 6 if width == "double" else 2)
         figure.legend(known.values(), known.keys(), loc="outside upper center", ncols=columns)
+        lines = math.ceil(len(known) / columns)
+        figure.set_figheight(figure.get_figheight() + (lines - 1) * _LINE)
 
 
 def label_time(axes: Axes, span: float) -> None:
@@ -168,6 +180,16 @@ def label_time(axes: Axes, span: float) -> None:
 def person_colour(index: int) -> str:
     """Return the colour of the person at this place in the order of people."""
     return PEOPLE[index % len(PEOPLE)]
+
+
+def person_label(name: str, count: int) -> str:
+    """Return the label of one of `count` people, hidden from the legend where they are many."""
+    return name if are_few(count) else f"_{name}"
+
+
+def are_few(count: int) -> bool:
+    """Return True if so many people can be told apart in a picture."""
+    return count <= MOST_NAMED
 
 
 def obstacle_shade(obstacle: Obstacle) -> float:

@@ -16,7 +16,7 @@ from .curves import Array, Span, instants, span_of, while_present
 from .floor import draw_floor, fill_area, floor_figure
 from .incidents import breaches, mark_breaches
 from .names import draw_names
-from .style import MACHINES, Width, explain, person_colour, styled
+from .style import MACHINES, Width, are_few, explain, person_colour, person_label, styled
 
 _THIN = 1.0
 """Points. The line of the person who is drawn last."""
@@ -25,7 +25,7 @@ _EDGES = 2.4
 """Points by which the line of each person before is wider, so that it shows on both sides."""
 
 _WIDEST = 8.0
-"""Points. Of many people the edges are smaller, so that no line is wider than this."""
+"""Points. Of several people the edges are smaller, so that no line is wider than this."""
 
 _GAP = 0.3
 """The white on both sides of a line, as a share of the edges: tells greys apart, too."""
@@ -70,14 +70,14 @@ def _draw_path(axes: Axes, run: Outcome, body: str, span: Span) -> Array:
     if body in people:
         index = people.index(body)
         later = len(people) - 1 - index
-        edges = min(_EDGES, (_WIDEST - _THIN) / len(people))
+        edges = min(_EDGES, (_WIDEST - _THIN) / len(people)) if are_few(len(people)) else 0.0
         width = _THIN + later * edges
         axes.plot(
             *path.T,
             color=person_colour(index),
             linewidth=width,
             path_effects=[withStroke(linewidth=width + _GAP * edges, foreground="white")],
-            label=body,
+            label=person_label(body, len(people)),
             zorder=3.2,
         )
     else:
