@@ -110,3 +110,21 @@ class Outcome:
         """
         times = instants(self.duration, rate)
         return {"t": times, **sample_all(self.motions, times)}
+
+    def table(self, rate: float = 20.0) -> dict[str, NDArray[Any]]:
+        """Every body on the floor at `rate` instants a second (Hz), as the columns of one table.
+
+        They are "t" (s), "body", "x", "y" (m), "rotation" (rad), "vx" and "vy" (m/s), in order of
+        time: `pandas.DataFrame(run.table())`. Who is not there at an instant has no row.
+        `ValueError` if the rate isn't positive.
+        """
+        times = instants(self.duration, rate)
+        there = np.array([self.is_present(name, times) for name in self.motions], dtype=bool)
+        seen = there.reshape(-1, len(times)).T  # (N, B), like what follows
+        sampled = sample_all(self.motions, times).values()
+        figures = np.stack([np.empty((len(times), 5)), *sampled], axis=1)[:, 1:][seen]
+        return {
+            "t": np.broadcast_to(times[:, np.newaxis], seen.shape)[seen],
+            "body": np.broadcast_to(np.array(list(self.motions), dtype=str), seen.shape)[seen],
+            **dict(zip(("x", "y", "rotation", "vx", "vy"), figures.T, strict=True)),
+        }

@@ -99,6 +99,8 @@ def test_a_recording_and_its_exports_have_them_only_while_they_are_there(run, gu
     assert table.x.between(0, 12).all() and (table[table.body == "host"].t.max() == 40)
     export(read, tmp_path / "run.parquet", rate=10.0)
     columns = pd.read_parquet(tmp_path / "run.parquet")
+    table = pd.DataFrame(read.table(10.0))
+    pd.testing.assert_frame_equal(columns.astype({"body": table["body"].dtype}), table)
     assert len(columns) == len(table) and columns.x.to_numpy() == pytest.approx(table.x, abs=1e-6)
     export(read, tmp_path / "run.sqlite", rate=10.0)
     with sqlite3.connect(tmp_path / "run.sqlite") as database:
