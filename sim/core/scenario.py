@@ -165,7 +165,7 @@ class PersonEntry:
         """Place where the person is put after a violation, and starts if there is no `at`.
 
         Their own `home`, else the safe zone of `plan`, else `at`, else where they come in. None if
-        that is nowhere on `plan`.
+        that is nowhere on `plan`, or drawn.
         """
         if self.home is not None:
             place = spot(plan, self.home, self.radius)

@@ -24,7 +24,7 @@ from .programs import EXTERNAL, with_programs
 from .steering.crowd import Crowd
 from .steering.manners import drawn
 from .steering.own_steering import find_steering
-from .steering.starting import starting_places
+from .steering.starting import starting_places, with_homes
 from .tracks.walks import RecordedWalk, with_places
 from .work_board import WorkBoard
 
@@ -80,6 +80,7 @@ class Company:
         self._crowd = crowd = self._make_crowd() if len(scenario.people) > 1 else None
         scenario = replace(scenario, people=with_places(scenario, walks))
         starts = starting_places(scenario, stage.world, crowd)
+        scenario = replace(scenario, people=with_homes(scenario, starts))
         for index, named in enumerate(scenario.people):
             entry = with_programs(named, scenario)
             walk = walks.get(entry.name)

@@ -234,6 +234,8 @@ def _overlaps(trial: Scenario) -> Iterator[Fault]:
                     f"{place} is {apart:.3g} m from where {other.name} starts; two bodies of"
                     f" their size need {needed:g} m between their centres"
                 )
+                if place == there:
+                    message += "; leave at out, or give anywhere, for a place of their own"
                 yield message, ("people", k, "at")
 
 
@@ -365,7 +367,7 @@ def _place_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:
     own = None if person.anywhere else person.at
     yield from _spot_faults(person, own, trial, "at")
     yield from _spot_faults(person, person.home, trial, "home")
-    if own is None and person.home is None and person.home_on(plan) is None:
+    if person.at is None and person.home is None and person.home_on(plan) is None:
         yield "the floorplan has no safe zone to start in; give at: [x, y]", ()
     if person.home is None and zone is not None:
         fault = starting_fault(plan, zone.position, person.radius)

@@ -118,6 +118,10 @@ def test_a_person_without_a_place_to_start_from(tmp_path):
         sim.Trial.parse(text, folder=tmp_path)
     trial = sim.Trial.parse(text.replace("{name: a}", "{name: a, at: [5, 5]}"), folder=tmp_path)
     assert trial.people[0].at == (5, 5)
+    crew = sim.run(
+        sim.Trial.parse(text.replace("a}", "a, count: 3, at: anywhere}"), folder=tmp_path)
+    )
+    assert crew.summary["overlaps"] == 0
 
 
 def test_people_start_and_are_at_home_at_places_by_name():

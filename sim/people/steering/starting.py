@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from dataclasses import replace
 from random import Random
 from typing import TypeGuard
 
@@ -61,6 +63,14 @@ def starting_places(trial: Scenario, world: CollisionWorld, crowd: Crowd | None)
             message = f"people[{k}]: there is no room for {entry.name} {found}"
             raise TrialError(f"trial {trial.name!r}", [Problem(message)])
     return [place for place in places if place is not None]
+
+
+def with_homes(trial: Scenario, starts: Sequence[Point]) -> tuple[PersonEntry, ...]:
+    """Return the people of a trial who start there: who has no home else is at home there."""
+    return tuple(
+        replace(entry, home=at) if entry.home_on(trial.floorplan) is None else entry
+        for entry, at in zip(trial.people, starts, strict=True)
+    )
 
 
 def _is_there(leader: PersonEntry | None) -> TypeGuard[PersonEntry]:
