@@ -278,6 +278,28 @@ def test_two_people_have_a_gap_and_no_required_distance(viewer, recording):
     assert "required" not in viewer.text("#legend")
 
 
+CROWD = """
+floorplan: {boundary: [[0, 0], [30, 0], [30, 4], [0, 4]]}
+duration: 60
+people: [{name: GUEST, source: {at: [1, 2], rate: 0.5, count: 4}, sink: [29, 2]}]
+""".replace("GUEST", "guest" * 6)
+
+
+def test_people_with_long_names_who_come_and_go(open_page):
+    run = sim.run(sim.Trial.parse(CROWD, file="crowd.yaml"))
+    viewer = open_page(replay.render(rounded(replay_data(run))))
+    assert viewer.page.locator("#compare").bounding_box()["x"] < 1280
+    assert viewer.page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    one, other = sorted(run.presence)[:2]
+    entered = max(run.presence[name][0] for name in (one, other))
+    for t, state in ((entered - 0.1, "not both on the floor"), (entered + 1, "apart")):
+        viewer.seek(t)
+        viewer.page.locator("#watch").select_option(label=f"{one} – {other}")
+        viewer.settle()
+        assert viewer.text("[data-shows=state]") == state
+    assert viewer.complaints == []
+
+
 def spread(distance):
     """The density (1/m²) of a person so far (m) off: a Gaussian, 1 m wide at half its height."""
     sigma = 1.0 / (2.0 * math.sqrt(2.0 * math.log(2.0)))

@@ -2,6 +2,7 @@
 
 const ROW_HEIGHT = 17;
 const AXIS_HEIGHT = 16;
+const SOCIAL = 4;            // metres of two people that are shown: E. T. Hall's social distance, 3.7 m, and a little more
 const GUTTER = { left: 52, right: 12, top: 6 };
 const COLUMN = 3;            // pixels of a column where curves or marks are too dense
 const DENSEST = 1.5;         // pixels for a mark, at least, of all rows; with less they are counted
@@ -349,8 +350,8 @@ class Band {
 }
 
 /** The highest distance of a plot; larger ones are cut off. */
-function highestOf({ largest }) {
-  return Math.min(largest.distance * 1.05, largest.required * 3);
+function highestOf({ largest, isOfPeople }) {
+  return Math.min(largest.distance * 1.05, isOfPeople ? SOCIAL : largest.required * 3);
 }
 
 function drawViolationBands({ context, palette, from, to, toX, surface }, watch, top, height) {

@@ -29,11 +29,13 @@ const STATES = {
   short: { shape: "triangle", hollow: true, color: "danger", text: "closer than required, and not counted" },
   violation: { shape: "triangle", color: "danger", text: "too close: violation" },
   apart: { shape: "disc", hollow: true, color: "muted", text: "apart" },
+  absent: { shape: "disc", hollow: true, color: "muted", text: "not both on the floor" },
   touching: { shape: "triangle", hollow: true, color: "danger", text: "touching" },
 };
 const TOUCH = 0.005;         // metres between two people who seem to touch
 
 function stateOf({ margin, distance, notice, violated }, { isOfPeople }) {
+  if (Number.isNaN(margin)) return "absent";
   if (isOfPeople) return margin > TOUCH ? "apart" : "touching";
   if (violated) return "violation";
   if (margin < 0) return "short";
@@ -65,7 +67,9 @@ class Readout {
     if (!watch) return;
     const now = watch.at(t);
     const { digits } = toldApart(now.distance, now.required);
-    for (const name of ["distance", "required", "margin"]) put(name, `${fixed(now[name], digits)} m`);
+    for (const name of ["distance", "required", "margin"]) {
+      put(name, Number.isNaN(now[name]) ? "–" : `${fixed(now[name], digits)} m`);
+    }
     put("person", spoken(watch.person.name));
     put("person-speed", `${fixed(now.personSpeed, 2)} m/s`);
     put("other", spoken(watch.other.name));

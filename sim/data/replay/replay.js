@@ -102,7 +102,7 @@ class Replay {
     document.body.classList.toggle("unwatched", first.watches.length === 0);
     $("title").textContent = isCompared ? names.map((name, i) => `${LETTERS[i]}: ${name}`).join("; ") : title ?? "";
     $("subtitle").textContent = isCompared
-      ? "" : [floorplan.title || spoken(floorplan.name ?? ""), ...people].join(" · ");
+      ? "" : [floorplan.title, ...people].filter(Boolean).join(" · ");
     $("focus").replaceChildren(...namesOf(this.runs, 1).map((name, i) => this.#focusButton(name, i)));
     const duration = Math.max(...this.runs.map(run => run.duration));
     document.body.classList.toggle("long", duration >= LONG);

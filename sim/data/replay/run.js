@@ -32,8 +32,9 @@ class Run {
       this.bodies.set(data.name, new Body(data, piecesOf(recording, data.name), color));
     }
     this.people = [...this.bodies.values()].filter(body => body.category === "person");
+    const bounds = boxOf(floorplan.boundary);
     this.watches = [...watches, ...pairsOfPeople(this.people, events)]
-      .map(watch => new Watch(watch, this.bodies, known));
+      .map(watch => new Watch(watch, this.bodies, known, bounds));
     this.minds = new Map();
     this.changes = events.filter(event => event.kind === "personality_changed");
     this.goals = new Map();

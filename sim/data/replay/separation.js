@@ -32,8 +32,9 @@ const WORDS_OF_PEOPLE = { distance: "distance", required: "touch at", margin: "g
 
 /** One person and one other body, and the law between them. */
 class Watch {
-  constructor(data, bodies, duration) {
+  constructor(data, bodies, duration, bounds) {
     this.duration = duration;
+    this.bounds = bounds;
     this.person = bodies.get(data.person);
     this.other = bodies.get(data.other);
     this.law = data.law;
@@ -49,7 +50,7 @@ class Watch {
   }
 
   /** Distances in metres as the rules measure them, speeds in m/s; `notice` is null where there is no
-   *  noticing distance. */
+   *  noticing distance, `distance` and `margin` are NaN while one of the two is not on the floor. */
   at(t) {
     return this.#between(this.person.motion.at(t), this.other.motion.at(t), t);
   }
@@ -61,7 +62,8 @@ class Watch {
 
   #between(person, other, t, before = false) {
     const [dx, dy] = this.measuredAt;
-    const distance = Math.hypot(person.x - other.x - dx, person.y - other.y - dy);
+    const distance = isAway(person, this) || isAway(other, this)
+      ? NaN : Math.hypot(person.x - other.x - dx, person.y - other.y - dy);
     const required = requiredDistance(this.law, person.speed, other.speed, t, before);
     const notice = this.noticeFactor === null
       ? null : this.noticeFactor * Math.min(
@@ -106,6 +108,7 @@ class Watch {
     }));
     const { times, distances, requirements } = this.#whole;
     for (let i = firstWhere(times, t => t >= from); i < times.length && times[i] <= to; i++) {
+      if (Number.isNaN(distances[i])) continue;
       const column = found[Math.min(columns - 1, Math.floor((times[i] - from) / span))];
       column.nearest = Math.min(column.nearest, distances[i]);
       column.farthest = Math.max(column.farthest, distances[i]);
@@ -121,7 +124,7 @@ class Watch {
 
   /** The largest distance and required distance of the whole run. */
   get largest() {
-    const highest = values => values.reduce((most, value) => Math.max(most, value), 0);
+    const highest = values => values.reduce((most, value) => (value > most ? value : most), 0);
     return this.cachedLargest ??= {
       distance: highest(this.#whole.distances), required: highest(this.#whole.requirements),
     };
