@@ -19,6 +19,10 @@ if TYPE_CHECKING:
     from sim import Trial
 
 
+MOST_NAMED = 12
+"""Most people whom a trial names as it is checked."""
+
+
 def check(
     files: Annotated[
         list[str],
@@ -119,7 +123,9 @@ def _trial(trial: Trial, file: str) -> str:
     print_notices(trial)
     _warn_of_short_laws(trial, file)
     _print_doubts(doubts_in(trial))
-    names = [f"{p.name} ({Path(p.personality_name).stem})" for p in trial.people]
+    names = [f"{p.name} ({Path(p.personality_name).stem})" for p in trial.people[:MOST_NAMED]]
+    if len(trial.people) > MOST_NAMED:
+        names.append(f"{len(trial.people) - MOST_NAMED} more")
     people = ", ".join(names) or "nobody"
     work = f" and {_number(len(trial.workload.orders), 'order')}" if trial.workload else ""
     upto = "up to " if trial.until_submitted else ""

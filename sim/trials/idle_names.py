@@ -1,24 +1,29 @@
-"""Names in a trial file that nobody there has: what is said of them makes no difference."""
+"""Names and sinks in a trial file that make no difference: nobody has them, or goes there."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from typing import Any
 
+import bdi
 from floorplan import Document, Fault, Problem, suggestion
 
-from ..core.scenario import Scenario
+from ..core.scenario import PersonEntry, Scenario, spot
 from ..machines.gantry.robot import GANTRY
 from ..machines.kinds import KINDS, is_own
 
+VISITOR = "visitor"
+"""The built-in personality that goes to its sink."""
+
 
 def idle_names(trial: Scenario, document: Document) -> tuple[Problem, ...]:
-    """Return a notice on each name in the trial's own file that is nobody's.
+    """Return a notice on each name in the trial's own file that is nobody's, and on idle sinks.
 
     Rule sets and floors of files of their own serve other trials as well, and are not looked at.
     """
     faults = [*_laws(trial, document.data.get("rules")), *_places(trial, document.data)]
+    faults += _sinks(trial, document.data.get("people") or ())
     return tuple(document.problem(message, *place) for message, place in faults)
 
 
@@ -33,6 +38,18 @@ def _laws(trial: Scenario, rules: Any) -> Iterator[Fault]:
         if name not in known:
             hint = suggestion(name, known)
             yield f"no machine and no kind is called {name!r}; {hint}", ("rules", "laws", name)
+
+
+def _sinks(trial: Scenario, entries: Iterable[dict[str, Any]]) -> Iterator[Fault]:
+    """Yield the sinks of those who walk the stations, where there is none."""
+    stations = {station.position for station in trial.floorplan.patrolled}
+    for k, keys in enumerate(entries):
+        personality = keys.get("personality", PersonEntry.personality)
+        if "sink" not in keys or personality == VISITOR or personality not in bdi.programs():
+            continue
+        if spot(trial.floorplan, keys["sink"]) not in stations:
+            message = f"no station is there, and {personality} people go to no other place"
+            yield f"{message}; those of the personality {VISITOR} do", ("people", k, "sink")
 
 
 def _places(trial: Scenario, data: dict[str, Any]) -> Iterator[Fault]:

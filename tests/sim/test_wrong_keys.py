@@ -145,6 +145,12 @@ def test_problems_are_in_the_order_of_their_lines():
             "nobody is called 'gest1'; did you mean 'guest1'?",
         ),
         (
+            "floorplan: warehouse\npeople:\n  - {name: e, sink: [2, 2]}\n"
+            "  - {name: f, sink: aisle1}\n  - {name: g, sink: [2, 2], personality: visitor}",
+            3,
+            "those of the personality visitor do",
+        ),
+        (
             "people: [{name: e}]\nfloorplan:\n  base: warehouse\n  zones:\n"
             "    a: {x: [1, 2], y: [6, 7], max_speed: 1}",
             0,
@@ -152,7 +158,7 @@ def test_problems_are_in_the_order_of_their_lines():
         ),
     ],
 )
-def test_a_name_that_nobody_has_is_noticed(text, line, message):
+def test_what_makes_no_difference_is_noticed(text, line, message):
     told = sim.Trial.parse(text).notices
     assert [notice.line for notice in told] == [line] * bool(message)
     assert message in "".join(map(str, told))
