@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from floorplan import Floorplan
 from navigation import Motion, is_of_speeds
 
+from ..core.body import PERSON
 from ..core.recorder import Event, Thought
 from ..core.scene import Scene
 from ..safety.requirement_curve import Curve, is_plain
@@ -49,15 +50,16 @@ class Outcome:
         """The floor it took place on."""
         return self.scene.floorplan
 
-    def distance(self, person: str, machine: str, t: ArrayLike) -> NDArray[np.float64]:
+    def distance(self, person: str, other: str, t: ArrayLike) -> NDArray[np.float64]:
         """Return the distance in metres between two bodies at `t` (seconds), as the rules measure.
 
         One figure for each time: between centres, but for AGVs under rules with an `agv_offset`.
-        `KeyError` if there is no such body.
+        `other` is a machine, or a person. `KeyError` if there is no such body.
         """
-        apart = self.motions[machine].position(t) - self.motions[person].position(t)
-        offset = self.scene.rules.measured_at(self.scene.machine(machine))
-        return np.asarray(np.linalg.norm(apart + offset, axis=-1))
+        apart = self.motions[other].position(t) - self.motions[person].position(t)
+        if self.scene.kind(other) != PERSON:
+            apart = apart + self.scene.rules.measured_at(self.scene.machine(other))
+        return np.asarray(np.linalg.norm(apart, axis=-1))
 
     def required(self, person: str, machine: str, t: ArrayLike) -> NDArray[np.float64]:
         """The distance in metres that the rules required between two bodies at `t` (seconds).

@@ -400,6 +400,9 @@ def test_the_summary_has_the_nearest_that_people_came(walks):
     floor, ways = scene(8)
     run = walks(floor, ways, 60.0)
     nearest = run.summary["nearest_people"]
+    radii = sum(one.radius for one in run.scene.people if one.name in nearest["between"])
+    centres = run.distance(*nearest["between"], nearest["time"])
+    assert centres - radii == pytest.approx(nearest["distance"], abs=1e-6)
     assert nearest["distance"] == pytest.approx(least(run) - 0.6, abs=1e-8)
     one, other = (run.motions[name].position(nearest["time"]) for name in nearest["between"])
     assert math.dist(one, other) == pytest.approx(least(run), abs=1e-6)
