@@ -73,6 +73,10 @@ def test_risk_maps_show_the_least_margin_and_the_time_without_it(run):
     assert seconds.sum() == pytest.approx(2 * total * cells, rel=0.02)
     with pytest.raises(ValueError, match="margin, time or severity"):
         plots.risk_map(run, of="both")
+    alone = sim.run(sim.Trial.parse("{floorplan: warehouse, duration: 1, people: [{name: a}]}"))
+    alone = replace(alone, scene=replace(alone.scene, machines=()))
+    with pytest.raises(ValueError, match="needs a person and a machine"):
+        plots.risk_map(alone)
 
 
 def test_zones_and_doors_are_drawn(run):

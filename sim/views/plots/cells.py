@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from textwrap import wrap
 from typing import Any
 
-from matplotlib.colors import Normalize
+from matplotlib.colors import Normalize, TwoSlopeNorm
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from floorplan import Floorplan
 
@@ -14,6 +16,11 @@ from ...core.machine import MachineShape
 from ...record.outcome import Outcome
 from .floor import draw_floor, floor_figure, settle
 from .style import Width
+
+_TICKS = MaxNLocator(4)
+
+_LETTER = 0.065
+"""Inches. The width of a letter beside the bar of colours, on average."""
 
 
 def on_one_floor(runs: Outcome | Sequence[Outcome], what: str) -> list[Outcome]:
@@ -59,6 +66,11 @@ def draw_cells(
         interpolation="nearest",
         zorder=1.2,
     )
-    bar = figure.colorbar(image, ax=axes, label=label, fraction=0.04, pad=0.02)
+    lines = wrap(label, int(figure.get_figheight() / _LETTER))
+    bar = figure.colorbar(image, ax=axes, label="\n".join(lines), fraction=0.04, pad=0.02)
+    if isinstance(norm, TwoSlopeNorm):  # its halves, below and above 0, have scales of their own
+        ends = ((norm.vmin or 0.0, 0.0), (0.0, norm.vmax or 0.0))
+        marks = {t for low, high in ends for t in _TICKS.tick_values(low, high) if low <= t <= high}
+        bar.set_ticks(sorted(marks))
     bar.ax.yaxis.set_major_formatter("{x:g}")
     return settle(figure)

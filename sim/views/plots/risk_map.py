@@ -29,9 +29,11 @@ def risk_map(
     `of` is "margin": the least that their distance to any machine was more than the rules required
     (negative where it was less); "time": for how long it was less; or "severity": the highest
     speed of the two relative to each other meanwhile. `ValueError` if the runs are on different
-    floors, or `of` is none of these.
+    floors, in none of them are people and machines, or `of` is none of these.
     """
     several = on_one_floor(runs, "risk map")
+    if not any(run.scene.people and run.scene.machines for run in several):
+        raise ValueError("a risk map needs a person and a machine; there is no such pair")
     plan = several[0].floorplan
     found = risk_of_all([risk(run, of) for run in several], of)
     return drawn_risk(plan, several[0].scene.machines, found, of=of, width=width)
