@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ..views.report_page import write_report_page
+from ..views.safety_report.parts import minus
 from .charts import chart
 from .comparison import Comparison, Spread
 from .effects import contrasts
@@ -68,7 +69,7 @@ def write_report(results: StudyResults, path: Path) -> None:
 
 def signed(value: float) -> str:
     """A difference with two digits after the point, and its sign unless it is 0."""
-    return "0.00" if round(value, 2) == 0 else f"{value:+.2f}".replace("-", "−")
+    return "0.00" if round(value, 2) == 0 else minus(f"{value:+.2f}")
 
 
 def figure(value: float | None, digits: int | None = None) -> str:
@@ -76,10 +77,10 @@ def figure(value: float | None, digits: int | None = None) -> str:
     if value is None or value != value:
         return "–"
     if digits is not None:
-        return f"{value:,.{digits}f}"
+        return minus(f"{value:,.{digits}f}")
     if value == round(value):
-        return f"{value:,.0f}"
-    return f"{value:,.{_after_the_point(abs(value))}f}"
+        return minus(f"{value:,.0f}")
+    return minus(f"{value:,.{_after_the_point(abs(value))}f}")
 
 
 def _after_the_point(size: float) -> int:

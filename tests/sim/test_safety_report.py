@@ -86,7 +86,7 @@ def test_incidents_say_what_they_led_to(rules, led_to):
 
 def test_a_report_has_every_violation_and_what_was_assumed(run, page):
     for one in incidents(run):
-        assert f"{one.begin:.3f}</td>" in page and f"{one.margin:.3f}</td>" in page
+        assert f"{one.begin:.3f}</td>" in page and f"−{-one.margin:.3f}</td>" in page
     assert "normal, mean 1.34, standard deviation 0.26" in page
     assert "U. Weidmann, &lt;Transporttechnik&gt;, 1993" in page
     assert "There is no source given for floorplan, rules" in page

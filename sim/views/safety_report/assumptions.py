@@ -17,7 +17,7 @@ from ...core.scene import Scene
 from ...record.risk import CELL
 from ...record.zone_exposure import MOMENT
 from .laws import law_sheet
-from .parts import Cell, Facts, Points, Table, clock, listed
+from .parts import Cell, Facts, Points, Table, clock, listed, minus
 
 
 def floor_facts(plan: Floorplan) -> Facts:
@@ -55,7 +55,7 @@ def _rules(zone: Zone) -> Iterator[str]:
     if zone.max_speed is not None:
         yield f"at most {zone.max_speed:g} m/s"
     if zone.one_way is not None:
-        yield "one way, towards ({:g}, {:g})".format(*zone.one_way)
+        yield minus("one way, towards ({:g}, {:g})".format(*zone.one_way))
 
 
 def zones_table(plan: Floorplan) -> Table:

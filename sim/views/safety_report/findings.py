@@ -8,7 +8,7 @@ from floorplan import Floorplan
 
 from ...record.incidents import Incident
 from .assumptions import counted
-from .parts import Facts, Table, clock, metres
+from .parts import Facts, Table, clock, metres, place
 
 MOST_INCIDENTS = 40
 """Violations that are listed one by one."""
@@ -22,13 +22,14 @@ def incidents_table(
     heads = (
         *(("row",) if numbered else ()),
         *("from, s", "for, s", "who", "machine", "moved", "at, m", "zone"),
-        *("distance, m", "required, m", "least margin, m", "relative speed, m/s", "led to"),
+        *("distance at first, m", "required at first, m", "least margin, m"),
+        *("relative speed, m/s", "led to"),
     )
     lines = [
         (
             *((str(rows[k]),) if rows is not None else ()),
             *(f"{one.begin:.3f}", f"{one.seconds:.3f}", one.person, one.machine, one.cause or "–"),
-            *(f"({one.at[0]:.2f},\u00a0{one.at[1]:.2f})", ", ".join(one.zones) or "–"),
+            *(place(*one.at), ", ".join(one.zones) or "–"),
             *(f"{one.distance:.3f}", f"{one.required:.3f}", metres(one.margin)),
             *(f"{one.severity:.2f}", "; ".join(one.led_to) or "nothing"),
         )

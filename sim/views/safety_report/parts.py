@@ -93,7 +93,17 @@ def plain(value: float, digits: int = 6) -> str:
 
 def metres(length: float) -> str:
     """Return a length or a margin to a millimetre."""
-    return f"{round(length, 3) + 0.0:.3f}"  # no negative zero
+    return minus(f"{round(length, 3) + 0.0:.3f}")  # no negative zero
+
+
+def place(x: float, y: float) -> str:
+    """Return a place (metres) to a centimetre."""
+    return minus(f"({x:.2f},\u00a0{y:.2f})")
+
+
+def minus(figures: str) -> str:
+    """Return figures with a minus sign where they have a hyphen."""
+    return figures.replace("-", "−")
 
 
 def clock(seconds: float) -> str:
