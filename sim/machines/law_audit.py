@@ -1,4 +1,4 @@
-"""The audit of a rule set's laws: they must not count on shorter stops than machines can make."""
+"""The audit of a rule set's laws: the stops that they count on, and the room that they ask for."""
 
 from __future__ import annotations
 
@@ -6,10 +6,14 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from navigation import IntegralLaw, SeparationLaw
+from navigation import IntegralLaw, SeparationLaw, required_at_speeds
 
 from ..core.scenario import Scenario
+from ..safety.own_law import OwnLaw
 from .kinds import models_of
+
+FAR = 2.0
+"""Sizes of a floor. A law that asks for more was probably meant in other units."""
 
 _ROUNDING = 1e-9
 """Seconds or metres. A law that is short by less is not short."""
@@ -46,6 +50,27 @@ def short_laws(trial: Scenario) -> tuple[ShortLaw, ...]:
             if time > law.t2 + _ROUNDING or distance > stated + _ROUNDING:
                 found.append(ShortLaw(name, key, law.t2, time, law.stopping, distance))
     return tuple(found)
+
+
+def far_laws(trial: Scenario) -> dict[str, float]:
+    """Return the laws that ask for more room than there is, by their keys, and how much (metres).
+
+    That is more than `FAR` times the diagonal of the floor, of somebody at the usual top speed
+    near a machine that stands. Laws of one's own are not asked.
+    """
+    plan, rules = trial.floorplan, trial.rules
+    west, south, east, north = plan.boundary.bounds
+    room = FAR * math.hypot(east - west, north - south)
+    laws = dict(
+        rules.law_and_key_of(model.shape(name, plan))
+        for name, model in models_of(trial, own=False).items()
+    )
+    asked = {
+        key: required_at_speeds(law, plan.human.max_speed, 0.0)
+        for key, law in laws.items()
+        if not isinstance(law, OwnLaw)
+    }
+    return {key: metres for key, metres in asked.items() if metres > room}
 
 
 def in_words(found: Iterable[ShortLaw]) -> str:

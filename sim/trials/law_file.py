@@ -55,7 +55,8 @@ def read_law(
     ((name, given),) = terms.items()
     if ":" not in name and name not in LAWS:
         raise WrittenLawError(
-            f"no law is called {name!r}; {suggestion(name, LAWS)}; your own is package.module:Class"
+            f"no law is called {name!r}; {suggestion(name, LAWS)}"
+            " (your own is package.module:Class)"
         )
     if name == "fixed" and not isinstance(given, Mapping):
         given = {"metres": given}
@@ -107,7 +108,8 @@ def _no_term(law: str, term: str, known: Iterable[str]) -> WrittenLawError:
 
 def _require_terms(law: str, needed: Iterable[str], given: Mapping[str, Any]) -> None:
     if missing := [term for term in needed if term not in given]:
-        raise WrittenLawError(f"{' and '.join(missing)} missing", law)
+        be = "is" if len(missing) == 1 else "are"
+        raise WrittenLawError(f"{' and '.join(missing)} {be} missing", law)
 
 
 def _check_term(law: str, term: str, value: object, known: Mapping[str, Field[Any]]) -> None:

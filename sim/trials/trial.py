@@ -25,8 +25,8 @@ from ..people.own_actions import modules_of
 from ..people.programs import load_program
 from .checks import faults
 from .command_keys import commands_of, load_commands
-from .idle_names import idle_names
 from .keys import TrialKeys
+from .likely_slips import likely_slips
 from .own_names import out_of_reach
 from .rules_file import build_rules
 from .trial_writing import to_yaml
@@ -181,7 +181,7 @@ def build(form: type[Trial], document: Document, folder: Path, own_code: bool) -
         problems.append(document.problem(fault, "folder"))
     if problems:
         raise TrialError(document.file, problems)
-    return replace(trial, notices=(*trial.notices, *idle_names(trial, document)))
+    return replace(trial, notices=(*trial.notices, *likely_slips(trial, document)))
 
 
 def _something_else(document: Document) -> str:

@@ -150,7 +150,7 @@ def test_laws_by_name(text, law):
         ),
         (
             "notice:\n  law: {iso_ts_15066: {t1: 1}}",
-            "line 7, rules.notice.law.iso_ts_15066: t2 missing",
+            "line 7, rules.notice.law.iso_ts_15066: t2 is missing",
         ),
         (
             "agv_law: {iso_13855: {time: 1, t1: 1}}",
@@ -167,7 +167,7 @@ def test_laws_by_name(text, law):
         ("agv_law: {'garbled:Law': {}}", "can't be read (garbled.py, line 1): SyntaxError"),
         ("agv_law: {'braking:Silent': {}}", "'braking:Silent' (braking.py, line 25) is no law"),
         ("agv_law: {'braking:': {}}", "'braking:' is not of the form package.module:name"),
-        ("agv_law: {'braking:BrakingLaw': {}}", "braking:BrakingLaw: deceleration missing"),
+        ("agv_law: {'braking:BrakingLaw': {}}", "braking:BrakingLaw: deceleration is missing"),
         (
             "agv_law: {'braking:BrakingLaw': {deceleration: 1, most: 2}}",
             "line 6, rules.agv_law.braking:BrakingLaw.most: braking:BrakingLaw has no term 'most'",

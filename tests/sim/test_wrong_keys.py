@@ -138,6 +138,7 @@ def test_problems_are_in_the_order_of_their_lines():
         ("floorplan: ariac2023\nrules: {laws: {agx: {fixed: 1}}}", 2, "'agx'; did you mean 'agv"),
         ("floorplan: ariac2023\nrules: {laws: {gantry: {fixed: 1}, agv2: {fixed: 1}}}", 0, ""),
         ("floorplan: ariac2023\nrules: {laws: {agv: {fixed: 1}}}", 0, ""),
+        ("floorplan: ariac2023\nrules:\n  agv_law: {fixed: 2100}", 3, "agv_law asks for 2,100 m"),
         (
             "people: [{name: guest, count: 2}]\nfloorplan:\n  base: warehouse\n  zones:\n"
             "    a: {x: [1, 2], y: [6, 7], max_speed: 1, concerns: [guest*, tug1, gest1]}",
@@ -158,7 +159,7 @@ def test_problems_are_in_the_order_of_their_lines():
         ),
     ],
 )
-def test_what_makes_no_difference_is_noticed(text, line, message):
+def test_a_likely_slip_is_noticed(text, line, message):
     told = sim.Trial.parse(text).notices
     assert [notice.line for notice in told] == [line] * bool(message)
     assert message in "".join(map(str, told))

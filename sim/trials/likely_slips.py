@@ -1,4 +1,4 @@
-"""Names and sinks in a trial file that make no difference: nobody has them, or goes there."""
+"""What a trial file says that is likely a slip: names that nobody has, idle sinks, far laws."""
 
 from __future__ import annotations
 
@@ -12,18 +12,19 @@ from floorplan import Document, Fault, Problem, suggestion
 from ..core.scenario import PersonEntry, Scenario, spot
 from ..machines.gantry.robot import GANTRY
 from ..machines.kinds import KINDS, is_own
+from ..machines.law_audit import far_laws
 
 VISITOR = "visitor"
 """The built-in personality that goes to its sink."""
 
 
-def idle_names(trial: Scenario, document: Document) -> tuple[Problem, ...]:
-    """Return a notice on each name in the trial's own file that is nobody's, and on idle sinks.
+def likely_slips(trial: Scenario, document: Document) -> tuple[Problem, ...]:
+    """Return a notice on each likely slip: a name that is nobody's, an idle sink, a far law.
 
     Rule sets and floors of files of their own serve other trials as well, and are not looked at.
     """
     faults = [*_laws(trial, document.data.get("rules")), *_places(trial, document.data)]
-    faults += _sinks(trial, document.data.get("people") or ())
+    faults += [*_sinks(trial, document.data.get("people") or ()), *_far_laws(trial)]
     return tuple(document.problem(message, *place) for message, place in faults)
 
 
@@ -38,6 +39,13 @@ def _laws(trial: Scenario, rules: Any) -> Iterator[Fault]:
         if name not in known:
             hint = suggestion(name, known)
             yield f"no machine and no kind is called {name!r}; {hint}", ("rules", "laws", name)
+
+
+def _far_laws(trial: Scenario) -> Iterator[Fault]:
+    """Yield the laws that nobody can keep on a floor so small."""
+    for key, metres in far_laws(trial).items():
+        message = f"{key} asks for {metres:,.0f} m, far more than the floor is long"
+        yield f"{message}; its terms are in seconds and metres", ("rules", *key.split("."))
 
 
 def _sinks(trial: Scenario, entries: Iterable[dict[str, Any]]) -> Iterator[Fault]:
