@@ -20,7 +20,7 @@ from .document import Document
 from .fields import Angle, Number
 from .image import GreyImage, read_image
 from .plan import Floorplan
-from .problems import FloorplanError
+from .problems import FloorplanError, shown
 from .trace import IntricateError, trace
 
 TOLERANCE = 0.45
@@ -64,7 +64,14 @@ def build_ros_map(document: Document) -> Floorplan:
     """Return the floorplan of a map; `FloorplanError` with what is wrong with it or its image."""
     schema = document.checked(RosMapSchema, FloorplanError)
     file = Path(document.file)
-    free = _free_cells(read_image(file.parent / schema.image), schema)
+    try:
+        free = _free_cells(read_image(file.parent / schema.image), schema)
+    except FloorplanError as why:
+        problems = [
+            document.problem(f"{shown(schema.image)}: {one.message}", "image")
+            for one in why.problems
+        ]
+        raise FloorplanError(document.file, problems) from why
     try:
         pieces = shapely.get_parts(trace(free, TOLERANCE))
     except IntricateError as why:

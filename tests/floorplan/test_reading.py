@@ -56,7 +56,7 @@ def test_the_image_of_a_map_is_a_regular_file(tmp_path):
         "{image: map.pgm, resolution: 0.05, origin: [0, 0, 0], negate: 0,"
         " occupied_thresh: 0.65, free_thresh: 0.2}"
     )
-    with pytest.raises(floorplan.FloorplanError, match=r"map\.pgm: is a named pipe"):
+    with pytest.raises(floorplan.FloorplanError, match=r"map\.pgm': is a named pipe"):
         floorplan.load(tmp_path / "map.yaml")
 
 

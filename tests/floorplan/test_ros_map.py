@@ -126,7 +126,7 @@ def test_png(load, tmp_path):
     assert len(floorplan.load(tmp_path / "map.yaml").obstacles) == 1
     grey.putpixel((5, 3), (254, 0, 0, 255))
     grey.save(tmp_path / "map.png")
-    with pytest.raises(floorplan.FloorplanError, match=r"map\.png: is in colour"):
+    with pytest.raises(floorplan.FloorplanError, match=r"map\.png': is in colour"):
         floorplan.load(tmp_path / "map.yaml")
 
 
@@ -147,8 +147,8 @@ def test_missing_keys_are_named(load, key):
         ("free_thresh: 0.196", "free_thresh: 0.9", "free_thresh (0.9) must not be above"),
         ("free_thresh: 0.196", "free_thresh: 25", "free_thresh"),
         ("negate: 0", "negate: maybe", "negate"),
-        ("image: map.pgm", "image: other.pgm", "other.pgm: there is no such file"),
-        ("image: map.pgm", "image: map.yaml", "map.yaml: is not an image"),
+        ("image: map.pgm", "image: other.pgm", "line 1, image: "),
+        ("image: map.pgm", "image: map.yaml", "'map.yaml': is not an image"),
         ("free_thresh: 0.196", "free_thresh: 0.0", "no cell of map.pgm is free"),
         (
             "image: map.pgm",
