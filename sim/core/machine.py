@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 from shapely.geometry import Polygon
 
@@ -41,6 +41,11 @@ class MachineShape:
     mount: float = 0.0
     course: tuple[Point, ...] = ()
     direction: Point | None = None
+
+    def __post_init__(self) -> None:
+        if self.category not in get_args(Category):
+            known = " or ".join(get_args(Category))
+            raise ValueError(f"the category of a machine is {known}, not {self.category!r}")
 
     @property
     def box(self) -> Box:

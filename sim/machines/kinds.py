@@ -71,6 +71,14 @@ def made_by(model: MachineModel, name: str, stage: Stage) -> Machine:
     made = model.make(name, stage)
     if not isinstance(made, Machine):
         raise MachineError(f"the machine {name!r}: make returned {shown(made)}, not a sim.Machine")
+
+    def refuse_jump() -> None:
+        raise MachineError(
+            f"the machine {name!r} jumps at t = {stage.clock.now:g} s: a motion that it follows"
+            " must begin then, where the machine is"
+        )
+
+    made.body.on_jump.append(refuse_jump)
     return made
 
 

@@ -128,6 +128,9 @@ class Finished:
                 json.dumps(found[name], allow_nan=False)
             except (TypeError, ValueError) as why:
                 raise ValueError(f"the figures of the machine {name!r}: {why}") from why
+            if not isinstance(found[name], dict):
+                message = f"expected a dict, found {found[name]!r}"
+                raise ValueError(f"the figures of the machine {name!r}: {message}")
         return found
 
     def of_robots(self, figure: str) -> Any:

@@ -179,6 +179,7 @@ def test_keys_of_a_kind_of_ones_own_are_checked_before_it_moves(tmp_path):
 OWN = """
 import dataclasses
 
+import navigation
 import sim
 from tugger import Train, Tugger
 
@@ -208,6 +209,34 @@ class Counting(Tugger):
         return Counts(self, name, stage)
 
 
+class Jumps(Train):
+    def begin(self):
+        self.body.follow(navigation.standing((3.0, 3.0)))
+
+
+@dataclasses.dataclass(frozen=True)
+class Jumping(Tugger):
+    def make(self, name, stage):
+        return Jumps(self, name, stage)
+
+
+class Mute(Train):
+    def figures(self, motion, now):
+        pass
+
+
+@dataclasses.dataclass(frozen=True)
+class Uncounted(Tugger):
+    def make(self, name, stage):
+        return Mute(self, name, stage)
+
+
+@dataclasses.dataclass(frozen=True)
+class Flying(Tugger):
+    def shape(self, name, plan):
+        return dataclasses.replace(super().shape(name, plan), category="drone")
+
+
 @dataclasses.dataclass(frozen=True)
 class Nothing(Tugger):
     def make(self, name, stage):
@@ -224,8 +253,11 @@ class Half(sim.MachineModel):
 @pytest.mark.parametrize(
     ("kind", "words"),
     [
-        ("Failing", r"code of your own failed at t = 5 s \(own.py, line 13\): KeyError: 'a'"),
+        ("Failing", r"code of your own failed at t = 5 s \(own.py, line 14\): KeyError: 'a'"),
         ("Counting", "the figures of the machine 'train': Object of type set"),
+        ("Jumping", "the machine 'train' jumps at t = 0 s"),
+        ("Uncounted", "the figures of the machine 'train': expected a dict, found None"),
+        ("Flying", "own.py, line 5.*category of a machine is robot or vehicle, not 'drone'"),
         ("Nothing", "the machine 'train': make returned 3, not a sim.Machine"),
         ("Half", "is no machine: a machine is a dataclass derived from sim.MachineModel"),
     ],
