@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, fields
+from numbers import Real
 from typing import Any, Protocol, TypeAlias, TypeGuard
 
 from .encounter import Encounter
@@ -283,8 +284,8 @@ def _steady(speed: float) -> Motion:
 
 
 def _require_length(name: str, length: float) -> None:
-    if not (math.isfinite(length) and length >= 0):
-        raise ValueError(f"{name} must be a number of at least 0, not {length}")
+    if not (isinstance(length, Real) and math.isfinite(length) and length >= 0):
+        raise ValueError(f"{name} must be a number of at least 0, not {length!r}")
 
 
 def require_sense(law: AnyLaw) -> None:

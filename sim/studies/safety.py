@@ -46,7 +46,7 @@ def safety_report(
         found = findings(source.study, {*source.failed}, jobs=jobs, progress=progress)
         sections = study_sections(source, found)
     else:
-        require(source, Recorded, "sim.run")
+        require(source, Recorded, "sim.load_run")
         title = source.scene.trial
         subtitle = f"A run of {clock(source.duration)} (h:mm:ss), simulated by Floorwalker"
         sections = _of_run(source)

@@ -1,4 +1,4 @@
-"""What a trial file says that is likely a slip: names that nobody has, idle sinks, far laws."""
+"""What a trial file says that is likely a slip: names that nobody has, idle sinks, odd figures."""
 
 from __future__ import annotations
 
@@ -14,17 +14,22 @@ from ..machines.gantry.robot import GANTRY
 from ..machines.kinds import KINDS, is_own
 from ..machines.law_audit import far_laws
 
+FASTEST = 4.0
+"""m/s. Whoever is faster runs."""
+
 VISITOR = "visitor"
 """The built-in personality that goes to its sink."""
 
 
 def likely_slips(trial: Scenario, document: Document) -> tuple[Problem, ...]:
-    """Return a notice on each likely slip: a name that is nobody's, an idle sink, a far law.
+    """Return a notice on each likely slip: a name that is nobody's, an idle sink, an odd figure.
 
-    Rule sets and floors of files of their own serve other trials as well, and are not looked at.
+    Names in rule sets and floors of files of their own may be those of other trials: they are left
+    out.
     """
     faults = [*_laws(trial, document.data.get("rules")), *_places(trial, document.data)]
-    faults += [*_sinks(trial, document.data.get("people") or ()), *_far_laws(trial)]
+    entries = document.data.get("people") or ()
+    faults += [*_sinks(trial, entries), *_speeds(entries), *_far_laws(trial)]
     return tuple(document.problem(message, *place) for message, place in faults)
 
 
@@ -39,6 +44,15 @@ def _laws(trial: Scenario, rules: Any) -> Iterator[Fault]:
         if name not in known:
             hint = suggestion(name, known)
             yield f"no machine and no kind is called {name!r}; {hint}", ("rules", "laws", name)
+
+
+def _speeds(entries: Iterable[dict[str, Any]]) -> Iterator[Fault]:
+    """Yield the walking speeds at which nobody walks."""
+    for k, keys in enumerate(entries):
+        speed = keys.get("max_speed")
+        if isinstance(speed, int | float) and speed > FASTEST:
+            message = f"{speed:g} m/s are {3.6 * speed:g} km/h, and nobody walks so fast"
+            yield message, ("people", k, "max_speed")
 
 
 def _far_laws(trial: Scenario) -> Iterator[Fault]:

@@ -166,7 +166,7 @@ def test_enclosures_add_up():
     assert Enclosure.between(1.0, 2.0).range(3.0) == (1.0, 2.0)
 
 
-@pytest.mark.parametrize("value", [-0.1, math.nan, math.inf])
+@pytest.mark.parametrize("value", [-0.1, math.nan, math.inf, "0.1"])
 def test_terms_of_the_other_laws_are_checked_too(value):
     integral_terms = ("t1", "t2", "stopping", "intrusion", "human_uncertainty", "robot_uncertainty")
     for term in integral_terms:
@@ -178,7 +178,7 @@ def test_terms_of_the_other_laws_are_checked_too(value):
 
 
 @pytest.mark.parametrize("term", ["t1", "t2", "stopping", "intrusion"])
-@pytest.mark.parametrize("value", [-0.1, math.nan, math.inf])
+@pytest.mark.parametrize("value", [-0.1, math.nan, math.inf, "0.1"])
 def test_terms_are_finite_and_not_negative(term, value):
     with pytest.raises(ValueError, match=f"{term} must be a number of at least 0"):
         SeparationLaw(**{"t1": 1.0, "t2": 1.0, term: value})

@@ -23,7 +23,9 @@ def contact_faults(run):
             shapes = Shapes(person=solid, machine=(box,))
             touch = TooClose(FixedDistance(HAIR))
             t = first_time(touch, person, agv, 0.0, run.duration, shapes=shapes)
-            if t is None or (t == 0.0 and entry.place is not None):  # they start like that
+            if t is None or (
+                t == 0.0 and entry.place_on(run.floorplan) is not None
+            ):  # they start like that
                 continue
             before = max(t - HAIR, 0.0)
             walks, drives = (one.state(before).speed > STANDS for one in (person, agv))

@@ -59,7 +59,8 @@ def _apart(people, plan):
     for person in people:
         for other in found:
             radii = [entry.radius or plan.human.radius for entry in (person, other)]
-            if person.place and other.place and math.dist(person.place, other.place) < sum(radii):
+            places = [entry.place_on(plan) for entry in (person, other)]
+            if all(places) and math.dist(*places) < sum(radii):
                 person = replace(person, at=None)
         if person.at is None and any(other.at is None for other in found):
             person = replace(person, at="anywhere")

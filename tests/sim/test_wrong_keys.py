@@ -138,6 +138,7 @@ def test_problems_are_in_the_order_of_their_lines():
         ("floorplan: ariac2023\nrules: {laws: {agx: {fixed: 1}}}", 2, "'agx'; did you mean 'agv"),
         ("floorplan: ariac2023\nrules: {laws: {gantry: {fixed: 1}, agv2: {fixed: 1}}}", 0, ""),
         ("floorplan: ariac2023\nrules: {laws: {agv: {fixed: 1}}}", 0, ""),
+        ("floorplan: ariac2023\npeople: [{name: e, max_speed: 5}]", 2, "5 m/s are 18 km/h"),
         ("floorplan: ariac2023\nrules:\n  agv_law: {fixed: 2100}", 3, "agv_law asks for 2,100 m"),
         (
             "people: [{name: guest, count: 2}]\nfloorplan:\n  base: warehouse\n  zones:\n"
