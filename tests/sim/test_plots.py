@@ -7,6 +7,7 @@ import re
 import shutil
 import subprocess
 import sys
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -172,6 +173,17 @@ def test_separation_of_a_long_run_is_drawn_in_columns(run, monkeypatch):
     ada, gantry = run.motions["ada"], run.motions["gantry"]
     for instant, shown in zip(t.tolist(), nearest.tolist(), strict=True):
         assert shown <= math.dist(ada.state(instant).at, gantry.state(instant).at) + 1e-9
+
+
+def test_of_several_vehicles_the_one_is_shown_that_came_too_close(run):
+    vehicles = tuple(one for one in run.scene.machines if one.category == "vehicle")
+    alone = replace(run, scene=replace(run.scene, machines=vehicles), violations={})
+    close = replace(alone, violations={("ben", "agv3"): ((1.0, 2.0),)})
+    titles = [
+        [axes.get_title(loc="left") for axes in one.plot.separation().axes]
+        for one in (alone, close)
+    ]
+    assert titles == [["ada and agv1", "ben and agv1"], ["ada and agv1", "ben and agv3"]]
 
 
 def test_nothing_is_required_of_an_agv_that_stands(run):

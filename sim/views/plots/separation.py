@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -44,8 +46,9 @@ def separation(
     """Draw the distance over time, the required one, and the time in which it was not kept.
 
     One panel for each person (or the one called `person`) beside `machine`: by default the first
-    robot, or where there is none, the vehicle that drives first. Nothing is required of a vehicle
-    that stands. `ValueError` if there is no such pair.
+    robot, or where there is none, the vehicle that they were too close to for longest, or that
+    drives first. Nothing is required of a vehicle that stands. `ValueError` if there is no such
+    pair.
     """
     begin, end = span_of(run, within)
     pairs = _pairs(run, person, machine)
@@ -67,15 +70,19 @@ def _pairs(run: Outcome, person: str | None, machine: str | None) -> list[Pair]:
     for name, known, what in ((person, people, "person"), (machine, machines, "machine")):
         if name is not None and name not in known:
             raise ValueError(f"no {what} is called {name!r} (there are: {', '.join(known)})")
-    chosen = machine or min(machines, key=lambda body: _order(run, body))
-    return [(name, chosen) for name in people if person in (None, name)]
+    pairs = [[(name, body) for body in machines] for name in people if person in (None, name)]
+    if machine is not None:
+        return [pair for one in pairs for pair in one if pair[1] == machine]
+    return [min(one, key=partial(_order, run)) for one in pairs]
 
 
-def _order(run: Outcome, machine: str) -> tuple[bool, float]:
-    """Robots before vehicles, those in the order in which they set out."""
-    motion = run.motions[machine]
+def _order(run: Outcome, pair: Pair) -> tuple[bool, float, float]:
+    """Robots before vehicles; those by the time too close, then as they set out."""
+    motion = run.motions[pair[1]]
     sets_out = min((piece.begin for piece in motion.pieces if piece.moves), default=np.inf)
-    return (run.scene.machine(machine).category != "robot", float(sets_out))
+    is_robot = run.scene.machine(pair[1]).category == "robot"
+    close = sum(end - begin for begin, end in run.violations.get(pair, ()))
+    return (not is_robot, 0.0 if is_robot else -close, float(sets_out))
 
 
 def _draw_pair(axes: Axes, run: Outcome, pair: Pair, span: Span) -> None:
