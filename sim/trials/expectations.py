@@ -113,7 +113,9 @@ class _FigureCheck:
     def __call__(self, run: Outcome) -> Verdict:
         found = self.field.value(run)
         if found is None:
-            return Verdict(f"{self.key} {self.wanted}", "there is no such figure", False)
+            meaning = self.field.figure.meaning
+            nothing = f"there is none ({meaning})" if meaning else "there is no such figure"
+            return Verdict(f"{self.key} {self.wanted}", nothing, False)
         instants = self.field.instants(run)
         when = f" (t = {_listed(instants)})" if instants else ""
         return Verdict(
