@@ -23,10 +23,12 @@ from .kernels.braking import Stops
 from .kernels.candidates import Candidates
 from .kernels.discs import first_but, first_met, within_bounds
 from .kernels.edges import touches
-from .kernels.following import followed, speed_behind
+from .kernels.following import followed
+from .kernels.foresight import Foresight
 from .kernels.grid import block_discs, grid_path
 from .kernels.lookout import most_remote, nearest_on
 from .kernels.retreats import Retreats
+from .kernels.throng import Throng
 from .lookout import Lookout
 from .machines import (
     ARIAC_GANTRY,
@@ -103,6 +105,7 @@ __all__ = [
     "Enclosure",
     "Encounter",
     "FixedDistance",
+    "Foresight",
     "GantryLimits",
     "GantryPath",
     "GantryPlanner",
@@ -134,6 +137,7 @@ __all__ = [
     "Stop",
     "Stops",
     "Swath",
+    "Throng",
     "TooClose",
     "Track",
     "Watch",
@@ -175,7 +179,6 @@ __all__ = [
     "required_at",
     "required_at_speeds",
     "requirement",
-    "speed_behind",
     "standing",
     "stop_walking",
     "swath",

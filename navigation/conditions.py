@@ -80,10 +80,11 @@ class Both(_OfTheKernel):
 
 def plain_judge_of(condition: Condition) -> kernel.Judge | None:
     """Return what decides about a condition on places and speeds alone; None for others."""
-    kept: dict[str, kernel.Judge] = getattr(condition, "__dict__", {})
-    if _JUDGE not in kept:
+    found: kernel.Judge | None = getattr(condition, _JUDGE, None)
+    if found is None:
         judge_of(condition)
-    return kept.get(_JUDGE)
+        found = getattr(condition, _JUDGE, None)
+    return found
 
 
 def judge_of(condition: Condition) -> kernel.Judge:

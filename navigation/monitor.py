@@ -66,11 +66,12 @@ def first_time(
 
     `person`, `machine` and `shapes` are as in `when`.
     """
-    judge = plain_judge_of(condition)
-    if shapes is None and judge is not None:
-        _check(person, machine, begin, end)
-        span = (float(begin), float(end))
-        return first_change(judge, person.table, machine.table, *span, RESOLUTION)
+    if shapes is None:
+        judge = plain_judge_of(condition)
+        if judge is not None:
+            _check(person, machine, begin, end)
+            span = (float(begin), float(end))
+            return first_change(judge, person.table, machine.table, *span, RESOLUTION)
     return _watch(condition, person, machine, begin, end, shapes).change()
 
 
@@ -94,9 +95,10 @@ def _encounter(
 
 
 def _check(person: Motion, machine: Motion, begin: float, end: float) -> None:
-    require(person, Motion)
-    require(machine, Motion)
-    if not (math.isfinite(begin) and math.isfinite(end) and begin <= end):
+    if not (isinstance(person, Motion) and isinstance(machine, Motion)):  # asked all the time
+        require(person, Motion)
+        require(machine, Motion)
+    if not -math.inf < begin <= end < math.inf:
         raise ValueError(f"can't watch from {begin} s to {end} s")
 
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import math
+from functools import partial
 
 import shapely
 
 from floorplan import Point
 
 from .freespace import FreeSpace
+from .kernels.cells import SOME, Cells
 
 SPARE = 0.03
 """Metres. Room beyond their diameters that a passage needs for each disc that passes another."""
@@ -28,26 +29,21 @@ class Narrows:
 
     def __init__(self, area: shapely.Geometry) -> None:
         self._area = area
-        self._cells: dict[tuple[int, int], bool | None] = {}
-        """Whether all of a cell is narrow, or none of it; None if some is."""
+        self.cells = Cells(CELL, self._whole, partial(shapely.intersects_xy, area))
+        """What is known of the area."""
         shapely.prepare(area)
 
     def has(self, place: Point) -> bool:
         """Return whether a place (x, y in metres) is one of them."""
-        x, y = place
-        cell = (math.floor(x / CELL), math.floor(y / CELL))
-        try:
-            known = self._cells[cell]
-        except KeyError:
-            known = self._cells[cell] = self._whole(*cell)
-        return bool(shapely.intersects_xy(self._area, x, y)) if known is None else known
+        return self.cells.has(*place)
 
-    def _whole(self, column: int, row: int) -> bool | None:
+    def _whole(self, column: int, row: int) -> int:
+        """Return whether all of a cell is narrow (1), or none of it (0), or some."""
         x, y = column * CELL, row * CELL
         cell = shapely.box(x, y, x + CELL, y + CELL)
         if not shapely.intersects(self._area, cell):
-            return False
-        return True if shapely.contains_properly(self._area, cell) else None
+            return 0
+        return 1 if shapely.contains_properly(self._area, cell) else SOME
 
 
 def narrows(space: FreeSpace, radius: float, abreast: int) -> Narrows:

@@ -8,16 +8,17 @@ cdef double _HARDLY
 cdef double _STANDS
 
 cdef class Candidates:
-    cdef list[double] course
-    cdef double begin
-    cdef double now
-    cdef double speed
+    cdef readonly list[double] course
+    cdef readonly double begin
+    cdef readonly double now
+    cdef readonly double speed
     cdef double vx
     cdef double vy
     cdef double max_speed
     cdef double acceleration
     cdef list[double] lead
     cdef list[double] lead_box
+    cdef object slowed
     cdef readonly double whole
     cdef list[double] rows
     cdef readonly Py_ssize_t row
@@ -30,12 +31,48 @@ cdef class Candidates:
     cdef readonly list[double] corners
     cdef readonly list[double] table
     cdef readonly list[double] box
-    cdef double x
-    cdef double y
-    cdef double c
-    cdef double s
+    cdef readonly double x
+    cdef readonly double y
+    cdef readonly double c
+    cdef readonly double s
     cdef Py_ssize_t leg
-    cpdef bint next_course(self) except -1
+    cpdef void clear(self) except *
+    cpdef void add(
+        self, double loss, double length, double top_speed, double delay
+    ) except *
+    cpdef void add_asides(
+        self,
+        list[double] sides,
+        double widest,
+        double usual,
+        double extra,
+        double length,
+        double top_speed,
+        double along,
+    ) except *
+    cpdef bint draw_along(self, double length, double top_speed, double delay) except -1
+    cpdef bint draw_aside(
+        self, double length, double top_speed, double along, double side
+    ) except -1
+    cdef int come_to(self, double length) noexcept
+    cpdef bint next_free(
+        self,
+        list[Py_ssize_t] near,
+        list[list[double]] tables,
+        list[double] boxes,
+        list[double] radii,
+        double own,
+    ) except -1
+    cdef bint next_course(self) except -1
+    cdef int _look_at(
+        self,
+        list[Py_ssize_t] near,
+        list[list[double]] tables,
+        list[double] radii,
+        double own,
+        list[double] stood,
+        list[double] ends,
+    ) except -1
     cdef bint _draw(self, list[double] corners) except -1
     cdef int _add(
         self,

@@ -6,6 +6,7 @@ that most of them never are. For the tables see `discs`.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -36,13 +37,16 @@ _CLEAR: float = 2e-3  # metres; who is so much farther off is not met where one 
 _HARDLY: float = 0.02  # metres; a shift of no more is none
 _STANDS: float = 1e-6  # m/s; slower than this is standing
 
+Slowed = Callable[[list[float], float, float], "tuple[list[float], list[float]] | None"]
+
 
 class Candidates:
     """Walks of one person from `begin` (seconds) on, who has been on the `lead` until then.
 
     They set out at `speed` with the velocity `vx`, `vy` (m/s). `course` holds x and y of its
     corners in turn (metres); the `lead` is a table without its final standing, `lead_box` its
-    bounds, and both are empty for who sets out `now`.
+    bounds, and both are empty for who sets out `now`. Where limits of speed hold, walks are those
+    that `slowed(corners, top_speed, delay)` makes: a table and its bounds, or None.
     """
 
     def __init__(
@@ -57,6 +61,7 @@ class Candidates:
         acceleration: float,
         lead: list[float],
         lead_box: list[float],
+        slowed: Slowed | None = None,
     ) -> None:
         self.course = course
         self.begin = begin
@@ -68,6 +73,7 @@ class Candidates:
         self.acceleration = acceleration
         self.lead = lead
         self.lead_box = lead_box
+        self.slowed = slowed
         self.whole = _length(course)
         none: list[float] = []
         self.rows = none
@@ -186,16 +192,23 @@ class Candidates:
 
     def at(self, length: float) -> tuple[float, float, float, float]:
         """Return the place after `length` metres of the course, and its direction just before."""
+        self.come_to(length)
+        return self.x, self.y, self.c, self.s
+
+    def come_to(self, length: float) -> cython.int:
+        """Set x, y, c and s to what `at` returns."""
         # At a corner there are two directions: a hair before it, it is that in which one comes.
         self._seek(max(length - _HAIR, 0.0))
         c: float = self.c
         s: float = self.s
         self._seek(length)
-        return self.x, self.y, c, s
+        self.c = c
+        self.s = s
+        return 0
 
     def next_free(
         self,
-        near: list[int],
+        near: list[cython.Py_ssize_t],
         tables: list[list[float]],
         boxes: list[float],
         radii: list[float],
@@ -238,13 +251,13 @@ class Candidates:
 
     def _look_at(
         self,
-        near: list[int],
+        near: list[cython.Py_ssize_t],
         tables: list[list[float]],
         radii: list[float],
         own: float,
         stood: list[float],
         ends: list[float],
-    ) -> None:
+    ) -> cython.int:
         """Add who of those `near` stands for good to `stood`, and where others will to `ends`.
 
         Of each x, y, and how near to come is to meet them. Those alone who are farther off than
@@ -253,7 +266,7 @@ class Candidates:
         """
         i: cython.Py_ssize_t
         if len(self.lead) > 0:
-            return
+            return 0
         here: list[float] = []
         stand(here, self.now, INFINITY, self.course[0], self.course[1])
         for i in range(len(near)):
@@ -265,6 +278,7 @@ class Candidates:
                 found.append(other[last + 2])
                 found.append(other[last + 6])
                 found.append(least - _HAIR)
+        return 0
 
     def _draw(self, corners: list[float]) -> bool:
         """Set `table` and `box` to those of the walk along `corners` that is to be looked at."""
@@ -274,6 +288,12 @@ class Candidates:
         # Only who stands can set out later.
         if self.delay != 0.0 and self.speed > _STANDS:
             return False
+        if self.slowed is not None:
+            slower = self.slowed(corners, self.top_speed, self.delay)
+            if slower is None:
+                return False
+            self.table, self.box = slower
+            return True
         if since < start:
             x: float = corners[0]
             y: float = corners[1]
@@ -327,10 +347,9 @@ class Candidates:
         course: list[float] = self.course
         corners: list[float] = []
         count: cython.Py_ssize_t = len(course)
-        self._seek(max(along - _HAIR, 0.0))
+        self.come_to(along)
         c: float = self.c
         s: float = self.s
-        self._seek(along)
         # Off the course at a right angle, (-s, c) being to the left.
         x: float = self.x - side * s
         y: float = self.y + side * c

@@ -3,6 +3,10 @@ cdef Py_ssize_t _PIECE
 cdef double _RESOLUTION
 cdef double _JUST_NOW
 
+cpdef list[Py_ssize_t] within_bounds(
+    list[double] boxes, double low_x, double low_y, double high_x, double high_y
+)
+cpdef double gone(list[double] table, double since, double t) noexcept
 cpdef Py_ssize_t first_but(
     list[double] table,
     list[double] box,

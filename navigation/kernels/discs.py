@@ -32,13 +32,13 @@ _JUST_NOW: float = 1e-3  # seconds; who is too close so soon is so already
 
 def within_bounds(
     boxes: list[float], low_x: float, low_y: float, high_x: float, high_y: float
-) -> list[int]:
+) -> list[cython.Py_ssize_t]:
     """Return who of those with these bounds may come into some: their indices.
 
     `boxes` holds four numbers for each: least x and y, greatest x and y (metres). Those asked
     about are `low_x`, `low_y`, `high_x` and `high_y`.
     """
-    found: list[int] = []
+    found: list[cython.Py_ssize_t] = []
     k: cython.Py_ssize_t
     for k in range(len(boxes) // 4):
         if (

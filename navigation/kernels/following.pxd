@@ -3,7 +3,25 @@ cdef Py_ssize_t _X
 cdef Py_ssize_t _Y
 cdef double _SLOW
 
-cpdef double speed_behind(
+cpdef Py_ssize_t followed(
+    list[Py_ssize_t] near,
+    list[list[double]] tables,
+    list[double] radii,
+    double t,
+    double sees,
+    double x,
+    double y,
+    double c,
+    double s,
+    double own,
+    double gap,
+    double ahead,
+    double top_speed,
+    double same_way,
+    double beside,
+    list[Py_ssize_t] slow,
+) except -2
+cdef double speed_behind(
     double along, double away, double touch, double walks_on, double gap, double ahead
 ) noexcept
 cdef double _at(list[double] table, Py_ssize_t o, double u) noexcept

@@ -26,7 +26,7 @@ _SLOW: float = 0.05  # m/s; the direction of whoever is slower is not that of th
 
 
 def followed(
-    near: list[int],
+    near: list[cython.Py_ssize_t],
     tables: list[list[float]],
     radii: list[float],
     t: float,
@@ -41,8 +41,8 @@ def followed(
     top_speed: float,
     same_way: float,
     beside: float,
-    slow: list[int],
-) -> int:
+    slow: list[cython.Py_ssize_t],
+) -> cython.Py_ssize_t:
     """Return who of those `near` keeps somebody below `top_speed` (m/s) most; -1 for nobody.
 
     That is at `t` (seconds) for somebody of radius `own` at `x`, `y` who walks in the direction
@@ -94,8 +94,7 @@ def followed(
         if most < least:
             least = most
             found = k
-    who: int = found
-    return who
+    return found
 
 
 def speed_behind(

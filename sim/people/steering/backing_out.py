@@ -50,7 +50,7 @@ def back_out(
     way = first(course, length)
     at_once = outlook.draft(way)
     # Those who only wait for their turn, all the same way, have no reason to.
-    if at_once is None or not any(_comes(me, other, now) for other in outlook.near):
+    if at_once is None or not any(floor.cosine(me, other, now) < 0.0 for other in outlook.near):
         return None
     if course is not outlook.course:
         course = [*way, *rest(outlook.course, length)]
@@ -79,14 +79,6 @@ def back_out(
             drafts[me] = draft
             return drafts
     return None
-
-
-def _comes(me: Traveller, other: Traveller, now: float) -> bool:
-    """Return whether the other walks the other way, or will."""
-    mine, theirs = me.direction(now), other.direction(now)
-    if mine is None or theirs is None:
-        return False
-    return mine[0] * theirs[0] + mine[1] * theirs[1] < 0.0
 
 
 def _backs_out(

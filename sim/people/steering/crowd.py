@@ -121,8 +121,8 @@ class Crowd:
         if me.goal != goal:
             me.since = self._clock.now
             self._parties[me].least_left = math.inf
-        me.goal, me.route, me.top_speed = goal, route, top_speed
-        me.goes_round = False
+        self._whereabouts.send(me, goal, route)
+        me.top_speed, me.goes_round = top_speed, False
         self._decide(me)
 
     def make_way_for(self, me: Traveller) -> None:
@@ -183,7 +183,7 @@ class Crowd:
     def rest(self, me: Traveller) -> None:
         """Let somebody have no goal any more; their motion goes on."""
         party = self._parties[me]
-        me.goal, me.route = None, []
+        self._whereabouts.send(me, None, [])
         party.goes_on(self._clock.now)
         party.deciding.set(None)
         party.arriving.set(None)
@@ -224,13 +224,13 @@ class Crowd:
                 party.arriving.set(max(outlook.t, now + EARLY))
             return
         party.looked = now
-        hit = outlook.others.first_hit(wished)
+        hit = outlook.first_hit
         # Whoever stands in the way may be about to walk on: asked first, they are gone before
         # anybody shifts round them. `asked` ends the chain where people wait for each other.
         if hit is not None and self._may_go_on(hit, now, (*asked, me)):
             self._decide(hit.other, (*asked, me))
             outlook.look_again()
-            hit = outlook.others.first_hit(wished)
+            hit = outlook.first_hit
         if hit is not None and party.waits_on_the_same(hit, now):
             self._wait(party, outlook, hit, ask=now >= party.tries_again)
             return
@@ -303,8 +303,7 @@ class Crowd:
         other = hit.other
         if other.goal is None or now - other.decided < APART:
             return False
-        ours, theirs = me.direction(now), other.direction(now)
-        if ours is None or theirs is None or ours[0] * theirs[0] + ours[1] * theirs[1] > -0.3:
+        if self._whereabouts.cosine(me, other, now) > -0.3:
             return False
         with suppress(PlanningError):
             for one, two, outlook in both_aside(me, mine, hit, lambda: self._outlook(other)):
@@ -399,7 +398,7 @@ class Crowd:
         """Let somebody follow a motion that was found free, and decide anew when it is due."""
         me, now = party.me, self._clock.now
         if outlook is not None:
-            me.route = outlook.course[1:]
+            self._whereabouts.send(me, me.goal, outlook.course[1:])
             party.goes_on(self._clock.now)
         me.decided = now
         me.follow(motion, ahead)

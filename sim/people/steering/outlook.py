@@ -11,6 +11,7 @@ from floorplan import Point
 from navigation import (
     Candidates,
     CollisionWorld,
+    Foresight,
     Motion,
     Narrows,
     Swath,
@@ -35,12 +36,6 @@ INSIDE, OUTSIDE = 2, 3
 """People. A place is narrow where so many can't go abreast: for who is in it, and for who is not.
 In an aisle for two, those of one direction side by side leave no room for the other."""
 
-FARTHEST = 25.0
-"""Metres. So far a course is looked ahead to find the end of a narrow place."""
-
-AROUND = 2.0
-"""Metres. Those who stay so far from the course, and more than they need, are not looked at."""
-
 
 class Ground:
     """The floor as people of one radius (metres) see it."""
@@ -55,8 +50,14 @@ class Ground:
         self._gated = bool(self._gates)
 
     @cached_property
-    def _narrows(self) -> dict[int, Narrows]:
-        return {number: self.world.narrows(self.radius, number) for number in (INSIDE, OUTSIDE)}
+    def narrow(self) -> Narrows:
+        """Where it is narrow for who is there, and just before."""
+        return self.world.narrows(self.radius, INSIDE)
+
+    @cached_property
+    def narrow_outside(self) -> Narrows:
+        """Where it is narrow for who is not there."""
+        return self.world.narrows(self.radius, OUTSIDE)
 
     def free(self, a: Point, b: Point) -> bool:
         """Return whether the segment from a, a free place, to b touches nothing.
@@ -99,10 +100,6 @@ class Ground:
             or self._gates.reach(self.world.fixed_space(self.radius), b, a)
         )
 
-    def narrow(self, place: Point, abreast: int) -> bool:
-        """Return whether a place is one where so many can't go `abreast`, or just before it."""
-        return self._narrows[abreast].has(place)
-
 
 class Outlook:
     """Everything that one decision about the course of `me` looks at.
@@ -129,13 +126,11 @@ class Outlook:
         self.reroute = reroute
         self._whereabouts = whereabouts
         self._state = me.body.motion.state(now)
-        self._narrow: dict[int, bool] = {}
-        self._around = AROUND
         self._others: Others | None = None
-        self._seen: list[float] = []
+        self._hit: Hit | None = None
         self._made: tuple[Motion | None, Swath | None] = (None, None)
-        self._free_of: tuple[Swath | None, Others | None] = (None, None)
-        """The last draft that was found free, and of whom."""
+        self._free: tuple[Swath | None, Others | None] = (None, None)
+        """The draft that was chosen, and those among whom it was found free."""
         self._wish: Motion | None = None
         self.lead: Motion | None = None
         self._lead: Swath | None = None
@@ -151,7 +146,7 @@ class Outlook:
             end = self.lead.state(self.lead.end)
             self.at, self.t, self.speed = end.at, self.lead.end, 0.0
             self.course = [self.at, *self._taut(self.at)]
-        human, lead = me.human, self._lead
+        human, lead, manners = me.human, self._lead, me.manners
         vx, vy, _ = self._state.velocity
         self.walks = Candidates(
             [number for corner in self.course for number in corner],
@@ -164,11 +159,26 @@ class Outlook:
             human.max_acceleration,
             [] if lead is None else lead.walk,
             [] if lead is None else lead.box,
+            self._slowed if me.zones else None,
+        )
+        self._foresight = Foresight(
+            self.walks,
+            whereabouts.throng,
+            whereabouts.indices[me],
+            me.top_speed,
+            me.radius,
+            manners.comfort,
+            manners.time_gap,
+            manners.foresight,
+            me.usual_side,
+            ground.narrow.cells,
+            ground.narrow_outside.cells,
+            ground.free,
         )
         self.whole = self.walks.whole
-        self.reach = me.top_speed * me.manners.foresight
-        self.stop = self.stop_beyond(self.reach)
-        self.wished = self.draft(self.course, self.stop)
+        self.reach, self.stop = self._foresight.reach, self._foresight.stop
+        self.stop_beyond = self._foresight.stop_beyond
+        self.wished = self._drawn() if self._foresight.wish() else None
 
     @property
     def wish(self) -> Motion | None:
@@ -213,12 +223,17 @@ class Outlook:
         """Return where `walk` would go."""
         me = self.me
         fastest = me.top_speed if top_speed is None else top_speed
-        if course is self.course and not me.zones:
-            walks, most = self.walks, math.inf if length is None else length
-            return _drawn(walks) if walks.draw_along(most, fastest, delay) else None
+        if course is self.course:
+            most = math.inf if length is None else length
+            return self._drawn() if self.walks.draw_along(most, fastest, delay) else None
         if delay and self.speed > 1e-6:
             return None
         points: Sequence[Point] = course if length is None else first(course, length)
+        return self._paced(points, fastest, delay)
+
+    def _paced(self, points: Sequence[Point], fastest: float, delay: float) -> Swath | None:
+        """Return where a walk along `points` goes, slowed down where limits hold."""
+        me = self.me
         points, top = me.zones.along(points, fastest)
         return pace(
             points,
@@ -231,49 +246,38 @@ class Outlook:
             since=self.now,
         )
 
-    def next_free(self) -> Swath | None:
-        """Return the draft of the next of the `walks` that meets nobody; None for none."""
-        walks, others = self.walks, self.others
-        draft: Swath | None = None
-        if not self.me.zones:
-            draft = _drawn(walks) if others.next_free(walks) else None
-        else:
-            while walks.next_course():
-                draft = self._zoned()
-                if draft is not None and others.free(draft):
-                    break
-                draft = None
-        self._free_of = (draft, others)
-        return draft
+    def _slowed(
+        self, corners: list[float], fastest: float, delay: float
+    ) -> tuple[list[float], list[float]] | None:
+        """Return the table of a walk where limits hold, and its bounds; None for none."""
+        points = [*zip(corners[::2], corners[1::2], strict=True)]
+        draft = self._paced(points, fastest, delay)
+        return None if draft is None else (draft.table, draft.box)
+
+    def _drawn(self) -> Swath:
+        """Return the draft of the walk that was looked at last."""
+        return Swath.of(self.walks.table, self.walks.box)
+
+    def chosen(self, impatient: bool) -> Motion | None:
+        """Return the free walk that loses least, of those that there are; None for none.
+
+        Who is `impatient` stops in narrow places too.
+        """
+        foresight = self._foresight
+        if not foresight.choose(impatient):
+            return None
+        if foresight.wishes:
+            return self.wish
+        draft = self._drawn()
+        self._free = (draft, self.others)
+        return self.made(draft)
 
     def aside(self, along: float, side: float, others: Others) -> Swath | None:
         """Return the draft of a walk `side` metres to the left after `along` metres of the course.
 
         None if it is not free, of walls or of these `others`.
         """
-        walks, me = self.walks, self.me
-        draft = None
-        if walks.draw_aside(self.reach + 0.5, me.top_speed, along, side):
-            draft = self._zoned() if me.zones else _drawn(walks)
-        if draft is None or not others.free(draft) or not self.has_room():
-            return None
-        return draft
-
-    def has_room(self) -> bool:
-        """Return whether there are no walls in the way of the walk that is looked at.
-
-        To be asked after others were looked at: that is quicker.
-        """
-        walks, free = self.walks, self.ground.free
-        # The shift is in the first three legs; all that comes after is the course, which is free.
-        return walks.side == 0.0 or all(free(a, b) for a, b in pairwise(_points(walks.corners)[:4]))
-
-    def _zoned(self) -> Swath | None:
-        """Return the draft of the walk that is looked at where limits hold."""
-        walks = self.walks
-        return self.draft(
-            _points(walks.corners), walks.length, top_speed=walks.top_speed, delay=walks.delay
-        )
+        return self._drawn() if self._foresight.aside(along, side, others.near) else None
 
     def made(self, draft: Swath) -> Motion:
         """Return the motion of a draft."""
@@ -288,59 +292,33 @@ class Outlook:
         made, draft = self._made
         return draft if motion is made and draft is not None else swath(motion, self.now)
 
-    def stop_beyond(self, length: float) -> float:
-        """Return the first length along the course, from `length` metres on, for a stop.
-
-        Nobody stops in a narrow place of their own will, but at their goal.
-        """
-        while length < min(self.whole, FARTHEST):
-            if not self.is_narrow(length):
-                return length
-            length += STEP
-        return self.whole
-
-    def stop_before(self, length: float) -> float:
-        """Return the last length along the course, up to `length` metres, for a stop."""
-        while length > 0.0 and self.is_narrow(length):
-            length -= STEP
-        return max(length, 0.0)
-
-    def is_narrow(self, length: float) -> bool:
-        """Return whether the course is in a narrow place after `length` metres."""
-        # On a grid of lengths, so that the same place is asked for once and not once for each
-        # candidate.
-        k = math.ceil(length / STEP)
-        if k * STEP > min(self.whole, FARTHEST) + STEP:
-            return False
-        if k not in self._narrow:
-            self._narrow[k] = self.ground.narrow(self.walks.at(k * STEP)[:2], self.abreast)
-        return self._narrow[k]
-
-    @cached_property
-    def abreast(self) -> int:
-        """So many can't go abreast where it is narrow for them: see `INSIDE` and `OUTSIDE`."""
-        return INSIDE if self.inside else OUTSIDE
-
-    @cached_property
-    def inside(self) -> bool:
-        """Whether they are where it is narrow, or just before it."""
-        return self.ground.narrow(self.at, OUTSIDE)
-
     def free(self, motion: Motion) -> bool:
         """Return whether a motion of theirs from now on conflicts with nobody."""
         ahead = self.ahead(motion)
-        others, (draft, among) = self._around_of(ahead), self._free_of
+        others, (draft, among) = self._around_of(ahead), self._free
         return (ahead is draft and others is among) or others.free(ahead)
 
     @property
     def others(self) -> Others:
         """Those who may come near the course, or beside it."""
         if self._others is None:
-            low_x, low_y, high_x, high_y = self._box
-            around = self._around
-            self._seen = [low_x - around, low_y - around, high_x + around, high_y + around]
-            self._others = self._whereabouts.others(self.me, self._seen, self.now)
+            self.look_again()
+        near = self._foresight.near
+        if self._others is None or self._others.near is not near:
+            self._others = Others(self._whereabouts, self.me, near, self.now)
         return self._others
+
+    def look_again(self) -> None:
+        """See the others anew: one of them has committed themselves to something else."""
+        foresight = self._foresight
+        k = foresight.look()
+        self._hit = None if k < 0 else self._whereabouts.hit(k, foresight.hit_at)
+
+    @property
+    def first_hit(self) -> Hit | None:
+        """The first conflict of what they wish for."""
+        assert self.others is not None
+        return self._hit
 
     def sight(self, metres: float) -> Sight:
         """Return what they see so far around the course."""
@@ -357,19 +335,10 @@ class Outlook:
         """Return those who may come near a motion."""
         low_x, low_y, high_x, high_y = ahead.box
         if self._others is not None:
-            seen = self._seen
+            seen = self._foresight.seen
             if low_x >= seen[0] and low_y >= seen[1] and high_x <= seen[2] and high_y <= seen[3]:
-                return self._others
+                return self.others
         return self._whereabouts.others(self.me, ahead.box, self.now)
-
-    def look_around(self, metres: float) -> None:
-        """See those as well who stay so far from the course."""
-        self._around = metres
-        self._others = None
-
-    def look_again(self) -> None:
-        """See the others anew: one of them has committed themselves to something else."""
-        self._others = None
 
     @property
     def near(self) -> Sequence[Traveller]:
@@ -410,6 +379,10 @@ class Outlook:
                 return route[k:]
         return self.reroute(at)
 
+    def send_by(self, route: list[Point]) -> None:
+        """Let them walk to their goal by another route."""
+        self._whereabouts.send(self.me, self.me.goal, route)
+
     def standing(self, *places: Point) -> list[tuple[Point, float]]:
         """Return who stands around these places: where, and how far to stay from there (m)."""
         me, floor = self.me, self._whereabouts
@@ -420,13 +393,3 @@ class Outlook:
             for k in near
             if floor.rests[k] <= self.now and floor.people[k] is not me
         ]
-
-
-def _drawn(walks: Candidates) -> Swath:
-    """Return the draft of the walk that was looked at last."""
-    return Swath.of(walks.table, walks.box)
-
-
-def _points(corners: Sequence[float]) -> list[Point]:
-    """Return corners whose x and y stand in turn as points."""
-    return [*zip(corners[::2], corners[1::2], strict=True)]

@@ -107,6 +107,11 @@ class Traveller:
             return (False, -math.inf, self.index)
         return (self.goal is None, self.since, self.index)
 
+    @property
+    def usual_side(self) -> float:
+        """The side on which they pass: 1 for the left, -1 for the right."""
+        return -1.0 if self.manners.passing_side == "right" else 1.0
+
     def time_lost(self, now: float) -> float:
         """Return the seconds that others have cost them until now."""
         return self.lost + self.time_blocked(now)
@@ -118,15 +123,3 @@ class Traveller:
     def stands(self, now: float) -> bool:
         """Return whether their motion is over, or all but."""
         return self.swath.rests <= now + 0.3
-
-    def direction(self, now: float) -> Point | None:
-        """Return the unit vector of where they walk, or would walk on; None if they rest."""
-        (x, y, _), (vx, vy, _), _ = self.body.motion.state(now)
-        speed = math.hypot(vx, vy)
-        if speed > 0.05:
-            return (vx / speed, vy / speed)
-        if self.goal is None or not self.route:
-            return None
-        nx, ny = self.route[0]
-        away = math.hypot(nx - x, ny - y)
-        return None if away < 1e-6 else ((nx - x) / away, (ny - y) / away)

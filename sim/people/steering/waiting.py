@@ -175,11 +175,14 @@ def takes_way_round(me: Traveller, outlook: Outlook, stood: float) -> bool:
         # The bends of an earlier way round may be left, past others who have walked on since.
         before = me.route
         try:
-            me.route, me.goes_round = outlook.reroute(outlook.at), False
+            route = outlook.reroute(outlook.at)
         except PlanningError:  # a vehicle stands on the goal, or before it
             return False
-        return me.route != before
-    me.route, me.goes_round = path[1:], True
+        me.goes_round = False
+        outlook.send_by(route)
+        return route != before
+    me.goes_round = True
+    outlook.send_by(path[1:])
     return True
 
 

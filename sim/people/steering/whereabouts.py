@@ -7,7 +7,7 @@ from collections.abc import Container, Iterable, Sequence
 from typing import NamedTuple
 
 from floorplan import Point
-from navigation import Candidates, Swath, first_but, first_met, within_bounds
+from navigation import Swath, Throng, first_but, first_met, within_bounds
 
 from .traveller import Traveller
 
@@ -44,9 +44,8 @@ class Whereabouts:
 
     def __init__(self) -> None:
         self.people: list[Traveller] = []
-        self.tables: list[list[float]] = []
-        self.boxes: list[float] = []
-        self.radii: list[float] = []
+        self.throng = throng = Throng(GAP)
+        self.tables, self.boxes, self.radii = throng.tables, throng.boxes, throng.radii
         self.rests: list[float] = []
         self.places: list[Point] = []
         """Where they come to stand."""
@@ -54,8 +53,6 @@ class Whereabouts:
         self.changes = 0
         """Number of motions that anybody has committed themselves to."""
         self._changed: list[int] = []
-        self.widest = 0.0
-        """The radius of the widest body, metres."""
 
     def put(self, who: Traveller) -> None:
         """Take note of what somebody has committed themselves to."""
@@ -66,16 +63,12 @@ class Whereabouts:
         if k is None:
             self.indices[who] = len(self.people)
             self.people.append(who)
-            self.tables.append(table)
-            self.boxes += box
-            self.radii.append(who.radius)
+            self.throng.add(table, box, who.radius)
             self.rests.append(rests)
             self.places.append(swath.place)
             self._changed.append(self.changes)
-            self.widest = max(self.widest, who.radius)
         else:
-            self.tables[k] = table
-            self.boxes[4 * k : 4 * k + 4] = box
+            self.throng.commit(k, table, box)
             self.rests[k] = rests
             self.places[k] = swath.place
             self._changed[k] = self.changes
@@ -87,16 +80,26 @@ class Whereabouts:
             self.changes += 1
             self._changed[k] = self.changes
             # Bounds that nothing comes into; the row stays, as indices are kept.
-            self.boxes[4 * k : 4 * k + 4] = [math.inf, math.inf, -math.inf, -math.inf]
+            box = [math.inf, math.inf, -math.inf, -math.inf]
+            self.throng.commit(k, self.tables[k], box)
 
-    def near(self, box: Sequence[float], radius: float) -> list[int]:
+    def send(self, who: Traveller, goal: Point | None, route: list[Point]) -> None:
+        """Let somebody be bound for a goal, by a route, or for none."""
+        who.goal, who.route = goal, route
+        x, y = route[0] if route else (math.inf, math.inf)
+        self.throng.send(self.indices[who], goal is not None, x, y)
+
+    def cosine(self, one: Traveller, other: Traveller, t: float) -> float:
+        """Return the cosine between where two walk at `t` (seconds), or would walk on.
+
+        0 if either rests.
+        """
+        return self.throng.between(self.indices[one], self.indices[other], t)
+
+    def near(self, box: list[float], radius: float) -> list[int]:
         """Return who may come near the bounds of a disc of `radius` metres: their indices."""
         # As wide as the widest there is: bounds are those of centres.
-        margin = radius + self.widest + 2 * GAP
-        low_x, low_y, high_x, high_y = box
-        return within_bounds(
-            self.boxes, low_x - margin, low_y - margin, high_x + margin, high_y + margin
-        )
+        return self.throng.near(box, radius + self.throng.widest + 2 * GAP)
 
     def sight(self, me: Traveller, box: Sequence[float]) -> Sight:
         """Return what somebody sees who looks at what comes into bounds."""
@@ -136,7 +139,11 @@ class Whereabouts:
         )
         return found
 
-    def others(self, me: Traveller, box: Sequence[float], now: float) -> Others:
+    def hit(self, k: int, t: float) -> Hit:
+        """Return the conflict with the k-th at `t` (seconds)."""
+        return Hit(t, self.people[k], t >= self.rests[k])
+
+    def others(self, me: Traveller, box: list[float], now: float) -> Others:
         """Return the others who may come near bounds that somebody moves in from now on."""
         near = self.near(box, me.radius + me.manners.comfort)
         k = self.indices[me]
@@ -162,8 +169,6 @@ class Others:
         self._now = now
         self._own = me.radius + GAP
         self._when = [math.inf]
-        self._asked: Swath | None = None
-        self._hit: Hit | None = None
 
     @property
     def people(self) -> list[Traveller]:
@@ -182,35 +187,19 @@ class Others:
         people = self.floor.people
         return Others(self.floor, self._me, [k for k in self.near if people[k] in some], self._now)
 
-    def first_hit(self, ahead: Swath, *, comfort: bool = False) -> Hit | None:
+    def first_hit(self, ahead: Swath) -> Hit | None:
         """Return the first conflict of a motion of theirs from now on with any of these.
 
-        Two bodies keep `GAP` between them, or the `comfort` distance besides; those who are closer
-        already come no closer.
+        Two bodies keep `GAP` between them; those who are closer already come no closer.
         """
-        if comfort:
-            return self._first_hit(ahead, self._me.manners.comfort)
-        if ahead is not self._asked:  # the same is asked several times in a decision
-            self._asked, self._hit = ahead, self._first_hit(ahead, 0.0)
-        return self._hit
-
-    def _first_hit(self, ahead: Swath, comfort: float) -> Hit | None:
-        found = self._first_met(ahead, comfort)
-        if found < 0:
-            return None
-        t = self._when[0]
-        return Hit(t, self.floor.people[found], t >= self.floor.rests[found])
+        found = self._first_met(ahead)
+        return None if found < 0 else self.floor.hit(found, self._when[0])
 
     def free(self, ahead: Swath) -> bool:
         """Return whether a motion of theirs from now on conflicts with none of these."""
-        return self._first_met(ahead, 0.0) < 0
+        return self._first_met(ahead) < 0
 
-    def next_free(self, walks: Candidates) -> bool:
-        """Come to the next of the `walks` that conflicts with none of these; False for none."""
-        floor = self.floor
-        return walks.next_free(self.near, floor.tables, floor.boxes, floor.radii, self._own)
-
-    def _first_met(self, ahead: Swath, comfort: float) -> int:
+    def _first_met(self, ahead: Swath) -> int:
         floor = self.floor
         return first_met(
             ahead.table,
@@ -219,7 +208,7 @@ class Others:
             floor.tables,
             floor.boxes,
             floor.radii,
-            self._own + comfort,
+            self._own,
             self._now,
             self._when,
         )

@@ -1,0 +1,90 @@
+from navigation.kernels.candidates cimport Candidates
+from navigation.kernels.cells cimport Cells
+from navigation.kernels.throng cimport Throng
+
+cdef double _STEP
+cdef double _FARTHEST
+cdef double _AROUND
+cdef list[double] _TO_EITHER_SIDE
+cdef list[double] _DETOURS
+cdef double _WIDEST
+cdef list[double] _PACES
+cdef list[double] _DELAYS
+cdef list[double] _PARTS
+cdef double _SHORTEST
+cdef double _PHANTOM
+cdef list[double] _FILES
+cdef double _FASTER
+cdef double _BESIDE
+cdef double _STANDS
+cdef double _PAST
+cdef double _HAIR
+cdef double _OTHER_SIDE
+cdef double _BRUSH
+cdef double _ALIKE
+cdef double _AHEAD
+cdef double _SEES
+cdef double _LEAST
+cdef double _SAME_WAY
+cdef double _CLOSES_UP
+
+cdef class Foresight:
+    cdef Throng throng
+    cdef Py_ssize_t me
+    cdef double radius
+    cdef double own
+    cdef double comfort
+    cdef double time_gap
+    cdef double foresight
+    cdef double usual
+    cdef Cells narrow
+    cdef Cells narrow_outside
+    cdef object free
+    cdef Candidates walks
+    cdef readonly bint inside
+    cdef double top_speed
+    cdef readonly bint wishes
+    cdef readonly double reach
+    cdef readonly double stop
+    cdef bytearray known
+    cdef list[double] table
+    cdef list[double] box
+    cdef readonly list[double] seen
+    cdef readonly list[Py_ssize_t] near
+    cdef readonly Py_ssize_t hit
+    cdef readonly double hit_at
+    cdef double met_at
+    cdef Py_ssize_t ahead
+    cdef double ahead_speed
+    cdef double ahead_walks_on
+    cpdef bint wish(self) except -1
+    cpdef bint choose(self, bint impatient) except -1
+    cpdef double stop_beyond(self, double length) except -1.0
+    cdef double stop_before(self, double length) except -1.0
+    cdef bint is_narrow(self, double length) except -1
+    cdef bint _is_narrow_at(self, double x, double y) except -1
+    cpdef Py_ssize_t look(self) except -2
+    cdef int _see(self, double around) except -1
+    cpdef list[Py_ssize_t] within(self, list[double] box)
+    cdef Py_ssize_t _first_met(self, double own) except -2
+    cdef int _follow(self) except -1
+    cdef Py_ssize_t _followed(
+        self, double x, double y, double c, double s, list[Py_ssize_t] slow
+    ) except -2
+    cdef double _speed_behind(
+        self, Py_ssize_t k, double x, double y, double c, double s
+    ) noexcept
+    cdef double _speed_beside(self, double side) except? -1.0
+    cdef bint _keep_apart(self, Py_ssize_t near, double near_at) except -1
+    cdef int _add_later_or_shorter(
+        self, double hit_at, bint at_rest, bint follows, bint impatient
+    ) except -1
+    cdef bint _goes_in(self, double length, bint follows, bint impatient) except -1
+    cdef bint _is_opposed(self, double length) except -1
+    cdef int _add_files(self) except -1
+    cdef int _add_asides(
+        self, Py_ssize_t k, double t, list[double] widths, bint past, bint opposed
+    ) except -1
+    cdef bint _take_first_free(self) except -1
+    cpdef bint aside(self, double along, double side, list[Py_ssize_t] near) except -1
+    cdef bint _has_room(self) except -1

@@ -1,0 +1,608 @@
+"""Foresight: how one of a throng goes on among the others, of all the ways that there are.
+
+The others are taken by what they are committed to, and where they would walk on (see `throng`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import cython
+else:
+    from . import uncompiled as cython
+
+from .candidates import Candidates
+from .cells import Cells
+from .throng import Throng
+
+if not cython.compiled:
+    from math import ceil, inf
+
+    from .discs import gone, met
+    from .following import followed, speed_behind
+
+    INFINITY = inf
+else:
+    from cython.cimports.libc.math import INFINITY, ceil
+    from cython.cimports.navigation.kernels.discs import gone, met
+    from cython.cimports.navigation.kernels.following import followed, speed_behind
+
+_STEP: float = 0.25  # metres between the places along a course that are looked at
+_FARTHEST: float = 25.0  # metres; so far a course is looked ahead for the end of a narrow place
+# Metres. Those who stay so far from the course, and more than they need, are not looked at.
+_AROUND: float = 2.0
+
+# Metres to the left. Shifts that are tried besides the one that just gets past, to the right first.
+_TO_EITHER_SIDE: list[float] = [-0.45, 0.45, -0.9, 0.9, -1.35, 1.35]
+# Shifts that somebody tries who stands before others who don't go the same way.
+_DETOURS: list[float] = [-2.0, 2.0, -2.8, 2.8, -3.6, 3.6]
+_WIDEST: float = 3.6  # metres; nobody shifts further to the side than this
+_PACES: list[float] = [0.75, 0.5, 0.25]  # shares of the top speed that are tried
+_DELAYS: list[float] = [0.5, 1.0, 2.0, 4.0]  # seconds that who stands waits before setting out
+# Parts of the free stretch ahead after which a stop is tried.
+_PARTS: list[float] = [1.0, 0.8, 0.6, 0.4, 0.2]
+_SHORTEST: float = 0.5  # metres; nobody who stands sets out for less
+# Share that a stop behind somebody who is about to walk on counts of the metres it loses.
+_PHANTOM: float = 0.3
+# Metres to either side. There somebody who follows looks for room to walk faster beside others.
+_FILES: list[float] = [0.25, 0.5]
+_FASTER: float = 0.15  # m/s; for less nobody leaves a file
+# Share of the foresight after which somebody who leaves a file is beside it.
+_BESIDE: float = 0.4
+_STANDS: float = 1e-6  # m/s; slower than this is standing
+# Metres beyond the place beside somebody who comes where one who passes them may stop.
+_PAST: float = 0.3
+_HAIR: float = 1e-3  # metres; nobody is met by who passes them so much farther off
+_OTHER_SIDE: float = 0.15  # metres; what passing on the less usual side costs
+_BRUSH: float = 0.5  # metres; detour that keeping the comfort distance is worth
+_ALIKE: float = 0.3  # cosine between the directions of two who walk the same way
+
+_AHEAD: float = 1.0  # seconds in which somebody who follows comes to the distance that they keep
+_SEES: float = 0.5  # seconds over which the speed of the one ahead is taken
+_LEAST: float = 0.05  # m/s; nobody who follows creeps more slowly than this
+_SAME_WAY: float = 0.7  # least cosine between the directions of two of whom one follows the other
+# Metres to either side within which those who come the other way let people close up.
+_CLOSES_UP: float = 1.5
+
+
+class Foresight:
+    """Foresight of the `me`-th of a throng, who decides which of some `walks` to take.
+
+    At up to `top_speed` (m/s). `radius` and `comfort`, the distance that they keep where there is
+    room, are in metres, `time_gap` and `foresight` in seconds (see `Manners`); `usual` is the side
+    on which they pass, 1 for the left, -1 for the right. `narrow` says where it is narrow for who
+    is there already, `narrow_outside` for who is not; `free(a, b)` whether there are no walls along
+    a segment.
+    """
+
+    def __init__(
+        self,
+        walks: Candidates,
+        throng: Throng,
+        me: int,
+        top_speed: float,
+        radius: float,
+        comfort: float,
+        time_gap: float,
+        foresight: float,
+        usual: float,
+        narrow: Cells,
+        narrow_outside: Cells,
+        free: Callable[[tuple[float, float], tuple[float, float]], bool],
+    ) -> None:
+        self.walks = walks
+        self.throng = throng
+        self.me = me
+        self.top_speed = top_speed
+        self.radius = radius
+        self.own = radius + throng.gap
+        self.comfort = comfort
+        self.time_gap = time_gap
+        self.foresight = foresight
+        self.usual = usual
+        self.narrow = narrow
+        self.narrow_outside = narrow_outside
+        self.free = free
+        self.inside = narrow_outside.has(walks.course[0], walks.course[1])
+        self.known = bytearray(int(_FARTHEST / _STEP) + 3)
+        self.reach = top_speed * foresight
+        self.stop = self.stop_beyond(self.reach)
+        none: list[float] = []
+        nobody: list[cython.Py_ssize_t] = []
+        self.table = none
+        self.box = none
+        self.seen = none
+        self.near = nobody
+        self.wishes = False
+        self.hit = self.ahead = -1
+        self.met_at = self.hit_at = INFINITY
+        self.ahead_speed = self.ahead_walks_on = 0.0
+
+    def wish(self) -> bool:
+        """Draw up the walk that they would take if nobody were there; False if they can't.
+
+        It stops after `stop` metres: as far as they look ahead, their `reach`, and on to the end of
+        a narrow place.
+        """
+        walks: Candidates = self.walks
+        if not walks.draw_along(self.stop, self.top_speed, 0.0):
+            return False
+        self.table = walks.table
+        self.box = walks.box
+        return True
+
+    # Narrow places
+
+    def stop_beyond(self, length: float) -> float:
+        """Return the first length along the course, from `length` metres on, for a stop.
+
+        Nobody stops in a narrow place of their own will, but at their goal.
+        """
+        whole: float = self.walks.whole
+        while length < min(whole, _FARTHEST):
+            if not self.is_narrow(length):
+                return length
+            length += _STEP
+        return whole
+
+    def stop_before(self, length: float) -> float:
+        """Return the last length along the course, up to `length` metres, for a stop."""
+        while length > 0.0 and self.is_narrow(length):
+            length -= _STEP
+        return max(length, 0.0)
+
+    def is_narrow(self, length: float) -> bool:
+        """Return whether the course is in a narrow place after `length` metres."""
+        # On a grid of lengths, so that the same place is asked for once and not once for each walk.
+        k: cython.Py_ssize_t = int(ceil(length / _STEP))
+        if k * _STEP > min(self.walks.whole, _FARTHEST) + _STEP:
+            return False
+        if self.known[k] == 0:
+            self.walks.come_to(k * _STEP)
+            self.known[k] = 2 if self._is_narrow_at(self.walks.x, self.walks.y) else 1
+        found: bool = self.known[k] == 2
+        return found
+
+    def _is_narrow_at(self, x: float, y: float) -> bool:
+        """Return whether a place is narrow for them, who may be inside already."""
+        return self.narrow.has(x, y) if self.inside else self.narrow_outside.has(x, y)
+
+    # The others
+
+    def look(self) -> cython.Py_ssize_t:
+        """See those who may come near the walk that they wish for, or beside it.
+
+        Return whom they would meet first, `hit`, at `hit_at` (seconds); -1 for nobody.
+        """
+        self._see(_AROUND)
+        self.hit = self._first_met(self.own)
+        self.hit_at = self.met_at
+        return self.hit
+
+    def _see(self, around: float) -> cython.int:
+        """See those who may come into bounds so far around that walk (metres).
+
+        They are `near` then, and the bounds are those `seen`.
+        """
+        box: list[float] = self.box
+        self.seen = [box[0] - around, box[1] - around, box[2] + around, box[3] + around]
+        self.near = self.within(self.seen)
+        return 0
+
+    def within(self, box: list[float]) -> list[cython.Py_ssize_t]:
+        """Return who may come near bounds that they move in."""
+        throng: Throng = self.throng
+        # As wide as the widest there is: bounds are those of centres.
+        margin: float = self.own + self.comfort + throng.widest + throng.gap
+        near: list[cython.Py_ssize_t] = throng.near(box, margin)
+        if self.me in near:
+            near.remove(self.me)
+        return near
+
+    def _first_met(self, own: float) -> cython.Py_ssize_t:
+        """Return whom they would meet first who keep so far from others; -1 for nobody.
+
+        When, is `met_at`.
+        """
+        throng: Throng = self.throng
+        near: list[cython.Py_ssize_t] = self.near
+        first: float = INFINITY
+        who: cython.Py_ssize_t = -1
+        i: cython.Py_ssize_t
+        for i in range(len(near)):
+            k: cython.Py_ssize_t = near[i]
+            t: float = met(
+                self.table,
+                self.box,
+                throng.tables,
+                throng.boxes,
+                throng.radii,
+                own,
+                self.walks.now,
+                first,
+                k,
+            )
+            if t < first:
+                first = t
+                who = k
+        self.met_at = first
+        return who
+
+    # Following
+
+    def _follow(self) -> cython.int:
+        """Set `ahead` to whom they follow, who walks on; -1 if nobody keeps them below their speed.
+
+        In `_AHEAD` seconds they have come to the distance of their time gap, times their speed,
+        beyond the bodies; who is beside the path of the one ahead keeps less. Who stands, or goes
+        another way, is not followed, and nobody keeps a gap into which somebody who comes the other
+        way would step: that jams aisles.
+        """
+        self.ahead = -1
+        if self.time_gap <= 0.0:
+            return 0
+        throng: Throng = self.throng
+        walks: Candidates = self.walks
+        t: float = walks.begin
+        walks.come_to(0.0)
+        x: float = walks.x
+        y: float = walks.y
+        c: float = walks.c
+        s: float = walks.s
+        slow: list[cython.Py_ssize_t] = []
+        i: cython.Py_ssize_t
+        k: cython.Py_ssize_t
+        found: cython.Py_ssize_t = self._followed(x, y, c, s, slow)
+        best: float = self.top_speed
+        if found >= 0:
+            best = self._speed_behind(found, x, y, c, s)
+            if best == INFINITY:
+                found = -1
+                best = self.top_speed
+        walks_on: float = self.ahead_walks_on
+        # Who has hardly set out yet may be followed too, and comes where their route leads them.
+        for i in range(len(slow)):
+            k = slow[i]
+            if throng.rests(k) > t and throng.cosine(k, t, c, s) > _SAME_WAY:
+                speed: float = self._speed_behind(k, x, y, c, s)
+                if speed < best:
+                    found = k
+                    best = speed
+                    walks_on = self.ahead_walks_on
+        if found < 0:
+            return 0
+        for i in range(len(slow)):
+            k = slow[i]
+            throng.find(k, t)
+            away: float = abs((throng.y - y) * c - (throng.x - x) * s)
+            if away < _CLOSES_UP and throng.cosine(k, t, c, s) < -_SAME_WAY:
+                return 0
+        self.ahead = found
+        self.ahead_speed = max(best, _LEAST)
+        self.ahead_walks_on = walks_on
+        return 0
+
+    def _followed(
+        self, x: float, y: float, c: float, s: float, slow: list[cython.Py_ssize_t]
+    ) -> cython.Py_ssize_t:
+        """Return who keeps them below their top speed most who walk from x, y in direction c, s.
+
+        -1 for nobody; `slow` receives those ahead who hardly move.
+        """
+        throng: Throng = self.throng
+        return followed(
+            self.near,
+            throng.tables,
+            throng.radii,
+            self.walks.begin,
+            _SEES,
+            x,
+            y,
+            c,
+            s,
+            self.radius,
+            self.time_gap,
+            _AHEAD,
+            self.top_speed,
+            _SAME_WAY,
+            _CLOSES_UP,
+            slow,
+        )
+
+    def _speed_behind(self, k: cython.Py_ssize_t, x: float, y: float, c: float, s: float) -> float:
+        """Return how fast they walk behind the k-th (m/s); infinite for who is not in the way.
+
+        From x, y in direction c, s. How fast the other walks on is `ahead_walks_on`.
+        """
+        throng: Throng = self.throng
+        t: float = self.walks.begin
+        throng.find(k, t)
+        ox: float = throng.x
+        oy: float = throng.y
+        away: float = abs((oy - y) * c - (ox - x) * s)
+        touch: float = self.radius + throng.radii[k]
+        if away >= touch:
+            return INFINITY
+        along: float = (ox - x) * c + (oy - y) * s
+        throng.find(k, t + _SEES)
+        self.ahead_walks_on = ((throng.x - ox) * c + (throng.y - oy) * s) / _SEES
+        most: float = speed_behind(along, away, touch, self.ahead_walks_on, self.time_gap, _AHEAD)
+        return most
+
+    def _speed_beside(self, side: float) -> float:
+        """Return how fast (m/s) they would come on `side` metres to the left, behind others."""
+        walks: Candidates = self.walks
+        walks.come_to(0.0)
+        c: float = walks.c
+        s: float = walks.s
+        x: float = walks.x - side * s
+        y: float = walks.y + side * c
+        slow: list[cython.Py_ssize_t] = []
+        k: cython.Py_ssize_t = self._followed(x, y, c, s, slow)
+        speed: float = INFINITY if k < 0 else self._speed_behind(k, x, y, c, s)
+        return self.top_speed if speed == INFINITY else max(speed, _LEAST)
+
+    # The choice
+
+    def choose(self, impatient: bool) -> bool:
+        """Choose among the walks that there are: the free one that loses least.
+
+        Aside, slower, shorter, or later. Return whether there is one: it was the last to be looked
+        at, or is their wish, as `wishes` says. Who is `impatient` has lost their patience.
+        """
+        walks: Candidates = self.walks
+        self.wishes = False
+        near: cython.Py_ssize_t = self._first_met(self.own + self.comfort)
+        near_at: float = self.met_at
+        self._follow()
+        if near < 0 and self.ahead < 0:
+            self.wishes = True
+            return True
+        walks.clear()
+        hit: cython.Py_ssize_t = self.hit
+        hit_at: float = self.hit_at
+        if near < 0 or hit < 0:
+            return self._keep_apart(near, near_at)
+        throng: Throng = self.throng
+        at_rest: cython.bint = hit_at >= throng.rests(hit)
+        # Who walks the same way leaves the place where they would be met: slowing down is enough.
+        # Past who comes the other way, or stands, one has to get.
+        follows: cython.bint = throng.between(self.me, hit, walks.now) > _ALIKE
+        if not follows:
+            self.ahead = -1
+        self._add_later_or_shorter(hit_at, at_rest, follows, impatient)
+        if at_rest and follows:
+            # They are about to walk on: nobody passes them where they can get nearer.
+            if self._take_first_free():
+                return True
+            walks.clear()
+        opposed: cython.bint = not follows and throng.bound[hit] != 0 and not self.inside
+        self._add_asides(near, near_at, _TO_EITHER_SIDE, True, opposed)
+        if near != hit:
+            self._add_asides(hit, hit_at, _TO_EITHER_SIDE, True, opposed)
+        if self._take_first_free():
+            return True
+        # Only who stands, and before nobody who walks on, tries wide detours: they cost the most.
+        if walks.speed < _STANDS and not follows:
+            self._see(_WIDEST)
+            walks.clear()
+            self._add_asides(hit, hit_at, _DETOURS, False, False)
+            return self._take_first_free()
+        return False
+
+    def _keep_apart(self, near: cython.Py_ssize_t, near_at: float) -> bool:
+        """Choose where nobody is in the way: the wish, or a walk farther from others than it is."""
+        walks: Candidates = self.walks
+        brush: float = 0.0 if near < 0 else _BRUSH
+        if self.ahead < 0:
+            walks.add(brush, self.stop, self.top_speed, 0.0)
+        else:
+            # The share of their top speed that following costs them.
+            loses: float = 1.0 - max(self.ahead_speed, self.ahead_walks_on) / self.top_speed
+            walks.add(brush + max(loses, 0.0) * self.reach, self.stop, self.ahead_speed, 0.0)
+            self._add_asides(self.ahead, walks.begin, _TO_EITHER_SIDE, True, False)
+        if near >= 0:
+            self._add_asides(near, near_at, _TO_EITHER_SIDE, True, False)
+        self.wishes = not self._take_first_free() or (self.ahead < 0 and walks.row == 0)
+        return True
+
+    def _add_later_or_shorter(
+        self, hit_at: float, at_rest: bool, follows: bool, impatient: bool
+    ) -> cython.int:
+        """Add walks along the course that are slower, later, or end before the conflict.
+
+        That is at `hit_at` (seconds), `at_rest` if the other stands by then; who `follows` goes the
+        same way as they do.
+        """
+        walks: Candidates = self.walks
+        stands: cython.bint = walks.speed < _STANDS
+        top: float = self.top_speed if self.ahead < 0 else self.ahead_speed
+        whole: float = min(self.reach, walks.whole)
+        i: cython.Py_ssize_t
+        if not at_rest:  # else it would be as much in the way later on
+            for i in range(len(_PACES)):
+                pace: float = _PACES[i]
+                walks.add((1 - pace * top / self.top_speed) * whole, self.stop, pace * top, 0.0)
+            if stands:
+                for i in range(len(_DELAYS)):
+                    walks.add(_DELAYS[i] * top, self.stop, top, _DELAYS[i])
+        # In a single file all come as near as their time gap lets them, and then slow down.
+        phantom: cython.bint = follows and (at_rest or (self.ahead >= 0 and self.is_narrow(0.0)))
+        # A stop behind somebody who is about to walk on loses less than it seems: they soon go on.
+        share: float = _PHANTOM if phantom else 1.0
+        # v² / (2 a), the shortest stop there is, and a little more against rounding.
+        braking: float = walks.speed * walks.speed / (2 * walks.acceleration) * 1.001
+        ahead: float = gone(self.table, walks.begin, hit_at)
+        asked: cython.bint = False
+        goes_in: cython.bint = False
+        length: float
+        for i in range(len(_PARTS)):
+            length = _PARTS[i] * ahead
+            if self.is_narrow(length):
+                if not asked:
+                    asked = True
+                    goes_in = self._goes_in(length, follows, impatient)
+                if not goes_in:
+                    length = self.stop_before(length)
+            if length >= (_SHORTEST if stands else braking):
+                walks.add(share * max(whole - length, 0.0), length, top, 0.0)
+        if not stands:
+            walks.add(share * max(whole - braking, 0.0), braking, top, 0.0)
+            if self.ahead >= 0 and self.ahead_speed + _FASTER < self.top_speed:
+                self._add_files()
+        return 0
+
+    def _goes_in(self, length: float, follows: bool, impatient: bool) -> bool:
+        """Return whether they may stop in a narrow place, after `length` metres of their course.
+
+        Only against nobody who comes, else two files would go in from either end behind those who
+        come out, and meet inside: who is in it already, or follows somebody who leaves it the same
+        way. Who is in it and has lost patience does in any case.
+        """
+        inside: cython.bint = self.is_narrow(0.0)
+        if inside and impatient:
+            return True
+        return (inside or follows) and not self._is_opposed(length)
+
+    def _is_opposed(self, length: float) -> bool:
+        """Return whether somebody in a narrow place ahead comes, `length` metres on."""
+        walks: Candidates = self.walks
+        throng: Throng = self.throng
+        t: float = walks.begin
+        walks.come_to(length)
+        c: float = walks.c
+        s: float = walks.s
+        i: cython.Py_ssize_t
+        for i in range(len(self.near)):
+            k: cython.Py_ssize_t = self.near[i]
+            throng.find(k, t)
+            x: float = throng.x
+            y: float = throng.y
+            if (
+                (x - walks.course[0]) * c + (y - walks.course[1]) * s > 0.0
+                and abs((y - walks.y) * c - (x - walks.x) * s) < _CLOSES_UP
+                and throng.cosine(k, t, c, s) < 0.0
+            ):
+                if self._is_narrow_at(x, y):
+                    return True
+                throng.find(k, throng.rests(k))
+                if self._is_narrow_at(throng.x, throng.y):
+                    return True
+        return False
+
+    def _add_files(self) -> cython.int:
+        """Add walks to a place beside the file of who follows, where they come on faster.
+
+        So a crowd takes up all the width that there is, but where others need it to come the other
+        way.
+        """
+        if self.inside:
+            return 0
+        walks: Candidates = self.walks
+        sides: list[float] = []
+        i: cython.Py_ssize_t
+        for i in range(2 * len(_FILES)):
+            side: float = _FILES[i // 2] * (self.usual if i % 2 == 0 else -self.usual)
+            speed: float = self._speed_beside(side)
+            along: float = _BESIDE * speed * self.foresight
+            if speed >= self.ahead_speed + _FASTER and along < walks.whole:
+                sides = [side]
+                walks.add_asides(sides, _WIDEST, self.usual, _OTHER_SIDE, along, speed, along)
+        return 0
+
+    def _add_asides(
+        self,
+        k: cython.Py_ssize_t,
+        t: float,
+        widths: list[float],
+        past: bool,
+        opposed: bool,
+    ) -> cython.int:
+        """Add the walks that pass the k-th on either side, who is met at `t` (seconds).
+
+        By these `widths` (metres to the left), before them just `past` the other and a little
+        wider. Who is `opposed` may also stop beside the other: past the first of many there seldom
+        is room for all that they look ahead.
+        """
+        walks: Candidates = self.walks
+        throng: Throng = self.throng
+        at: float = gone(self.table, walks.begin, t)
+        walks.come_to(at)
+        throng.find(k, t)
+        dx: float = throng.x - walks.x
+        dy: float = throng.y - walks.y
+        along: float = at + max(dx * walks.c + dy * walks.s, 0.0)
+        beside: float = dy * walks.c - dx * walks.s
+        # Just past them at the comfort distance, then at the least one, then by set widths; to
+        # either side. Which is free, and loses least, is found out when they are drawn up.
+        needed: float = self.radius + throng.radii[k] + throng.gap
+        wide: float = needed + self.comfort
+        comfortable: list[float] = [beside - wide, beside + wide]
+        sides: list[float] = []
+        if past:
+            sides += comfortable
+            sides.append(beside - needed - _HAIR)
+            sides.append(beside + needed + _HAIR)
+        sides += widths
+        length: float = self.reach + 0.5
+        top: float = self.top_speed
+        usual: float = self.usual
+        walks.add_asides(sides, _WIDEST, usual, _OTHER_SIDE, length, top, along)
+        if opposed:
+            length = along + _PAST
+            walks.add_asides(comfortable, _WIDEST, usual, _OTHER_SIDE, length, top, along)
+        return 0
+
+    def _take_first_free(self) -> bool:
+        """Come to the walk that loses least of those that are free; return whether there is one."""
+        throng: Throng = self.throng
+        while self.walks.next_free(self.near, throng.tables, throng.boxes, throng.radii, self.own):
+            if self._has_room():
+                return True
+        return False
+
+    def aside(self, along: float, side: float, near: list[cython.Py_ssize_t]) -> bool:
+        """Draw up a walk `side` metres to the left after `along` metres of the course.
+
+        Return whether it is free, of walls and of those `near`.
+        """
+        walks: Candidates = self.walks
+        throng: Throng = self.throng
+        if not walks.draw_aside(self.reach + 0.5, self.top_speed, along, side):
+            return False
+        i: cython.Py_ssize_t
+        for i in range(len(near)):
+            if (
+                met(
+                    walks.table,
+                    walks.box,
+                    throng.tables,
+                    throng.boxes,
+                    throng.radii,
+                    self.own,
+                    walks.now,
+                    INFINITY,
+                    near[i],
+                )
+                < INFINITY
+            ):
+                return False
+        return self._has_room()
+
+    def _has_room(self) -> bool:
+        """Return whether there are no walls in the way of the walk that was looked at last.
+
+        To be asked after others were looked at: that is quicker.
+        """
+        if self.walks.side == 0.0:
+            return True
+        corners: list[float] = self.walks.corners
+        k: cython.Py_ssize_t
+        # The shift is in the first three legs; all that comes after is the course, which is free.
+        for k in range(0, min(len(corners), 8) - 2, 2):
+            a = (corners[k], corners[k + 1])
+            if not self.free(a, (corners[k + 2], corners[k + 3])):
+                return False
+        return True
