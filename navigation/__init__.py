@@ -22,10 +22,10 @@ from .gantry_planner import GantryPath, GantryPlanner
 from .kernels.braking import Stops
 from .kernels.candidates import Candidates
 from .kernels.discs import first_but, first_met, within_bounds
-from .kernels.edges import touches
+from .kernels.edges import Legs, touches
 from .kernels.following import followed
 from .kernels.foresight import Foresight
-from .kernels.grid import block_discs, grid_path
+from .kernels.grid import block_discs, covers, grid_path, middles
 from .kernels.lookout import most_remote, nearest_on
 from .kernels.retreats import Retreats
 from .kernels.throng import Throng
@@ -111,6 +111,7 @@ __all__ = [
     "GantryPlanner",
     "IntegralLaw",
     "Law",
+    "Legs",
     "Lookout",
     "Machine",
     "Motion",
@@ -148,6 +149,7 @@ __all__ = [
     "block_discs",
     "can_go_on",
     "corner_speed",
+    "covers",
     "first_but",
     "first_conflict",
     "first_met",
@@ -165,6 +167,7 @@ __all__ = [
     "join",
     "lane_state",
     "longest_stop",
+    "middles",
     "minimum_margin",
     "minimum_separation",
     "most_remote",

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from .kernels.discs import ROW, gone, meeting, swept
 from .kernels.pacing import turned
-from .motion import Motion, TablePieces
+from .motion import Motion, motion_of
 
 
 class Swath(NamedTuple):
@@ -57,7 +57,7 @@ def swath(motion: Motion, begin: float) -> Swath:
 
 def walked(swath: Swath, heading: float) -> Motion:
     """Return the motion along a `swath`: turned to where it goes, at first by `heading` (rad)."""
-    return Motion(TablePieces(turned(swath.table, heading)))
+    return motion_of(turned(swath.table, heading))
 
 
 def first_conflict(one: Swath, other: Swath, least: float, begin: float) -> float | None:

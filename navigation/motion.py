@@ -156,6 +156,11 @@ class Motion:
         """The instant from which on the body stands, seconds."""
         return self.pieces[-1].end
 
+    @property
+    def last_begin(self) -> float:
+        """The instant at which its last piece begins, seconds."""
+        return self.table[-WIDTH]
+
     def position(self, t: ArrayLike) -> Array:
         """Return the position at `t` (seconds): x, y in metres, (2,) or (N, 2)."""
         return _value(*self._found(t))[..., :2]
@@ -201,7 +206,7 @@ class Motion:
         """Return the motion from `begin` to `end` (seconds), standing included."""
         table = cut(self.table, float(begin), float(end))
         jumps = frozenset(t for t in self.jumps if begin < t < end) if self.jumps else self.jumps
-        return Motion(TablePieces(table), jumps)
+        return motion_of(table, jumps)
 
     def translated(self, dx: float, dy: float) -> Motion:
         """Return the same motion `dx` and `dy` metres further along x and y."""
@@ -303,6 +308,16 @@ class TablePieces(Sequence[Piece]):
 
     def __hash__(self) -> int:
         return hash(tuple(self))
+
+
+def motion_of(table: list[float], jumps: frozenset[float] = frozenset()) -> Motion:
+    """Return the motion of a table that is known to be one; it is not checked again."""
+    motion = object.__new__(Motion)
+    # What a frozen dataclass sets, and what `Motion` keeps.
+    vars(motion).update(
+        pieces=TablePieces(table), jumps=jumps, table=table, start=table[0], end=table[1 - WIDTH]
+    )
+    return motion
 
 
 def standing(at: tuple[float, float], *, heading: float = 0.0, start: float = 0.0) -> Motion:

@@ -150,15 +150,21 @@ class CollisionWorld:
         """The bodies on the floor now, within the heights of interest."""
         return Named(self._bodies.values())
 
-    def near(self, a: Point, b: Point, radius: float) -> list[Body]:
-        """Return the bodies whose bounds a disc of `radius` metres from a to b comes into."""
+    @property
+    def bounds(self) -> list[float]:
+        """The bounds of the bodies: least x and y, greatest x and y of each, metres."""
         if self._all_bounds is None:
             self._all_bounds = [bound for body in self._bodies.values() for bound in body.bounds]
-        if not self._all_bounds:
+        return self._all_bounds
+
+    def near(self, a: Point, b: Point, radius: float) -> list[Body]:
+        """Return the bodies whose bounds a disc of `radius` metres from a to b comes into."""
+        bounds = self.bounds
+        if not bounds:
             return []
         (ax, ay), (bx, by) = a, b
         near = within_bounds(
-            self._all_bounds,
+            bounds,
             (ax if ax < bx else bx) - radius,
             (ay if ay < by else by) - radius,
             (ax if ax > bx else bx) + radius,

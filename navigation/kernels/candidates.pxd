@@ -21,6 +21,9 @@ cdef class Candidates:
     cdef object slowed
     cdef readonly double whole
     cdef list[double] rows
+    cdef list[Py_ssize_t] near
+    cdef list[double] stood
+    cdef list[double] ends
     cdef readonly Py_ssize_t row
     cdef double loss
     cdef Py_ssize_t blocker
@@ -51,9 +54,6 @@ cdef class Candidates:
         double along,
     ) except *
     cpdef bint draw_along(self, double length, double top_speed, double delay) except -1
-    cpdef bint draw_aside(
-        self, double length, double top_speed, double along, double side
-    ) except -1
     cdef int come_to(self, double length) noexcept
     cpdef bint next_free(
         self,
@@ -64,14 +64,32 @@ cdef class Candidates:
         double own,
     ) except -1
     cdef bint next_course(self) except -1
+    cdef bint is_free_aside(
+        self,
+        double length,
+        double top_speed,
+        double along,
+        double side,
+        list[Py_ssize_t] near,
+        list[list[double]] tables,
+        list[double] boxes,
+        list[double] radii,
+        double own,
+    ) except -1
+    cdef bint _is_free(
+        self,
+        list[Py_ssize_t] near,
+        list[list[double]] tables,
+        list[double] boxes,
+        list[double] radii,
+        double own,
+    ) except -1
     cdef int _look_at(
         self,
         list[Py_ssize_t] near,
         list[list[double]] tables,
         list[double] radii,
         double own,
-        list[double] stood,
-        list[double] ends,
     ) except -1
     cdef bint _draw(self, list[double] corners) except -1
     cdef int _add(

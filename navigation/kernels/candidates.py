@@ -77,6 +77,10 @@ class Candidates:
         self.whole = _length(course)
         none: list[float] = []
         self.rows = none
+        self.stood = none
+        self.ends = none
+        nobody: list[cython.Py_ssize_t] = []
+        self.near = nobody
         self.row = -1
         self.loss = -INFINITY
         self.blocker = -1
@@ -178,18 +182,6 @@ class Candidates:
         self.side = 0.0
         return self._draw(_first(self.corners, self.length))
 
-    def draw_aside(self, length: float, top_speed: float, along: float, side: float) -> bool:
-        """Draw up a walk that is `side` metres to the left `along` metres on; False if it can't be.
-
-        Of its `length` metres at most, at up to `top_speed` (m/s).
-        """
-        self._aside(along, side)
-        self.length = length
-        self.top_speed = top_speed
-        self.delay = 0.0
-        self.side = side
-        return self._can_turn() and self._draw(_first(self.corners, self.length))
-
     def at(self, length: float) -> tuple[float, float, float, float]:
         """Return the place after `length` metres of the course, and its direction just before."""
         self.come_to(length)
@@ -218,36 +210,68 @@ class Candidates:
 
         False if there is none. Its `corners`, `table` and `box` are there then.
         """
-        now: float = self.now
-        i: cython.Py_ssize_t
-        k: cython.Py_ssize_t
-        stood: list[float] = []
-        ends: list[float] = []
-        self._look_at(near, tables, radii, own, stood, ends)
         while self.next_course():
-            corners: list[float] = _first(self.corners, self.length)
-            # No table is drawn up for what can't be free, whenever they walk there: through
-            # somebody who stands, or to where somebody will stand in the end.
-            if _runs_into(corners, stood) or _ends_at(corners, ends) or not self._draw(corners):
-                continue
-            table: list[float] = self.table
-            box: list[float] = self.box
-            # Whoever was in the way of the last one is likely to be in the way of this one.
-            last: cython.Py_ssize_t = self.blocker
-            if last >= 0 and met(table, box, tables, boxes, radii, own, now, INFINITY, last) < (
-                INFINITY
-            ):
-                continue
-            blocker: cython.Py_ssize_t = -1
-            for i in range(len(near)):
-                k = near[i]
-                if met(table, box, tables, boxes, radii, own, now, INFINITY, k) < INFINITY:
-                    blocker = k
-                    break
-            if blocker < 0:
+            if self._is_free(near, tables, boxes, radii, own):
                 return True
-            self.blocker = blocker
         return False
+
+    def is_free_aside(
+        self,
+        length: float,
+        top_speed: float,
+        along: float,
+        side: float,
+        near: list[cython.Py_ssize_t],
+        tables: list[list[float]],
+        boxes: list[float],
+        radii: list[float],
+        own: float,
+    ) -> bool:
+        """Come to a walk that is `side` metres to the left `along` metres on.
+
+        Of its `length` metres at most, at up to `top_speed` (m/s). Return whether it meets nobody
+        `near`, as in `next_free`.
+        """
+        self._aside(along, side)
+        self.length = length
+        self.top_speed = top_speed
+        self.delay = 0.0
+        self.side = side
+        return self._can_turn() and self._is_free(near, tables, boxes, radii, own)
+
+    def _is_free(
+        self,
+        near: list[cython.Py_ssize_t],
+        tables: list[list[float]],
+        boxes: list[float],
+        radii: list[float],
+        own: float,
+    ) -> bool:
+        """Draw up the walk that is looked at; return whether it meets nobody `near`."""
+        corners: list[float] = _first(self.corners, self.length)
+        self._look_at(near, tables, radii, own)
+        # No table is drawn up for what can't be free, whenever they walk there: through somebody
+        # who stands, or to where somebody will stand in the end.
+        if (
+            _runs_into(corners, self.stood)
+            or _ends_at(corners, self.ends)
+            or not self._draw(corners)
+        ):
+            return False
+        now: float = self.now
+        table: list[float] = self.table
+        box: list[float] = self.box
+        # Whoever was in the way of the last one is likely to be in the way of this one.
+        k: cython.Py_ssize_t = self.blocker
+        if k >= 0 and met(table, box, tables, boxes, radii, own, now, INFINITY, k) < INFINITY:
+            return False
+        i: cython.Py_ssize_t
+        for i in range(len(near)):
+            k = near[i]
+            if met(table, box, tables, boxes, radii, own, now, INFINITY, k) < INFINITY:
+                self.blocker = k
+                return False
+        return True
 
     def _look_at(
         self,
@@ -255,26 +279,40 @@ class Candidates:
         tables: list[list[float]],
         radii: list[float],
         own: float,
-        stood: list[float],
-        ends: list[float],
     ) -> cython.int:
-        """Add who of those `near` stands for good to `stood`, and where others will to `ends`.
+        """Set `stood` to who of those `near` stands for good, and `ends` to where others will.
 
         Of each x, y, and how near to come is to meet them. Those alone who are farther off than
         that where one sets out: then every walk through there, or to there, meets them, whenever it
         is.
         """
-        i: cython.Py_ssize_t
+        if near is self.near:  # looked at already
+            return 0
+        self.near = near
+        self.blocker = -1
+        self.stood = []
+        self.ends = []
         if len(self.lead) > 0:
             return 0
+        x: float = self.course[0]
+        y: float = self.course[1]
         here: list[float] = []
-        stand(here, self.now, INFINITY, self.course[0], self.course[1])
+        stand(here, self.now, INFINITY, x, y)
+        i: cython.Py_ssize_t
         for i in range(len(near)):
             other: list[float] = tables[near[i]]
             last: cython.Py_ssize_t = len(other) - _R
             least: float = own + radii[near[i]]
-            if distance(here, other, self.now) > least + _CLEAR:
-                found: list[float] = stood if other[last] <= self.now else ends
+            found: list[float] = self.ends
+            away: float
+            if other[last] <= self.now:
+                found = self.stood
+                dx: float = x - other[last + 2]
+                dy: float = y - other[last + 6]
+                away = sqrt(dx * dx + dy * dy)
+            else:
+                away = distance(here, other, self.now)
+            if away > least + _CLEAR:
                 found.append(other[last + 2])
                 found.append(other[last + 6])
                 found.append(least - _HAIR)

@@ -1,6 +1,7 @@
 cdef double _WIDER
 cdef double _LEVEL
 cdef Py_ssize_t _LATELY
+cdef Py_ssize_t _LOOKED_AT
 
 cdef class Grid:
     cdef double width
@@ -29,6 +30,14 @@ cdef class Room:
     cdef list[double] bounds
     cpdef bint holds(self, double x, double y)
     cpdef bint clear(self, double ax, double ay, double bx, double by, bint floor)
+
+cdef class Legs:
+    cdef Grid walls
+    cdef double radius
+    cdef object ask
+    cdef public list[double] bounds
+    cpdef bint free(self, double ax, double ay, double bx, double by) except -1
+    cpdef Py_ssize_t farthest(self, double x, double y, list route) except -2
 
 cpdef bint touches(
     list[double] edges, double ax, double ay, double bx, double by, double radius

@@ -5,6 +5,7 @@ Edges are lists of numbers: x and y of both ends of each in turn (metres).
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -19,7 +20,10 @@ else:
 
 _WIDER: float = 1.001  # of a radius: rounding hides no cell beside a sweep
 _LATELY: cython.Py_ssize_t = 12  # numbers of the edges that are remembered beside the last
+_LOOKED_AT: cython.Py_ssize_t = 4  # corners of a route that are looked at
 _LEVEL: float = 1e-3  # of a cell's width; segments that rise less are taken as level
+
+Place = tuple[float, float]
 
 
 class Grid:
@@ -187,6 +191,48 @@ class Room:
                 return False
             o += 5
         return True
+
+
+class Legs:
+    """Segments on a floor along which there is room for a disc of `radius` metres, or is none.
+
+    That is decided by the edges of its `walls`, but where a segment comes into the `bounds` of
+    something else, least x and y and greatest x and y of each: then `ask(a, b)` decides.
+    """
+
+    def __init__(self, walls: Grid, radius: float, ask: Callable[[Place, Place], bool]) -> None:
+        self.walls = walls
+        self.radius = radius
+        self.ask = ask
+        self.bounds: list[float] = []
+
+    def free(self, ax: float, ay: float, bx: float, by: float) -> bool:
+        """Return whether there is room on the segment from a, where there is, to b."""
+        if self.walls.touched(ax, ay, bx, by, self.radius):
+            return False
+        bounds: list[float] = self.bounds
+        k: cython.Py_ssize_t
+        for k in range(0, len(bounds), 4):
+            if (
+                bounds[k] < max(ax, bx) + self.radius
+                and bounds[k + 2] > min(ax, bx) - self.radius
+                and bounds[k + 1] < max(ay, by) + self.radius
+                and bounds[k + 3] > min(ay, by) - self.radius
+            ):
+                return bool(self.ask((ax, ay), (bx, by)))
+        return True
+
+    def farthest(self, x: float, y: float, route: list[Place]) -> cython.Py_ssize_t:
+        """Return the index of the farthest corner of a route that is seen from x, y; -1 for none.
+
+        Of the first few: a straight line to it is shorter than the bends before it.
+        """
+        k: cython.Py_ssize_t
+        for k in range(min(len(route), _LOOKED_AT) - 1, -1, -1):
+            bx, by = route[k]
+            if self.free(x, y, bx, by):
+                return k
+        return -1
 
 
 def back_through(line: list[float], ax: float, ay: float, bx: float, by: float) -> bool:

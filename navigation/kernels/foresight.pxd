@@ -1,5 +1,6 @@
 from navigation.kernels.candidates cimport Candidates
 from navigation.kernels.cells cimport Cells
+from navigation.kernels.edges cimport Legs
 from navigation.kernels.throng cimport Throng
 
 cdef double _STEP
@@ -39,7 +40,7 @@ cdef class Foresight:
     cdef double usual
     cdef Cells narrow
     cdef Cells narrow_outside
-    cdef object free
+    cdef Legs legs
     cdef Candidates walks
     cdef readonly bint inside
     cdef double top_speed

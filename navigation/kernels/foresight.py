@@ -5,7 +5,6 @@ The others are taken by what they are committed to, and where they would walk on
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -15,6 +14,7 @@ else:
 
 from .candidates import Candidates
 from .cells import Cells
+from .edges import Legs
 from .throng import Throng
 
 if not cython.compiled:
@@ -73,8 +73,7 @@ class Foresight:
     At up to `top_speed` (m/s). `radius` and `comfort`, the distance that they keep where there is
     room, are in metres, `time_gap` and `foresight` in seconds (see `Manners`); `usual` is the side
     on which they pass, 1 for the left, -1 for the right. `narrow` says where it is narrow for who
-    is there already, `narrow_outside` for who is not; `free(a, b)` whether there are no walls along
-    a segment.
+    is there already, `narrow_outside` for who is not, `legs` where there are no walls.
     """
 
     def __init__(
@@ -90,7 +89,7 @@ class Foresight:
         usual: float,
         narrow: Cells,
         narrow_outside: Cells,
-        free: Callable[[tuple[float, float], tuple[float, float]], bool],
+        legs: Legs,
     ) -> None:
         self.walks = walks
         self.throng = throng
@@ -104,7 +103,7 @@ class Foresight:
         self.usual = usual
         self.narrow = narrow
         self.narrow_outside = narrow_outside
-        self.free = free
+        self.legs = legs
         self.inside = narrow_outside.has(walks.course[0], walks.course[1])
         self.known = bytearray(int(_FARTHEST / _STEP) + 3)
         self.reach = top_speed * foresight
@@ -568,28 +567,21 @@ class Foresight:
 
         Return whether it is free, of walls and of those `near`.
         """
-        walks: Candidates = self.walks
         throng: Throng = self.throng
-        if not walks.draw_aside(self.reach + 0.5, self.top_speed, along, side):
-            return False
-        i: cython.Py_ssize_t
-        for i in range(len(near)):
-            if (
-                met(
-                    walks.table,
-                    walks.box,
-                    throng.tables,
-                    throng.boxes,
-                    throng.radii,
-                    self.own,
-                    walks.now,
-                    INFINITY,
-                    near[i],
-                )
-                < INFINITY
-            ):
-                return False
-        return self._has_room()
+        return (
+            self.walks.is_free_aside(
+                self.reach + 0.5,
+                self.top_speed,
+                along,
+                side,
+                near,
+                throng.tables,
+                throng.boxes,
+                throng.radii,
+                self.own,
+            )
+            and self._has_room()
+        )
 
     def _has_room(self) -> bool:
         """Return whether there are no walls in the way of the walk that was looked at last.
@@ -598,11 +590,10 @@ class Foresight:
         """
         if self.walks.side == 0.0:
             return True
-        corners: list[float] = self.walks.corners
+        c: list[float] = self.walks.corners
         k: cython.Py_ssize_t
         # The shift is in the first three legs; all that comes after is the course, which is free.
-        for k in range(0, min(len(corners), 8) - 2, 2):
-            a = (corners[k], corners[k + 1])
-            if not self.free(a, (corners[k + 2], corners[k + 3])):
+        for k in range(0, min(len(c), 8) - 2, 2):
+            if not self.legs.free(c[k], c[k + 1], c[k + 2], c[k + 3]):
                 return False
         return True

@@ -10,6 +10,11 @@ if TYPE_CHECKING:
 else:
     from . import uncompiled as cython
 
+if not cython.compiled:
+    from math import sqrt
+else:
+    from cython.cimports.libc.math import sqrt
+
 # Whole numbers, so that costs go into buckets; 7 / 5 is √2 but for 1 %.
 _STRAIGHT: cython.Py_ssize_t = 5  # cost of a step to a neighbour, and of one across a corner
 _ACROSS: cython.Py_ssize_t = 7
@@ -23,8 +28,9 @@ def block_discs(
     low_y: float,
     width: float,
     discs: list[float],
+    spare: float,
 ) -> None:
-    """Block the cells of a grid whose middle is in a disc.
+    """Block the cells of a grid whose middle is in a disc, or up to `spare` metres beside it.
 
     `blocked` and `columns` are as for `grid_path`; the cells are `width` metres wide, and the
     corner of the first is at `low_x`, `low_y`. `discs` holds x, y and radius of each (metres).
@@ -34,7 +40,7 @@ def block_discs(
     i: cython.Py_ssize_t
     j: cython.Py_ssize_t
     for k in range(0, len(discs), 3):
-        radius: float = discs[k + 2]
+        radius: float = discs[k + 2] + spare
         x: float = (discs[k] - low_x) / width - 0.5
         y: float = (discs[k + 1] - low_y) / width - 0.5
         reach: float = radius / width
@@ -49,6 +55,29 @@ def block_discs(
                 dx: float = i - x
                 if dx * dx + dy * dy < reach * reach:
                     blocked[j * columns + i] = 1
+
+
+def covers(discs: list[float], x: float, y: float) -> bool:
+    """Return whether a place is in one of `discs`: x, y and radius of each (metres)."""
+    k: cython.Py_ssize_t
+    for k in range(0, len(discs), 3):
+        dx: float = discs[k] - x
+        dy: float = discs[k + 1] - y
+        if sqrt(dx * dx + dy * dy) < discs[k + 2]:
+            return True
+    return False
+
+
+def middles(discs: list[float]) -> list[float]:
+    """Return the middles of `discs` as edges of no length (see `edges`)."""
+    found: list[float] = []
+    k: cython.Py_ssize_t
+    for k in range(0, len(discs), 3):
+        found.append(discs[k])
+        found.append(discs[k + 1])
+        found.append(discs[k])
+        found.append(discs[k + 1])
+    return found
 
 
 def grid_path(

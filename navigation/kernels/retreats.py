@@ -116,9 +116,7 @@ class Retreats:
         while self.tried < most and self._come(x, y):
             px: float = x + self.places[2 * self.k]
             py: float = y + self.places[2 * self.k + 1]
-            if self.walls.touched(x, y, px, py, self.radius) or (
-                fit is not None and not fit(px, py)
-            ):
+            if fit is not None and not fit(px, py):
                 continue
             self.tried += 1
             self.hit = first_but(
@@ -157,7 +155,7 @@ class Retreats:
         return 0
 
     def _come(self, x: float, y: float) -> bool:
-        """Come to the next place whose walk meets nobody who is moving; False for none."""
+        """Come to the next place whose walk meets no wall and nobody moving; False for none."""
         corners: list[float]
         table: list[float]
         tops: list[float]
@@ -168,7 +166,11 @@ class Retreats:
             py: float = y + self.places[2 * self.k + 1]
             # No table is drawn up for what can't be fit: whoever stands there for good in the end
             # is met, at the latest then.
-            if touches(self.legs, px, py, px, py, self.width) or self._is_taken(px, py):
+            if (
+                touches(self.legs, px, py, px, py, self.width)
+                or self._is_taken(px, py)
+                or self.walls.touched(x, y, px, py, self.radius)
+            ):
                 continue
             corners = self.path[:]
             corners.append(px)

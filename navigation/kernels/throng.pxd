@@ -15,6 +15,9 @@ cdef class Throng:
     cdef double c
     cdef double s
     cpdef list[Py_ssize_t] near(self, list[double] box, double margin)
+    cdef list[Py_ssize_t] _resting(
+        self, Py_ssize_t me, list[double] box, double around, double now
+    )
     cpdef double between(self, Py_ssize_t i, Py_ssize_t k, double t) noexcept
     cdef bint heads(self, Py_ssize_t k, double t) noexcept
     cdef double cosine(self, Py_ssize_t k, double t, double c, double s) noexcept

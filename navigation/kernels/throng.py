@@ -86,6 +86,62 @@ class Throng:
         """
         return self.cosine(k, t, self.c, self.s) if self.heads(i, t) else 0.0
 
+    def standing(self, me: int, box: list[float], around: float, now: float) -> list[float]:
+        """Return who stands for good `now` (seconds), so near to bounds, but the `me`-th.
+
+        Of each x, y, and how far the `me`-th has to stay from there (metres).
+        """
+        found: list[float] = []
+        i: cython.Py_ssize_t
+        there: list[cython.Py_ssize_t] = self._resting(me, box, around, now)
+        for i in range(len(there)):
+            table: list[float] = self.tables[there[i]]
+            found.append(table[len(table) - _R + 2])
+            found.append(table[len(table) - _R + 6])
+            found.append(self.radii[me] + self.radii[there[i]] + self.gap)
+        return found
+
+    def _resting(
+        self, me: cython.Py_ssize_t, box: list[float], around: float, now: float
+    ) -> list[cython.Py_ssize_t]:
+        found: list[cython.Py_ssize_t] = []
+        i: cython.Py_ssize_t
+        near: list[cython.Py_ssize_t] = self.near(box, around + self.widest + 2 * self.gap)
+        for i in range(len(near)):
+            k: cython.Py_ssize_t = near[i]
+            if k != me and self.rests(k) <= now:
+                found.append(k)
+        return found
+
+    def encloses(self, me: int, other: int, x: float, y: float, around: float, now: float) -> bool:
+        """Return whether the `other` is one of those who stand around x, y (metres) `now`.
+
+        From there a ring grows from neighbour to neighbour through gaps that are too narrow for the
+        `me`-th, as far as `around`.
+        """
+        left: list[cython.Py_ssize_t] = self._resting(me, [x, y, x, y], around, now)
+        width: float = 2 * (self.radii[me] + self.gap)
+        ring: list[float] = [x, y, -self.radii[me]]  # of each who is to be left: x, y, radius
+        i: cython.Py_ssize_t
+        while len(ring) > 0:
+            radius: float = ring.pop()
+            at_y: float = ring.pop()
+            at_x: float = ring.pop()
+            for i in range(len(left) - 1, -1, -1):
+                k: cython.Py_ssize_t = left[i]
+                table: list[float] = self.tables[k]
+                dx: float = table[len(table) - _R + 2] - at_x
+                dy: float = table[len(table) - _R + 6] - at_y
+                if sqrt(dx * dx + dy * dy) < radius + self.radii[k] + width:
+                    if k == other:
+                        return True
+                    ring.append(at_x + dx)
+                    ring.append(at_y + dy)
+                    ring.append(self.radii[k])
+                    left[i] = left[len(left) - 1]
+                    left.pop()
+        return False
+
     def heads(self, k: cython.Py_ssize_t, t: float) -> bool:
         """Set c, s to the unit vector of where the k-th walks at `t` (seconds), or would walk on.
 

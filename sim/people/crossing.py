@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import lru_cache
 
 from floorplan import Human
-from navigation import Cylinder, FixedDistance, Motion, Shapes, TooClose, first_time
+from navigation import Box, Cylinder, FixedDistance, Motion, Shapes, TooClose, first_time
 
 from ..core.clock import Alarm, Turn
 from ..safety.watches import GLANCE, Pair
@@ -20,6 +21,12 @@ TOUCHING = TooClose(FixedDistance(GAP))
 """The condition under which somebody counts as touched."""
 
 
+@lru_cache
+def _shapes(human: Human, vehicle: Box) -> Shapes:
+    """Return the solids of a person and of a vehicle; most people are alike."""
+    return Shapes(person=Cylinder(radius=human.radius, top=human.height), machine=(vehicle,))
+
+
 class CrossingWatch:
     """Calls `let_pass(self)` in time if a person is about to walk into an AGV that drives.
 
@@ -28,14 +35,10 @@ class CrossingWatch:
 
     def __init__(self, pair: Pair, human: Human, let_pass: Callable[[CrossingWatch], None]) -> None:
         self.pair = pair
-        self._shapes = Shapes(
-            person=Cylinder(radius=human.radius, top=human.height),
-            machine=(pair.machine.shape.box,),
-        )
+        self._shapes = _shapes(human, pair.machine.shape.box)
         self._let_pass = let_pass
         self._alarm = Alarm(pair.clock, self._ring, Turn.NOTICE)
-        for body in (pair.person.body, pair.machine.body):
-            body.on_change.append(self._reconsider)
+        self.lasts = False
 
     def touches(self, person: Motion) -> float | None:
         """Return the instant (seconds) at which the AGV would touch somebody who moves like this.
@@ -48,7 +51,8 @@ class CrossingWatch:
         end = min(agv.end, self.pair.end)
         return first_time(TOUCHING, person, agv, now, max(now, end), shapes=self._shapes)
 
-    def _reconsider(self) -> None:
+    def reconsider(self) -> None:
+        """Compute anew when to stop; called whenever a motion changes."""
         if self.pair.machine.body.motion.end <= self.pair.clock.now:
             self._alarm.set(None)
             return

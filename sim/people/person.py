@@ -24,7 +24,7 @@ from ..core.noticing import ALL_ROUND
 from ..core.scenario import PersonEntry
 from ..core.stage import Stage
 from ..safety.referee import Referee
-from ..safety.watches import Pair
+from ..safety.watches import BesideVehicles, Pair
 from .actions import Actions, MindError
 from .attention import Attention
 from .crossing import CrossingWatch
@@ -145,9 +145,11 @@ class Person:
         self._regard.belong_to(self.mind)
         for machine in stage.machines.values():
             referee.watch(self, machine)
+        beside = BesideVehicles(self.body)
         for machine in stage.vehicles:
             machine.look_out_for(self.body, human.max_speed)
-            CrossingWatch(Pair(stage, self, machine), human, self._errand.let_pass)
+            crossing = CrossingWatch(Pair(stage, self, machine), human, self._errand.let_pass)
+            beside.add(machine.body, crossing)
 
     def begin(self) -> None:
         """Wait for what lets them start, and for what changes their personality."""

@@ -12,7 +12,7 @@ from ..core.clock import Alarm, Turn
 from ..core.events import GantryDetected, Penalty, ProtectiveStop, ProtectiveStopEnded, Violation
 from ..core.machine import Machine
 from ..core.stage import Bystander, Stage
-from .watches import Cause, Hold, NoticeWatch, Pair, SeparationWatch
+from .watches import BesideVehicles, Cause, Hold, NoticeWatch, Pair, SeparationWatch
 
 PEOPLE = "people"
 """The reason for which a machine is held in a protective stop."""
@@ -38,6 +38,7 @@ class Referee:
         self._stage = stage
         self._clock = stage.clock
         self._record = stage.record
+        self._beside: dict[Bystander, BesideVehicles] = {}
         self._stops: dict[SeparationWatch, Hold] = {}
         self._notices: dict[Bystander, list[NoticeWatch]] = {}
         self._stopped: dict[Machine, tuple[float, set[Bystander]]] = {}
@@ -53,8 +54,13 @@ class Referee:
         if self.rules.machine == "stop":
             stop = Hold(pair, watch.law, machine.shape.top_speed, self._stop_for)
             self._stops[watch] = stop
+        if machine.shape.category == "vehicle":
+            if person not in self._beside:
+                self._beside[person] = BesideVehicles(person.body)
+            self._beside[person].add(machine.body, watch)
         for body in (person.body, machine.body):
-            body.on_change.append(watch.reconsider)
+            if machine.shape.category != "vehicle":
+                body.on_change.append(watch.reconsider)
             if watch in self._stops:
                 body.on_change.append(self._stops[watch].reconsider)
         if machine.shape.category == "robot":

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, Protocol
 
 from navigation import (
     RESOLUTION,
@@ -24,7 +24,7 @@ from navigation import (
     when,
 )
 
-from ..core.body import PERSON
+from ..core.body import PERSON, Body
 from ..core.clock import Alarm, Turn
 from ..core.machine import Machine
 from ..core.plans import Plans
@@ -118,6 +118,42 @@ class Pair:
         return last if last < self.end else self.end
 
 
+class Reconsidering(Protocol):
+    """A watch on a person beside a vehicle, which counts while the vehicle moves."""
+
+    @property
+    def lasts(self) -> bool:
+        """Whether it counts although the vehicle stands."""
+        ...
+
+    def reconsider(self) -> None:
+        """Compute anew what is to come; called whenever a motion changes."""
+        ...
+
+
+class BesideVehicles:
+    """The watches on one person beside vehicles, of which most stand most of the time.
+
+    As the person changes course, those alone reconsider that count.
+    """
+
+    def __init__(self, person: Body) -> None:
+        self._clock = person.clock
+        self._watches: list[tuple[Body, Reconsidering]] = []
+        person.on_change.append(self._changed)
+
+    def add(self, vehicle: Body, watch: Reconsidering) -> None:
+        """Let a watch reconsider when the person or the vehicle changes course."""
+        self._watches.append((vehicle, watch))
+        vehicle.on_change.append(watch.reconsider)
+
+    def _changed(self) -> None:
+        now = self._clock.now
+        for vehicle, watch in self._watches:
+            if vehicle.motion.end >= now or watch.lasts:
+                watch.reconsider()
+
+
 class SeparationWatch:
     """Notifies when a person and a machine get closer than a law requires, and when it is over.
 
@@ -135,6 +171,8 @@ class SeparationWatch:
         self.pair = pair
         self.law = law = rules.law_of(shape)
         self.intervals: list[tuple[float, float]] = []
+        self.lasts = False
+        """Whether they are too close now."""
         self.plans = None if is_plain(law) else pair.remember_plans()
         """The plans of the two, where `law` asks for more than their speeds."""
         self._violated = violated
@@ -190,11 +228,11 @@ class SeparationWatch:
         """End an interval that still lasts, now."""
         if self._since is not None:
             self.intervals.append((self._since, self.pair.clock.now))
-            self._since = None
+            self._since, self.lasts = None, False
 
     def _ring(self) -> None:
         if self._since is None:
-            self._since = self.pair.clock.now
+            self._since, self.lasts = self.pair.clock.now, True
             self._notify()
         else:
             self.close()

@@ -58,7 +58,7 @@ def test_discs_block_the_cells_whose_middle_they_cover():
     columns, rows, width, low = 12, 9, 0.3, (-1.0, 2.0)
     blocked = bytearray(columns * rows)
     discs = [0.2, 3.1, 0.62, -0.9, 2.1, 0.3]
-    block_discs(blocked, columns, *low, width, discs)
+    block_discs(blocked, columns, *low, width, discs, 0.0)
     for k, taken in enumerate(blocked):
         x = low[0] + (k % columns + 0.5) * width
         y = low[1] + (k // columns + 0.5) * width

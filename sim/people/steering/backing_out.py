@@ -50,12 +50,12 @@ def back_out(
     way = first(course, length)
     at_once = outlook.draft(way)
     # Those who only wait for their turn, all the same way, have no reason to.
-    if at_once is None or not any(floor.cosine(me, other, now) < 0.0 for other in outlook.near):
+    if at_once is None or not any(floor.cosine(me, other, now) < 0.0 for other in outlook.others):
         return None
     if course is not outlook.course:
         course = [*way, *rest(outlook.course, length)]
     ahead = []
-    for other in floor.others(me, at_once.box, now).people:
+    for other in floor.others(me, at_once.box, now):
         gone = nearest_length(way, other.swath.place)
         away = math.dist(place_after(way, gone), other.swath.place)
         if away < me.radius + other.radius + ROOM:

@@ -132,7 +132,7 @@ class Crowd:
         def in_the_way(other: Traveller) -> bool:
             return not self._whereabouts.only(me, other, now).free(ahead)
 
-        others = self._whereabouts.others(me, ahead.box, now).people
+        others = self._whereabouts.others(me, ahead.box, now)
         for other in others:
             if other.goal is not None and in_the_way(other):
                 self._decide(other)
@@ -239,7 +239,7 @@ class Crowd:
             self._decide(me, (me,))
             return
         party.weighed = now
-        motion = self.steering.replan(me, outlook.near, outlook)
+        motion = self.steering.replan(me, outlook.others, outlook)
         # In metres by which the place they come to falls short of the one wished for.
         loss = math.inf
         if motion is not None:
@@ -409,7 +409,7 @@ class Crowd:
         else:
             # Before they begin to brake for the stop at the end of what they look ahead: who
             # decides by then walks on at full speed.
-            due = motion.pieces[-1].begin - EARLY
+            due = motion.last_begin - EARLY
             self._again(party, due if wished else max(min(due, now + ANEW), now + KEEPS))
         for other in party.kept:
             self._again(other, now + EARLY, sooner=True)
@@ -456,7 +456,7 @@ def _arrival(me: Traveller, motion: Motion, place: Point, wished: bool) -> float
     away, leaves = math.dist(place, me.goal), me.goal == me.leaves_at
     if away >= 1e-6:
         return motion.end if leaves and not wished and away < AT_THE_DOOR else None
-    brakes = motion.pieces[-1].begin
+    brakes = motion.last_begin
     walks_out = leaves and math.dist(motion.state(brakes).at, me.goal) < AT_THE_DOOR
     return brakes if walks_out else motion.end
 

@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
 from floorplan import Point
-from navigation import CollisionWorld, block_discs, grid_path, touches
+from navigation import CollisionWorld, block_discs, covers, grid_path, middles, touches
 
 CELL = 0.3
 """Metres. The width of the cells in which a way round is looked for."""
 
-CHUNK = 32
+CHUNK = 64
 """Cells of a side of the squares that are known to be free or not at a time."""
 
 AROUND = 6.0
@@ -45,20 +45,17 @@ class Detours:
         self._pieces: Pieces | None = None
         self._chunks: dict[tuple[int, int], Cells] = {}
 
-    def path(
-        self, at: Point, goal: Point, standing: Sequence[tuple[Point, float]], free: Free
-    ) -> list[Point] | None:
+    def path(self, at: Point, goal: Point, standing: list[float], free: Free) -> list[Point] | None:
         """Return a path from `at` to `goal`, both included; None if none is found.
 
-        It stays as far from each place where somebody is `standing` as is said with it (metres);
+        It stays away from those who are `standing`: x, y, and how far from there (metres) of each;
         `free` says whether there are no walls along a segment.
         """
         found = self._cells(at, goal, standing)
         if found is None:
             return None
         cells, middle = found
-        width = max((needed for _, needed in standing), default=0.0)
-        discs = [number for place, _ in standing for number in (*place, *place)]
+        width, discs = max(standing[2::3], default=0.0), middles(standing)
         kept, k, last = [at], 0, max(len(cells) - 1, 1)
         while k < last:
             # Cells zigzag: leave out as many as a straight line can, by halving leaps from the
@@ -78,7 +75,7 @@ class Detours:
         return kept
 
     def _cells(
-        self, at: Point, goal: Point, standing: Sequence[tuple[Point, float]]
+        self, at: Point, goal: Point, standing: list[float]
     ) -> tuple[list[int], Callable[[int], Point]] | None:
         """Return the cells of a way round, and what says where the middle of one is.
 
@@ -89,7 +86,7 @@ class Detours:
             (math.floor(goal[0] / CELL) + 0.5) * CELL,
             (math.floor(goal[1] / CELL) + 0.5) * CELL,
         )
-        if any(math.dist(place, there) < needed for place, needed in standing):
+        if covers(standing, *there):
             return None
         low_column, high_column = _span(at[0], goal[0])
         low_row, high_row = _span(at[1], goal[1])
@@ -102,8 +99,7 @@ class Detours:
             column = math.floor(place[0] / CELL) - low_column
             return (math.floor(place[1] / CELL) - low_row) * columns + column
 
-        discs = [c for place, needed in standing for c in (*place, needed + SPARE)]
-        block_discs(blocked, columns, low_column * CELL, low_row * CELL, CELL, discs)
+        block_discs(blocked, columns, low_column * CELL, low_row * CELL, CELL, standing, SPARE)
         start, end = cell(at), cell(goal)
         if blocked[end]:
             return None
@@ -124,7 +120,8 @@ class Detours:
             self._pieces, self._chunks = pieces, {}
         # All blocked around the edge, so that the search need not ask whether a cell has
         # neighbours.
-        blocked = np.ones((rows, columns), dtype=np.uint8)
+        cells = bytearray(b"\1") * (rows * columns)
+        blocked = np.frombuffer(cells, dtype=np.uint8).reshape(rows, columns)
         for j, below, above in _parts(low_row + 1, low_row + rows - 1):
             for i, left, right in _parts(low_column + 1, low_column + columns - 1):
                 if (i, j) not in self._chunks:
@@ -134,7 +131,7 @@ class Detours:
                 row, column = below - low_row, left - low_column
                 some = some[: above - below, : right - left]
                 blocked[row : row + above - below, column : column + right - left] = some
-        return bytearray(blocked)
+        return cells
 
 
 def _parts(begin: int, end: int) -> Iterator[tuple[int, int, int]]:

@@ -12,10 +12,12 @@ from navigation import (
     Candidates,
     CollisionWorld,
     Foresight,
+    Legs,
     Motion,
     Narrows,
     Swath,
     can_go_on,
+    middles,
     pace,
     stop_walking,
     swath,
@@ -24,7 +26,6 @@ from navigation import (
 )
 
 from .course import first
-from .detour import AROUND as ALL_AROUND
 from .detour import Detours
 from .traveller import Traveller
 from .whereabouts import GAP, Hit, Others, Sight, Whereabouts
@@ -35,6 +36,9 @@ STEP = 0.25
 INSIDE, OUTSIDE = 2, 3
 """People. A place is narrow where so many can't go abreast: for who is in it, and for who is not.
 In an aisle for two, those of one direction side by side leave no room for the other."""
+
+EVERYWHERE = [-math.inf, -math.inf, math.inf, math.inf]
+"""Bounds into which all comes."""
 
 
 class Ground:
@@ -48,6 +52,8 @@ class Ground:
         """The sides of the walls."""
         self._gates = world.gates
         self._gated = bool(self._gates)
+        self._legs = Legs(self.walls, radius, self._free_of_bodies)
+        self._changes = -1
 
     @cached_property
     def narrow(self) -> Narrows:
@@ -64,11 +70,22 @@ class Ground:
 
         Nor goes through a gate against its direction.
         """
-        radius = self.radius
-        if self.walls.touched(*a, *b, radius) or (self._gated and not self._gates.allow(a, b)):
+        return self.legs.free(*a, *b)
+
+    @property
+    def legs(self) -> Legs:
+        """The segments that are free, as the world is now."""
+        if self._changes != self.world.changes:
+            self._changes = self.world.changes
+            self._legs.bounds = EVERYWHERE if self._gated else self.world.bounds
+        return self._legs
+
+    def _free_of_bodies(self, a: Point, b: Point) -> bool:
+        """Return whether a segment that is clear of walls is free of all else."""
+        if self._gated and not self._gates.allow(a, b):
             return False
-        near = self.world.near(a, b, radius)
-        return not near or self.world.segment_free(a, b, radius, near)
+        near = self.world.near(a, b, self.radius)
+        return not near or self.world.segment_free(a, b, self.radius, near)
 
     def paths_ahead(
         self, at: Point, course: Sequence[Point], lengths: Iterable[float]
@@ -173,7 +190,7 @@ class Outlook:
             me.usual_side,
             ground.narrow.cells,
             ground.narrow_outside.cells,
-            ground.free,
+            ground.legs,
         )
         self.whole = self.walks.whole
         self.reach, self.stop = self._foresight.reach, self._foresight.stop
@@ -340,11 +357,6 @@ class Outlook:
                 return self.others
         return self._whereabouts.others(self.me, ahead.box, self.now)
 
-    @property
-    def near(self) -> Sequence[Traveller]:
-        """Those of the others who may come near the course, or beside it."""
-        return self.others.people
-
     def hit(self, motion: Motion) -> Hit | None:
         """Return the first conflict of a motion of theirs from now on."""
         ahead = self.ahead(motion)
@@ -359,8 +371,8 @@ class Outlook:
         me = self.me
         route = me.route
         if me.goes_round and route:
-            discs = [c for place, _ in self.standing(at, *route) for c in (*place, *place)]
             width = 2 * me.radius + GAP
+            discs = middles(self.standing(width, at, *route))
 
             def clear(a: Point, b: Point) -> bool:
                 return not touches(discs, *a, *b, width) and self.ground.free(a, b)
@@ -374,22 +386,16 @@ class Outlook:
                         return route[k:]
                     break
             me.goes_round = False
-        for k in range(min(len(route), 4) - 1, -1, -1):
-            if self.ground.free(at, route[k]):
-                return route[k:]
-        return self.reroute(at)
+        k = self.ground.legs.farthest(*at, route)
+        return self.reroute(at) if k < 0 else route[k:]
 
     def send_by(self, route: list[Point]) -> None:
         """Let them walk to their goal by another route."""
         self._whereabouts.send(self.me, self.me.goal, route)
 
-    def standing(self, *places: Point) -> list[tuple[Point, float]]:
-        """Return who stands around these places: where, and how far to stay from there (m)."""
-        me, floor = self.me, self._whereabouts
+    def standing(self, around: float, *places: Point) -> list[float]:
+        """Return who stands so far around some places: x, y, and how far to stay from there (m)."""
         xs, ys = zip(*places, strict=True)
-        near = floor.near([min(xs), min(ys), max(xs), max(ys)], ALL_AROUND)
-        return [
-            (floor.places[k], me.radius + floor.radii[k] + GAP)
-            for k in near
-            if floor.rests[k] <= self.now and floor.people[k] is not me
-        ]
+        box = [min(xs), min(ys), max(xs), max(ys)]
+        floor = self._whereabouts
+        return floor.throng.standing(floor.indices[self.me], box, around, self.now)

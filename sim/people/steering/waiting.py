@@ -11,9 +11,10 @@ from navigation import Motion, PlanningError, Swath
 
 from ...core.clock import Alarm
 from .course import length_of
+from .detour import AROUND
 from .outlook import Outlook
 from .traveller import AT_THE_DOOR, Traveller
-from .whereabouts import GAP, Hit, Sight, Whereabouts
+from .whereabouts import Hit, Sight, Whereabouts
 
 PAUSE, LONGEST = 1.0, 8.0
 """Seconds until somebody who waits looks again for a way round what has not changed: at first, and
@@ -167,13 +168,16 @@ def takes_way_round(me: Traveller, outlook: Outlook, stood: float) -> bool:
     """
     goal = me.goal
     assert goal is not None
-    ground = outlook.ground
-    path = ground.detours.path(outlook.at, goal, outlook.standing(outlook.at, goal), ground.free)
+    ground, standing = outlook.ground, outlook.standing(AROUND, outlook.at, goal)
+    path = ground.detours.path(outlook.at, goal, standing, ground.free)
     # Worth it if it is longer by no more than they would have walked while they stood, and in a
     # pause more: the longer they stand, the longer a way round they take.
     if path is None or length_of(path) > outlook.whole + me.top_speed * (stood + LONGEST):
-        # The bends of an earlier way round may be left, past others who have walked on since.
         before = me.route
+        if len(before) == 1 and len(outlook.course) == 2:
+            me.goes_round = False
+            return False  # there is nothing shorter than straight on
+        # The bends of an earlier way round may be left, past others who have walked on since.
         try:
             route = outlook.reroute(outlook.at)
         except PlanningError:  # a vehicle stands on the goal, or before it
@@ -191,7 +195,7 @@ def is_beside_goal(me: Traveller, hit: Hit, floor: Whereabouts, now: float) -> b
 
     These are who is on the goal, or about to be; who is as near to it as `me`, who stands in
     reach of it; and farther away who stands so close to one of them that nobody gets through
-    between the two.
+    between the two: around the goal, a ring grows from neighbour to neighbour.
     """
     here, goal, other = me.swath.place, me.goal, hit.other
     assert goal is not None
@@ -202,23 +206,8 @@ def is_beside_goal(me: Traveller, hit: Hit, floor: Whereabouts, now: float) -> b
         return math.dist(other.body.at, goal) < IN_REACH + me.radius
     if leaves or math.dist(here, goal) >= BESIDE or not hit.at_rest or other.body.motion.end > now:
         return False
-    # Around the goal, a ring grows from neighbour to neighbour through gaps that are too narrow;
-    # who is reached by it belongs to those around the goal.
-    left = [
-        (floor.places[k], floor.radii[k], floor.people[k])
-        for k in floor.near([*goal, *goal], BESIDE)
-        if floor.rests[k] <= now and floor.people[k] is not me
-    ]
-    ring = [(goal, -me.radius)]
-    while ring:
-        place, radius = ring.pop()
-        for stands in list(left):
-            if math.dist(stands[0], place) < radius + stands[1] + 2 * (me.radius + GAP):
-                if stands[2] is other:
-                    return True
-                left.remove(stands)
-                ring.append(stands[:2])
-    return False
+    indices = floor.indices
+    return floor.throng.encloses(indices[me], indices[other], *goal, BESIDE, now)
 
 
 def is_no_nearer(me: Traveller, hit: Hit, ahead: Swath, floor: Whereabouts, now: float) -> bool:

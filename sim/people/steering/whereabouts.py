@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Container, Iterable, Sequence
-from typing import NamedTuple
+from typing import NamedTuple, overload
 
 from floorplan import Point
 from navigation import Swath, Throng, first_but, first_met, within_bounds
@@ -156,10 +156,10 @@ class Whereabouts:
         return Others(self, me, [self.indices[other]], now)
 
 
-class Others:
+class Others(Sequence[Traveller]):
     """People that somebody may meet, with what they have committed themselves to.
 
-    They are those `near` (indices) of all who are on the `floor`.
+    In the order in which they came: those `near` (indices) of all who are on the `floor`.
     """
 
     def __init__(self, floor: Whereabouts, me: Traveller, near: list[int], now: float) -> None:
@@ -170,11 +170,20 @@ class Others:
         self._own = me.radius + GAP
         self._when = [math.inf]
 
-    @property
-    def people(self) -> list[Traveller]:
-        """Those that they may meet, in the order in which they came."""
+    def __len__(self) -> int:
+        return len(self.near)
+
+    @overload
+    def __getitem__(self, index: int) -> Traveller: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> Sequence[Traveller]: ...
+
+    def __getitem__(self, index: int | slice) -> Traveller | Sequence[Traveller]:
         people = self.floor.people
-        return [people[k] for k in self.near]
+        if isinstance(index, slice):
+            return [people[k] for k in self.near[index]]
+        return people[self.near[index]]
 
     def without(self, some: Container[Traveller]) -> Others:
         """Return these without some of them."""
