@@ -534,7 +534,12 @@ def test_who_is_stuck_keeps_their_path_where_a_vehicle_stands_on_the_goal():
 
     ground = SimpleNamespace(detours=SimpleNamespace(path=lambda *question: None), free=None)
     outlook = SimpleNamespace(
-        ground=ground, at=(0, 0), whole=1.0, standing=lambda *places: [], reroute=blocked
+        ground=ground,
+        at=(0, 0),
+        course=[(0, 0), (1, 1), (1, 0)],
+        whole=1.0,
+        standing=lambda *places: [],
+        reroute=blocked,
     )
     me = SimpleNamespace(goal=(1, 0), route=[(1, 0)], goes_round=True, top_speed=1.0)
     assert not takes_way_round(me, outlook, 5.0)
