@@ -38,6 +38,10 @@ cdef class Candidates:
     cdef readonly double y
     cdef readonly double c
     cdef readonly double s
+    cdef double off_x
+    cdef double off_y
+    cdef double by_x
+    cdef double by_y
     cdef Py_ssize_t leg
     cpdef void clear(self) except *
     cpdef void add(
@@ -103,10 +107,13 @@ cdef class Candidates:
     ) except -1
     cdef bint _can_turn(self) noexcept
     cdef int _aside(self, double along, double side) except -1
+    cdef double _longer(self, double along, double side) noexcept
+    cdef int _shift(self, double along, double side) noexcept
     cdef int _seek(self, double length) noexcept
 
 cdef bint _runs_into(list[double] corners, list[double] stood) noexcept
 cdef bint _ends_at(list[double] corners, list[double] ends) noexcept
+cdef double _apart(double ax, double ay, double bx, double by) noexcept
 cdef double _length(list[double] corners) noexcept
 cdef list[double] _first(list[double] corners, double length)
 cdef list[double] bounds(list[double] corners, list[double] more)

@@ -88,7 +88,7 @@ class Candidates:
         self.corners = none
         self.table = none
         self.box = none
-        self.x = self.y = 0.0
+        self.x = self.y = self.off_x = self.off_y = self.by_x = self.by_y = 0.0
         self.c = 1.0
         self.s = 0.0
         self.leg = 0
@@ -131,8 +131,7 @@ class Candidates:
             for j in range(i):
                 again = again or sides[j] == side
             if not again:
-                self._aside(along, side)
-                loss: float = _length(self.corners) - self.whole
+                loss: float = self._longer(along, side)
                 if side * usual < 0.0:
                     loss += extra
                 self._add(loss, length, top_speed, 0.0, along, side)
@@ -307,9 +306,7 @@ class Candidates:
             away: float
             if other[last] <= self.now:
                 found = self.stood
-                dx: float = x - other[last + 2]
-                dy: float = y - other[last + 6]
-                away = sqrt(dx * dx + dy * dy)
+                away = _apart(x, y, other[last + 2], other[last + 6])
             else:
                 away = distance(here, other, self.now)
             if away > least + _CLEAR:
@@ -383,7 +380,41 @@ class Candidates:
     def _aside(self, along: float, side: float) -> cython.int:
         """Set `corners` to a course that is `side` metres to the left after `along` metres."""
         course: list[float] = self.course
-        corners: list[float] = []
+        self._shift(along, side)
+        corners: list[float] = [course[0], course[1], self.off_x, self.off_y]
+        corners.append(self.by_x)
+        corners.append(self.by_y)
+        if self.leg >= 0:
+            corners.append(self.x)
+            corners.append(self.y)
+            corners += course[2 * self.leg + 2 :]
+        self.corners = corners
+        return 0
+
+    def _longer(self, along: float, side: float) -> float:
+        """Return how much longer such a course is (metres), without setting it up."""
+        course: list[float] = self.course
+        self._shift(along, side)
+        total: float = _apart(course[0], course[1], self.off_x, self.off_y)
+        total += _apart(self.off_x, self.off_y, self.by_x, self.by_y)
+        if self.leg >= 0:
+            total += _apart(self.by_x, self.by_y, self.x, self.y)
+            x: float = self.x
+            y: float = self.y
+            k: cython.Py_ssize_t
+            for k in range(2 * self.leg + 2, len(course), 2):
+                total += _apart(x, y, course[k], course[k + 1])
+                x = course[k]
+                y = course[k + 1]
+        return total - self.whole
+
+    def _shift(self, along: float, side: float) -> cython.int:
+        """Find where a course bends that is `side` metres to the left after `along` metres.
+
+        It is off the course up to `off_x`, `off_y`, beside it up to `by_x`, `by_y`, and back on its
+        `leg` at `x`, `y`; where the goal itself is beside the other, it goes there and `leg` is -1.
+        """
+        course: list[float] = self.course
         count: cython.Py_ssize_t = len(course)
         self.come_to(along)
         c: float = self.c
@@ -392,23 +423,17 @@ class Candidates:
         x: float = self.x - side * s
         y: float = self.y + side * c
         early: float = min(_BEFORE, along)
-        corners.append(course[0])
-        corners.append(course[1])
-        corners.append(x - early * c)
-        corners.append(y - early * s)
-        if along + _BEFORE >= self.whole:  # the goal itself is beside the other
-            corners.append(course[count - 2])
-            corners.append(course[count - 1])
-        else:
-            corners.append(x + _BEFORE * c)
-            corners.append(y + _BEFORE * s)
-            # Back on the course farther on the wider the shift is, so that the turns are no
-            # sharper.
-            self._seek(min(along + _BEFORE + _RAMP * abs(side), self.whole))
-            corners.append(self.x)
-            corners.append(self.y)
-            corners += course[2 * self.leg + 2 :]
-        self.corners = corners
+        self.off_x = x - early * c
+        self.off_y = y - early * s
+        if along + _BEFORE >= self.whole:
+            self.by_x = course[count - 2]
+            self.by_y = course[count - 1]
+            self.leg = -1
+            return 0
+        self.by_x = x + _BEFORE * c
+        self.by_y = y + _BEFORE * s
+        # Back on the course farther on the wider the shift is, so that the turns are no sharper.
+        self._seek(min(along + _BEFORE + _RAMP * abs(side), self.whole))
         return 0
 
     def _seek(self, length: float) -> cython.int:
@@ -484,14 +509,19 @@ def _ends_at(corners: list[float], ends: list[float]) -> bool:
     return False
 
 
+def _apart(ax: float, ay: float, bx: float, by: float) -> float:
+    """Return the distance of two places, metres."""
+    dx: float = bx - ax
+    dy: float = by - ay
+    return sqrt(dx * dx + dy * dy)
+
+
 def _length(corners: list[float]) -> float:
     """Return the length of a polyline, metres."""
     total: float = 0.0
     k: cython.Py_ssize_t
     for k in range(0, len(corners) - 2, 2):
-        dx: float = corners[k + 2] - corners[k]
-        dy: float = corners[k + 3] - corners[k + 1]
-        total += sqrt(dx * dx + dy * dy)
+        total += _apart(corners[k], corners[k + 1], corners[k + 2], corners[k + 3])
     return total
 
 
