@@ -313,10 +313,9 @@ class TablePieces(Sequence[Piece]):
 def motion_of(table: list[float], jumps: frozenset[float] = frozenset()) -> Motion:
     """Return the motion of a table that is known to be one; it is not checked again."""
     motion = object.__new__(Motion)
-    # What a frozen dataclass sets, and what `Motion` keeps.
-    vars(motion).update(
-        pieces=TablePieces(table), jumps=jumps, table=table, start=table[0], end=table[1 - WIDTH]
-    )
+    kept = vars(motion)  # what a frozen dataclass sets, and what `Motion` keeps
+    kept["pieces"], kept["jumps"], kept["table"] = TablePieces(table), jumps, table
+    kept["start"], kept["end"] = table[0], table[1 - WIDTH]
     return motion
 
 

@@ -51,9 +51,10 @@ class Body:
         """
         self.settle()
         # Settled first: what was carried out until now belongs to the old motion.
-        before, after = self.at, motion.state(self.clock.now).at
+        now = self.clock.now
+        before, after = self.motion.state(now).position, motion.state(now).position
         self.motion = motion
-        if math.dist(before, after) > JUMP:
+        if before != after and math.dist(before[:2], after[:2]) > JUMP:
             for jumped in self.on_jump:
                 jumped()
         for changed in self.on_change:

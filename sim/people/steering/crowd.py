@@ -90,6 +90,7 @@ class Crowd:
         me.body.on_change.append(lambda: self._whereabouts.put(me))
         self._parties[me] = Party(
             me,
+            self._ground_in(me.world, me.radius),
             reroute,
             arrive,
             blocked,
@@ -433,11 +434,11 @@ class Crowd:
     # Surroundings
 
     def _outlook(self, me: Traveller) -> Outlook:
-        reroute = self._parties[me].reroute
-        return Outlook(me, self._clock.now, self._whereabouts, self._ground(me), reroute)
+        party = self._parties[me]
+        return Outlook(me, self._clock.now, self._whereabouts, party.ground, party.reroute)
 
     def _ground(self, me: Traveller) -> Ground:
-        return self._ground_in(me.world, me.radius)
+        return self._parties[me].ground
 
     def _ground_in(self, world: CollisionWorld, radius: float) -> Ground:
         if (world, radius) not in self._grounds:
