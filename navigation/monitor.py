@@ -66,12 +66,11 @@ def first_time(
 
     `person`, `machine` and `shapes` are as in `when`.
     """
-    if shapes is None:
-        judge = plain_judge_of(condition)
-        if judge is not None:
-            _check(person, machine, begin, end)
-            span = (float(begin), float(end))
-            return first_change(judge, person.table, machine.table, *span, RESOLUTION)
+    judge = plain_judge_of(condition) if shapes is None else None
+    if judge is not None and person.__class__ is Motion is machine.__class__:
+        _check_span(begin, end)
+        span = (float(begin), float(end))
+        return first_change(judge, person.table, machine.table, *span, RESOLUTION)
     return _watch(condition, person, machine, begin, end, shapes).change()
 
 
@@ -95,9 +94,12 @@ def _encounter(
 
 
 def _check(person: Motion, machine: Motion, begin: float, end: float) -> None:
-    if not (isinstance(person, Motion) and isinstance(machine, Motion)):  # asked all the time
-        require(person, Motion)
-        require(machine, Motion)
+    require(person, Motion)
+    require(machine, Motion)
+    _check_span(begin, end)
+
+
+def _check_span(begin: float, end: float) -> None:
     if not -math.inf < begin <= end < math.inf:
         raise ValueError(f"can't watch from {begin} s to {end} s")
 

@@ -79,11 +79,10 @@ class Pair:
 
         It holds if nobody changes course; None if `condition` never does.
         """
-        begin = max(self.clock.now, since)
-        one, other = self.motions
-        # As `horizon`: where that is now, `begin` is no earlier.
-        last = max(begin, min(max(one.end, other.end), self.end))
-        return first_time(condition, one, other, begin, last)
+        begin, last = self.clock.now, self.horizon()
+        if since > begin:
+            begin = since
+        return first_time(condition, *self.motions, begin, last if last > begin else begin)
 
     def next_interval(self, condition: Condition) -> tuple[float, float] | None:
         """Return the first interval from now on in which `condition` holds, if any."""
