@@ -9,7 +9,7 @@ import shapely
 from floorplan import Point
 
 from .freespace import FreeSpace
-from .kernels.cells import SOME, Cells
+from .kernels.grid import SOME, Cells
 
 SPARE = 0.03
 """Metres. Room beyond their diameters that a passage needs for each disc that passes another."""

@@ -1,6 +1,6 @@
 from navigation.kernels.candidates cimport Candidates
-from navigation.kernels.cells cimport Cells
 from navigation.kernels.edges cimport Legs
+from navigation.kernels.grid cimport Cells
 from navigation.kernels.throng cimport Throng
 
 cdef double _STEP

@@ -13,8 +13,8 @@ else:
     from . import uncompiled as cython
 
 from .candidates import Candidates
-from .cells import Cells
 from .edges import Legs
+from .grid import Cells
 from .throng import Throng
 
 if not cython.compiled:

@@ -3,6 +3,15 @@ cimport cython
 cdef Py_ssize_t _STRAIGHT
 cdef Py_ssize_t _ACROSS
 cdef Py_ssize_t _BUCKETS
+cdef Py_ssize_t _SOME
+cdef Py_ssize_t _FAR
+
+cdef class Cells:
+    cdef double width
+    cdef object whole
+    cdef object within
+    cdef dict known
+    cpdef bint has(self, double x, double y) except -1
 
 cdef Py_ssize_t _estimate(Py_ssize_t cell, Py_ssize_t goal, Py_ssize_t columns) noexcept
 
