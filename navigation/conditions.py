@@ -48,7 +48,9 @@ class TooClose(_OfTheKernel):
 
 @dataclass(frozen=True)
 class Moving(_OfTheKernel):
-    """The machine moves faster than `STANDING_SPEED`."""
+    """The machine moves, which is faster than `speed` (m/s)."""
+
+    speed: float = STANDING_SPEED
 
 
 @dataclass(frozen=True)
@@ -107,7 +109,7 @@ _JUDGE = "_judge"
 
 _JUDGES: dict[type, Callable[[Any], kernel.Judge]] = {
     TooClose: lambda given: kernel.TooClose(kernel_of(given.law), ROUNDING),
-    Moving: lambda given: kernel.Faster(STANDING_SPEED),
+    Moving: lambda given: kernel.Faster(given.speed),
     Approaching: lambda given: kernel.Approaching(),
     Apart: lambda given: kernel.Apart(given.metres),
     Not: lambda given: kernel.Not(judge_of(given.condition)),

@@ -10,13 +10,17 @@ from typing import Any, Literal, get_args
 from shapely.geometry import Polygon
 
 from floorplan import Point, rectangle
-from navigation import Box, CollisionWorld, Motion
+from navigation import Box, CollisionWorld, Motion, Moving, first_time
 
 from .body import Body
 
 Category = Literal["robot", "vehicle"]
 """A robot works above people's heads or behind its own range, and is watched at all times. A
 vehicle drives on the floor, where it can block people's paths, and is watched while it moves."""
+
+
+ROUNDING = 1e-6
+"""Share of a top speed, and m/s. A machine that is faster by no more is not too fast."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,6 +55,14 @@ class MachineShape:
     def box(self) -> Box:
         """The solid around its axis."""
         return Box(length=self.length, width=self.width, bottom=self.bottom, top=self.top)
+
+    def too_fast(self, motion: Motion, now: float) -> float | None:
+        """Return when a motion of it is first faster than its top speed, from `now` on (seconds).
+
+        None if it never is.
+        """
+        too_fast = Moving(self.top_speed * (1 + ROUNDING) + ROUNDING)
+        return first_time(too_fast, motion, motion, now, max(now, motion.end))
 
     def footprint(self, at: Point, rotation: float) -> Polygon:
         """Return the rectangle that it covers at `at` (x, y), turned by `rotation` (radians)."""

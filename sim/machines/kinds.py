@@ -78,7 +78,17 @@ def made_by(model: MachineModel, name: str, stage: Stage) -> Machine:
             " must begin then, where the machine is"
         )
 
+    def refuse_haste() -> None:
+        t = made.shape.too_fast(made.body.motion, stage.clock.now)
+        if t is not None:
+            raise MachineError(
+                f"the machine {name!r} is faster at t = {t:g} s than the top speed of its shape,"
+                f" {made.shape.top_speed:g} m/s, on which laws and stops rely"
+            )
+
     made.body.on_jump.append(refuse_jump)
+    if type(model) not in (GantryModel, AgvModel):
+        made.body.on_change.append(refuse_haste)
     return made
 
 

@@ -220,6 +220,17 @@ class Jumping(Tugger):
         return Jumps(self, name, stage)
 
 
+class Rushes(Train):
+    def begin(self):
+        self.body.follow(navigation.walk([self.body.at, (-2.0, -9.0)], max_speed=2.0))
+
+
+@dataclasses.dataclass(frozen=True)
+class Rushing(Tugger):
+    def make(self, name, stage):
+        return Rushes(self, name, stage)
+
+
 class Mute(Train):
     def figures(self, motion, now):
         pass
@@ -256,8 +267,9 @@ class Half(sim.MachineModel):
         ("Failing", r"code of your own failed at t = 5 s \(own.py, line 14\): KeyError: 'a'"),
         ("Counting", "the figures of the machine 'train': Object of type set"),
         ("Jumping", "the machine 'train' jumps at t = 0 s"),
+        ("Rushing", r"'train' is faster at t = 0.48\d* s than the top speed of its shape, 1.2 m/s"),
         ("Uncounted", "the figures of the machine 'train': expected a dict, found None"),
-        ("Flying", "own.py, line 5.*category of a machine is robot or vehicle, not 'drone'"),
+        ("Flying", r"own.py, line \d+\).*category of a machine is robot or vehicle, not .drone."),
         ("Nothing", "the machine 'train': make returned 3, not a sim.Machine"),
         ("Half", "is no machine: a machine is a dataclass derived from sim.MachineModel"),
     ],
