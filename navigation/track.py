@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-from array import array
-
-from .kernels.odometer import WIDTH
-from .kernels.pieces import breaks, packed, unpacked
+from .kernels.pieces import Pack
 from .motion import JUMP_TOLERANCE, Motion, TablePieces
 
 
@@ -13,36 +10,30 @@ class Track:
     """Motions one after another, as they were carried out."""
 
     def __init__(self) -> None:
-        self._masks = array("H")
-        self._kept = array("d")
-        """The numbers of all pieces as `packed`."""
+        self._pack = Pack()
         self._jumps: set[float] = set()
-        self._last: list[float] | None = None
+        self._end: float | None = None
 
     def __repr__(self) -> str:
-        return f"<Track of {len(self._masks)} pieces>"
+        return f"<Track of {len(self._pack.masks)} pieces>"
 
     def __bool__(self) -> bool:
-        return self._last is not None
+        return self._end is not None
 
-    def add(self, motion: Motion) -> None:
-        """Go on with `motion`; if it starts elsewhere than the last one ended, that is a jump.
+    def add(self, motion: Motion, begin: float, end: float) -> None:
+        """Go on with `motion` from `begin` to `end` (seconds).
 
-        `ValueError` if it doesn't start when the last one ended.
+        If it is elsewhere then than where the last one ended, that is a jump. `ValueError` if it
+        doesn't begin when the last one ended.
         """
-        table, last = motion.table, self._last
-        if last is not None:
-            if last[1] != table[0]:
-                raise ValueError(f"a track has a gap from t = {last[1]} s to {table[0]} s")
-            if breaks([*last, *table[:WIDTH]], JUMP_TOLERANCE):
-                self._jumps.add(table[0])
-        self._jumps |= motion.jumps
-        masks, kept = packed(table)
-        self._masks.extend(masks)
-        self._kept.extend(kept)
-        self._last = table[-WIDTH:]
+        if self._end is not None and self._end != begin:
+            raise ValueError(f"a track has a gap from t = {self._end} s to {begin} s")
+        self._end = end
+        if self._pack.add(motion.table, begin, end, JUMP_TOLERANCE):
+            self._jumps.add(begin)
+        if motion.jumps:
+            self._jumps.update(t for t in motion.jumps if begin < t < end)
 
     def motion(self) -> Motion:
         """Return all of it until now as one motion."""
-        table = unpacked(self._masks.tolist(), self._kept.tolist())
-        return Motion(TablePieces(table), frozenset(self._jumps))
+        return Motion(TablePieces(self._pack.pieces()), frozenset(self._jumps))

@@ -114,7 +114,7 @@ class Simulation:
         stage.record(TrialStarted(trial=trial.name, floorplan=trial.floorplan.name))
         for notice in trial.notices:
             stage.record(Notice(text=notice.message, field=notice.field, line=notice.line))
-        for body in self.bodies:
+        for body in self.bodies if self._listener.wants_motions else ():
             body.on_record = self._listener.motion
         stage.begin()
         for machine in self.machines.values():

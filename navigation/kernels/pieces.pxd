@@ -10,3 +10,10 @@ cdef int _append_shifted(list[double] table, list[double] phases, Py_ssize_t row
 cdef int _append_still(list[double] found, list[double] table, Py_ssize_t o, double t, double begin, double end) except? -1
 cdef int _append_later(list[double] found, list[double] table, Py_ssize_t k, double u) except? -1
 cpdef list[double] merge_axes(list[list[double]] axes, double start)
+cdef double _parted(list[double] table, Py_ssize_t p, list[double] after, Py_ssize_t o) noexcept
+cpdef list[double] cut(list[double] table, double begin, double end)
+
+cdef class Pack:
+    cdef readonly object masks
+    cdef object kept
+    cdef list[double] last

@@ -5,6 +5,7 @@ A table has for each piece its begin and end, and four coefficients each of x, y
 
 from __future__ import annotations
 
+from array import array
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -110,15 +111,21 @@ def breaks(table: list[float], tolerance: float) -> list[int]:
             found.append(k)
         elif k > 0:
             p: cython.Py_ssize_t = o - _WIDTH
-            end: float = table[p + 1]
-            u: float = end - table[p]
-            dx: float = table[p + 2] + u * (table[p + 3] + u * (table[p + 4] + u * table[p + 5]))
-            dy: float = table[p + 6] + u * (table[p + 7] + u * (table[p + 8] + u * table[p + 9]))
-            dx -= table[o + 2]
-            dy -= table[o + 6]
-            if end != table[o] or sqrt(dx * dx + dy * dy) > tolerance:
+            if table[p + 1] != table[o] or _parted(table, p, table, o) > tolerance:
                 found.append(k)
     return found
+
+
+def _parted(
+    table: list[float], p: cython.Py_ssize_t, after: list[float], o: cython.Py_ssize_t
+) -> float:
+    """Return how far from the end of the piece at `p` the one at `o` begins (metres)."""
+    u: float = table[p + 1] - table[p]
+    dx: float = table[p + 2] + u * (table[p + 3] + u * (table[p + 4] + u * table[p + 5]))
+    dy: float = table[p + 6] + u * (table[p + 7] + u * (table[p + 8] + u * table[p + 9]))
+    dx -= after[o + 2]
+    dy -= after[o + 6]
+    return sqrt(dx * dx + dy * dy)
 
 
 def phases_of(
@@ -232,42 +239,59 @@ def _append_shifted(
     return 0
 
 
-def packed(table: list[float]) -> tuple[list[int], list[float]]:
-    """Return a table without its zeros: of each piece which numbers are there, as bits; and those.
+class Pack:
+    """Pieces without their zeros: which numbers of each are there, as bits, and those numbers.
 
     Half of the numbers of a walk are 0. A negative zero is none: it stays what it is.
     """
-    kept: list[float] = []
-    masks: list[int] = []
-    row: cython.Py_ssize_t
-    k: cython.Py_ssize_t
-    for row in range(len(table) // _WIDTH):
-        o: cython.Py_ssize_t = row * _WIDTH
-        mask: cython.int = 0
-        for k in range(_WIDTH):
-            number: float = table[o + k]
-            if number != 0.0 or copysign(1.0, number) < 0.0:
-                mask |= 1 << k
-                kept.append(number)
-        masks.append(mask)
-    return masks, kept
 
+    def __init__(self) -> None:
+        self.masks = array("H")
+        self.kept = array("d")
+        none: list[float] = []
+        self.last = none
 
-def unpacked(masks: list[int], kept: list[float]) -> list[float]:
-    """Return the table of which `packed` made these."""
-    table: list[float] = []
-    nothing: Any = 0.0  # one for all of them
-    at: cython.Py_ssize_t = 0
-    k: cython.Py_ssize_t
-    for one in masks:
-        mask: cython.int = one
-        for k in range(_WIDTH):
-            if mask & (1 << k):
-                table.append(kept[at])
-                at += 1
-            else:
-                table.append(nothing)
-    return table
+    def add(self, table: list[float], begin: float, end: float, tolerance: float) -> bool:
+        """Add a motion from `begin` to `end` (seconds), as `cut` has it.
+
+        Return whether it begins farther than `tolerance` metres from where the last one ended.
+        """
+        kept: list[float] = []
+        masks: list[int] = []
+        added: list[float] = cut(table, begin, end)
+        o: cython.Py_ssize_t
+        k: cython.Py_ssize_t
+        for o in range(0, len(added), _WIDTH):
+            mask: cython.int = 0
+            for k in range(_WIDTH):
+                number: float = added[o + k]
+                if number != 0.0 or copysign(1.0, number) < 0.0:
+                    mask |= 1 << k
+                    kept.append(number)
+            masks.append(mask)
+        self.masks.extend(masks)
+        self.kept.extend(kept)
+        before: list[float] = self.last
+        self.last = added[len(added) - _WIDTH :]
+        jumps: bool = len(before) > 0 and _parted(before, 0, added, 0) > tolerance
+        return jumps
+
+    def pieces(self) -> list[float]:
+        """Return the table of all that was added."""
+        table: list[float] = []
+        nothing: Any = 0.0  # one for all of them
+        kept: list[float] = self.kept.tolist()
+        at: cython.Py_ssize_t = 0
+        k: cython.Py_ssize_t
+        for one in self.masks:
+            mask: cython.int = one
+            for k in range(_WIDTH):
+                if mask & (1 << k):
+                    table.append(kept[at])
+                    at += 1
+                else:
+                    table.append(nothing)
+        return table
 
 
 def cut(table: list[float], begin: float, end: float) -> list[float]:

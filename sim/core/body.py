@@ -64,11 +64,10 @@ class Body:
         """Add the motion carried out until now to the track."""
         now = self.clock.now
         if now > self._since:
-            done = self.motion.cut(self._since, now)
-            self._since = now
-            self._track.add(done)
+            since, self._since = self._since, now
+            self._track.add(self.motion, since, now)
             if self.on_record is not None:
-                self.on_record(self, done)
+                self.on_record(self, self.motion.cut(since, now))
 
     def track(self) -> Motion:
         """Return all that it did so far, as one motion (it jumps where it was put elsewhere)."""

@@ -60,6 +60,8 @@ class Listeners(Listener):
     def __init__(self, *listeners: Listener) -> None:
         self._listeners = listeners
         self.wants_thoughts = any(listener.wants_thoughts for listener in listeners)
+        self.wants_motions = any(type(one).motion is not Listener.motion for one in listeners)
+        """Whether any of them does something with motions."""
 
     def begin(self, scene: Scene) -> None:
         """Notify each of them that everybody is in place: the run begins."""

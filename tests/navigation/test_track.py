@@ -21,12 +21,16 @@ def one_after_another(walks):
     return motions
 
 
+def add(track, motion):
+    track.add(motion, motion.start, motion.end)
+
+
 @given(walks)
 def test_a_track_is_the_motions_joined(walks):
     motions = one_after_another(walks)
     track = Track()
     for motion in motions:
-        track.add(motion)
+        add(track, motion)
     whole, joined = track.motion(), navigation.join(motions)
     assert whole == joined
     assert hash(whole) == hash(joined)
@@ -46,23 +50,23 @@ def test_a_track_is_the_motions_joined(walks):
 def test_a_track_goes_on_without_changing_what_was_taken_from_it():
     track = Track()
     assert not track
-    track.add(navigation.walk([(0, 0), (3, 0)], 0.0))
+    add(track, navigation.walk([(0, 0), (3, 0)], 0.0))
     early = track.motion()
-    track.add(navigation.walk([(3, 0), (5, 0)], early.end))
+    add(track, navigation.walk([(3, 0), (5, 0)], early.end))
     assert early.position(100.0)[0] == pytest.approx(3.0)
     assert track.motion().position(100.0)[0] == pytest.approx(5.0)
 
 
 def test_a_gap_in_a_track_is_refused():
     track = Track()
-    track.add(navigation.walk([(0, 0), (3, 0)], 0.0))
+    add(track, navigation.walk([(0, 0), (3, 0)], 0.0))
     with pytest.raises(ValueError, match="gap"):
-        track.add(navigation.standing((3, 0), start=50.0))
+        add(track, navigation.standing((3, 0), start=50.0))
 
 
 def test_pieces_of_a_track_are_a_sequence_of_their_own():
     track = Track()
-    track.add(navigation.walk([(0, 0), (3, 0), (3, 5)], 0.0))
+    add(track, navigation.walk([(0, 0), (3, 0), (3, 5)], 0.0))
     pieces = track.motion().pieces
     assert Motion(tuple(pieces)) == track.motion()
     assert tuple(pieces[1:]) == tuple(pieces)[1:]
