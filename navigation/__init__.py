@@ -21,12 +21,13 @@ from .encounter import Encounter
 from .gantry_planner import GantryPath, GantryPlanner
 from .kernels.braking import Stops
 from .kernels.candidates import Candidates
-from .kernels.discs import first_but, first_met, within_bounds
+from .kernels.discs import first_met, within_bounds
 from .kernels.edges import Legs, touches
 from .kernels.following import followed
 from .kernels.foresight import Foresight
 from .kernels.grid import block_discs, covers, grid_path, middles
 from .kernels.lookout import most_remote, nearest_on
+from .kernels.movers import Movers
 from .kernels.retreats import Retreats
 from .kernels.throng import Throng
 from .lookout import Lookout
@@ -117,6 +118,7 @@ __all__ = [
     "Motion",
     "MotionLaw",
     "Mover",
+    "Movers",
     "Moving",
     "Narrows",
     "Nearest",
@@ -150,7 +152,6 @@ __all__ = [
     "can_go_on",
     "corner_speed",
     "covers",
-    "first_but",
     "first_conflict",
     "first_met",
     "first_time",

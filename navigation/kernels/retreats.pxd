@@ -1,4 +1,5 @@
 from navigation.kernels.edges cimport Grid
+from navigation.kernels.movers cimport Movers
 
 cdef Py_ssize_t _R
 cdef double _HAIR
@@ -6,6 +7,8 @@ cdef double _JUST_NOW
 
 
 cdef class Retreats:
+    cdef Movers movers
+    cdef Py_ssize_t me
     cdef list[double] legs
     cdef double width
     cdef double start
@@ -15,13 +18,6 @@ cdef class Retreats:
     cdef double own
     cdef Grid walls
     cdef double radius
-    cdef list[list[double]] tables
-    cdef list[double] boxes
-    cdef list[double] radii
-    cdef list[list[double]] floor_tables
-    cdef list[double] floor_boxes
-    cdef list[double] floor_radii
-    cdef bytearray apart
     cdef list[double] none
     cdef list[double] path
     cdef list[double] places
@@ -37,3 +33,4 @@ cdef class Retreats:
     cdef bint _is_taken(self, double x, double y) noexcept
     cdef bint _meets_any(self) noexcept
     cdef bint _meets(self, Py_ssize_t i) noexcept
+cdef list[double] _flat(list points)

@@ -13,20 +13,23 @@ if TYPE_CHECKING:
 else:
     from . import uncompiled as cython
 
+from .edges import Grid, Place
+from .movers import Movers
+
 if not cython.compiled:
     from math import inf
 
     from .candidates import bounds
-    from .discs import distance, first_but, met
-    from .edges import Grid, touches
+    from .discs import distance
+    from .edges import touches
     from .pacing import stand, walk_table
 
     INFINITY = inf
 else:
     from cython.cimports.libc.math import INFINITY
     from cython.cimports.navigation.kernels.candidates import bounds
-    from cython.cimports.navigation.kernels.discs import distance, first_but, met
-    from cython.cimports.navigation.kernels.edges import Grid, touches
+    from cython.cimports.navigation.kernels.discs import distance
+    from cython.cimports.navigation.kernels.edges import touches
     from cython.cimports.navigation.kernels.pacing import stand, walk_table
 
 _R: cython.Py_ssize_t = 10  # numbers in a row of a table
@@ -35,43 +38,41 @@ _JUST_NOW: float = 2e-3  # metres; at least what `met` takes for too close alrea
 
 
 class Retreats:
-    """Walks from rest at `start` (seconds) along a path and on to one of several places.
+    """Walks of the `me`-th of a throng, from rest, along a path and on to one of several places.
 
-    They are `width` metres off the `legs` of a course (as edges are given to `touches`), at
-    `top_speed` and never faster than `max_speed` (m/s), with this `acceleration` (m/s²), and of
-    somebody who keeps `own` metres and the other's radius from each other, and from the end of the
-    path on `radius` metres from `walls`. They meet nobody who is `moving`: tables, bounds and radii
-    of these as for `first_met`. So are those of all who are on the `floor`; of these, who is
-    `apart` does not count.
+    They begin when the `movers` do, of whom they meet nobody, are `width` metres off a `course`, at
+    `top_speed` and never faster than `max_speed` (m/s), with this `acceleration` (m/s²), and from
+    the end of the path on `radius` metres from `walls`.
     """
 
     def __init__(
         self,
-        legs: list[float],
+        movers: Movers,
+        me: int,
+        course: list[Place],
         width: float,
-        start: float,
         top_speed: float,
         max_speed: float,
         acceleration: float,
-        own: float,
         walls: Grid,
         radius: float,
-        moving: tuple[list[list[float]], list[float], list[float]],
-        floor: tuple[list[list[float]], list[float], list[float]],
-        apart: bytearray,
     ) -> None:
-        self.legs = legs
+        self.movers = movers
+        self.me = me
         self.width = width
-        self.start = start
+        self.start = movers.now
         self.top_speed = top_speed
         self.max_speed = max_speed
         self.acceleration = acceleration
-        self.own = own
+        self.own = movers.throng.radii[me] + movers.throng.gap
         self.walls = walls
         self.radius = radius
-        self.tables, self.boxes, self.radii = moving
-        self.floor_tables, self.floor_boxes, self.floor_radii = floor
-        self.apart = apart
+        corners: list[float] = _flat(course)
+        legs: list[float] = []
+        k: cython.Py_ssize_t
+        for k in range(2, len(corners), 2):
+            legs += corners[k - 2 : k + 2]
+        self.legs = legs
         none: list[float] = []
         self.none = none
         self.path = none
@@ -84,13 +85,13 @@ class Retreats:
         self.hit = -1
         self.tried = 0
 
-    def look(self, path: list[float], places: list[float]) -> None:
+    def look(self, path: list[Place], places: list[float]) -> None:
         """Look from now on for walks along `path`, and on to one of the `places`.
 
-        `path` has x and y of its corners in turn, `places` x and y of each from the end of the path
-        (metres). Who steps aside stands where all paths begin.
+        `places` has x and y of each in turn, from the end of the path (metres). Who steps aside
+        stands where all paths begin.
         """
-        self.path = path
+        self.path = _flat(path)
         self.places = places
         self.k = -1
         if self.last < 0:
@@ -105,9 +106,9 @@ class Retreats:
     ) -> int:
         """Come to the next walk that may be taken: return the number of its place; -1 for none.
 
-        Its `table` and `box` are there then, and who of those on the floor is met first: `hit`, -1
-        for nobody. `fit`, if there is one, says of a place whether one may walk there from the end
-        of the path. A walk that meets first who is `refusing` is not taken; it is one of those
+        Its `table` and `box` are there then, and who is met first of those who don't move: `hit`,
+        -1 for nobody. `fit`, if there is one, says of a place whether one may walk there from the
+        end of the path. A walk that meets first who is `refusing` is not taken; it is one of those
         `tried`, as is the one that is returned. At most so many are tried.
         """
         x: float = self.path[len(self.path) - 2]
@@ -119,16 +120,7 @@ class Retreats:
             if fit is not None and not fit(px, py):
                 continue
             self.tried += 1
-            self.hit = first_but(
-                self.table,
-                self.box,
-                self.floor_tables,
-                self.floor_boxes,
-                self.floor_radii,
-                self.own,
-                self.start,
-                self.apart,
-            )
+            self.hit = self.movers.first_other(self.me, self.table, self.box)
             if self.hit < 0 or not refusing[self.hit]:
                 found: int = self.k
                 return found
@@ -140,10 +132,11 @@ class Retreats:
         i: cython.Py_ssize_t
         here: list[float] = []
         stand(here, self.start, INFINITY, self.path[0], self.path[1])
-        for i in range(len(self.radii)):
-            table: list[float] = self.tables[i]
+        movers: Movers = self.movers
+        for i in range(len(movers.radii)):
+            table: list[float] = movers.tables[i]
             last: cython.Py_ssize_t = len(table) - _R
-            least: float = self.own + self.radii[i]
+            least: float = self.own + movers.radii[i]
             # As `met`: who is too close already is met by coming closer still.
             apart: float = distance(here, table, self.start)
             if apart < least + _JUST_NOW:
@@ -184,7 +177,7 @@ class Retreats:
             self.table = table
             self.box = bounds(corners, [])
             # Whoever was in the way of the last one is likely to be in the way of this one.
-            if len(self.radii) == 0 or (not self._meets(self.last) and not self._meets_any()):
+            if len(self.stood) == 0 or (not self._meets(self.last) and not self._meets_any()):
                 return True
         return False
 
@@ -203,7 +196,7 @@ class Retreats:
     def _meets_any(self) -> bool:
         """Return whether the walk meets anybody who is moving: `last`, then."""
         i: cython.Py_ssize_t
-        for i in range(len(self.radii)):
+        for i in range(len(self.stood) // 3):
             if i != self.last and self._meets(i):
                 self.last = i
                 return True
@@ -211,15 +204,9 @@ class Retreats:
 
     def _meets(self, i: cython.Py_ssize_t) -> bool:
         """Return whether the walk meets one who is moving."""
-        t: float = met(
-            self.table,
-            self.box,
-            self.tables,
-            self.boxes,
-            self.radii,
-            self.own,
-            self.start,
-            INFINITY,
-            i,
-        )
-        return t < INFINITY
+        return self.movers.met(i, self.table, self.box, self.own) < INFINITY
+
+
+def _flat(points: list[Place]) -> list[float]:
+    """Return x and y of each point in turn."""
+    return [number for point in points for number in point]

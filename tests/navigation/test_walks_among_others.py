@@ -34,6 +34,18 @@ def crowd(rng: random.Random, count: int) -> Crowd:
     return [walk.table for walk in found], boxes, [rng.uniform(0.2, 0.4) for _ in found]
 
 
+def moved(moving: Crowd, floor: Crowd) -> tuple[navigation.Movers, int]:
+    """Return those moving among those on the floor, and the index of one of 0.3 m with them."""
+    throng = navigation.Throng(GAP)
+    for tables, boxes, radii in (floor, moving, ([[]], [0.0] * 4, [0.3])):
+        for k, (table, radius) in enumerate(zip(tables, radii, strict=True)):
+            throng.add(table, boxes[4 * k : 4 * k + 4], radius)
+    movers = navigation.Movers(throng, START)
+    for k, table in enumerate(moving[0]):
+        movers.add(len(floor[2]) + k, table, moving[1][4 * k : 4 * k + 4])
+    return movers, len(floor[2]) + len(moving[2])
+
+
 def met(walk: navigation.Swath, others: Crowd, but: bytearray, own: float) -> int:
     near = [k for k in range(len(others[2])) if not but[k]]
     return navigation.first_met(walk.table, walk.box, near, *others, own, START, [math.inf])
@@ -45,7 +57,6 @@ def plainly(
     legs: list[float],
     moving: Crowd,
     floor: Crowd,
-    apart: bytearray,
     refusing: bytearray,
 ) -> Iterator[tuple[int, int, list[float]]]:
     x, y = path[-1]
@@ -58,7 +69,7 @@ def plainly(
             and met(walk, moving, bytearray(len(moving[2])), 0.3 + GAP) < 0
             and WALLS.clear((x, y), to)
         ):
-            hit = met(walk, floor, apart, 0.3 + GAP)
+            hit = met(walk, floor, bytearray(len(floor[2])), 0.3 + GAP)
             if hit < 0 or not refusing[hit]:
                 yield k, hit, walk.table
 
@@ -68,20 +79,20 @@ def test_the_steps_taken_are_those_of_a_plain_look() -> None:
     for seed in range(150):
         rng = random.Random(seed)
         moving, floor = crowd(rng, rng.randrange(4)), crowd(rng, 5)
-        apart = bytearray(rng.random() < 0.2 for _ in floor[2])
+        movers, me = moved(moving, floor)
         refusing = bytearray(rng.random() < 0.5 for _ in floor[2])
-        legs = [*somewhere(rng), *somewhere(rng)]
+        course = [somewhere(rng), somewhere(rng)]
+        legs = [c for corner in course for c in corner]
         path = [somewhere(rng) for _ in range(rng.choice((1, 1, 2)))]
         places = [(rng.uniform(-1.5, 1.5), rng.uniform(-1.5, 1.5)) for _ in range(40)]
         walks = navigation.Retreats(
-            legs, 0.6, START, TOP, FASTEST, ACCELERATION, 0.3 + GAP,
-            WALLS.grid, 0.3, moving, floor, apart,
-        )  # fmt: skip
-        walks.look([c for corner in path for c in corner], [c for place in places for c in place])
+            movers, me, course, 0.6, TOP, FASTEST, ACCELERATION, WALLS.grid, 0.3
+        )
+        walks.look(path, [c for place in places for c in place])
         found = []
         while (k := walks.next(1000, None, refusing)) >= 0:
             found.append((k, walks.hit, walks.table))
-        assert found == [*plainly(path, places, legs, moving, floor, apart, refusing)], seed
+        assert found == [*plainly(path, places, legs, moving, floor, refusing)], seed
         taken += len(found)
     assert taken > 200
 

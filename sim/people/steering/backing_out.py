@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise
 
 from floorplan import Point
-from navigation import Swath, touches
+from navigation import touches
 
 from .course import first, length_of, nearest_length, place_after, rest
 from .moving import Moving
@@ -29,20 +29,19 @@ BESIDE = (1.1, 1.3, 1.8, 2.5)
 
 ANGLES = 16
 
-Drafts = dict[Traveller, Swath]
-
 
 def back_out(
     outlook: Outlook,
     course: Sequence[Point],
     length: float,
     floor: Whereabouts,
+    moving: Moving,
     ground_of: Callable[[Traveller], Ground],
     refuses: Callable[[int], bool],
-) -> Drafts | None:
-    """Return where they go who back out of `length` metres of a course, and for whom they do.
+) -> bool:
+    """Return whether all can back out of `length` metres of a course: they are `moving` then.
 
-    None if any of them can't. The one farthest ahead goes first, who has room behind, then the
+    And for whom they do. The one farthest ahead goes first, who has room behind, then the
     next, who goes by where that one stood: so a full aisle is emptied from its end, however many
     are in it. `refuses` says of somebody's index whether they may not be asked.
     """
@@ -51,7 +50,7 @@ def back_out(
     at_once = outlook.draft(way)
     # Those who only wait for their turn, all the same way, have no reason to.
     if at_once is None or not any(floor.cosine(me, other, now) < 0.0 for other in outlook.others):
-        return None
+        return False
     if course is not outlook.course:
         course = [*way, *rest(outlook.course, length)]
     ahead = []
@@ -62,41 +61,40 @@ def back_out(
             ahead.append((gone, other))
     ahead.sort(key=lambda one: -one[0])
     if any(refuses(floor.indices[who]) for _, who in ahead):
-        return None
-    drafts: Drafts = {}
+        return False
+    moving.keep(0)
     for _, who in ahead:
         paths = _paths_off(who, course, who.radius + me.radius + GAP, ground_of(who))
-        draft = _backs_out(who, paths, drafts, floor, now)
-        if draft is None:
-            return None
-        drafts[who] = draft
-    moving = Moving(drafts, now)
+        if not _backs_out(who, paths, moving, floor):
+            return False
+    k = floor.indices[me]
     for wait in BACK:
         draft = outlook.draft(way, delay=wait)
-        if draft is None or moving.meet(me, draft):
+        if draft is None or moving.meet(k, draft.table, draft.box):
             continue
-        if floor.first_but(me, draft, drafts, now) < 0:
-            drafts[me] = draft
-            return drafts
-    return None
+        if moving.first_other(k, draft.table, draft.box) < 0:
+            moving.add(k, draft.table, draft.box)
+            return True
+    return False
 
 
 def _backs_out(
-    who: Traveller, paths: Iterator[list[Point]], drafts: Drafts, floor: Whereabouts, now: float
-) -> Swath | None:
-    """Return where `who` goes on the first of `paths` on which they meet nobody; None for none."""
-    moving = Moving(drafts, now)
+    who: Traveller, paths: Iterator[list[Point]], moving: Moving, floor: Whereabouts
+) -> bool:
+    """Let `who` move on the first of `paths` on which they meet nobody; return whether they can."""
+    k, now = floor.indices[who], moving.now
     for path in paths:
         for wait in BACK:
             draft = who.draft(path, now, wait)
             if draft is None:
                 break
-            hit = floor.first_but(who, draft, drafts, now)
-            if hit < 0 and not moving.meet(who, draft):
-                return draft
+            hit = moving.first_other(k, draft.table, draft.box)
+            if hit < 0 and not moving.meet(k, draft.table, draft.box):
+                moving.add(k, draft.table, draft.box)
+                return True
             if hit >= 0 and floor.rests[hit] <= now:
                 break  # and stands there just as much later on
-    return None
+    return False
 
 
 def _paths_off(

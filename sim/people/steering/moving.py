@@ -1,37 +1,25 @@
-"""Those who move for a request to step aside, checked against each other."""
+"""Those who move for a request to step aside, checked against each other and all others."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping
-
-from navigation import Swath, first_met
+from navigation import Movers, Swath
 
 from .traveller import Traveller
-from .whereabouts import GAP
+from .whereabouts import Whereabouts
 
 
-class Moving:
-    """Those who move for a request, as of `now` (seconds): where each of them goes."""
+class Moving(Movers):
+    """Those who move for a request, of all on a `floor`, as of `now` (seconds): where each goes."""
 
-    def __init__(self, drafts: Mapping[Traveller, Swath], now: float) -> None:
-        self._now = now
-        self.all = (
-            [draft.table for draft in drafts.values()],
-            [bound for draft in drafts.values() for bound in draft.box],
-            [who.radius for who in drafts],
-        )
-        """Tables, bounds and radii."""
+    def __init__(self, floor: Whereabouts, now: float) -> None:
+        super().__init__(floor.throng, now)
+        self._floor = floor
 
-    def meet(self, who: Traveller, draft: Swath) -> bool:
-        """Return whether somebody who goes like this would come too close to any of them."""
-        found = first_met(
-            draft.table,
-            draft.box,
-            [*range(len(self.all[0]))],
-            *self.all,
-            who.radius + GAP,
-            self._now,
-            [math.inf],
-        )
-        return found >= 0
+    @property
+    def drafts(self) -> dict[Traveller, Swath]:
+        """Where everybody goes who moves."""
+        people, boxes = self._floor.people, self.boxes
+        return {
+            people[k]: Swath.of(table, boxes[4 * i : 4 * i + 4])
+            for i, (k, table) in enumerate(zip(self.indices, self.tables, strict=True))
+        }

@@ -102,8 +102,13 @@ class Request:
         self._left = effort.tries
         self._refusing = bytearray(len(whereabouts.people))
         """For everybody, whether they are known to refuse."""
-        self.drafts: dict[Traveller, Swath] = {}
+        self._moving = Moving(whereabouts, now)
+        """Those who move for it: the asker first, unless they back out."""
+
+    @property
+    def drafts(self) -> dict[Traveller, Swath]:
         """Where everybody goes who moves for it."""
+        return self._moving.drafts
 
     def succeeds(self, outlook: Outlook, passed: float) -> bool:
         """Return whether all can move so that the asker gets past `passed` metres of its course."""
@@ -112,8 +117,8 @@ class Request:
             latest = outlook.draft(course, length, delay=WAITS[-1])
             if latest is None:
                 continue
-            self.drafts, self._left = {self._asker: latest}, self._effort.tries
-            if self._clear(self._asker, first(course, length), 0):
+            self._left = self._effort.tries
+            if self._clear_for_asker(latest, first(course, length)):
                 self._set_out_sooner(outlook, course, length)
                 return True
         return self._effort.far and self._back_out(outlook, passed)
@@ -123,11 +128,15 @@ class Request:
         near = min(outlook.stop_beyond(passed + PASSED), outlook.whole)
         for length in dict.fromkeys((near, outlook.stop_beyond(outlook.reach))):
             for course in (outlook.course, *self._beside(outlook, length)):
-                found = back_out(
-                    outlook, course, length, self._whereabouts, self._ground_of, self._refuses
-                )
-                if found is not None:
-                    self.drafts = found
+                if back_out(
+                    outlook,
+                    course,
+                    length,
+                    self._whereabouts,
+                    self._moving,
+                    self._ground_of,
+                    self._refuses,
+                ):
                     return True
         return False
 
@@ -157,46 +166,40 @@ class Request:
 
     def _set_out_sooner(self, outlook: Outlook, course: Sequence[Point], length: float) -> None:
         """Let the asker set out as soon as all the others who move are out of its way."""
-        others = {who: draft for who, draft in self.drafts.items() if who is not self._asker}
-        moving = Moving(others, self._now)
+        moving, asker = self._moving, self._whereabouts.indices[self._asker]
         for wait in WAITS[:-1]:
             draft = outlook.draft(course, length, delay=wait)
-            if draft is None or moving.meet(self._asker, draft):
+            if draft is None or moving.meet(asker, draft.table, draft.box):
                 continue
-            if self._first_hit(self._asker, draft) < 0:
-                self.drafts[self._asker] = draft
+            if moving.first_other(asker, draft.table, draft.box) < 0:
+                moving.change(0, draft.table, draft.box)
                 return
 
     def make_way(self, course: Sequence[Point]) -> None:
         """Let all who can step off the motion that the asker is committed to, along `course`."""
-        self.drafts = {self._asker: self._asker.swath}
-        self._clear(self._asker, course, 0)
+        self._clear_for_asker(self._asker.swath, course)
 
-    def _first_hit(self, mover: Traveller, draft: Swath) -> int:
-        """Return whom `mover` meets first of those who don't move for the request.
+    def _clear_for_asker(self, draft: Swath, course: Sequence[Point]) -> bool:
+        """Let all step aside who stand in the way of the asker; return whether they can."""
+        moving = self._moving
+        moving.keep(0)
+        moving.add(self._whereabouts.indices[self._asker], draft.table, draft.box)
+        return self._clear(0, course, 0, moving.first_hit(0))
 
-        An index; -1 for nobody.
-        """
-        return self._whereabouts.first_but(mover, draft, self.drafts, self._now)
+    def _clear(self, mover: int, course: Sequence[Point], depth: int, hit: int) -> bool:
+        """Let all step aside who stand in the way of a mover; return whether they can.
 
-    def _clear(
-        self, mover: Traveller, course: Sequence[Point], depth: int, hit: int | None = None
-    ) -> bool:
-        """Let all step aside who stand in the way of `mover`; return whether they can.
-
-        `hit` is the first of them, where that is known.
+        `hit` is the first of them, -1 for nobody.
         """
         # All of a chain is checked against what everybody else is committed to, and the chain's own
         # drafts against each other, so that all can be committed to at once.
-        draft = self.drafts[mover]
-        if hit is None:
-            hit = self._first_hit(mover, draft)
+        moving = self._moving
         while hit >= 0:
-            if self._is_enough(depth, len(self.drafts)) or self._refuses(hit):
+            if self._is_enough(depth, len(moving.indices)) or self._refuses(hit):
                 return False
-            if not self._step(self._whereabouts.people[hit], course, depth):
+            if not self._step(hit, course, depth):
                 return False
-            hit = self._first_hit(mover, draft)
+            hit = moving.first_hit(mover)
         return True
 
     def _is_enough(self, depth: int, moving: int) -> bool:
@@ -220,44 +223,42 @@ class Request:
         self._refusing[k] = refuses
         return refuses
 
-    def _step(self, who: Traveller, course: Sequence[Point], depth: int) -> bool:
-        """Let `who` step off `course`, and whoever is in the way of that; else leave all as is."""
+    def _step(self, k: int, course: Sequence[Point], depth: int) -> bool:
+        """Let the k-th step off `course`, and whoever is in their way; else leave all as is."""
         # Depth first: a step that leads nowhere takes all those back that were made for it.
-        before = self.drafts
-        for retreat, draft, hit in self._retreats(who, course, depth):
-            self.drafts = {**before, who: draft}
-            if self._clear(who, retreat, depth + 1, hit):
+        moving = self._moving
+        count = len(moving.indices)
+        for retreat, walk in self._retreats(k, course, depth):
+            moving.add(k, walk.table, walk.box)
+            if self._clear(count, retreat, depth + 1, walk.hit):
                 return True
-            self.drafts = before
+            moving.keep(count)
         return False
 
     def _retreats(
-        self, who: Traveller, course: Sequence[Point], depth: int
-    ) -> Iterator[tuple[list[Point], Swath, int]]:
+        self, k: int, course: Sequence[Point], depth: int
+    ) -> Iterator[tuple[list[Point], Retreats]]:
         """Yield courses off `course`: to the nearest places around, then to places ahead of it.
 
         With what comes of them, and who is met first there; none meets anybody who moves. As many
         as the effort allows, of which those are left out that meet first who refuses.
         """
-        floor, ground = self._whereabouts, self._ground_of(who)
-        moving, refusing = Moving(self.drafts, self._now), self._refusing
-        if self._is_enough(depth + 1, len(self.drafts) + 1):
+        who = self._whereabouts.people[k]
+        ground, moving, refusing = self._ground_of(who), self._moving, self._refusing
+        if self._is_enough(depth + 1, len(moving.indices) + 1):
             refusing = bytearray(b"\1" * len(refusing))
         # With `who`'s own radius for the other's: a sieve, as the kernel checks each step exactly.
         width = 2 * who.radius + GAP
         walks = Retreats(
-            [number for a, b in pairwise(course) for number in (*a, *b)],
+            moving,
+            k,
+            [*course],
             width,
-            self._now,
             who.top_speed,
             who.human.max_speed,
             who.human.max_acceleration,
-            who.radius + GAP,
             ground.walls,
             ground.radius,
-            moving.all,
-            (floor.tables, floor.boxes, floor.radii),
-            floor.among((*self.drafts, who)),
         )
         path: list[Point] = []
 
@@ -267,24 +268,23 @@ class Request:
             if not who.zones:
                 return True
             slower = who.draft([*path, (x, y)], self._now)
-            if slower is None or moving.meet(who, slower):
+            if slower is None or moving.meet(k, slower.table, slower.box):
                 return False
             walks.table, walks.box = slower.table, slower.box
             return True
 
         wide = self._effort.wide
         for path, places in _lookout(who.swath.place, course, width, ground):
-            walks.look([number for corner in path for number in corner], places)
+            walks.look(path, places)
             fit = None if not who.zones and ground.has_only_walls(path[-1], RINGS[-1]) else fits
             while True:
-                k = walks.next(min(wide, self._left), fit, refusing)
+                found = walks.next(min(wide, self._left), fit, refusing)
                 wide -= walks.tried
                 self._left -= walks.tried
-                if k < 0:
+                if found < 0:
                     break
                 x, y = path[-1]
-                retreat = [*path, (x + places[2 * k], y + places[2 * k + 1])]
-                yield retreat, Swath.of(walks.table, walks.box), walks.hit
+                yield [*path, (x + places[2 * found], y + places[2 * found + 1])], walks
             if wide <= 0 or self._left <= 0:
                 return
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Container, Iterable, Sequence
+from collections.abc import Container, Sequence
 from typing import NamedTuple, overload
 
 from floorplan import Point
-from navigation import Swath, Throng, first_but, first_met, within_bounds
+from navigation import Swath, Throng, first_met, within_bounds
 
 from .traveller import Traveller
 
@@ -114,30 +114,6 @@ class Whereabouts:
         near = within_bounds(self.boxes, *sight.box)
         near.remove(self.indices[me])
         return near != sight.near or any(self._changed[k] > sight.changes for k in near)
-
-    def among(self, some: Iterable[Traveller]) -> bytearray:
-        """Return for everybody, in the order in which they came, whether they are among some."""
-        among = bytearray(len(self.people))
-        for one in some:
-            among[self.indices[one]] = 1
-        return among
-
-    def first_but(self, me: Traveller, ahead: Swath, some: Iterable[Traveller], now: float) -> int:
-        """Return whom somebody who goes `ahead` meets first, but for some: an index.
-
-        -1 for nobody.
-        """
-        found: int = first_but(
-            ahead.table,
-            ahead.box,
-            self.tables,
-            self.boxes,
-            self.radii,
-            me.radius + GAP,
-            now,
-            self.among(some),
-        )
-        return found
 
     def hit(self, k: int, t: float) -> Hit:
         """Return the conflict with the k-th at `t` (seconds)."""
