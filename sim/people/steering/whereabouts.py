@@ -47,8 +47,6 @@ class Whereabouts:
         self.throng = throng = Throng(GAP)
         self.tables, self.boxes, self.radii = throng.tables, throng.boxes, throng.radii
         self.rests: list[float] = []
-        self.places: list[Point] = []
-        """Where they come to stand."""
         self.indices: dict[Traveller, int] = {}
         self.changes = 0
         """Number of motions that anybody has committed themselves to."""
@@ -56,8 +54,7 @@ class Whereabouts:
 
     def put(self, who: Traveller) -> None:
         """Take note of what somebody has committed themselves to."""
-        swath = who.swath
-        table, rests, box = swath
+        table, rests, box = who.swath
         self.changes += 1
         k = self.indices.get(who)
         if k is None:
@@ -65,12 +62,10 @@ class Whereabouts:
             self.people.append(who)
             self.throng.add(table, box, who.radius)
             self.rests.append(rests)
-            self.places.append(swath.place)
             self._changed.append(self.changes)
         else:
             self.throng.commit(k, table, box)
             self.rests[k] = rests
-            self.places[k] = swath.place
             self._changed[k] = self.changes
 
     def take_away(self, who: Traveller) -> None:
