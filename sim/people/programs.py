@@ -98,7 +98,7 @@ def written_personality(personality: str | bdi.Program, folder: Path) -> str:
     return builtin[0] if builtin else Path(os.path.relpath(path, folder)).as_posix()
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=1024)
 def _try_out(program: bdi.Program, own: frozenset[str]) -> None:
     """Refuse what nobody can begin with, as internal actions that aren't there or among `own`.
 

@@ -73,7 +73,7 @@ class Regard:
         self.perceive(NEARNESS[0] if is_near else NEARNESS[1], who)
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=1024)
 def mentioned(program: bdi.Program) -> frozenset[str]:
     """Return those of the percepts about other people that stand anywhere in a program."""
     clauses = (*program.beliefs, *program.goals, *program.plans)

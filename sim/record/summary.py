@@ -17,17 +17,11 @@ _LACKING = (ArithmeticError, AttributeError, LookupError, TypeError, ValueError)
 
 def summarise(run: Finished) -> dict[str, Any]:
     """Return the summary of a run, but for what it cost."""
-    summary = {
-        path: figure.of(run)
-        for path, figure in FIGURES.items()
-        if figure.of and not path.startswith(PEOPLE) and figure.only(run.trial)
-    }
+    told = {path: one.of for path, one in FIGURES.items() if one.of and one.only(run.trial)}
+    own = {path: of for path, of in told.items() if path.startswith(PEOPLE)}
+    summary = {path: of(run) for path, of in told.items() if path not in own}
     summary["people"] = {
-        person.name: {
-            path.removeprefix(PEOPLE): figure.of(run, person)
-            for path, figure in FIGURES.items()
-            if figure.of and path.startswith(PEOPLE) and figure.only(run.trial)
-        }
+        person.name: {path.removeprefix(PEOPLE): of(run, person) for path, of in own.items()}
         for person in run.people
     }
     if run.trial.machines:
