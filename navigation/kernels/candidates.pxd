@@ -1,3 +1,5 @@
+from navigation.kernels.throng cimport Throng
+
 cdef Py_ssize_t _ROW
 cdef Py_ssize_t _R
 cdef double _BEFORE
@@ -60,12 +62,7 @@ cdef class Candidates:
     cpdef bint draw_along(self, double length, double top_speed, double delay) except -1
     cdef int come_to(self, double length) noexcept
     cpdef bint next_free(
-        self,
-        list[Py_ssize_t] near,
-        list[list[double]] tables,
-        list[double] boxes,
-        list[double] radii,
-        double own,
+        self, list[Py_ssize_t] near, Throng throng, double own
     ) except -1
     cdef bint next_course(self) except -1
     cdef bint is_free_aside(
@@ -75,25 +72,14 @@ cdef class Candidates:
         double along,
         double side,
         list[Py_ssize_t] near,
-        list[list[double]] tables,
-        list[double] boxes,
-        list[double] radii,
+        Throng throng,
         double own,
     ) except -1
     cdef bint _is_free(
-        self,
-        list[Py_ssize_t] near,
-        list[list[double]] tables,
-        list[double] boxes,
-        list[double] radii,
-        double own,
+        self, list[Py_ssize_t] near, Throng throng, double own
     ) except -1
     cdef int _look_at(
-        self,
-        list[Py_ssize_t] near,
-        list[list[double]] tables,
-        list[double] radii,
-        double own,
+        self, list[Py_ssize_t] near, Throng throng, double own
     ) except -1
     cdef bint _draw(self, list[double] corners) except -1
     cdef int _add(

@@ -15,6 +15,7 @@ else:
     from . import uncompiled as cython
 
 from .discs import ROW
+from .throng import Throng
 
 if not cython.compiled:
     from math import inf, sqrt
@@ -197,20 +198,14 @@ class Candidates:
         self.s = s
         return 0
 
-    def next_free(
-        self,
-        near: list[cython.Py_ssize_t],
-        tables: list[list[float]],
-        boxes: list[float],
-        radii: list[float],
-        own: float,
-    ) -> bool:
-        """Come to the next walk that meets nobody `near`, as `first_met` has it.
+    def next_free(self, near: list[cython.Py_ssize_t], throng: Throng, own: float) -> bool:
+        """Come to the next walk that meets nobody of a throng who is `near`, as `first_met` has it.
 
-        False if there is none. Its `corners`, `table` and `box` are there then.
+        `own` is how far they keep from the bodies of others (metres). False if there is none. Its
+        `corners`, `table` and `box` are there then.
         """
         while self.next_course():
-            if self._is_free(near, tables, boxes, radii, own):
+            if self._is_free(near, throng, own):
                 return True
         return False
 
@@ -221,9 +216,7 @@ class Candidates:
         along: float,
         side: float,
         near: list[cython.Py_ssize_t],
-        tables: list[list[float]],
-        boxes: list[float],
-        radii: list[float],
+        throng: Throng,
         own: float,
     ) -> bool:
         """Come to a walk that is `side` metres to the left `along` metres on.
@@ -236,19 +229,12 @@ class Candidates:
         self.top_speed = top_speed
         self.delay = 0.0
         self.side = side
-        return self._can_turn() and self._is_free(near, tables, boxes, radii, own)
+        return self._can_turn() and self._is_free(near, throng, own)
 
-    def _is_free(
-        self,
-        near: list[cython.Py_ssize_t],
-        tables: list[list[float]],
-        boxes: list[float],
-        radii: list[float],
-        own: float,
-    ) -> bool:
+    def _is_free(self, near: list[cython.Py_ssize_t], throng: Throng, own: float) -> bool:
         """Draw up the walk that is looked at; return whether it meets nobody `near`."""
         corners: list[float] = _first(self.corners, self.length)
-        self._look_at(near, tables, radii, own)
+        self._look_at(near, throng, own)
         # No table is drawn up for what can't be free, whenever they walk there: through somebody
         # who stands, or to where somebody will stand in the end.
         if (
@@ -260,6 +246,9 @@ class Candidates:
         now: float = self.now
         table: list[float] = self.table
         box: list[float] = self.box
+        tables: list[list[float]] = throng.tables
+        boxes: list[float] = throng.boxes
+        radii: list[float] = throng.radii
         # Whoever was in the way of the last one is likely to be in the way of this one.
         k: cython.Py_ssize_t = self.blocker
         if k >= 0 and met(table, box, tables, boxes, radii, own, now, INFINITY, k) < INFINITY:
@@ -272,13 +261,7 @@ class Candidates:
                 return False
         return True
 
-    def _look_at(
-        self,
-        near: list[cython.Py_ssize_t],
-        tables: list[list[float]],
-        radii: list[float],
-        own: float,
-    ) -> cython.int:
+    def _look_at(self, near: list[cython.Py_ssize_t], throng: Throng, own: float) -> cython.int:
         """Set `stood` to who of those `near` stands for good, and `ends` to where others will.
 
         Of each x, y, and how near to come is to meet them. Those alone who are farther off than
@@ -299,9 +282,9 @@ class Candidates:
         stand(here, self.now, INFINITY, x, y)
         i: cython.Py_ssize_t
         for i in range(len(near)):
-            other: list[float] = tables[near[i]]
+            other: list[float] = throng.tables[near[i]]
             last: cython.Py_ssize_t = len(other) - _R
-            least: float = own + radii[near[i]]
+            least: float = own + throng.radii[near[i]]
             found: list[float] = self.ends
             away: float
             if other[last] <= self.now:

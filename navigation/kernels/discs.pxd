@@ -7,6 +7,17 @@ cpdef list[Py_ssize_t] within_bounds(
     list[double] boxes, double low_x, double low_y, double high_x, double high_y
 )
 cpdef double gone(list[double] table, double since, double t) noexcept
+cpdef Py_ssize_t first_met(
+    list[double] table,
+    list[double] box,
+    list[Py_ssize_t] near,
+    list[list[double]] tables,
+    list[double] boxes,
+    list[double] radii,
+    double own,
+    double begin,
+    list[double] when,
+) except -2
 cpdef Py_ssize_t first_but(
     list[double] table,
     list[double] box,

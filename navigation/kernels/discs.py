@@ -97,14 +97,14 @@ def _widen(
 def first_met(
     table: list[float],
     box: list[float],
-    near: list[int],
+    near: list[cython.Py_ssize_t],
     tables: list[list[float]],
     boxes: list[float],
     radii: list[float],
     own: float,
     begin: float,
     when: list[float],
-) -> int:
+) -> cython.Py_ssize_t:
     """Return who of those `near` is met first from `begin` (seconds) on; -1 for nobody.
 
     `table` is the motion of one, `tables` those of all others. To meet one of them is to come
@@ -124,8 +124,7 @@ def first_met(
             first = t
             who = k
     when[0] = first
-    found: int = who
-    return found
+    return who
 
 
 def first_but(

@@ -22,7 +22,10 @@ else:
 _R: cython.Py_ssize_t = ROW
 _X: cython.Py_ssize_t = 2  # where the coefficients of x begin in it
 _Y: cython.Py_ssize_t = 6
-_SLOW: float = 0.05  # m/s; the direction of whoever is slower is not that of their velocity
+SLOW: float = 0.05
+"""m/s. The direction of whoever is slower is not that of their velocity."""
+
+_SLOW: float = SLOW
 
 
 def followed(

@@ -55,6 +55,7 @@ cdef class Foresight:
     cdef readonly Py_ssize_t hit
     cdef readonly double hit_at
     cdef double met_at
+    cdef list[double] when
     cdef Py_ssize_t ahead
     cdef double ahead_speed
     cdef double ahead_walks_on
@@ -66,7 +67,6 @@ cdef class Foresight:
     cdef bint _is_narrow_at(self, double x, double y) except -1
     cpdef Py_ssize_t look(self) except -2
     cdef int _see(self, double around) except -1
-    cpdef list[Py_ssize_t] within(self, list[double] box)
     cdef Py_ssize_t _first_met(self, double own) except -2
     cdef int _follow(self) except -1
     cdef Py_ssize_t _followed(

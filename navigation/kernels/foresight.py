@@ -20,13 +20,13 @@ from .throng import Throng
 if not cython.compiled:
     from math import ceil, inf
 
-    from .discs import gone, met
+    from .discs import first_met, gone
     from .following import followed, speed_behind
 
     INFINITY = inf
 else:
     from cython.cimports.libc.math import INFINITY, ceil
-    from cython.cimports.navigation.kernels.discs import gone, met
+    from cython.cimports.navigation.kernels.discs import first_met, gone
     from cython.cimports.navigation.kernels.following import followed, speed_behind
 
 _STEP: float = 0.25  # metres between the places along a course that are looked at
@@ -117,6 +117,7 @@ class Foresight:
         self.wishes = False
         self.hit = self.ahead = -1
         self.met_at = self.hit_at = INFINITY
+        self.when = [INFINITY]
         self.ahead_speed = self.ahead_walks_on = 0.0
 
     def wish(self) -> bool:
@@ -187,18 +188,10 @@ class Foresight:
         """
         box: list[float] = self.box
         self.seen = [box[0] - around, box[1] - around, box[2] + around, box[3] + around]
-        self.near = self.within(self.seen)
+        self.near = self.throng.near(self.seen, self.radius + self.comfort)
+        if self.me in self.near:
+            self.near.remove(self.me)
         return 0
-
-    def within(self, box: list[float]) -> list[cython.Py_ssize_t]:
-        """Return who may come near bounds that they move in."""
-        throng: Throng = self.throng
-        # As wide as the widest there is: bounds are those of centres.
-        margin: float = self.own + self.comfort + throng.widest + throng.gap
-        near: list[cython.Py_ssize_t] = throng.near(box, margin)
-        if self.me in near:
-            near.remove(self.me)
-        return near
 
     def _first_met(self, own: float) -> cython.Py_ssize_t:
         """Return whom they would meet first who keep so far from others; -1 for nobody.
@@ -206,27 +199,18 @@ class Foresight:
         When, is `met_at`.
         """
         throng: Throng = self.throng
-        near: list[cython.Py_ssize_t] = self.near
-        first: float = INFINITY
-        who: cython.Py_ssize_t = -1
-        i: cython.Py_ssize_t
-        for i in range(len(near)):
-            k: cython.Py_ssize_t = near[i]
-            t: float = met(
-                self.table,
-                self.box,
-                throng.tables,
-                throng.boxes,
-                throng.radii,
-                own,
-                self.walks.now,
-                first,
-                k,
-            )
-            if t < first:
-                first = t
-                who = k
-        self.met_at = first
+        who: cython.Py_ssize_t = first_met(
+            self.table,
+            self.box,
+            self.near,
+            throng.tables,
+            throng.boxes,
+            throng.radii,
+            own,
+            self.walks.now,
+            self.when,
+        )
+        self.met_at = self.when[0]
         return who
 
     # Following
@@ -556,8 +540,7 @@ class Foresight:
 
     def _take_first_free(self) -> bool:
         """Come to the walk that loses least of those that are free; return whether there is one."""
-        throng: Throng = self.throng
-        while self.walks.next_free(self.near, throng.tables, throng.boxes, throng.radii, self.own):
+        while self.walks.next_free(self.near, self.throng, self.own):
             if self._has_room():
                 return True
         return False
@@ -567,7 +550,6 @@ class Foresight:
 
         Return whether it is free, of walls and of those `near`.
         """
-        throng: Throng = self.throng
         return (
             self.walks.is_free_aside(
                 self.reach + 0.5,
@@ -575,9 +557,7 @@ class Foresight:
                 along,
                 side,
                 near,
-                throng.tables,
-                throng.boxes,
-                throng.radii,
+                self.throng,
                 self.own,
             )
             and self._has_room()

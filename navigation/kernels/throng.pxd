@@ -14,7 +14,7 @@ cdef class Throng:
     cdef double y
     cdef double c
     cdef double s
-    cpdef list[Py_ssize_t] near(self, list[double] box, double margin)
+    cpdef list[Py_ssize_t] near(self, list[double] box, double around)
     cdef list[Py_ssize_t] _resting(
         self, Py_ssize_t me, list[double] box, double around, double now
     )

@@ -13,6 +13,7 @@ else:
     from . import uncompiled as cython
 
 from .discs import ROW
+from .following import SLOW
 
 if not cython.compiled:
     from math import inf, sqrt
@@ -25,7 +26,7 @@ else:
     from cython.cimports.navigation.kernels.discs import within_bounds
 
 _R: cython.Py_ssize_t = ROW
-_SLOW: float = 0.05  # m/s; the direction of whoever is slower is not that of their velocity
+_SLOW: float = SLOW
 _THERE: float = 1e-6  # metres; nearer than this is there
 
 
@@ -70,8 +71,12 @@ class Throng:
         self.onward[2 * k] = x
         self.onward[2 * k + 1] = y
 
-    def near(self, box: list[float], margin: float) -> list[cython.Py_ssize_t]:
-        """Return who may come so near to bounds (metres): their indices."""
+    def near(self, box: list[float], around: float) -> list[cython.Py_ssize_t]:
+        """Return who may come so near to bounds with their bodies (metres): their indices.
+
+        As wide as the widest there is: bounds are those of centres.
+        """
+        margin: float = around + self.widest + 2 * self.gap
         low_x: float = box[0] - margin
         low_y: float = box[1] - margin
         found: list[cython.Py_ssize_t] = within_bounds(
@@ -106,7 +111,7 @@ class Throng:
     ) -> list[cython.Py_ssize_t]:
         found: list[cython.Py_ssize_t] = []
         i: cython.Py_ssize_t
-        near: list[cython.Py_ssize_t] = self.near(box, around + self.widest + 2 * self.gap)
+        near: list[cython.Py_ssize_t] = self.near(box, around)
         for i in range(len(near)):
             k: cython.Py_ssize_t = near[i]
             if k != me and self.rests(k) <= now:

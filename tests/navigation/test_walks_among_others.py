@@ -116,8 +116,8 @@ def test_the_next_free_walk_is_that_of_a_plain_look() -> None:
                     plain.append(walk.table)
         for loss, one in enumerate(asked):
             walks.add(loss, *one)
-        found = []
-        while walks.next_free([*range(len(others[2]))], *others, 0.3 + GAP):
+        found, throng = [], moved(([], [], []), others)[0].throng
+        while walks.next_free([*range(len(others[2]))], throng, 0.3 + GAP):
             found.append(walks.table)
         assert found == plain, seed
         taken += len(found)

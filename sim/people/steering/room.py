@@ -53,7 +53,7 @@ def room_near(
             # Standing there for ever must conflict with nobody's motion, as everything that is
             # agreed to.
             stand = swath(standing(at, start=now), now)
-            near = [floor.people[k] for k in floor.near(stand.box, radius)]
+            near = [floor.people[k] for k in floor.throng.near(stand.box, radius)]
             # The place itself was found fit by whoever chose it, however close to a wall.
             if (
                 (ring == 0 or ground.free_and_back(place, at))

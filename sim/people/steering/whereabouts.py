@@ -91,11 +91,6 @@ class Whereabouts:
         """
         return self.throng.between(self.indices[one], self.indices[other], t)
 
-    def near(self, box: list[float], radius: float) -> list[int]:
-        """Return who may come near the bounds of a disc of `radius` metres: their indices."""
-        # As wide as the widest there is: bounds are those of centres.
-        return self.throng.near(box, radius + self.throng.widest + 2 * GAP)
-
     def sight(self, me: Traveller, box: Sequence[float]) -> Sight:
         """Return what somebody sees who looks at what comes into bounds."""
         near = within_bounds(self.boxes, *box)
@@ -116,7 +111,7 @@ class Whereabouts:
 
     def others(self, me: Traveller, box: list[float], now: float) -> Others:
         """Return the others who may come near bounds that somebody moves in from now on."""
-        near = self.near(box, me.radius + me.manners.comfort)
+        near = self.throng.near(box, me.radius + me.manners.comfort)
         k = self.indices[me]
         if k in near:
             near.remove(k)
@@ -181,7 +176,7 @@ class Others(Sequence[Traveller]):
 
     def _first_met(self, ahead: Swath) -> int:
         floor = self.floor
-        return first_met(
+        found: int = first_met(
             ahead.table,
             ahead.box,
             self.near,
@@ -192,3 +187,4 @@ class Others(Sequence[Traveller]):
             self._now,
             self._when,
         )
+        return found
