@@ -25,11 +25,12 @@ from .kernels.discs import first_met, within_bounds
 from .kernels.edges import Legs, touches
 from .kernels.following import followed
 from .kernels.foresight import Foresight
-from .kernels.grid import block_discs, covers, grid_path, middles
+from .kernels.grid import middles
 from .kernels.lookout import most_remote, nearest_on
 from .kernels.movers import Movers
 from .kernels.retreats import Retreats
 from .kernels.throng import Throng
+from .kernels.ways_round import CHUNK, WaysRound
 from .lookout import Lookout
 from .machines import (
     ARIAC_GANTRY,
@@ -85,6 +86,7 @@ from .world import CollisionWorld
 
 __all__ = [
     "ARIAC_GANTRY",
+    "CHUNK",
     "RESOLUTION",
     "STANDING_SPEED",
     "AnyLaw",
@@ -144,14 +146,13 @@ __all__ = [
     "TooClose",
     "Track",
     "Watch",
+    "WaysRound",
     "agv_box",
     "agv_run",
     "agv_stop",
     "agv_stops",
-    "block_discs",
     "can_go_on",
     "corner_speed",
-    "covers",
     "first_conflict",
     "first_met",
     "first_time",
@@ -162,7 +163,6 @@ __all__ = [
     "gantry_move",
     "gantry_stop",
     "gantry_stops",
-    "grid_path",
     "is_of_motions",
     "is_of_speeds",
     "join",

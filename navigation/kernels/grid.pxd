@@ -13,6 +13,18 @@ cdef class Cells:
     cdef dict known
     cpdef bint has(self, double x, double y) except -1
 
+cpdef int block_discs(
+    bytearray blocked,
+    Py_ssize_t columns,
+    double low_x,
+    double low_y,
+    double width,
+    list[double] discs,
+    double spare,
+) except -1
+cpdef bint covers(list[double] discs, double x, double y) noexcept
+cpdef list[double] middles(list[double] discs)
+
 cdef Py_ssize_t _estimate(Py_ssize_t cell, Py_ssize_t goal, Py_ssize_t columns) noexcept
 
 @cython.locals(costs="long long[::1]", came="long long[::1]")

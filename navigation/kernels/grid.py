@@ -69,7 +69,7 @@ def block_discs(
     width: float,
     discs: list[float],
     spare: float,
-) -> None:
+) -> cython.int:
     """Block the cells of a grid whose middle is in a disc, or up to `spare` metres beside it.
 
     `blocked` and `columns` are as for `grid_path`; the cells are `width` metres wide, and the
@@ -95,6 +95,7 @@ def block_discs(
                 dx: float = i - x
                 if dx * dx + dy * dy < reach * reach:
                     blocked[j * columns + i] = 1
+    return 0
 
 
 def covers(discs: list[float], x: float, y: float) -> bool:

@@ -2,9 +2,21 @@
 
 import heapq
 import itertools
+import math
 import random
 
-from navigation import block_discs, grid_path
+import numpy as np
+import shapely
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from navigation import CHUNK, Legs, WaysRound
+from navigation.kernels.grid import block_discs, grid_path
+from navigation.walls import Walls
+
+HALL = shapely.box(-40.0, -40.0, 40.0, 40.0)
+CELL, RADIUS = 0.3, 0.2
+METRES = st.floats(-25.0, 25.0)
 
 
 def least_cost(blocked: bytearray, columns: int, start: int, goal: int) -> int | None:
@@ -64,3 +76,43 @@ def test_discs_block_the_cells_whose_middle_they_cover():
         y = low[1] + (k // columns + 0.5) * width
         near = [(x - discs[i]) ** 2 + (y - discs[i + 1]) ** 2 < discs[i + 2] ** 2 for i in (0, 3)]
         assert bool(taken) == any(near)
+
+
+def ways_round() -> tuple[WaysRound, Legs]:
+    """Return ways in the hall for somebody of `RADIUS`."""
+    room = HALL.buffer(-RADIUS)
+
+    def chunk(i: int, j: int) -> bytes:
+        along = (np.arange(CHUNK) + 0.5) * CELL
+        x, y = np.meshgrid(i * CHUNK * CELL + along, j * CHUNK * CELL + along)
+        return (~shapely.intersects_xy(room, x, y)).tobytes()
+
+    legs = Legs(Walls(HALL, RADIUS).grid, RADIUS, lambda a, b: True)
+    return WaysRound(CELL, 6.0, 40_000, chunk), legs
+
+
+@given(st.lists(st.tuples(METRES, METRES), max_size=20), st.tuples(METRES, METRES))
+def test_ways_round_keep_off_all_discs(discs, end):
+    ways, legs = ways_round()
+    begin, away = (-30.0, -30.0), 0.7
+    standing = [number for x, y in discs for number in (x, y, away)]
+    corners = ways.path(*begin, *end, standing, legs)
+    if all(math.dist(end, disc) > 2 * away for disc in discs) and len(discs) < 2:
+        assert corners
+    assume(corners)
+    path = [*zip(corners[::2], corners[1::2], strict=True)]
+    assert path[0] == begin and path[-1] == end
+    line = shapely.LineString(path)
+    assert HALL.buffer(-RADIUS).covers(line)
+    assert all(line.distance(shapely.Point(disc)) > away - 1e-9 for disc in discs)
+
+
+def test_ways_round_are_as_good_on_every_side_of_the_origin():
+    ways, legs = ways_round()
+    lengths = set()
+    for x, y in ((1, 1), (-1, 1), (1, -1), (-1, -1)):
+        a, b, disc = (20.25 * x, 20.25 * y), (30.15 * x, 20.25 * y), (25.05 * x, 20.25 * y, 0.7)
+        corners = ways.path(*a, *b, [*disc], legs)
+        path = [*zip(corners[::2], corners[1::2], strict=True)]
+        lengths.add(round(sum(itertools.starmap(math.dist, itertools.pairwise(path))), 9))
+    assert len(lengths) == 1 and 9.9 < lengths.pop() < 10.5

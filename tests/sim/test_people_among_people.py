@@ -532,7 +532,7 @@ def test_who_is_stuck_keeps_their_path_where_a_vehicle_stands_on_the_goal():
     def blocked(at):
         raise navigation.PlanningError("goal_blocked", "an AGV")
 
-    ground = SimpleNamespace(detours=SimpleNamespace(path=lambda *question: None), free=None)
+    ground = SimpleNamespace(detours=SimpleNamespace(path=lambda *question: []), legs=None)
     outlook = SimpleNamespace(
         ground=ground,
         at=(0, 0),

@@ -170,10 +170,10 @@ def takes_way_round(me: Traveller, outlook: Outlook, stood: float) -> bool:
     goal = me.goal
     assert goal is not None
     ground, standing = outlook.ground, outlook.standing(AROUND, outlook.at, goal)
-    path = ground.detours.path(outlook.at, goal, standing, ground.free)
+    path = ground.detours.path(outlook.at, goal, standing, ground.legs)
     # Worth it if it is longer by no more than they would have walked while they stood, and in a
     # pause more: the longer they stand, the longer a way round they take.
-    if path is None or length_of(path) > outlook.whole + me.top_speed * (stood + LONGEST):
+    if not path or length_of(path) > outlook.whole + me.top_speed * (stood + LONGEST):
         before = me.route
         if len(before) == 1 and len(outlook.course) == 2:
             me.goes_round = False
