@@ -27,7 +27,13 @@ cpdef list[double] middles(list[double] discs)
 
 cdef Py_ssize_t _estimate(Py_ssize_t cell, Py_ssize_t goal, Py_ssize_t columns) noexcept
 
-@cython.locals(costs="long long[::1]", came="long long[::1]")
+@cython.locals(
+    costs="int[::1]",
+    came="int[::1]",
+    tops="int[::1]",
+    above="int[::1]",
+    below="int[::1]",
+)
 cpdef list grid_path(
     bytearray blocked, Py_ssize_t columns, Py_ssize_t start, Py_ssize_t goal
 )

@@ -134,26 +134,30 @@ def grid_path(
     with buckets of whole costs (R. Dial, "Algorithm 360", 1969).
     """
     count: cython.Py_ssize_t = len(blocked)
-    costs: array[int] = array("q", [100 * count]) * count
-    came: array[int] = array("q", [-1]) * count
-    buckets: list[list[int]] = [[] for _ in range(_BUCKETS)]
+    unseen: cython.Py_ssize_t = 100 * count
+    costs: array[int] = array("i", [unseen]) * count
+    came: array[int] = array("i", [-1]) * count
+    # Each bucket is a stack: its top, and for each cell which are above and below it.
+    tops: array[int] = array("i", [-1]) * _BUCKETS
+    above: array[int] = array("i", [-1]) * count
+    below: array[int] = array("i", [-1]) * count
     costs[start] = 0
     level: cython.Py_ssize_t = _estimate(start, goal, columns)
-    buckets[level % _BUCKETS].append(start)
+    tops[level % _BUCKETS] = start
     empty: cython.Py_ssize_t = 0
     k: cython.Py_ssize_t
     while empty < _BUCKETS:
-        bucket: list[int] = buckets[level % _BUCKETS]
-        if len(bucket) == 0:
+        # Of equal estimates the last one found: towards the goal, not across all that are as good.
+        bucket: cython.Py_ssize_t = level % _BUCKETS
+        cell: cython.Py_ssize_t = tops[bucket]
+        if cell < 0:
             level += 1
             empty += 1
             continue
         empty = 0
-        # Of equal estimates the last one found: towards the goal, not across all that are as good.
-        cell: cython.Py_ssize_t = bucket.pop()
-        cost: cython.Py_ssize_t = costs[cell]
-        if cost + _estimate(cell, goal, columns) != level:
-            continue  # it has been reached at less
+        tops[bucket] = below[cell]
+        if below[cell] >= 0:
+            above[below[cell]] = -1
         if cell == goal:
             found: list[int] = []
             while cell >= 0:
@@ -161,6 +165,7 @@ def grid_path(
                 cell = came[cell]
             found.reverse()
             return found
+        cost: cython.Py_ssize_t = costs[cell]
         for k in range(8):
             across: cython.Py_ssize_t = 0
             along: cython.Py_ssize_t = 0
@@ -181,9 +186,22 @@ def grid_path(
                     continue
                 dearer = cost + _ACROSS
             if dearer < costs[other]:
+                estimate: cython.Py_ssize_t = _estimate(other, goal, columns)
+                if costs[other] < unseen:  # it changes from one bucket to another
+                    if above[other] < 0:
+                        tops[(costs[other] + estimate) % _BUCKETS] = below[other]
+                    else:
+                        below[above[other]] = below[other]
+                    if below[other] >= 0:
+                        above[below[other]] = above[other]
                 costs[other] = dearer
                 came[other] = cell
-                buckets[(dearer + _estimate(other, goal, columns)) % _BUCKETS].append(other)
+                bucket = (dearer + estimate) % _BUCKETS
+                above[other] = -1
+                below[other] = tops[bucket]
+                if below[other] >= 0:
+                    above[below[other]] = other
+                tops[bucket] = other
     return []
 
 
