@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .clearance import swath
-from .kernels.crowding import nearer_between, nearest_seen
+from .kernels.crowding import nearer_between, nearest_seen, see
 from .kernels.discs import meeting
 from .monitor import minimum_separation
 from .motion import Motion
@@ -53,23 +53,26 @@ def nearest_pair(
         return None
     count = max(math.ceil((end - begin) / STEP), 1)
     t = np.linspace(begin, end, count + 1)
-    at = np.array([motion.position(t) for motion in motions])
+    times = t.tolist()
     tables = [swath(motion, begin).table for motion in motions]
+    xs, ys = (array("d", bytes(8 * len(times) * len(motions))) for _ in range(2))
+    see(tables, times, xs, ys)
     seen = (
-        array("d", at[..., 0].tobytes()),
-        array("d", at[..., 1].tobytes()),
+        xs,
+        ys,
         [*map(float, radii)],
         [float(speed * (t[1] - t[0])) for speed in top_speeds],
         [_intervals(t, sorted(motion.jumps)) for motion in motions],
     )
     # First a good upper bound: the nearest that any pair is at an instant that is looked at.
     i, j, k = nearest_seen(*seen)
-    apart = math.dist(at[i, k], at[j, k]) - (radii[i] + radii[j])
-    best = (apart, float(t[k]), (i, j))
+    one, other = i * len(times) + k, j * len(times) + k
+    apart = math.hypot(xs[one] - xs[other], ys[one] - ys[other]) - (radii[i] + radii[j])
+    best = (apart, times[k], (i, j))
     overlapping: set[tuple[int, int]] = set()
-    nearer = iter(nearer_between(*seen, t.tolist(), tables, max(apart, 0.0)))
+    nearer = iter(nearer_between(*seen, times, tables, max(apart, 0.0)))
     for i, j, k in zip(nearer, nearer, nearer, strict=True):
-        least, since, until = radii[i] + radii[j], float(t[k]), float(t[k + 1])
+        least, since, until = radii[i] + radii[j], times[k], times[k + 1]
         if meeting(tables[i], tables[j], least + max(best[0], 0.0) - _HAIR, since, until) > until:
             continue
         when, centres = minimum_separation(motions[i], motions[j], since, until)

@@ -2,6 +2,9 @@ cdef Py_ssize_t _R
 cdef double _SHARE
 cdef double _HAIR
 
+cpdef int see(
+    list[list[double]] tables, list[double] times, double[::1] xs, double[::1] ys
+) except -1
 cpdef tuple nearest_seen(
     const double[::1] xs,
     const double[::1] ys,

@@ -33,6 +33,26 @@ _SHARE: float = 1e-6  # of an instant, against rounding
 _HAIR: float = 1e-9  # metres
 
 
+def see(
+    tables: list[list[float]], times: list[float], xs: array[float], ys: array[float]
+) -> cython.int:
+    """Set `xs` and `ys` to where the discs of these `tables` (see `discs`) are at `times`."""
+    at: cython.Py_ssize_t = 0
+    k: cython.Py_ssize_t
+    table: list[float]
+    for table in tables:
+        o: cython.Py_ssize_t = 0
+        for k in range(len(times)):
+            t: float = times[k]
+            while table[o + 1] <= t:
+                o += _R
+            u: float = max(t - table[o], 0.0)
+            xs[at] = table[o + 2] + u * (table[o + 3] + u * (table[o + 4] + u * table[o + 5]))
+            ys[at] = table[o + 6] + u * (table[o + 7] + u * (table[o + 8] + u * table[o + 9]))
+            at += 1
+    return 0
+
+
 def nearest_seen(
     xs: array[float],
     ys: array[float],
