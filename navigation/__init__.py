@@ -28,6 +28,7 @@ from .kernels.foresight import Foresight
 from .kernels.grid import middles
 from .kernels.lookout import most_remote, nearest_on
 from .kernels.movers import Movers
+from .kernels.pieces import walked_and_stood
 from .kernels.retreats import Retreats
 from .kernels.throng import Throng
 from .kernels.ways_round import CHUNK, WaysRound
@@ -191,6 +192,7 @@ __all__ = [
     "violations",
     "walk",
     "walked",
+    "walked_and_stood",
     "when",
     "within_bounds",
 ]

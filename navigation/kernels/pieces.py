@@ -239,6 +239,34 @@ def _append_shifted(
     return 0
 
 
+def walked_and_stood(table: list[float], since: float, until: float) -> tuple[float, float]:
+    """Return how far a walk goes (metres), and how long it stands from `since` to `until` (s).
+
+    Its pieces are straight and never turn back: each is as long as its chord.
+    """
+    walked: float = 0.0
+    stood: float = 0.0
+    o: cython.Py_ssize_t
+    for o in range(0, len(table), _WIDTH):
+        begin: float = table[o]
+        end: float = table[o + 1]
+        u: float = end - begin
+        dx: float = u * (table[o + 3] + u * (table[o + 4] + u * table[o + 5]))
+        dy: float = u * (table[o + 7] + u * (table[o + 8] + u * table[o + 9]))
+        if (
+            table[o + 3] != 0.0
+            or table[o + 4] != 0.0
+            or table[o + 5] != 0.0
+            or table[o + 7] != 0.0
+            or table[o + 8] != 0.0
+            or table[o + 9] != 0.0
+        ):
+            walked += sqrt(dx * dx + dy * dy)
+        else:
+            stood += max(min(end, until) - max(begin, since), 0.0)
+    return walked, stood
+
+
 class Pack:
     """Pieces without their zeros: which numbers of each are there, as bits, and those numbers.
 

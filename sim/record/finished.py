@@ -9,7 +9,14 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from navigation import Motion, Nearest, Odometer, minimum_separation, nearest_pair
+from navigation import (
+    Motion,
+    Nearest,
+    Odometer,
+    minimum_separation,
+    nearest_pair,
+    walked_and_stood,
+)
 
 from ..core.machine import Category, Machine
 from ..core.scenario import Scenario
@@ -154,18 +161,11 @@ class Finished:
         return {person.name: self._walked_and_stood(person) for person in self.people}
 
     def _walked_and_stood(self, person: Person) -> tuple[float, float]:
-        begin, left = person.started_at, person.left_at
-        walked = standing = 0.0
-        for since, until, x, y, _ in self.motions[person.name].pieces if begin is not None else ():
-            (_, x1, x2, x3), (_, y1, y2, y3) = x, y
-            u = until - since
-            if x1 or x2 or x3 or y1 or y2 or y3:
-                # A person's piece is straight and never turns back: it is as long as its chord.
-                walked += math.hypot(u * (x1 + u * (x2 + u * x3)), u * (y1 + u * (y2 + u * y3)))
-            else:
-                end = until if left is None else min(until, left)
-                standing += max(0.0, end - max(since, begin or 0.0))
-        if person.is_recorded and begin is not None:
+        if (begin := person.started_at) is None:
+            return 0.0, 0.0
+        motion, left = self.motions[person.name], person.left_at
+        walked, stood = walked_and_stood(motion.table, begin, math.inf if left is None else left)
+        if person.is_recorded:
             # The pieces of those who were measured are curved: their speed is integrated.
-            walked = Odometer(self.motions[person.name]).reading(self.duration)
-        return walked, standing
+            walked = Odometer(motion).reading(self.duration)
+        return walked, stood
