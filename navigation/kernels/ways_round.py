@@ -82,7 +82,8 @@ class WaysRound:
             return []
         column = int(floor(ax / self.width)) - self.low_column
         row = int(floor(ay / self.width)) - self.low_row
-        cells: list[cython.Py_ssize_t] = grid_path(blocked, self.columns, row * self.columns + column, end)
+        begin: cython.Py_ssize_t = row * self.columns + column
+        cells: list[cython.Py_ssize_t] = grid_path(blocked, self.columns, begin, end)
         if len(cells) == 0:
             return []
         return self._straightened(cells, ax, ay, bx, by, discs, legs)
