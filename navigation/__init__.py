@@ -22,12 +22,13 @@ from .gantry_planner import GantryPath, GantryPlanner
 from .kernels.braking import Stops
 from .kernels.candidates import Candidates
 from .kernels.discs import first_met, within_bounds
-from .kernels.edges import Legs, touches
+from .kernels.edges import Legs, legs_of, touches
 from .kernels.following import followed
 from .kernels.foresight import Foresight
 from .kernels.grid import block_discs, covers, grid_path, middles
 from .kernels.lookout import most_remote, nearest_on
 from .kernels.movers import Movers
+from .kernels.numbers import numbers
 from .kernels.retreats import Retreats
 from .kernels.throng import Throng
 from .lookout import Lookout
@@ -167,6 +168,7 @@ __all__ = [
     "is_of_speeds",
     "join",
     "lane_state",
+    "legs_of",
     "longest_stop",
     "middles",
     "minimum_margin",
@@ -174,6 +176,7 @@ __all__ = [
     "most_remote",
     "nearest_on",
     "nearest_pair",
+    "numbers",
     "pace",
     "paced",
     "plan_among",

@@ -22,11 +22,13 @@ if not cython.compiled:
     from math import inf, sqrt
 
     from .discs import _meeting
+    from .numbers import Numbers, at
 
     INFINITY = inf
 else:
     from cython.cimports.libc.math import INFINITY, sqrt
     from cython.cimports.navigation.kernels.discs import _meeting
+    from cython.cimports.navigation.kernels.numbers import Numbers, at
 
 _R: cython.Py_ssize_t = ROW
 _SHARE: float = 1e-6  # of an instant, against rounding
@@ -75,7 +77,7 @@ def nearer_between(
     steps: list[float],
     jumps: list[list[float]],
     times: list[float],
-    tables: list[list[float]],
+    tables: list[Numbers],
     best: float,
 ) -> list[int]:
     """Return which two come nearer than `best` metres, and after which instant: three numbers.
@@ -167,8 +169,8 @@ def _next(jumps: list[float], k: cython.Py_ssize_t, count: cython.Py_ssize_t) ->
     return count
 
 
-def _row_at(table: list[float], row: cython.Py_ssize_t, t: float) -> cython.Py_ssize_t:
+def _row_at(table: Numbers, row: cython.Py_ssize_t, t: float) -> cython.Py_ssize_t:
     """Return the row of a table from `row` on that is in force at `t` (seconds)."""
-    while table[row * _R + 1] <= t:
+    while at(table)[row * _R + 1] <= t:
         row += 1
     return row

@@ -1,5 +1,7 @@
 cimport cython
 
+from navigation.kernels.numbers cimport Numbers
+
 cdef Py_ssize_t _STRAIGHT
 cdef Py_ssize_t _ACROSS
 cdef Py_ssize_t _BUCKETS
@@ -15,6 +17,17 @@ cdef class Cells:
 
 cdef Py_ssize_t _estimate(Py_ssize_t cell, Py_ssize_t goal, Py_ssize_t columns) noexcept
 
+cpdef void block_discs(
+    bytearray blocked,
+    Py_ssize_t columns,
+    double low_x,
+    double low_y,
+    double width,
+    Numbers discs,
+    double spare,
+) except *
+cpdef bint covers(Numbers discs, double x, double y) noexcept
+cpdef Numbers middles(Numbers discs)
 @cython.locals(costs="long long[::1]", came="long long[::1]")
 cpdef list grid_path(
     bytearray blocked, Py_ssize_t columns, Py_ssize_t start, Py_ssize_t goal

@@ -4,7 +4,7 @@ import heapq
 import itertools
 import random
 
-from navigation import block_discs, grid_path
+from navigation import block_discs, grid_path, numbers
 
 
 def least_cost(blocked: bytearray, columns: int, start: int, goal: int) -> int | None:
@@ -57,7 +57,7 @@ def test_paths_are_shortest_and_avoid_what_is_blocked():
 def test_discs_block_the_cells_whose_middle_they_cover():
     columns, rows, width, low = 12, 9, 0.3, (-1.0, 2.0)
     blocked = bytearray(columns * rows)
-    discs = [0.2, 3.1, 0.62, -0.9, 2.1, 0.3]
+    discs = numbers([0.2, 3.1, 0.62, -0.9, 2.1, 0.3])
     block_discs(blocked, columns, *low, width, discs, 0.0)
     for k, taken in enumerate(blocked):
         x = low[0] + (k % columns + 0.5) * width

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, MutableSequence
 
 import numpy as np
 import shapely
@@ -45,7 +45,9 @@ class Detours:
         self._pieces: Pieces | None = None
         self._chunks: dict[tuple[int, int], Cells] = {}
 
-    def path(self, at: Point, goal: Point, standing: list[float], free: Free) -> list[Point] | None:
+    def path(
+        self, at: Point, goal: Point, standing: MutableSequence[float], free: Free
+    ) -> list[Point] | None:
         """Return a path from `at` to `goal`, both included; None if none is found.
 
         It stays away from those who are `standing`: x, y, and how far from there (metres) of each;
@@ -75,7 +77,7 @@ class Detours:
         return kept
 
     def _cells(
-        self, at: Point, goal: Point, standing: list[float]
+        self, at: Point, goal: Point, standing: MutableSequence[float]
     ) -> tuple[list[int], Callable[[int], Point]] | None:
         """Return the cells of a way round, and what says where the middle of one is.
 
