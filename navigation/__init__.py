@@ -22,12 +22,13 @@ from .gantry_planner import GantryPath, GantryPlanner
 from .kernels.braking import Stops
 from .kernels.candidates import Candidates
 from .kernels.discs import first_met, within_bounds
-from .kernels.edges import Legs, touches
+from .kernels.edges import Legs, legs_of, touches
 from .kernels.following import followed
 from .kernels.foresight import Foresight
 from .kernels.grid import middles
 from .kernels.lookout import most_remote, nearest_on
 from .kernels.movers import Movers
+from .kernels.numbers import numbers
 from .kernels.pieces import walked_and_stood
 from .kernels.retreats import Retreats
 from .kernels.throng import Throng
@@ -168,6 +169,7 @@ __all__ = [
     "is_of_speeds",
     "join",
     "lane_state",
+    "legs_of",
     "longest_stop",
     "middles",
     "minimum_margin",
@@ -175,6 +177,7 @@ __all__ = [
     "most_remote",
     "nearest_on",
     "nearest_pair",
+    "numbers",
     "pace",
     "paced",
     "plan_among",

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import MutableSequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -21,6 +22,7 @@ from shapely.geometry import Polygon
 from floorplan import Point
 
 from .corners import Corners, Floats, around_disc, corners, edges_of_solid, round_corner
+from .kernels.numbers import numbers
 
 TOLERANCE = 1e-6
 """Metres. How far FCL's answers about flat shapes may be off."""
@@ -92,16 +94,16 @@ class Body:
         return float(shapely.distance(line, self.shape))
 
     @cached_property
-    def outline(self) -> tuple[list[float], float]:
+    def outline(self) -> tuple[MutableSequence[float], float]:
         """Its edges: x and y of both ends of each in turn; and how much larger it is all round.
 
         Metres. A disc is its centre, and larger by its radius.
         """
         if isinstance(self.shape, Disc):
-            return [*self.shape.centre, *self.shape.centre], self.shape.radius
+            return numbers(self.shape.centre * 2), self.shape.radius
         rings = (self.shape.exterior, *self.shape.interiors)
         sides = (side for ring in rings for side in itertools.pairwise(ring.coords))
-        return [float(c) for a, b in sides for c in (*a[:2], *b[:2])], 0.0
+        return numbers(c for a, b in sides for c in (*a[:2], *b[:2])), 0.0
 
     @cached_property
     def edges(self) -> list[Floats]:

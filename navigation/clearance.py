@@ -7,9 +7,11 @@ of plain numbers, in which the kernel of `discs` looks.
 from __future__ import annotations
 
 import math
+from collections.abc import MutableSequence
 from typing import NamedTuple
 
 from .kernels.discs import ROW, gone, meeting, swept
+from .kernels.numbers import room
 from .kernels.pacing import turned
 from .motion import Motion, motion_of
 
@@ -21,17 +23,17 @@ class Swath(NamedTuple):
     the whole: least x and y, greatest x and y (metres).
     """
 
-    table: list[float]
+    table: MutableSequence[float]
     rests: float
-    box: list[float]
+    box: MutableSequence[float]
 
     @staticmethod
-    def of(table: list[float], box: list[float]) -> Swath:
+    def of(table: MutableSequence[float], box: MutableSequence[float]) -> Swath:
         """Return the swath of a table within bounds."""
         return tuple.__new__(Swath, (table, table[-ROW], box))  # as `Swath(...)`, but quicker
 
     @property
-    def walk(self) -> list[float]:
+    def walk(self) -> MutableSequence[float]:
         """Its table without the final standing."""
         return self.table[:-ROW]
 
@@ -48,11 +50,8 @@ class Swath(NamedTuple):
 def swath(motion: Motion, begin: float) -> Swath:
     """Return the swath of `motion` from `begin` (seconds) on."""
     since = max(begin, motion.end)
-    x, y = motion.state(since).at
-    box = [x, y, x, y]
-    table = swept(motion.table, begin, box)
-    table += (since, math.inf, x, 0.0, 0.0, 0.0, y, 0.0, 0.0, 0.0)
-    return Swath.of(table, box)
+    box = room(4)
+    return Swath.of(swept(motion.table, begin, since, *motion.state(since).at, box), box)
 
 
 def walked(swath: Swath, heading: float) -> Motion:

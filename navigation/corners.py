@@ -8,7 +8,7 @@ always a little less than the true room, never more.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import MutableSequence, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -17,6 +17,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 from shapely.geometry import Polygon
+
+from .kernels.numbers import numbers
 
 Floats = NDArray[np.float64]
 
@@ -111,10 +113,9 @@ def edges_of_solid(solid: shapely.Geometry) -> list[Floats]:
     return _rings(shapely.orient_polygons(solid, exterior_cw=True))
 
 
-def flat_sides(edges: list[Floats]) -> list[float]:
+def flat_sides(edges: list[Floats]) -> MutableSequence[float]:
     """Return x and y of both ends of all sides of the rings, one side after another (metres)."""
-    sides: list[float] = np.hstack(_sides(edges)).ravel().tolist()
-    return sides
+    return numbers(np.hstack(_sides(edges)).ravel().tolist())
 
 
 def corners(edges: list[Floats]) -> Corners:

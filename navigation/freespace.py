@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, MutableSequence, Sequence
 from functools import lru_cache
 from typing import TypeVar
 
@@ -17,6 +17,7 @@ from floorplan import Point
 from .bodies import Body, Disc
 from .corners import around_disc, bends, corners, edges_of_room, grown
 from .kernels.discs import within_bounds
+from .kernels.numbers import numbers
 
 _Found = TypeVar("_Found")
 
@@ -46,7 +47,7 @@ class FreeSpace:
         shapely.prepare(self.pieces)
         self._known: dict[Point, int | None] = {}
         self._nearest: dict[Point, Point | None] = {}
-        self._sides: list[float] | None = None
+        self._sides: MutableSequence[float] | None = None
         """Bounds of the sides of all pieces, one after another."""
 
     def __repr__(self) -> str:
@@ -146,13 +147,12 @@ def without(space: FreeSpace, bodies: Sequence[Body], radius: float) -> FreeSpac
     return FreeSpace(np.concatenate([space.pieces[~touched], parts]))
 
 
-def _bounds_of_sides(pieces: NDArray[np.object_]) -> list[float]:
+def _bounds_of_sides(pieces: NDArray[np.object_]) -> MutableSequence[float]:
     """Return least x and y, greatest x and y of each side of some polygons, in turn."""
     points, of = shapely.get_coordinates(shapely.get_rings(pieces), return_index=True)
     joined = of[1:] == of[:-1]
     a, b = points[:-1][joined], points[1:][joined]
-    bounds: list[float] = np.hstack([np.minimum(a, b), np.maximum(a, b)]).ravel().tolist()
-    return bounds
+    return numbers(np.hstack([np.minimum(a, b), np.maximum(a, b)]).ravel().tolist())
 
 
 @lru_cache(_MOST_GROWN)

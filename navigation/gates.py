@@ -16,6 +16,7 @@ from floorplan import Gate, Point
 
 from .freespace import FreeSpace
 from .kernels.edges import back_through
+from .kernels.numbers import numbers
 
 _THIN = 1e-7
 """Metres. Half of the width of what a gate takes from the room on either side of it."""
@@ -26,7 +27,7 @@ class Gates:
 
     def __init__(self, gates: Iterable[Gate] = ()) -> None:
         self.all = tuple(gates)
-        self.lines = [[*gate.ends[0], *gate.ends[1], *gate.normal] for gate in self.all]
+        self.lines = [numbers((*gate.ends[0], *gate.ends[1], *gate.normal)) for gate in self.all]
         """x and y of the ends of each in turn, and of its direction."""
         self._parted: WeakKeyDictionary[FreeSpace, _Parted] = WeakKeyDictionary()
 

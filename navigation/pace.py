@@ -9,10 +9,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from .clearance import Swath, walked
-from .kernels.pacing import stand, walk_table
+from .kernels.candidates import bounds
+from .kernels.numbers import flat, numbers
+from .kernels.pacing import walk_table
 from .motion import Motion
 
 Corner = tuple[float, float]
+
+_NONE = numbers(())
 
 
 def pace(
@@ -34,23 +38,21 @@ def pace(
     if there is one, or on standing from `since` on. None where it can't come to rest, or slow down
     enough for a corner.
     """
-    flat: list[float] = []
-    for corner in corners:
-        flat += corner
-    xs, ys = flat[::2], flat[1::2]
-    table: list[float] = []
+    places, before, box = flat([*corners]), _NONE, _NONE
     if lead is not None:
-        table += lead.walk
-        xs += lead.box[::2]
-        ys += lead.box[1::2]
-        since = lead.rests
-    if since is not None and since < start:
-        stand(table, since, start, flat[0], flat[1])
-    legs = len(corners) - 1
-    tops = [float(top_speed)] * legs if isinstance(top_speed, float | int) else list(top_speed)
-    if not walk_table(flat, tops, start, initial_speed, max_speed, max_acceleration, table):
-        return None
-    return Swath.of(table, [min(xs), min(ys), max(xs), max(ys)])
+        before, box, since = lead.walk, lead.box, lead.rests
+    tops = numbers((top_speed,) if isinstance(top_speed, float | int) else top_speed)
+    table = walk_table(
+        places,
+        tops,
+        start if since is None else since,
+        start,
+        initial_speed,
+        max_speed,
+        max_acceleration,
+        before,
+    )
+    return Swath.of(table, bounds(places, box)) if table else None
 
 
 def paced(

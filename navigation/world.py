@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 import math
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, MutableSequence
 
 import numpy as np
 import shapely
@@ -18,6 +18,7 @@ from .bodies import TOLERANCE, Body, Disc, Sweep, touch
 from .freespace import FreeSpace
 from .gates import Gates
 from .kernels.discs import within_bounds
+from .kernels.numbers import numbers
 from .narrows import Narrows
 from .roadmap import HAIR, Roadmap
 from .walls import Walls
@@ -64,7 +65,7 @@ class CollisionWorld:
         self._solid = ground.solid(self.floor, self._bounds)
         self._sweep = Sweep()
         self._bodies: dict[str, Body] = {}
-        self._all_bounds: list[float] | None = None
+        self._all_bounds: MutableSequence[float] | None = None
         self._agvs: dict[str, float] = {}
         self.checks = 0
         """Number of collision queries answered."""
@@ -151,10 +152,12 @@ class CollisionWorld:
         return Named(self._bodies.values())
 
     @property
-    def bounds(self) -> list[float]:
+    def bounds(self) -> MutableSequence[float]:
         """The bounds of the bodies: least x and y, greatest x and y of each, metres."""
         if self._all_bounds is None:
-            self._all_bounds = [bound for body in self._bodies.values() for bound in body.bounds]
+            self._all_bounds = numbers(
+                bound for body in self._bodies.values() for bound in body.bounds
+            )
         return self._all_bounds
 
     def near(self, a: Point, b: Point, radius: float) -> list[Body]:

@@ -1,3 +1,4 @@
+from navigation.kernels.numbers cimport Doubles, Numbers
 from navigation.kernels.throng cimport Throng
 
 cdef Py_ssize_t _ROW
@@ -6,11 +7,12 @@ cdef double _BEFORE
 cdef double _RAMP
 cdef double _HAIR
 cdef double _CLEAR
+cdef Py_ssize_t _MANY
 cdef double _HARDLY
 cdef double _STANDS
 
 cdef class Candidates:
-    cdef readonly list[double] course
+    cdef readonly Numbers course
     cdef readonly double begin
     cdef readonly double now
     cdef readonly double speed
@@ -18,14 +20,16 @@ cdef class Candidates:
     cdef double vy
     cdef double max_speed
     cdef double acceleration
-    cdef list[double] lead
-    cdef list[double] lead_box
+    cdef Numbers lead
+    cdef Numbers lead_box
     cdef object slowed
     cdef readonly double whole
-    cdef list[double] rows
+    cdef Numbers rows
+    cdef Py_ssize_t count
+    cdef Numbers tops
     cdef list[Py_ssize_t] near
-    cdef list[double] stood
-    cdef list[double] ends
+    cdef Numbers stood
+    cdef Numbers ends
     cdef readonly Py_ssize_t row
     cdef double loss
     cdef Py_ssize_t blocker
@@ -33,9 +37,9 @@ cdef class Candidates:
     cdef readonly double top_speed
     cdef readonly double delay
     cdef readonly double side
-    cdef readonly list[double] corners
-    cdef readonly list[double] table
-    cdef readonly list[double] box
+    cdef readonly Numbers corners
+    cdef readonly Numbers table
+    cdef readonly Numbers box
     cdef readonly double x
     cdef readonly double y
     cdef readonly double c
@@ -51,7 +55,7 @@ cdef class Candidates:
     ) except *
     cpdef void add_asides(
         self,
-        list[double] sides,
+        Numbers sides,
         double widest,
         double usual,
         double extra,
@@ -81,7 +85,7 @@ cdef class Candidates:
     cdef int _look_at(
         self, list[Py_ssize_t] near, Throng throng, double own
     ) except -1
-    cdef bint _draw(self, list[double] corners) except -1
+    cdef bint _draw(self, Numbers corners) except -1
     cdef int _add(
         self,
         double loss,
@@ -97,9 +101,13 @@ cdef class Candidates:
     cdef int _shift(self, double along, double side) noexcept
     cdef int _seek(self, double length) noexcept
 
-cdef bint _runs_into(list[double] corners, list[double] stood) noexcept
-cdef bint _ends_at(list[double] corners, list[double] ends) noexcept
+cdef bint _runs_into(Numbers corners, Numbers stood) noexcept
+cdef bint _ends_at(Numbers corners, Numbers ends) noexcept
+cdef Py_ssize_t _note(
+    Doubles disc, Py_ssize_t o, double x, double y, double least
+) noexcept
 cdef double _apart(double ax, double ay, double bx, double by) noexcept
-cdef double _length(list[double] corners) noexcept
-cdef list[double] _first(list[double] corners, double length)
-cdef list[double] bounds(list[double] corners, list[double] more)
+cdef double _length(Numbers corners) noexcept
+cdef Numbers _first(Numbers corners, double length)
+cpdef Numbers bounds(Numbers corners, Numbers more)
+cdef int _widen(Doubles box, Numbers corners) noexcept

@@ -15,19 +15,22 @@ else:
     from . import uncompiled as cython
 
 from .discs import ROW
+from .numbers import Place, flat
 from .throng import Throng
 
 if not cython.compiled:
     from math import inf, sqrt
 
-    from .discs import distance, met
-    from .pacing import bend_speed, stand, walk_table
+    from .discs import distance, met, stand
+    from .numbers import Doubles, Numbers, at, cut, room
+    from .pacing import bend_speed, walk_table
 
     INFINITY = inf
 else:
     from cython.cimports.libc.math import INFINITY, sqrt
-    from cython.cimports.navigation.kernels.discs import distance, met
-    from cython.cimports.navigation.kernels.pacing import bend_speed, stand, walk_table
+    from cython.cimports.navigation.kernels.discs import distance, met, stand
+    from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at, cut, room
+    from cython.cimports.navigation.kernels.pacing import bend_speed, walk_table
 
 _ROW: cython.Py_ssize_t = 6  # loss, length, top speed, delay, and for an aside: along, side
 _R: cython.Py_ssize_t = ROW
@@ -35,24 +38,25 @@ _BEFORE: float = 0.35  # metres before and after the place at which an aside is 
 _RAMP: float = 1.2  # metres that it takes to come back, for each metre of a shift
 _HAIR: float = 1e-6
 _CLEAR: float = 2e-3  # metres; who is so much farther off is not met where one sets out
+_MANY: cython.Py_ssize_t = 16  # walks that there is room for at first
 _HARDLY: float = 0.02  # metres; a shift of no more is none
 _STANDS: float = 1e-6  # m/s; slower than this is standing
 
-Slowed = Callable[[list[float], float, float], "tuple[list[float], list[float]] | None"]
+Slowed = Callable[["Numbers", float, float], "tuple[Numbers, Numbers] | None"]
 
 
 class Candidates:
     """Walks of one person from `begin` (seconds) on, who has been on the `lead` until then.
 
-    They set out at `speed` with the velocity `vx`, `vy` (m/s). `course` holds x and y of its
-    corners in turn (metres); the `lead` is a table without its final standing, `lead_box` its
-    bounds, and both are empty for who sets out `now`. Where limits of speed hold, walks are those
-    that `slowed(corners, top_speed, delay)` makes: a table and its bounds, or None.
+    They set out at `speed` with the velocity `vx`, `vy` (m/s). `course` are its corners (metres);
+    the `lead` is a table without its final standing, `lead_box` its bounds, and both are empty for
+    who sets out `now`. Where limits of speed hold, walks are those that `slowed(corners, top_speed,
+    delay)` makes: a table and its bounds, or None; the corners are x and y of each in turn.
     """
 
     def __init__(
         self,
-        course: list[float],
+        course: list[Place],
         begin: float,
         now: float,
         speed: float,
@@ -60,11 +64,11 @@ class Candidates:
         vy: float,
         max_speed: float,
         acceleration: float,
-        lead: list[float],
-        lead_box: list[float],
+        lead: Numbers,
+        lead_box: Numbers,
         slowed: Slowed | None = None,
     ) -> None:
-        self.course = course
+        self.course = flat(course)
         self.begin = begin
         self.now = now
         self.speed = speed
@@ -75,9 +79,11 @@ class Candidates:
         self.lead = lead
         self.lead_box = lead_box
         self.slowed = slowed
-        self.whole = _length(course)
-        none: list[float] = []
-        self.rows = none
+        self.whole = _length(self.course)
+        none: Numbers = room(0)
+        self.rows = room(_ROW * _MANY)
+        self.count = 0
+        self.tops = room(1)
         self.stood = none
         self.ends = none
         nobody: list[cython.Py_ssize_t] = []
@@ -96,7 +102,7 @@ class Candidates:
 
     def clear(self) -> None:
         """Forget all that were added."""
-        self.rows = []
+        self.count = 0
         self.row = -1
         self.blocker = -1
         self.loss = -INFINITY
@@ -110,7 +116,7 @@ class Candidates:
 
     def add_asides(
         self,
-        sides: list[float],
+        sides: Numbers,
         widest: float,
         usual: float,
         extra: float,
@@ -124,13 +130,14 @@ class Candidates:
         """
         i: cython.Py_ssize_t
         j: cython.Py_ssize_t
+        shift: Doubles = at(sides)
         for i in range(len(sides)):
-            side: float = sides[i]
+            side: float = shift[i]
             if abs(side) <= _HARDLY or abs(side) > widest:
                 continue
             again: cython.bint = False
             for j in range(i):
-                again = again or sides[j] == side
+                again = again or shift[j] == side
             if not again:
                 loss: float = self._longer(along, side)
                 if side * usual < 0.0:
@@ -143,12 +150,12 @@ class Candidates:
         `corners`, `length`, `top_speed`, `delay` and `side` are its own then. Those that one can't
         turn to are left out.
         """
-        rows: list[float] = self.rows
+        rows: Doubles = at(self.rows)
         while True:
             best: float = INFINITY
             row: cython.Py_ssize_t = -1
             k: cython.Py_ssize_t
-            for k in range(len(rows) // _ROW):
+            for k in range(self.count):
                 loss: float = rows[k * _ROW]
                 # The next in order of loss, and of being added: a heap would cost more than it
                 # saves, as few are ever looked at.
@@ -233,7 +240,7 @@ class Candidates:
 
     def _is_free(self, near: list[cython.Py_ssize_t], throng: Throng, own: float) -> bool:
         """Draw up the walk that is looked at; return whether it meets nobody `near`."""
-        corners: list[float] = _first(self.corners, self.length)
+        corners: Numbers = _first(self.corners, self.length)
         self._look_at(near, throng, own)
         # No table is drawn up for what can't be free, whenever they walk there: through somebody
         # who stands, or to where somebody will stand in the end.
@@ -244,11 +251,11 @@ class Candidates:
         ):
             return False
         now: float = self.now
-        table: list[float] = self.table
-        box: list[float] = self.box
-        tables: list[list[float]] = throng.tables
-        boxes: list[float] = throng.boxes
-        radii: list[float] = throng.radii
+        table: Numbers = self.table
+        box: Numbers = self.box
+        tables: list[Numbers] = throng.tables
+        boxes: Numbers = throng.boxes
+        radii: Numbers = throng.radii
         # Whoever was in the way of the last one is likely to be in the way of this one.
         k: cython.Py_ssize_t = self.blocker
         if k >= 0 and met(table, box, tables, boxes, radii, own, now, INFINITY, k) < INFINITY:
@@ -272,37 +279,35 @@ class Candidates:
             return 0
         self.near = near
         self.blocker = -1
-        self.stood = []
-        self.ends = []
         if len(self.lead) > 0:
+            self.stood = self.ends = room(0)
             return 0
-        x: float = self.course[0]
-        y: float = self.course[1]
-        here: list[float] = []
-        stand(here, self.now, INFINITY, x, y)
+        here: Numbers = room(_R)
+        course: Doubles = at(self.course)
+        stand(at(here), 0, self.now, INFINITY, course[0], course[1])
+        self.stood = room(3 * len(near))
+        self.ends = room(3 * len(near))
+        standing: cython.Py_ssize_t = 0
+        ending: cython.Py_ssize_t = 0
+        radii: Doubles = at(throng.radii)
         i: cython.Py_ssize_t
         for i in range(len(near)):
-            other: list[float] = throng.tables[near[i]]
-            last: cython.Py_ssize_t = len(other) - _R
-            least: float = own + throng.radii[near[i]]
-            found: list[float] = self.ends
-            away: float
-            if other[last] <= self.now:
-                found = self.stood
-                away = _apart(x, y, other[last + 2], other[last + 6])
-            else:
-                away = distance(here, other, self.now)
-            if away > least + _CLEAR:
-                found.append(other[last + 2])
-                found.append(other[last + 6])
-                found.append(least - _HAIR)
+            other: Numbers = throng.tables[near[i]]
+            last: Doubles = at(other)
+            o: cython.Py_ssize_t = len(other) - _R
+            least: float = own + radii[near[i]]
+            if last[o] <= self.now:
+                away: float = _apart(course[0], course[1], last[o + 2], last[o + 6])
+                if away > least + _CLEAR:
+                    standing = _note(at(self.stood), standing, last[o + 2], last[o + 6], least)
+            elif distance(here, other, self.now) > least + _CLEAR:
+                ending = _note(at(self.ends), ending, last[o + 2], last[o + 6], least)
+        cut(self.stood, standing)
+        cut(self.ends, ending)
         return 0
 
-    def _draw(self, corners: list[float]) -> bool:
+    def _draw(self, corners: Numbers) -> bool:
         """Set `table` and `box` to those of the walk along `corners` that is to be looked at."""
-        table: list[float] = self.lead[:]
-        start: float = self.begin + self.delay
-        since: float = self.begin if table else self.now
         # Only who stands can set out later.
         if self.delay != 0.0 and self.speed > _STANDS:
             return False
@@ -312,14 +317,18 @@ class Candidates:
                 return False
             self.table, self.box = slower
             return True
-        if since < start:
-            x: float = corners[0]
-            y: float = corners[1]
-            stand(table, since, start, x, y)
-        tops: list[float] = [self.top_speed] * (len(corners) // 2 - 1)
-        if not walk_table(
-            corners, tops, start, self.speed, self.max_speed, self.acceleration, table
-        ):
+        at(self.tops)[0] = self.top_speed
+        table: Numbers = walk_table(
+            corners,
+            self.tops,
+            self.begin if len(self.lead) > 0 else self.now,
+            self.begin + self.delay,
+            self.speed,
+            self.max_speed,
+            self.acceleration,
+            self.lead,
+        )
+        if len(table) == 0:
             return False
         self.table = table
         self.box = bounds(corners, self.lead_box)
@@ -334,20 +343,24 @@ class Candidates:
         along: float,
         side: float,
     ) -> cython.int:
-        rows: list[float] = self.rows
-        rows.append(loss)
-        rows.append(length)
-        rows.append(top_speed)
-        rows.append(delay)
-        rows.append(along)
-        rows.append(side)
+        o: cython.Py_ssize_t = _ROW * self.count
+        if o == len(self.rows):
+            self.rows.extend(self.rows)
+        row: Doubles = at(self.rows)
+        row[o] = loss
+        row[o + 1] = length
+        row[o + 2] = top_speed
+        row[o + 3] = delay
+        row[o + 4] = along
+        row[o + 5] = side
+        self.count += 1
         return 0
 
     def _can_turn(self) -> bool:
         """Return whether they may set out on `corners` without slowing down first."""
         if self.speed < _STANDS:
             return True
-        corners: list[float] = self.corners
+        corners: Doubles = at(self.corners)
         dx: float = corners[2] - corners[0]
         dy: float = corners[3] - corners[1]
         length: float = sqrt(dx * dx + dy * dy)
@@ -362,21 +375,32 @@ class Candidates:
 
     def _aside(self, along: float, side: float) -> cython.int:
         """Set `corners` to a course that is `side` metres to the left after `along` metres."""
-        course: list[float] = self.course
         self._shift(along, side)
-        corners: list[float] = [course[0], course[1], self.off_x, self.off_y]
-        corners.append(self.by_x)
-        corners.append(self.by_y)
+        # Where the course goes on after it.
+        on: cython.Py_ssize_t = len(self.course)
         if self.leg >= 0:
-            corners.append(self.x)
-            corners.append(self.y)
-            corners += course[2 * self.leg + 2 :]
-        self.corners = corners
+            on = 2 * self.leg + 2
+        back: cython.Py_ssize_t = 8 if self.leg >= 0 else 6
+        self.corners = room(back + len(self.course) - on)
+        corner: Doubles = at(self.corners)
+        course: Doubles = at(self.course)
+        corner[0] = course[0]
+        corner[1] = course[1]
+        corner[2] = self.off_x
+        corner[3] = self.off_y
+        corner[4] = self.by_x
+        corner[5] = self.by_y
+        if self.leg >= 0:
+            corner[6] = self.x
+            corner[7] = self.y
+        k: cython.Py_ssize_t
+        for k in range(on, len(self.course)):
+            corner[back + k - on] = course[k]
         return 0
 
     def _longer(self, along: float, side: float) -> float:
         """Return how much longer such a course is (metres), without setting it up."""
-        course: list[float] = self.course
+        course: Doubles = at(self.course)
         self._shift(along, side)
         total: float = _apart(course[0], course[1], self.off_x, self.off_y)
         total += _apart(self.off_x, self.off_y, self.by_x, self.by_y)
@@ -385,7 +409,7 @@ class Candidates:
             x: float = self.x
             y: float = self.y
             k: cython.Py_ssize_t
-            for k in range(2 * self.leg + 2, len(course), 2):
+            for k in range(2 * self.leg + 2, len(self.course), 2):
                 total += _apart(x, y, course[k], course[k + 1])
                 x = course[k]
                 y = course[k + 1]
@@ -397,8 +421,8 @@ class Candidates:
         It is off the course up to `off_x`, `off_y`, beside it up to `by_x`, `by_y`, and back on its
         `leg` at `x`, `y`; where the goal itself is beside the other, it goes there and `leg` is -1.
         """
-        course: list[float] = self.course
-        count: cython.Py_ssize_t = len(course)
+        course: Doubles = at(self.course)
+        count: cython.Py_ssize_t = len(self.course)
         self.come_to(along)
         c: float = self.c
         s: float = self.s
@@ -424,8 +448,8 @@ class Candidates:
 
         Also the direction of that leg. At its end, the leg is one that is not there.
         """
-        course: list[float] = self.course
-        count: cython.Py_ssize_t = len(course)
+        course: Doubles = at(self.course)
+        count: cython.Py_ssize_t = len(self.course)
         self.c = 1.0
         self.s = 0.0
         k: cython.Py_ssize_t
@@ -451,20 +475,22 @@ class Candidates:
         return 0
 
 
-def _runs_into(corners: list[float], stood: list[float]) -> bool:
+def _runs_into(corners: Numbers, stood: Numbers) -> bool:
     """Return whether a polyline comes nearer to any place than is said with it: x, y, metres."""
+    corner: Doubles = at(corners)
+    disc: Doubles = at(stood)
     i: cython.Py_ssize_t
     k: cython.Py_ssize_t
     for k in range(0, len(corners) - 2, 2):
-        x: float = corners[k]
-        y: float = corners[k + 1]
-        dx: float = corners[k + 2] - x
-        dy: float = corners[k + 3] - y
+        x: float = corner[k]
+        y: float = corner[k + 1]
+        dx: float = corner[k + 2] - x
+        dy: float = corner[k + 3] - y
         square: float = dx * dx + dy * dy
         for i in range(0, len(stood), 3):
-            px: float = stood[i] - x
-            py: float = stood[i + 1] - y
-            least: float = stood[i + 2]
+            px: float = disc[i] - x
+            py: float = disc[i + 1] - y
+            least: float = disc[i + 2]
             share: float = px * dx + py * dy
             if share > 0.0:
                 # The nearest point of the leg; `share` is along it, times its length squared until
@@ -477,19 +503,31 @@ def _runs_into(corners: list[float], stood: list[float]) -> bool:
     return False
 
 
-def _ends_at(corners: list[float], ends: list[float]) -> bool:
+def _ends_at(corners: Numbers, ends: Numbers) -> bool:
     """Return whether a polyline ends nearer to any place than is said with it: x, y, metres."""
+    corner: Doubles = at(corners)
+    disc: Doubles = at(ends)
     count: cython.Py_ssize_t = len(corners)
-    x: float = corners[count - 2]
-    y: float = corners[count - 1]
+    x: float = corner[count - 2]
+    y: float = corner[count - 1]
     i: cython.Py_ssize_t
     for i in range(0, len(ends), 3):
-        dx: float = ends[i] - x
-        dy: float = ends[i + 1] - y
-        least: float = ends[i + 2]
+        dx: float = disc[i] - x
+        dy: float = disc[i + 1] - y
+        least: float = disc[i + 2]
         if dx * dx + dy * dy < least * least:
             return True
     return False
+
+
+def _note(
+    disc: Doubles, o: cython.Py_ssize_t, x: float, y: float, least: float
+) -> cython.Py_ssize_t:
+    """Set a place at `o`, and how near to come is too near; return where the next one is."""
+    disc[o] = x
+    disc[o + 1] = y
+    disc[o + 2] = least - _HAIR
+    return o + 3
 
 
 def _apart(ax: float, ay: float, bx: float, by: float) -> float:
@@ -499,58 +537,63 @@ def _apart(ax: float, ay: float, bx: float, by: float) -> float:
     return sqrt(dx * dx + dy * dy)
 
 
-def _length(corners: list[float]) -> float:
+def _length(corners: Numbers) -> float:
     """Return the length of a polyline, metres."""
+    corner: Doubles = at(corners)
     total: float = 0.0
     k: cython.Py_ssize_t
     for k in range(0, len(corners) - 2, 2):
-        total += _apart(corners[k], corners[k + 1], corners[k + 2], corners[k + 3])
+        total += _apart(corner[k], corner[k + 1], corner[k + 2], corner[k + 3])
     return total
 
 
-def _first(corners: list[float], length: float) -> list[float]:
+def _first(corners: Numbers, length: float) -> Numbers:
     """Return the first `length` metres of a polyline, or all of it."""
-    kept: list[float] = corners[:2]
+    corner: Doubles = at(corners)
+    kept: Numbers = room(len(corners))
+    place: Doubles = at(kept)
+    place[0] = corner[0]
+    place[1] = corner[1]
     k: cython.Py_ssize_t
-    for k in range(0, len(corners) - 2, 2):
-        x: float = corners[k]
-        y: float = corners[k + 1]
-        dx: float = corners[k + 2] - x
-        dy: float = corners[k + 3] - y
+    for k in range(2, len(corners), 2):
+        x: float = corner[k - 2]
+        y: float = corner[k - 1]
+        dx: float = corner[k] - x
+        dy: float = corner[k + 1] - y
         leg: float = sqrt(dx * dx + dy * dy)
         if leg >= length:
-            if length > 1e-9:
-                share: float = length / leg
-                kept.append(x + share * dx)
-                kept.append(y + share * dy)
+            if length <= 1e-9:
+                cut(kept, k)
+                return kept
+            share: float = length / leg
+            place[k] = x + share * dx
+            place[k + 1] = y + share * dy
+            cut(kept, k + 2)
             return kept
-        kept.append(corners[k + 2])
-        kept.append(corners[k + 3])
+        place[k] = corner[k]
+        place[k + 1] = corner[k + 1]
         length -= leg
     return kept
 
 
-def bounds(corners: list[float], more: list[float]) -> list[float]:
-    """Return least x and y and greatest x and y of corners, and of bounds besides."""
-    low_x: float = INFINITY
-    low_y: float = INFINITY
-    high_x: float = -INFINITY
-    high_y: float = -INFINITY
+def bounds(corners: Numbers, more: Numbers) -> Numbers:
+    """Return least x and y and greatest x and y of `corners`, and of bounds besides."""
+    found: Numbers = room(4)
+    box: Doubles = at(found)
+    box[0] = box[1] = INFINITY
+    box[2] = box[3] = -INFINITY
+    _widen(box, corners)
+    _widen(box, more)
+    return found
+
+
+def _widen(box: Doubles, corners: Numbers) -> cython.int:
+    """Widen bounds to those of corners."""
+    corner: Doubles = at(corners)
     k: cython.Py_ssize_t
-    x: float
-    y: float
     for k in range(0, len(corners), 2):
-        x = corners[k]
-        y = corners[k + 1]
-        low_x = min(low_x, x)
-        low_y = min(low_y, y)
-        high_x = max(high_x, x)
-        high_y = max(high_y, y)
-    for k in range(0, len(more), 2):
-        x = more[k]
-        y = more[k + 1]
-        low_x = min(low_x, x)
-        low_y = min(low_y, y)
-        high_x = max(high_x, x)
-        high_y = max(high_y, y)
-    return [low_x, low_y, high_x, high_y]
+        box[0] = min(box[0], corner[k])
+        box[1] = min(box[1], corner[k + 1])
+        box[2] = max(box[2], corner[k])
+        box[3] = max(box[3], corner[k + 1])
+    return 0

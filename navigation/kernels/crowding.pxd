@@ -1,9 +1,11 @@
+from navigation.kernels.numbers cimport Numbers
+
 cdef Py_ssize_t _R
 cdef double _SHARE
 cdef double _HAIR
 
 cpdef int see(
-    list[list[double]] tables, list[double] times, double[::1] xs, double[::1] ys
+    list[Numbers] tables, list[double] times, double[::1] xs, double[::1] ys
 ) except -1
 cpdef tuple nearest_seen(
     const double[::1] xs,
@@ -19,7 +21,7 @@ cpdef list nearer_between(
     list[double] steps,
     list[list[double]] jumps,
     list[double] times,
-    list[list[double]] tables,
+    list[Numbers] tables,
     double best,
 )
 cdef double _distance(
@@ -37,4 +39,4 @@ cdef Py_ssize_t _passed(
     Py_ssize_t count,
 ) noexcept
 cdef Py_ssize_t _next(list[double] jumps, Py_ssize_t k, Py_ssize_t count) noexcept
-cdef Py_ssize_t _row_at(list[double] table, Py_ssize_t row, double t) noexcept
+cdef Py_ssize_t _row_at(Numbers table, Py_ssize_t row, double t) noexcept

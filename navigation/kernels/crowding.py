@@ -22,11 +22,13 @@ if not cython.compiled:
     from math import inf, sqrt
 
     from .discs import _meeting
+    from .numbers import Doubles, Numbers, at
 
     INFINITY = inf
 else:
     from cython.cimports.libc.math import INFINITY, sqrt
     from cython.cimports.navigation.kernels.discs import _meeting
+    from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at
 
 _R: cython.Py_ssize_t = ROW
 _SHARE: float = 1e-6  # of an instant, against rounding
@@ -34,22 +36,23 @@ _HAIR: float = 1e-9  # metres
 
 
 def see(
-    tables: list[list[float]], times: list[float], xs: array[float], ys: array[float]
+    tables: list[Numbers], times: list[float], xs: array[float], ys: array[float]
 ) -> cython.int:
     """Set `xs` and `ys` to where the discs of these `tables` (see `discs`) are at `times`."""
-    at: cython.Py_ssize_t = 0
+    n: cython.Py_ssize_t = 0
+    i: cython.Py_ssize_t
     k: cython.Py_ssize_t
-    table: list[float]
-    for table in tables:
+    for i in range(len(tables)):
+        a: Doubles = at(tables[i])
         o: cython.Py_ssize_t = 0
         for k in range(len(times)):
             t: float = times[k]
-            while table[o + 1] <= t:
+            while a[o + 1] <= t:
                 o += _R
-            u: float = max(t - table[o], 0.0)
-            xs[at] = table[o + 2] + u * (table[o + 3] + u * (table[o + 4] + u * table[o + 5]))
-            ys[at] = table[o + 6] + u * (table[o + 7] + u * (table[o + 8] + u * table[o + 9]))
-            at += 1
+            u: float = max(t - a[o], 0.0)
+            xs[n] = a[o + 2] + u * (a[o + 3] + u * (a[o + 4] + u * a[o + 5]))
+            ys[n] = a[o + 6] + u * (a[o + 7] + u * (a[o + 8] + u * a[o + 9]))
+            n += 1
     return 0
 
 
@@ -95,7 +98,7 @@ def nearer_between(
     steps: list[float],
     jumps: list[list[float]],
     times: list[float],
-    tables: list[list[float]],
+    tables: list[Numbers],
     best: float,
 ) -> list[int]:
     """Return which two come nearer than `best` metres, and after which instant: three numbers.
@@ -187,8 +190,8 @@ def _next(jumps: list[float], k: cython.Py_ssize_t, count: cython.Py_ssize_t) ->
     return count
 
 
-def _row_at(table: list[float], row: cython.Py_ssize_t, t: float) -> cython.Py_ssize_t:
+def _row_at(table: Numbers, row: cython.Py_ssize_t, t: float) -> cython.Py_ssize_t:
     """Return the row of a table from `row` on that is in force at `t` (seconds)."""
-    while table[row * _R + 1] <= t:
+    while at(table)[row * _R + 1] <= t:
         row += 1
     return row

@@ -1,48 +1,53 @@
+from navigation.kernels.numbers cimport Doubles, Numbers
+
 cdef Py_ssize_t _R
 cdef Py_ssize_t _PIECE
 cdef double _RESOLUTION
 cdef double _JUST_NOW
 
 cpdef list[Py_ssize_t] within_bounds(
-    list[double] boxes, double low_x, double low_y, double high_x, double high_y
+    Numbers boxes, double low_x, double low_y, double high_x, double high_y
 )
-cpdef double gone(list[double] table, double since, double t) noexcept
+cdef int stand(
+    Doubles row, Py_ssize_t o, double since, double until, double x, double y
+) noexcept
+cpdef double gone(Numbers table, double since, double t) noexcept
 cpdef Py_ssize_t first_met(
-    list[double] table,
-    list[double] box,
+    Numbers table,
+    Numbers box,
     list[Py_ssize_t] near,
-    list[list[double]] tables,
-    list[double] boxes,
-    list[double] radii,
+    list[Numbers] tables,
+    Numbers boxes,
+    Numbers radii,
     double own,
     double begin,
-    list[double] when,
+    Numbers when,
 ) except -2
 cpdef Py_ssize_t first_but(
-    list[double] table,
-    list[double] box,
-    list[list[double]] tables,
-    list[double] boxes,
-    list[double] radii,
+    Numbers table,
+    Numbers box,
+    list[Numbers] tables,
+    Numbers boxes,
+    Numbers radii,
     double own,
     double begin,
     bytearray apart,
 ) except -2
 cdef double met(
-    list[double] table,
-    list[double] box,
-    list[list[double]] tables,
-    list[double] boxes,
-    list[double] radii,
+    Numbers table,
+    Numbers box,
+    list[Numbers] tables,
+    Numbers boxes,
+    Numbers radii,
     double own,
     double begin,
     double until,
     Py_ssize_t k,
 ) noexcept
-cdef double distance(list[double] a, list[double] b, double t) noexcept
+cdef double distance(Numbers one, Numbers other, double t) noexcept
 cdef double _meeting(
-    list[double] a,
-    list[double] b,
+    Numbers one,
+    Numbers other,
     double least,
     double begin,
     double until,
@@ -65,5 +70,5 @@ cdef double _entered(
     double x, double vx, double y, double vy, double duration, double least
 ) noexcept
 cdef int _widen(
-    list[double] box, Py_ssize_t axis, list[double] pieces, Py_ssize_t o, double u
-) except -1
+    Doubles box, Py_ssize_t axis, Doubles row, Py_ssize_t o, double u
+) noexcept

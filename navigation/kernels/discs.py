@@ -17,9 +17,12 @@ else:
 if not cython.compiled:
     from math import inf, sqrt
 
+    from .numbers import Doubles, Numbers, at, cut, room
+
     INFINITY = inf
 else:
     from cython.cimports.libc.math import INFINITY, sqrt
+    from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at, cut, room
 
 ROW = 10
 """Numbers in a row."""
@@ -31,7 +34,7 @@ _JUST_NOW: float = 1e-3  # seconds; who is too close so soon is so already
 
 
 def within_bounds(
-    boxes: list[float], low_x: float, low_y: float, high_x: float, high_y: float
+    boxes: Numbers, low_x: float, low_y: float, high_x: float, high_y: float
 ) -> list[cython.Py_ssize_t]:
     """Return who of those with these bounds may come into some: their indices.
 
@@ -39,45 +42,72 @@ def within_bounds(
     about are `low_x`, `low_y`, `high_x` and `high_y`.
     """
     found: list[cython.Py_ssize_t] = []
+    b: Doubles = at(boxes)
     k: cython.Py_ssize_t
     for k in range(len(boxes) // 4):
         if (
-            boxes[4 * k] < high_x
-            and boxes[4 * k + 2] > low_x
-            and boxes[4 * k + 1] < high_y
-            and boxes[4 * k + 3] > low_y
+            b[4 * k] < high_x
+            and b[4 * k + 2] > low_x
+            and b[4 * k + 1] < high_y
+            and b[4 * k + 3] > low_y
         ):
             found.append(k)  # noqa: PERF401
     return found
 
 
-def swept(pieces: list[float], begin: float, box: list[float]) -> list[float]:
-    """Return the rows of a motion that is not over at `begin` (seconds), but for its standing.
+def swept(
+    pieces: list[float], begin: float, since: float, x: float, y: float, box: Numbers
+) -> Numbers:
+    """Return the table from `begin` on (seconds) of a motion that stands at `x`, `y` from `since`.
 
-    `pieces` is its table as those of `pieces`. `box` is widened to bound it: least x and y,
-    greatest x and y (metres).
+    `pieces` is its table as those of `pieces`. `box` becomes its bounds: least x and y, greatest x
+    and y (metres).
     """
-    table: list[float] = []
+    count: cython.Py_ssize_t = len(pieces) // _PIECE
+    table: Numbers = room((count + 1) * _R)
+    row: Doubles = at(table)
+    bounds: Doubles = at(box)
+    bounds[0] = bounds[2] = x
+    bounds[1] = bounds[3] = y
+    o: cython.Py_ssize_t = 0
+    i: cython.Py_ssize_t
     k: cython.Py_ssize_t
-    for k in range(len(pieces) // _PIECE):
-        o: cython.Py_ssize_t = k * _PIECE
-        end: float = pieces[o + 1]
-        duration: float = end - pieces[o]
-        if end > begin and end > pieces[o]:
-            table += pieces[o : o + _R]
-            _widen(box, 0, pieces, o + 2, duration)
-            _widen(box, 1, pieces, o + 6, duration)
+    for k in range(count):
+        start: float = pieces[k * _PIECE]
+        end: float = pieces[k * _PIECE + 1]
+        if end > begin and end > start:
+            for i in range(_R):
+                row[o + i] = pieces[k * _PIECE + i]
+            _widen(bounds, 0, row, o + 2, end - start)
+            _widen(bounds, 1, row, o + 6, end - start)
+            o += _R
+    stand(row, o, since, INFINITY, x, y)
+    cut(table, o + _R)
     return table
 
 
+def stand(
+    row: Doubles, o: cython.Py_ssize_t, since: float, until: float, x: float, y: float
+) -> cython.int:
+    """Set the row at `o` to standing at `x`, `y` (metres) from `since` until then (seconds)."""
+    k: cython.Py_ssize_t
+    row[o] = since
+    row[o + 1] = until
+    for k in range(2, _R):
+        row[o + k] = 0.0
+    row[o + 2] = x
+    row[o + 6] = y
+    return 0
+
+
 def _widen(
-    box: list[float], axis: cython.Py_ssize_t, pieces: list[float], o: cython.Py_ssize_t, u: float
+    box: Doubles, axis: cython.Py_ssize_t, row: Doubles, o: cython.Py_ssize_t, u: float
 ) -> cython.int:
     """Widen bounds along an axis to those of a cubic that lasts `u` seconds."""
-    a: float = pieces[o]
-    b: float = pieces[o + 1]
-    c: float = pieces[o + 2]
-    d: float = pieces[o + 3]
+    a: float = row[o]
+    b: float = row[o + 1]
+    c: float = row[o + 2]
+    d: float = row[o + 3]
     last: float = a + u * (b + u * (c + u * d))
     low: float = min(a, last)
     high: float = max(a, last)
@@ -95,15 +125,15 @@ def _widen(
 
 
 def first_met(
-    table: list[float],
-    box: list[float],
+    table: Numbers,
+    box: Numbers,
     near: list[cython.Py_ssize_t],
-    tables: list[list[float]],
-    boxes: list[float],
-    radii: list[float],
+    tables: list[Numbers],
+    boxes: Numbers,
+    radii: Numbers,
     own: float,
     begin: float,
-    when: list[float],
+    when: Numbers,
 ) -> cython.Py_ssize_t:
     """Return who of those `near` is met first from `begin` (seconds) on; -1 for nobody.
 
@@ -123,16 +153,16 @@ def first_met(
         if t < first:
             first = t
             who = k
-    when[0] = first
+    at(when)[0] = first
     return who
 
 
 def first_but(
-    table: list[float],
-    box: list[float],
-    tables: list[list[float]],
-    boxes: list[float],
-    radii: list[float],
+    table: Numbers,
+    box: Numbers,
+    tables: list[Numbers],
+    boxes: Numbers,
+    radii: Numbers,
     own: float,
     begin: float,
     apart: bytearray,
@@ -144,14 +174,17 @@ def first_but(
     """
     first: float = INFINITY
     who: cython.Py_ssize_t = -1
+    a: Doubles = at(box)
+    b: Doubles = at(boxes)
+    r: Doubles = at(radii)
     k: cython.Py_ssize_t
     for k in range(len(radii)):
-        least: float = own + radii[k]
+        least: float = own + r[k]
         if (
-            box[0] - boxes[4 * k + 2] < least
-            and boxes[4 * k] - box[2] < least
-            and box[1] - boxes[4 * k + 3] < least
-            and boxes[4 * k + 1] - box[3] < least
+            a[0] - b[4 * k + 2] < least
+            and b[4 * k] - a[2] < least
+            and a[1] - b[4 * k + 3] < least
+            and b[4 * k + 1] - a[3] < least
             and not apart[k]
         ):
             t: float = met(table, box, tables, boxes, radii, own, begin, first, k)
@@ -162,26 +195,28 @@ def first_but(
 
 
 def met(
-    table: list[float],
-    box: list[float],
-    tables: list[list[float]],
-    boxes: list[float],
-    radii: list[float],
+    table: Numbers,
+    box: Numbers,
+    tables: list[Numbers],
+    boxes: Numbers,
+    radii: Numbers,
     own: float,
     begin: float,
     until: float,
     k: cython.Py_ssize_t,
 ) -> float:
     """Return when the k-th is met before `until`, as `first_met` has it; infinite if never."""
-    least: float = own + radii[k]
+    least: float = own + at(radii)[k]
+    a: Doubles = at(box)
+    b: Doubles = at(boxes)
     if (
-        box[0] - boxes[4 * k + 2] >= least
-        or boxes[4 * k] - box[2] >= least
-        or box[1] - boxes[4 * k + 3] >= least
-        or boxes[4 * k + 1] - box[3] >= least
+        a[0] - b[4 * k + 2] >= least
+        or b[4 * k] - a[2] >= least
+        or a[1] - b[4 * k + 3] >= least
+        or b[4 * k + 1] - a[3] >= least
     ):
         return INFINITY
-    other: list[float] = tables[k]
+    other: Numbers = tables[k]
     t: float = _meeting(table, other, least, begin, until, 0, 0)
     if t <= begin + _JUST_NOW:
         # They are too close to begin with: then what counts is coming closer than they are.
@@ -191,34 +226,37 @@ def met(
     return t
 
 
-def gone(table: list[float], since: float, t: float) -> float:
+def gone(table: Numbers, since: float, t: float) -> float:
     """Return the metres that a walk along straight legs goes from `since` to `t` (seconds)."""
     total: float = 0.0
+    a: Doubles = at(table)
     k: cython.Py_ssize_t
     for k in range(len(table) // _R - 1):
         o: cython.Py_ssize_t = k * _R
-        begin: float = table[o]
+        begin: float = a[o]
         if since <= begin < t:
-            end: float = table[o + 1]
+            end: float = a[o + 1]
             u: float = (end if end < t else t) - begin
             # On a straight leg nobody turns back, so that the chord is the way.
-            x: float = u * (table[o + 3] + u * table[o + 4])
-            y: float = u * (table[o + 7] + u * table[o + 8])
+            x: float = u * (a[o + 3] + u * a[o + 4])
+            y: float = u * (a[o + 7] + u * a[o + 8])
             total += sqrt(x * x + y * y)
     return total
 
 
-def meeting(a: list[float], b: list[float], least: float, begin: float, until: float) -> float:
+def meeting(one: Numbers, other: Numbers, least: float, begin: float, until: float) -> float:
     """Return the first instant from `begin` to `until` at which two are nearer than `least`.
 
     Seconds and metres; infinite if there is none. Both tables reach back to `begin`. Never misses
     one; finds one too many only where the two stay within rounding of `least`.
     """
-    return _meeting(a, b, least, begin, until, 0, 0)
+    return _meeting(one, other, least, begin, until, 0, 0)
 
 
-def distance(a: list[float], b: list[float], t: float) -> float:
+def distance(one: Numbers, other: Numbers, t: float) -> float:
     """Return the distance of two centres at `t` (seconds), metres."""
+    a: Doubles = at(one)
+    b: Doubles = at(other)
     i: cython.Py_ssize_t = 0
     j: cython.Py_ssize_t = 0
     # No end of the table is looked for: its last row never ends.
@@ -236,8 +274,8 @@ def distance(a: list[float], b: list[float], t: float) -> float:
 
 
 def _meeting(
-    a: list[float],
-    b: list[float],
+    one: Numbers,
+    other: Numbers,
     least: float,
     begin: float,
     until: float,
@@ -245,6 +283,8 @@ def _meeting(
     other_row: cython.Py_ssize_t,
 ) -> float:
     """See `meeting`."""
+    a: Doubles = at(one)
+    b: Doubles = at(other)
     i: cython.Py_ssize_t = row * _R
     j: cython.Py_ssize_t = other_row * _R
     while a[i + 1] <= begin:

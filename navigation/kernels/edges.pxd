@@ -1,3 +1,5 @@
+from navigation.kernels.numbers cimport Doubles, Numbers
+
 cdef double _WIDER
 cdef double _LEVEL
 cdef Py_ssize_t _LATELY
@@ -11,12 +13,13 @@ cdef class Grid:
     cdef Py_ssize_t rows
     cdef Py_ssize_t first
     cdef Py_ssize_t last
-    cdef list cells
-    cdef list[double] lately
+    cdef list[Numbers] cells
+    cdef Numbers lately
     cpdef bint touched(self, double ax, double ay, double bx, double by, double radius)
     cpdef bint inside(self, double x, double y)
     cdef Py_ssize_t _column(self, double x) noexcept
     cdef Py_ssize_t _row(self, double y) noexcept
+    cdef int _remember(self, Numbers edges, Py_ssize_t k) except -1
     cdef int _span(
         self, Py_ssize_t row, double ax, double ay, double bx, double by, double margin
     ) noexcept
@@ -25,9 +28,9 @@ cdef class Room:
     cdef Grid floor
     cdef double radius
     cdef public Py_ssize_t asked
-    cdef list bodies
-    cdef list gates
-    cdef list[double] bounds
+    cdef list[Numbers] bodies
+    cdef list[Numbers] gates
+    cdef Numbers bounds
     cpdef bint holds(self, double x, double y)
     cpdef bint clear(self, double ax, double ay, double bx, double by, bint floor)
 
@@ -35,18 +38,19 @@ cdef class Legs:
     cdef Grid walls
     cdef double radius
     cdef object ask
-    cdef public list[double] bounds
+    cdef public Numbers bounds
     cpdef bint free(self, double ax, double ay, double bx, double by) except -1
     cpdef Py_ssize_t farthest(self, double x, double y, list route) except -2
 
+cpdef Numbers legs_of(list course)
 cpdef bint touches(
-    list[double] edges, double ax, double ay, double bx, double by, double radius
+    Numbers edges, double ax, double ay, double bx, double by, double radius
 ) except -1
 cpdef bint back_through(
-    list[double] line, double ax, double ay, double bx, double by
+    Numbers line, double ax, double ay, double bx, double by
 ) except -1
 cdef Py_ssize_t _first_near(
-    list[double] edges,
+    Numbers edges,
     double ax,
     double ay,
     double dx,

@@ -1,6 +1,6 @@
 """Edges of a floor: whether a disc that is swept along a segment touches one.
 
-Edges are lists of numbers: x and y of both ends of each in turn (metres).
+Edges are numbers side by side: x and y of both ends of each in turn (metres).
 """
 
 from __future__ import annotations
@@ -13,40 +13,44 @@ if TYPE_CHECKING:
 else:
     from . import uncompiled as cython
 
+from .numbers import Place
+
 if not cython.compiled:
     from math import sqrt
+
+    from .numbers import Doubles, Numbers, at, room
 else:
     from cython.cimports.libc.math import sqrt
+    from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at, room
 
 _WIDER: float = 1.001  # of a radius: rounding hides no cell beside a sweep
-_LATELY: cython.Py_ssize_t = 12  # numbers of the edges that are remembered beside the last
+_LATELY: cython.Py_ssize_t = 16  # numbers of the edges that are remembered
 _LOOKED_AT: cython.Py_ssize_t = 4  # corners of a route that are looked at
 _LEVEL: float = 1e-3  # of a cell's width; segments that rise less are taken as level
-
-Place = tuple[float, float]
 
 
 class Grid:
     """Edges by the square cells of `width` metres that they come into."""
 
-    def __init__(self, edges: list[float], width: float) -> None:
+    def __init__(self, edges: Numbers, width: float) -> None:
         self.width = width
         self.low_x = min(edges[0::2])
         self.low_y = min(edges[1::2])
         self.columns = 1 + int((max(edges[0::2]) - self.low_x) / width)
         self.rows = 1 + int((max(edges[1::2]) - self.low_y) / width)
         self.first = self.last = 0
-        self.cells: list[list[float]] = [[] for _ in range(self.columns * self.rows)]
-        self.lately: list[float] = []
+        self.cells: list[Numbers] = [room(0) for _ in range(self.columns * self.rows)]
+        self.lately = room(0)
+        edge: Doubles = at(edges)
         margin: float = 1e-6 * width
         k: cython.Py_ssize_t
         row: cython.Py_ssize_t
         column: cython.Py_ssize_t
         for k in range(0, len(edges), 4):
-            ax: float = edges[k]
-            ay: float = edges[k + 1]
-            bx: float = edges[k + 2]
-            by: float = edges[k + 3]
+            ax: float = edge[k]
+            ay: float = edge[k + 1]
+            bx: float = edge[k + 2]
+            by: float = edge[k + 3]
             for row in range(self._row(min(ay, by) - margin), self._row(max(ay, by) + margin) + 1):
                 self._span(row, ax, ay, bx, by, margin)
                 for column in range(self.first, self.last + 1):
@@ -61,7 +65,7 @@ class Grid:
         if _first_near(self.lately, ax, ay, dx, dy, length, radius) >= 0:
             return True
         margin: float = radius * _WIDER
-        edges: list[float]
+        edges: Numbers
         row: cython.Py_ssize_t
         column: cython.Py_ssize_t
         k: cython.Py_ssize_t
@@ -74,25 +78,42 @@ class Grid:
                 if len(edges) > 0:
                     k = _first_near(edges, ax, ay, dx, dy, length, radius)
                     if k >= 0:
-                        self.lately = edges[k : k + 4] + self.lately[:_LATELY]
+                        self._remember(edges, k)
                         return True
         return False
+
+    def _remember(self, edges: Numbers, k: cython.Py_ssize_t) -> cython.int:
+        """Put an edge before those that are remembered."""
+        last: Numbers = self.lately
+        count: cython.Py_ssize_t = min(len(last) + 4, _LATELY)
+        self.lately = room(count)
+        edge: Doubles = at(self.lately)
+        new: Doubles = at(edges)
+        old: Doubles = at(last)
+        i: cython.Py_ssize_t
+        for i in range(4):
+            edge[i] = new[k + i]
+        for i in range(4, count):
+            edge[i] = old[i - 4]
+        return 0
 
     def inside(self, x: float, y: float) -> bool:
         """Return whether a place is within the edges: a ray from there crosses an odd number."""
         odd: bool = False
         row: cython.Py_ssize_t = self._row(y)
-        edges: list[float]
+        edges: Numbers
+        edge: Doubles
         column: cython.Py_ssize_t
         k: cython.Py_ssize_t
         for column in range(self._column(x), self.columns):
             edges = self.cells[row * self.columns + column]
+            edge = at(edges)
             for k in range(0, len(edges), 4):
-                ay: float = edges[k + 1]
-                by: float = edges[k + 3]
+                ay: float = edge[k + 1]
+                by: float = edge[k + 3]
                 if (ay > y) != (by > y):
-                    ax: float = edges[k]
-                    crossing: float = ax + (y - ay) / (by - ay) * (edges[k + 2] - ax)
+                    ax: float = edge[k]
+                    crossing: float = ax + (y - ay) / (by - ay) * (edge[k + 2] - ax)
                     # An edge is in all cells that it comes into, and counts in that one.
                     if crossing > x and self._column(crossing) == column:
                         odd = not odd
@@ -140,16 +161,15 @@ class Room:
         self,
         floor: Grid,
         radius: float,
-        bodies: list[tuple[list[float], float]],
-        gates: list[list[float]],
+        bodies: list[tuple[Numbers, float]],
+        gates: list[Numbers],
     ) -> None:
         self.floor = floor
         self.radius = radius
         self.asked = 0
         self.bodies = [edges for edges, _ in bodies]
         self.gates = gates
-        self.bounds: list[float] = []
-        edges: list[float]
+        self.bounds: Numbers = room(0)
         rounding: float
         for edges, rounding in bodies:
             radius = self.radius + rounding
@@ -169,27 +189,27 @@ class Room:
         The floor and its gates count if `floor` is true. How often this was asked is in `asked`.
         """
         self.asked += 1
-        gate: list[float]
+        gate: Numbers
         if floor:
             for gate in self.gates:
                 if back_through(gate, ax, ay, bx, by):
                     return False
             if self.floor.touched(ax, ay, bx, by, self.radius):
                 return False
+        bound: Doubles = at(self.bounds)
         k: cython.Py_ssize_t
-        o: cython.Py_ssize_t = 0
         for k in range(len(self.bodies)):
+            o: cython.Py_ssize_t = 5 * k
             if (
                 # A segment whose ends are both beyond one side of the bounds is beyond it as a
                 # whole.
-                (ax > self.bounds[o] or bx > self.bounds[o])
-                and (ay > self.bounds[o + 1] or by > self.bounds[o + 1])
-                and (ax < self.bounds[o + 2] or bx < self.bounds[o + 2])
-                and (ay < self.bounds[o + 3] or by < self.bounds[o + 3])
-                and touches(self.bodies[k], ax, ay, bx, by, self.bounds[o + 4])
+                (ax > bound[o] or bx > bound[o])
+                and (ay > bound[o + 1] or by > bound[o + 1])
+                and (ax < bound[o + 2] or bx < bound[o + 2])
+                and (ay < bound[o + 3] or by < bound[o + 3])
+                and touches(self.bodies[k], ax, ay, bx, by, bound[o + 4])
             ):
                 return False
-            o += 5
         return True
 
 
@@ -204,20 +224,20 @@ class Legs:
         self.walls = walls
         self.radius = radius
         self.ask = ask
-        self.bounds: list[float] = []
+        self.bounds = room(0)
 
     def free(self, ax: float, ay: float, bx: float, by: float) -> bool:
         """Return whether there is room on the segment from a, where there is, to b."""
         if self.walls.touched(ax, ay, bx, by, self.radius):
             return False
-        bounds: list[float] = self.bounds
+        bound: Doubles = at(self.bounds)
         k: cython.Py_ssize_t
-        for k in range(0, len(bounds), 4):
+        for k in range(0, len(self.bounds), 4):
             if (
-                bounds[k] < max(ax, bx) + self.radius
-                and bounds[k + 2] > min(ax, bx) - self.radius
-                and bounds[k + 1] < max(ay, by) + self.radius
-                and bounds[k + 3] > min(ay, by) - self.radius
+                bound[k] < max(ax, bx) + self.radius
+                and bound[k + 2] > min(ax, bx) - self.radius
+                and bound[k + 1] < max(ay, by) + self.radius
+                and bound[k + 3] > min(ay, by) - self.radius
             ):
                 return bool(self.ask((ax, ay), (bx, by)))
         return True
@@ -235,28 +255,40 @@ class Legs:
         return -1
 
 
-def back_through(line: list[float], ax: float, ay: float, bx: float, by: float) -> bool:
+def back_through(line: Numbers, ax: float, ay: float, bx: float, by: float) -> bool:
     """Return whether the segment from a to b crosses a line from its far side back.
 
     `line` has x and y of both ends, and of the direction in which it may be crossed.
     """
-    nx: float = line[4]
-    ny: float = line[5]
-    here: float = (ax - line[0]) * nx + (ay - line[1]) * ny
-    there: float = (bx - line[0]) * nx + (by - line[1]) * ny
+    end: Doubles = at(line)
+    nx: float = end[4]
+    ny: float = end[5]
+    here: float = (ax - end[0]) * nx + (ay - end[1]) * ny
+    there: float = (bx - end[0]) * nx + (by - end[1]) * ny
     # The line itself is its far side, as `Gates` has it: to end on it is to have passed.
     if here < 0.0 or there >= 0.0:
         return False
     share: float = here / (here - there)
-    x: float = ax + share * (bx - ax) - line[0]
-    y: float = ay + share * (by - ay) - line[1]
-    dx: float = line[2] - line[0]
-    dy: float = line[3] - line[1]
+    x: float = ax + share * (bx - ax) - end[0]
+    y: float = ay + share * (by - ay) - end[1]
+    dx: float = end[2] - end[0]
+    dy: float = end[3] - end[1]
     along: float = x * dx + y * dy
     return 0.0 <= along <= dx * dx + dy * dy
 
 
-def touches(edges: list[float], ax: float, ay: float, bx: float, by: float, radius: float) -> bool:
+def legs_of(course: list[Place]) -> Numbers:
+    """Return the legs of a `course` as edges."""
+    found: Numbers = room(max(4 * len(course) - 4, 0))
+    edge: Doubles = at(found)
+    k: cython.Py_ssize_t
+    for k in range(len(course) - 1):
+        edge[4 * k], edge[4 * k + 1] = course[k]
+        edge[4 * k + 2], edge[4 * k + 3] = course[k + 1]
+    return found
+
+
+def touches(edges: Numbers, ax: float, ay: float, bx: float, by: float, radius: float) -> bool:
     """Return whether one of `edges` is nearer than `radius` (metres) to a segment.
 
     It leads from `ax`, `ay` to `bx`, `by`.
@@ -268,7 +300,7 @@ def touches(edges: list[float], ax: float, ay: float, bx: float, by: float, radi
 
 
 def _first_near(
-    edges: list[float], ax: float, ay: float, dx: float, dy: float, length: float, radius: float
+    edges: Numbers, ax: float, ay: float, dx: float, dy: float, length: float, radius: float
 ) -> cython.Py_ssize_t:
     """Return where the first edge is that is nearer than `radius` to the segment from a along d.
 
@@ -280,13 +312,14 @@ def _first_near(
         c = dx / length
         s = dy / length
     least: float = radius * radius
+    edge: Doubles = at(edges)
     k: cython.Py_ssize_t
     for k in range(0, len(edges), 4):
         # Along and across the segment, from a:
-        px: float = edges[k] - ax
-        py: float = edges[k + 1] - ay
-        qx: float = edges[k + 2] - ax
-        qy: float = edges[k + 3] - ay
+        px: float = edge[k] - ax
+        py: float = edge[k + 1] - ay
+        qx: float = edge[k + 2] - ax
+        qy: float = edge[k + 3] - ay
         p: float = px * c + py * s
         q: float = qx * c + qy * s
         if (p <= -radius and q <= -radius) or (p >= length + radius and q >= length + radius):

@@ -1,3 +1,5 @@
+from navigation.kernels.numbers cimport Doubles, Numbers
+
 cdef Py_ssize_t _R
 cdef Py_ssize_t _X
 cdef Py_ssize_t _Y
@@ -5,8 +7,8 @@ cdef double _SLOW
 
 cpdef Py_ssize_t followed(
     list[Py_ssize_t] near,
-    list[list[double]] tables,
-    list[double] radii,
+    list[Numbers] tables,
+    Numbers radii,
     double t,
     double sees,
     double x,
@@ -24,4 +26,4 @@ cpdef Py_ssize_t followed(
 cdef double speed_behind(
     double along, double away, double touch, double walks_on, double gap, double ahead
 ) noexcept
-cdef double _at(list[double] table, Py_ssize_t o, double u) noexcept
+cdef double _place(Doubles row, Py_ssize_t o, double u) noexcept

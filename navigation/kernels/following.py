@@ -16,8 +16,11 @@ from .discs import ROW
 
 if not cython.compiled:
     from math import sqrt
+
+    from .numbers import Doubles, Numbers, at
 else:
     from cython.cimports.libc.math import sqrt
+    from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at
 
 _R: cython.Py_ssize_t = ROW
 _X: cython.Py_ssize_t = 2  # where the coefficients of x begin in it
@@ -30,8 +33,8 @@ _SLOW: float = SLOW
 
 def followed(
     near: list[cython.Py_ssize_t],
-    tables: list[list[float]],
-    radii: list[float],
+    tables: list[Numbers],
+    radii: Numbers,
     t: float,
     sees: float,
     x: float,
@@ -61,25 +64,26 @@ def followed(
     i: cython.Py_ssize_t
     for i in range(len(near)):
         k: cython.Py_ssize_t = near[i]
-        table: list[float] = tables[k]
+        table: Numbers = tables[k]
+        row: Doubles = at(table)
         o: cython.Py_ssize_t = 0
         # The last row never ends. What was over by then is passed.
-        while table[o + 1] <= t:
+        while row[o + 1] <= t:
             o += _R
-        u: float = max(t - table[o], 0.0)
-        ox: float = _at(table, o + _X, u)
-        oy: float = _at(table, o + _Y, u)
+        u: float = max(t - row[o], 0.0)
+        ox: float = _place(row, o + _X, u)
+        oy: float = _place(row, o + _Y, u)
         along: float = (ox - x) * c + (oy - y) * s
         away: float = abs((oy - y) * c - (ox - x) * s)
-        touch: float = own + radii[k]
+        touch: float = own + at(radii)[k]
         if along <= 0.0 or (away >= beside and away >= touch):
             continue
-        vx: float = table[o + 3] + u * (2 * table[o + 4] + u * 3 * table[o + 5])
-        vy: float = table[o + 7] + u * (2 * table[o + 8] + u * 3 * table[o + 9])
+        vx: float = row[o + 3] + u * (2 * row[o + 4] + u * 3 * row[o + 5])
+        vy: float = row[o + 7] + u * (2 * row[o + 8] + u * 3 * row[o + 9])
         speed: float = sqrt(vx * vx + vy * vy)
         # Of somebody who hardly moves the velocity gives no direction; the caller knows their
         # route.
-        if speed <= _SLOW or table[o] > t:
+        if speed <= _SLOW or row[o] > t:
             slow.append(near[i])
             continue
         same: float = (vx * c + vy * s) / speed
@@ -89,10 +93,10 @@ def followed(
             return -1
         if same <= same_way or away >= touch:
             continue
-        while table[o + 1] <= t + sees:
+        while row[o + 1] <= t + sees:
             o += _R
-        u = t + sees - table[o]
-        gone: float = (_at(table, o + _X, u) - ox) * c + (_at(table, o + _Y, u) - oy) * s
+        u = t + sees - row[o]
+        gone: float = (_place(row, o + _X, u) - ox) * c + (_place(row, o + _Y, u) - oy) * s
         most: float = speed_behind(along, away, touch, gone / sees, gap, ahead)
         if most < least:
             least = most
@@ -119,7 +123,7 @@ def speed_behind(
     return most
 
 
-def _at(table: list[float], o: cython.Py_ssize_t, u: float) -> float:
+def _place(row: Doubles, o: cython.Py_ssize_t, u: float) -> float:
     """Return a coordinate `u` seconds into a row, of the coefficients that begin at `o`."""
-    place: float = table[o] + u * (table[o + 1] + u * (table[o + 2] + u * table[o + 3]))
+    place: float = row[o] + u * (row[o + 1] + u * (row[o + 2] + u * row[o + 3]))
     return place

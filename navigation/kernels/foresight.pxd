@@ -1,20 +1,21 @@
 from navigation.kernels.candidates cimport Candidates
 from navigation.kernels.edges cimport Legs
 from navigation.kernels.grid cimport Cells
+from navigation.kernels.numbers cimport Doubles, Numbers
 from navigation.kernels.throng cimport Throng
 
 cdef double _STEP
 cdef double _FARTHEST
 cdef double _AROUND
-cdef list[double] _TO_EITHER_SIDE
-cdef list[double] _DETOURS
+cdef Numbers _TO_EITHER_SIDE
+cdef Numbers _DETOURS
 cdef double _WIDEST
-cdef list[double] _PACES
-cdef list[double] _DELAYS
-cdef list[double] _PARTS
+cdef Numbers _PACES
+cdef Numbers _DELAYS
+cdef Numbers _PARTS
 cdef double _SHORTEST
 cdef double _PHANTOM
-cdef list[double] _FILES
+cdef Numbers _FILES
 cdef double _FASTER
 cdef double _BESIDE
 cdef double _STANDS
@@ -48,14 +49,14 @@ cdef class Foresight:
     cdef readonly double reach
     cdef readonly double stop
     cdef bytearray known
-    cdef list[double] table
-    cdef list[double] box
-    cdef readonly list[double] seen
+    cdef Numbers table
+    cdef Numbers box
+    cdef readonly Numbers seen
     cdef readonly list[Py_ssize_t] near
     cdef readonly Py_ssize_t hit
     cdef readonly double hit_at
     cdef double met_at
-    cdef list[double] when
+    cdef Numbers when
     cdef Py_ssize_t ahead
     cdef double ahead_speed
     cdef double ahead_walks_on
@@ -84,7 +85,7 @@ cdef class Foresight:
     cdef bint _is_opposed(self, double length) except -1
     cdef int _add_files(self) except -1
     cdef int _add_asides(
-        self, Py_ssize_t k, double t, list[double] widths, bint past, bint opposed
+        self, Py_ssize_t k, double t, Numbers widths, bint past, bint opposed
     ) except -1
     cdef bint _take_first_free(self) except -1
     cpdef bint aside(self, double along, double side, list[Py_ssize_t] near) except -1

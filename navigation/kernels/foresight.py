@@ -22,12 +22,14 @@ if not cython.compiled:
 
     from .discs import first_met, gone
     from .following import followed, speed_behind
+    from .numbers import Doubles, Numbers, at, cut, numbers, room
 
     INFINITY = inf
 else:
     from cython.cimports.libc.math import INFINITY, ceil
     from cython.cimports.navigation.kernels.discs import first_met, gone
     from cython.cimports.navigation.kernels.following import followed, speed_behind
+    from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at, cut, numbers, room
 
 _STEP: float = 0.25  # metres between the places along a course that are looked at
 _FARTHEST: float = 25.0  # metres; so far a course is looked ahead for the end of a narrow place
@@ -35,19 +37,20 @@ _FARTHEST: float = 25.0  # metres; so far a course is looked ahead for the end o
 _AROUND: float = 2.0
 
 # Metres to the left. Shifts that are tried besides the one that just gets past, to the right first.
-_TO_EITHER_SIDE: list[float] = [-0.45, 0.45, -0.9, 0.9, -1.35, 1.35]
+_TO_EITHER_SIDE: Numbers = numbers([-0.45, 0.45, -0.9, 0.9, -1.35, 1.35])
 # Shifts that somebody tries who stands before others who don't go the same way.
-_DETOURS: list[float] = [-2.0, 2.0, -2.8, 2.8, -3.6, 3.6]
+_DETOURS: Numbers = numbers([-2.0, 2.0, -2.8, 2.8, -3.6, 3.6])
 _WIDEST: float = 3.6  # metres; nobody shifts further to the side than this
-_PACES: list[float] = [0.75, 0.5, 0.25]  # shares of the top speed that are tried
-_DELAYS: list[float] = [0.5, 1.0, 2.0, 4.0]  # seconds that who stands waits before setting out
+_PACES: Numbers = numbers([0.75, 0.5, 0.25])  # shares of the top speed that are tried
+# Seconds that who stands waits before setting out.
+_DELAYS: Numbers = numbers([0.5, 1.0, 2.0, 4.0])
 # Parts of the free stretch ahead after which a stop is tried.
-_PARTS: list[float] = [1.0, 0.8, 0.6, 0.4, 0.2]
+_PARTS: Numbers = numbers([1.0, 0.8, 0.6, 0.4, 0.2])
 _SHORTEST: float = 0.5  # metres; nobody who stands sets out for less
 # Share that a stop behind somebody who is about to walk on counts of the metres it loses.
 _PHANTOM: float = 0.3
 # Metres to either side. There somebody who follows looks for room to walk faster beside others.
-_FILES: list[float] = [0.25, 0.5]
+_FILES: Numbers = numbers([0.25, 0.5])
 _FASTER: float = 0.15  # m/s; for less nobody leaves a file
 # Share of the foresight after which somebody who leaves a file is beside it.
 _BESIDE: float = 0.4
@@ -104,11 +107,12 @@ class Foresight:
         self.narrow = narrow
         self.narrow_outside = narrow_outside
         self.legs = legs
-        self.inside = narrow_outside.has(walks.course[0], walks.course[1])
+        course: Doubles = at(walks.course)
+        self.inside = narrow_outside.has(course[0], course[1])
         self.known = bytearray(int(_FARTHEST / _STEP) + 3)
         self.reach = top_speed * foresight
         self.stop = self.stop_beyond(self.reach)
-        none: list[float] = []
+        none: Numbers = room(0)
         nobody: list[cython.Py_ssize_t] = []
         self.table = none
         self.box = none
@@ -117,7 +121,7 @@ class Foresight:
         self.wishes = False
         self.hit = self.ahead = -1
         self.met_at = self.hit_at = INFINITY
-        self.when = [INFINITY]
+        self.when = room(1)
         self.ahead_speed = self.ahead_walks_on = 0.0
 
     def wish(self) -> bool:
@@ -186,8 +190,13 @@ class Foresight:
 
         They are `near` then, and the bounds are those `seen`.
         """
-        box: list[float] = self.box
-        self.seen = [box[0] - around, box[1] - around, box[2] + around, box[3] + around]
+        box: Doubles = at(self.box)
+        self.seen = room(4)
+        seen: Doubles = at(self.seen)
+        seen[0] = box[0] - around
+        seen[1] = box[1] - around
+        seen[2] = box[2] + around
+        seen[3] = box[3] + around
         self.near = self.throng.near(self.seen, self.radius + self.comfort)
         if self.me in self.near:
             self.near.remove(self.me)
@@ -210,7 +219,7 @@ class Foresight:
             self.walks.now,
             self.when,
         )
-        self.met_at = self.when[0]
+        self.met_at = at(self.when)[0]
         return who
 
     # Following
@@ -305,7 +314,7 @@ class Foresight:
         ox: float = throng.x
         oy: float = throng.y
         away: float = abs((oy - y) * c - (ox - x) * s)
-        touch: float = self.radius + throng.radii[k]
+        touch: float = self.radius + at(throng.radii)[k]
         if away >= touch:
             return INFINITY
         along: float = (ox - x) * c + (oy - y) * s
@@ -406,11 +415,12 @@ class Foresight:
         i: cython.Py_ssize_t
         if not at_rest:  # else it would be as much in the way later on
             for i in range(len(_PACES)):
-                pace: float = _PACES[i]
+                pace: float = at(_PACES)[i]
                 walks.add((1 - pace * top / self.top_speed) * whole, self.stop, pace * top, 0.0)
             if stands:
                 for i in range(len(_DELAYS)):
-                    walks.add(_DELAYS[i] * top, self.stop, top, _DELAYS[i])
+                    delay: float = at(_DELAYS)[i]
+                    walks.add(delay * top, self.stop, top, delay)
         # In a single file all come as near as their time gap lets them, and then slow down.
         phantom: cython.bint = follows and (at_rest or (self.ahead >= 0 and self.is_narrow(0.0)))
         # A stop behind somebody who is about to walk on loses less than it seems: they soon go on.
@@ -422,7 +432,7 @@ class Foresight:
         goes_in: cython.bint = False
         length: float
         for i in range(len(_PARTS)):
-            length = _PARTS[i] * ahead
+            length = at(_PARTS)[i] * ahead
             if self.is_narrow(length):
                 if not asked:
                     asked = True
@@ -457,6 +467,7 @@ class Foresight:
         walks.come_to(length)
         c: float = walks.c
         s: float = walks.s
+        course: Doubles = at(walks.course)
         i: cython.Py_ssize_t
         for i in range(len(self.near)):
             k: cython.Py_ssize_t = self.near[i]
@@ -464,7 +475,7 @@ class Foresight:
             x: float = throng.x
             y: float = throng.y
             if (
-                (x - walks.course[0]) * c + (y - walks.course[1]) * s > 0.0
+                (x - course[0]) * c + (y - course[1]) * s > 0.0
                 and abs((y - walks.y) * c - (x - walks.x) * s) < _CLOSES_UP
                 and throng.cosine(k, t, c, s) < 0.0
             ):
@@ -484,14 +495,14 @@ class Foresight:
         if self.inside:
             return 0
         walks: Candidates = self.walks
-        sides: list[float] = []
+        sides: Numbers = room(1)
         i: cython.Py_ssize_t
         for i in range(2 * len(_FILES)):
-            side: float = _FILES[i // 2] * (self.usual if i % 2 == 0 else -self.usual)
+            side: float = at(_FILES)[i // 2] * (self.usual if i % 2 == 0 else -self.usual)
             speed: float = self._speed_beside(side)
             along: float = _BESIDE * speed * self.foresight
             if speed >= self.ahead_speed + _FASTER and along < walks.whole:
-                sides = [side]
+                at(sides)[0] = side
                 walks.add_asides(sides, _WIDEST, self.usual, _OTHER_SIDE, along, speed, along)
         return 0
 
@@ -499,7 +510,7 @@ class Foresight:
         self,
         k: cython.Py_ssize_t,
         t: float,
-        widths: list[float],
+        widths: Numbers,
         past: bool,
         opposed: bool,
     ) -> cython.int:
@@ -511,31 +522,37 @@ class Foresight:
         """
         walks: Candidates = self.walks
         throng: Throng = self.throng
-        at: float = gone(self.table, walks.begin, t)
-        walks.come_to(at)
+        before: float = gone(self.table, walks.begin, t)
+        walks.come_to(before)
         throng.find(k, t)
         dx: float = throng.x - walks.x
         dy: float = throng.y - walks.y
-        along: float = at + max(dx * walks.c + dy * walks.s, 0.0)
+        along: float = before + max(dx * walks.c + dy * walks.s, 0.0)
         beside: float = dy * walks.c - dx * walks.s
         # Just past them at the comfort distance, then at the least one, then by set widths; to
         # either side. Which is free, and loses least, is found out when they are drawn up.
-        needed: float = self.radius + throng.radii[k] + throng.gap
+        needed: float = self.radius + at(throng.radii)[k] + throng.gap
         wide: float = needed + self.comfort
-        comfortable: list[float] = [beside - wide, beside + wide]
-        sides: list[float] = []
-        if past:
-            sides += comfortable
-            sides.append(beside - needed - _HAIR)
-            sides.append(beside + needed + _HAIR)
-        sides += widths
+        count: cython.Py_ssize_t = 4 if past else 0
+        sides: Numbers = room(4 + len(widths))
+        side: Doubles = at(sides)
+        width: Doubles = at(widths)
+        side[0] = beside - wide
+        side[1] = beside + wide
+        side[2] = beside - needed - _HAIR
+        side[3] = beside + needed + _HAIR
+        i: cython.Py_ssize_t
+        for i in range(len(widths)):
+            side[count + i] = width[i]
+        cut(sides, count + len(widths))
         length: float = self.reach + 0.5
         top: float = self.top_speed
         usual: float = self.usual
         walks.add_asides(sides, _WIDEST, usual, _OTHER_SIDE, length, top, along)
         if opposed:
             length = along + _PAST
-            walks.add_asides(comfortable, _WIDEST, usual, _OTHER_SIDE, length, top, along)
+            cut(sides, 2)
+            walks.add_asides(sides, _WIDEST, usual, _OTHER_SIDE, length, top, along)
         return 0
 
     def _take_first_free(self) -> bool:
@@ -570,10 +587,10 @@ class Foresight:
         """
         if self.walks.side == 0.0:
             return True
-        c: list[float] = self.walks.corners
+        c: Doubles = at(self.walks.corners)
         k: cython.Py_ssize_t
         # The shift is in the first three legs; all that comes after is the course, which is free.
-        for k in range(0, min(len(c), 8) - 2, 2):
+        for k in range(0, min(len(self.walks.corners), 8) - 2, 2):
             if not self.legs.free(c[k], c[k + 1], c[k + 2], c[k + 3]):
                 return False
         return True

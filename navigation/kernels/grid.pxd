@@ -1,5 +1,7 @@
 cimport cython
 
+from navigation.kernels.numbers cimport Numbers
+
 cdef Py_ssize_t _STRAIGHT
 cdef Py_ssize_t _ACROSS
 cdef Py_ssize_t _BUCKETS
@@ -19,11 +21,11 @@ cpdef int block_discs(
     double low_x,
     double low_y,
     double width,
-    list[double] discs,
+    Numbers discs,
     double spare,
 ) except -1
-cpdef bint covers(list[double] discs, double x, double y) noexcept
-cpdef list[double] middles(list[double] discs)
+cpdef bint covers(Numbers discs, double x, double y) noexcept
+cpdef Numbers middles(Numbers discs)
 
 cdef Py_ssize_t _estimate(Py_ssize_t cell, Py_ssize_t goal, Py_ssize_t columns) noexcept
 

@@ -13,8 +13,11 @@ else:
 
 if not cython.compiled:
     from math import floor, sqrt
+
+    from .numbers import Doubles, Numbers, at, room
 else:
     from cython.cimports.libc.math import floor, sqrt
+    from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at, room
 
 SOME: int = 2
 """Answer of who is asked about a cell that an area covers in part."""
@@ -67,7 +70,7 @@ def block_discs(
     low_x: float,
     low_y: float,
     width: float,
-    discs: list[float],
+    discs: Numbers,
     spare: float,
 ) -> cython.int:
     """Block the cells of a grid whose middle is in a disc, or up to `spare` metres beside it.
@@ -76,13 +79,14 @@ def block_discs(
     corner of the first is at `low_x`, `low_y`. `discs` holds x, y and radius of each (metres).
     """
     rows: cython.Py_ssize_t = len(blocked) // columns
+    disc: Doubles = at(discs)
     k: cython.Py_ssize_t
     i: cython.Py_ssize_t
     j: cython.Py_ssize_t
     for k in range(0, len(discs), 3):
-        radius: float = discs[k + 2] + spare
-        x: float = (discs[k] - low_x) / width - 0.5
-        y: float = (discs[k + 1] - low_y) / width - 0.5
+        radius: float = disc[k + 2] + spare
+        x: float = (disc[k] - low_x) / width - 0.5
+        y: float = (disc[k + 1] - low_y) / width - 0.5
         reach: float = radius / width
         # One cell more on either side than can be within reach; whole numbers are cut towards 0.
         left: cython.Py_ssize_t = int(max(x - reach, 0.0))
@@ -98,26 +102,28 @@ def block_discs(
     return 0
 
 
-def covers(discs: list[float], x: float, y: float) -> bool:
+def covers(discs: Numbers, x: float, y: float) -> bool:
     """Return whether a place is in one of `discs`: x, y and radius of each (metres)."""
+    disc: Doubles = at(discs)
     k: cython.Py_ssize_t
     for k in range(0, len(discs), 3):
-        dx: float = discs[k] - x
-        dy: float = discs[k + 1] - y
-        if sqrt(dx * dx + dy * dy) < discs[k + 2]:
+        dx: float = disc[k] - x
+        dy: float = disc[k + 1] - y
+        if sqrt(dx * dx + dy * dy) < disc[k + 2]:
             return True
     return False
 
 
-def middles(discs: list[float]) -> list[float]:
+def middles(discs: Numbers) -> Numbers:
     """Return the middles of `discs` as edges of no length (see `edges`)."""
-    found: list[float] = []
+    count: cython.Py_ssize_t = len(discs) // 3
+    found: Numbers = room(4 * count)
+    disc: Doubles = at(discs)
+    edge: Doubles = at(found)
     k: cython.Py_ssize_t
-    for k in range(0, len(discs), 3):
-        found.append(discs[k])
-        found.append(discs[k + 1])
-        found.append(discs[k])
-        found.append(discs[k + 1])
+    for k in range(count):
+        edge[4 * k] = edge[4 * k + 2] = disc[3 * k]
+        edge[4 * k + 1] = edge[4 * k + 3] = disc[3 * k + 1]
     return found
 
 

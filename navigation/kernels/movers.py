@@ -18,11 +18,13 @@ if not cython.compiled:
     from math import inf
 
     from .discs import first_but, met
+    from .numbers import Doubles, Numbers, at, part, room
 
     INFINITY = inf
 else:
     from cython.cimports.libc.math import INFINITY
     from cython.cimports.navigation.kernels.discs import first_but, met
+    from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at, part, room
 
 
 class Movers:
@@ -35,17 +37,17 @@ class Movers:
         self.throng = throng
         self.now = now
         self.indices: list[int] = []
-        self.tables: list[list[float]] = []
-        self.boxes: list[float] = []
-        self.radii: list[float] = []
+        self.tables: list[Numbers] = []
+        self.boxes: Numbers = room(0)
+        self.radii: Numbers = room(0)
         self.among = bytearray(len(throng.radii))
 
-    def add(self, k: cython.Py_ssize_t, table: list[float], box: list[float]) -> None:
+    def add(self, k: cython.Py_ssize_t, table: Numbers, box: Numbers) -> None:
         """Let the k-th move so."""
         self.indices.append(k)
         self.tables.append(table)
         self.boxes.extend(box)
-        self.radii.append(self.throng.radii[k])
+        self.radii.append(at(self.throng.radii)[k])
         self.among[k] = 1
 
     def keep(self, count: cython.Py_ssize_t) -> None:
@@ -58,39 +60,41 @@ class Movers:
         del self.boxes[4 * count :]
         del self.radii[count:]
 
-    def meet(self, k: cython.Py_ssize_t, table: list[float], box: list[float]) -> bool:
+    def meet(self, k: cython.Py_ssize_t, table: Numbers, box: Numbers) -> bool:
         """Return whether the k-th, who goes like this, would come too close to another of them."""
-        own: float = self.throng.radii[k] + self.throng.gap
+        own: float = at(self.throng.radii)[k] + self.throng.gap
         i: cython.Py_ssize_t
         for i in range(len(self.radii)):
             if self.indices[i] != k and self.met(i, table, box, own) < INFINITY:
                 return True
         return False
 
-    def met(self, i: cython.Py_ssize_t, table: list[float], box: list[float], own: float) -> float:
+    def met(self, i: cython.Py_ssize_t, table: Numbers, box: Numbers, own: float) -> float:
         """Return when one who keeps `own` metres meets the i-th of them; infinite if never."""
         t: float = met(table, box, self.tables, self.boxes, self.radii, own, self.now, INFINITY, i)
         return t
 
-    def change(self, i: cython.Py_ssize_t, table: list[float], box: list[float]) -> None:
+    def change(self, i: cython.Py_ssize_t, table: Numbers, box: Numbers) -> None:
         """Let the i-th of them move so instead."""
         self.tables[i] = table
-        self.boxes[4 * i : 4 * i + 4] = box
+        mine: Doubles = at(self.boxes)
+        new: Doubles = at(box)
+        k: cython.Py_ssize_t
+        for k in range(4):
+            mine[4 * i + k] = new[k]
 
     def first_hit(self, i: cython.Py_ssize_t) -> cython.Py_ssize_t:
         """Return whom the i-th of them would meet first of all others but these; -1 for nobody."""
-        box: list[float] = self.boxes[4 * i : 4 * i + 4]
+        box: Numbers = part(self.boxes, 4 * i, 4)
         return self.first_other(self.indices[i], self.tables[i], box)
 
-    def first_other(
-        self, k: cython.Py_ssize_t, table: list[float], box: list[float]
-    ) -> cython.Py_ssize_t:
+    def first_other(self, k: cython.Py_ssize_t, table: Numbers, box: Numbers) -> cython.Py_ssize_t:
         """Return whom the k-th, who goes like this, would meet first of all others but these.
 
         -1 for nobody.
         """
         throng: Throng = self.throng
-        own: float = throng.radii[k] + throng.gap
+        own: float = at(throng.radii)[k] + throng.gap
         before: cython.int = self.among[k]
         self.among[k] = 1
         found: cython.Py_ssize_t = first_but(

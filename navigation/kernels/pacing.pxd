@@ -1,53 +1,49 @@
+from navigation.kernels.numbers cimport Doubles, Numbers
+
+cdef Py_ssize_t _R
+cdef Py_ssize_t _LEG
+cdef Py_ssize_t _PHASES
 cdef double _SHORT
 cdef double _DEVIATION
 cdef double _HAIR
 
-cpdef bint walk_table(
-    list[double] corners,
-    list[double] tops,
+cpdef Numbers walk_table(
+    Numbers corners,
+    Numbers tops,
+    double since,
     double start,
     double initial_speed,
     double max_speed,
     double acceleration,
-    list[double] table,
-) except -1
-cpdef void stand(
-    list[double] table, double since, double until, double x, double y
-) except *
+    Numbers lead,
+)
+cpdef list turned(Numbers table, double heading)
 cdef double bend_speed(double cosine, double shorter, double acceleration) noexcept
-cdef double _leg(
-    list[double] table,
-    double t,
-    double x,
-    double y,
-    double c,
-    double s,
-    double length,
+cdef Py_ssize_t _plan(
+    Numbers corners,
+    Numbers tops,
+    double initial_speed,
+    double max_speed,
+    double acceleration,
+    Doubles leg,
+    Doubles cap,
+) noexcept
+cdef Py_ssize_t _walk(
+    Doubles row,
+    Py_ssize_t o,
+    Doubles leg,
+    Py_ssize_t i,
     double u,
     double w,
-    double top,
     double acceleration,
-) except? -1.0
-cdef double _phase(
-    list[double] table,
-    double t,
-    double x,
-    double y,
-    double c,
-    double s,
+) noexcept
+cdef Py_ssize_t _phase(
+    Doubles row,
+    Py_ssize_t o,
+    Doubles leg,
+    Py_ssize_t i,
     double gone,
     double duration,
     double v,
     double acceleration,
-) except? -1.0
-cdef int _add(
-    list[double] table,
-    double begin,
-    double end,
-    double x,
-    double vx,
-    double ax,
-    double y,
-    double vy,
-    double ay,
-) except -1
+) noexcept

@@ -15,133 +15,161 @@ if TYPE_CHECKING:
 else:
     from . import uncompiled as cython
 
+from .discs import ROW
 from .walks import DEVIATION, NOWHERE
 
 if not cython.compiled:
     from math import atan2, inf, sqrt
 
+    from .discs import stand
+    from .numbers import Doubles, Numbers, at, cut, room
+
     INFINITY = inf
 else:
     from cython.cimports.libc.math import INFINITY, atan2, sqrt
+    from cython.cimports.navigation.kernels.discs import stand
+    from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at, cut, room
 
+_R: cython.Py_ssize_t = ROW
+_LEG: cython.Py_ssize_t = 6  # numbers of a leg: x and y, direction, length, top speed
+_PHASES: cython.Py_ssize_t = 4  # of a leg, at most
 _SHORT: float = NOWHERE
 _DEVIATION: float = DEVIATION
 _HAIR: float = 1e-9  # m/s
 
 
 def walk_table(
-    corners: list[float],
-    tops: list[float],
+    corners: Numbers,
+    tops: Numbers,
+    since: float,
     start: float,
     initial_speed: float,
     max_speed: float,
     acceleration: float,
-    table: list[float],
-) -> bool:
-    """Add the rows of a walk along `corners` (x and y of each in turn) from `start` on to `table`.
+    lead: Numbers,
+) -> Numbers:
+    """Return the table of a walk along `corners` (x and y of each in turn) from `start` on.
 
-    It sets out at `initial_speed` along the first leg, keeps to each leg's speed of `tops` as soon
-    as `acceleration` lets it, and ends in a standing for ever; corners are taken as `walk` takes
-    them, and never faster than `max_speed`. Return False, and leave the table, where it can't come
-    to rest, or slow down enough for a corner.
+    It sets out at `initial_speed` along the first leg, keeps to each leg's speed of `tops`, or to
+    the only one, as soon as `acceleration` lets it, and ends in a standing for ever; corners are
+    taken as `walk` takes them, and never faster than `max_speed`. It follows on the rows of a
+    `lead`, and on standing if they are over `since` before the start. Empty where it can't come to
+    rest, or slow down enough for a corner.
     """
+    most: cython.Py_ssize_t = len(corners) // 2
+    legs: Numbers = room(_LEG * most)
+    caps: Numbers = room(most + 1)
+    count: cython.Py_ssize_t = _plan(
+        corners, tops, initial_speed, max_speed, acceleration, at(legs), at(caps)
+    )
+    if count == 0:
+        return room(0)
+    o: cython.Py_ssize_t = len(lead)
+    table: Numbers = room(o + _R * (_PHASES * count + 2))
+    row: Doubles = at(table)
+    before: Doubles = at(lead)
+    corner: Doubles = at(corners)
+    leg: Doubles = at(legs)
+    cap: Doubles = at(caps)
+    k: cython.Py_ssize_t
+    for k in range(o):
+        row[k] = before[k]
+    if since < start:
+        stand(row, o, since, start, corner[0], corner[1])
+        o += _R
+    row[o] = start
+    u: float = initial_speed
+    w: float
+    for k in range(count):
+        i: cython.Py_ssize_t = _LEG * k
+        # Forwards: nor faster than one can have become. Both together are the fastest.
+        w = min(cap[k + 1], sqrt(u * u + 2 * acceleration * leg[i + 4]))
+        o = _walk(row, o, leg, i, u, w, acceleration)
+        u = w
+    k = len(corners)
+    stand(row, o, row[o], INFINITY, corner[k - 2], corner[k - 1])
+    cut(table, o + _R)
+    return table
+
+
+def _plan(
+    corners: Numbers,
+    tops: Numbers,
+    initial_speed: float,
+    max_speed: float,
+    acceleration: float,
+    leg: Doubles,
+    cap: Doubles,
+) -> cython.Py_ssize_t:
+    """Set legs, and the highest speed at which each may begin; return how many there are.
+
+    None where the walk can't be.
+    """
+    corner: Doubles = at(corners)
+    top_of: Doubles = at(tops)
+    each: cython.Py_ssize_t = 1 if len(tops) > 1 else 0
     gain: float = 2 * acceleration
-    legs: list[float] = []  # of each: x and y where it begins, direction, length, top speed
-    caps: list[float] = []  # the highest speed at which each may begin
     gone: float = 0.0
     c: float = 0.0
     s: float = 0.0
     length: float = 0.0
-    k: cython.Py_ssize_t
-    x: float
-    y: float
-    dx: float
-    dy: float
-    before: float
-    slowed: float
-    cap: float
-    shorter: float
     top: float = INFINITY
+    count: cython.Py_ssize_t = 0
+    k: cython.Py_ssize_t
     for k in range(0, len(corners) - 2, 2):
-        x = corners[k]
-        y = corners[k + 1]
-        dx = corners[k + 2] - x
-        dy = corners[k + 3] - y
-        before = length
+        dx: float = corner[k + 2] - corner[k]
+        dy: float = corner[k + 3] - corner[k + 1]
+        before: float = length
         length = sqrt(dx * dx + dy * dy)
         if length <= _SHORT:
             length = before
             continue
         dx /= length
         dy /= length
-        if len(caps) == 0:
-            caps.append(initial_speed)
+        if count == 0:
+            cap[0] = initial_speed
         else:
             # One who sets out too fast for a leg can't be asked for less than what braking leaves
             # there.
-            slowed = sqrt(max(initial_speed * initial_speed - gain * gone, 0.0))
-            cap = tops[k // 2]
-            cap = min(max_speed, max(min(top, cap), slowed))
-            shorter = before if before < length else length
-            caps.append(min(cap, bend_speed(c * dx + s * dy, shorter, acceleration)))
+            slowed: float = sqrt(max(initial_speed * initial_speed - gain * gone, 0.0))
+            most: float = min(max_speed, max(min(top, top_of[k // 2 * each]), slowed))
+            shorter: float = before if before < length else length
+            cap[count] = min(most, bend_speed(c * dx + s * dy, shorter, acceleration))
         c = dx
         s = dy
-        top = tops[k // 2]
+        top = top_of[k // 2 * each]
         gone += length
-        legs.append(x)
-        legs.append(y)
-        legs.append(c)
-        legs.append(s)
-        legs.append(length)
-        legs.append(top)
-    count: cython.Py_ssize_t = len(caps)
-    if count == 0:
-        return False
-    caps.append(0.0)
-    speed: float
+        i: cython.Py_ssize_t = _LEG * count
+        leg[i] = corner[k]
+        leg[i + 1] = corner[k + 1]
+        leg[i + 2] = c
+        leg[i + 3] = s
+        leg[i + 4] = length
+        leg[i + 5] = top
+        count += 1
+    cap[count] = 0.0
     # Backwards: nowhere faster than what lets one slow down for all that comes.
     for k in range(count - 1, -1, -1):
-        speed = caps[k + 1]
-        length = legs[6 * k + 4]
-        cap = caps[k]
-        caps[k] = min(cap, sqrt(speed * speed + gain * length))
-    cap = caps[0]
-    if cap < initial_speed - _HAIR:
-        return False
-    u: float = initial_speed
-    t: float = start
-    w: float
-    for k in range(count):
-        length = legs[6 * k + 4]
-        cap = caps[k + 1]
-        # Forwards: nor faster than one can have become. Both together are the fastest.
-        w = min(cap, sqrt(u * u + gain * length))
-        x = legs[6 * k]
-        y = legs[6 * k + 1]
-        c = legs[6 * k + 2]
-        s = legs[6 * k + 3]
-        top = legs[6 * k + 5]
-        t = _leg(table, t, x, y, c, s, length, u, w, top, acceleration)
-        u = w
-    x = corners[len(corners) - 2]
-    y = corners[len(corners) - 1]
-    _add(table, t, INFINITY, x, 0.0, 0.0, y, 0.0, 0.0)
-    return True
+        cap[k] = min(cap[k], sqrt(cap[k + 1] * cap[k + 1] + gain * leg[_LEG * k + 4]))
+    return count if cap[0] >= initial_speed - _HAIR else 0
 
 
-def turned(table: list[float], heading: float) -> list[float]:
+def turned(table: Numbers, heading: float) -> list[float]:
     """Return the table of the motion along a walk: turned to where it goes, standing left out.
 
     Its rows are those of `pieces`; until it goes anywhere it is turned by `heading` (radians).
     """
     found: list[float] = []
+    row: Doubles = at(table)
+    k: cython.Py_ssize_t
     o: cython.Py_ssize_t
     for o in range(0, len(table) - 10, 10):
-        if table[o + 3] != 0.0 or table[o + 7] != 0.0:
-            heading = atan2(table[o + 7], table[o + 3])
-        elif table[o + 4] != 0.0 or table[o + 8] != 0.0:
-            heading = atan2(table[o + 8], table[o + 4])
-        found.extend(table[o : o + 10])
+        if row[o + 3] != 0.0 or row[o + 7] != 0.0:
+            heading = atan2(row[o + 7], row[o + 3])
+        elif row[o + 4] != 0.0 or row[o + 8] != 0.0:
+            heading = atan2(row[o + 8], row[o + 4])
+        for k in range(o, o + 10):
+            found.append(row[k])  # noqa: PERF401
         found.append(heading)
         found.append(0.0)
         found.append(0.0)
@@ -163,26 +191,26 @@ def bend_speed(cosine: float, shorter: float, acceleration: float) -> float:
     return sqrt(acceleration * min(by_deviation, by_length))
 
 
-def _leg(
-    table: list[float],
-    t: float,
-    x: float,
-    y: float,
-    c: float,
-    s: float,
-    length: float,
+def _walk(
+    row: Doubles,
+    o: cython.Py_ssize_t,
+    leg: Doubles,
+    i: cython.Py_ssize_t,
     u: float,
     w: float,
-    top: float,
     acceleration: float,
-) -> float:
-    """Add the rows of a leg in direction c, s from speed `u` to `w`; return when it is over."""
+) -> cython.Py_ssize_t:
+    """Add the rows of the leg at `i` from speed `u` to `w` at `o`; return where the next one is.
+
+    When it begins stands there already, and when it is over then stands there.
+    """
+    length: float = leg[i + 4]
+    top: float = leg[i + 5]
     gone: float = 0.0
     level: float = max(top, w)
-    duration: float
     if u > level:  # still slowing down
-        duration = (u - level) / acceleration
-        t = _phase(table, t, x, y, c, s, gone, duration, u, -acceleration)
+        duration: float = (u - level) / acceleration
+        o = _phase(row, o, leg, i, gone, duration, u, -acceleration)
         gone = duration * (u + level) / 2
         u = level
     if level > top:
@@ -193,60 +221,40 @@ def _leg(
     peak = max(max(min(peak, top), u), w)
     rising: float = (peak - u) / acceleration
     falling: float = (peak - w) / acceleration
-    t = _phase(table, t, x, y, c, s, gone, rising, u, acceleration)
+    o = _phase(row, o, leg, i, gone, rising, u, acceleration)
     gone += rising * (u + peak) / 2
     slowing: float = falling * (peak + w) / 2
     cruise: float = max((length - gone - slowing) / peak, 0.0)
-    t = _phase(table, t, x, y, c, s, gone, cruise, peak, 0.0)
+    o = _phase(row, o, leg, i, gone, cruise, peak, 0.0)
     gone += cruise * peak
-    return _phase(table, t, x, y, c, s, gone, falling, peak, -acceleration)
+    return _phase(row, o, leg, i, gone, falling, peak, -acceleration)
 
 
 def _phase(
-    table: list[float],
-    t: float,
-    x: float,
-    y: float,
-    c: float,
-    s: float,
+    row: Doubles,
+    o: cython.Py_ssize_t,
+    leg: Doubles,
+    i: cython.Py_ssize_t,
     gone: float,
     duration: float,
     v: float,
     acceleration: float,
-) -> float:
-    """Add the row of a phase that begins `gone` metres along a leg; return when it is over."""
-    end: float = t + duration
-    if end > t:
-        half: float = acceleration / 2
-        _add(table, t, end, x + gone * c, v * c, half * c, y + gone * s, v * s, half * s)
-    return end
-
-
-def _add(
-    table: list[float],
-    begin: float,
-    end: float,
-    x: float,
-    vx: float,
-    ax: float,
-    y: float,
-    vy: float,
-    ay: float,
-) -> int:
-    """Add a row to a table."""
-    table.append(begin)
-    table.append(end)
-    table.append(x)
-    table.append(vx)
-    table.append(ax)
-    table.append(0.0)
-    table.append(y)
-    table.append(vy)
-    table.append(ay)
-    table.append(0.0)
-    return 0
-
-
-def stand(table: list[float], since: float, until: float, x: float, y: float) -> None:
-    """Add standing at x, y (metres) from `since` until then (seconds) to a table."""
-    _add(table, since, until, x, 0.0, 0.0, y, 0.0, 0.0)
+) -> cython.Py_ssize_t:
+    """Add the row of a phase that begins `gone` metres along a leg, as `_walk`, if it lasts."""
+    end: float = row[o] + duration
+    if end <= row[o]:
+        return o
+    c: float = leg[i + 2]
+    s: float = leg[i + 3]
+    half: float = acceleration / 2
+    row[o + 1] = end
+    row[o + 2] = leg[i] + gone * c
+    row[o + 3] = v * c
+    row[o + 4] = half * c
+    row[o + 5] = 0.0
+    row[o + 6] = leg[i + 1] + gone * s
+    row[o + 7] = v * s
+    row[o + 8] = half * s
+    row[o + 9] = 0.0
+    row[o + _R] = end
+    return o + _R

@@ -13,26 +13,30 @@ if TYPE_CHECKING:
 else:
     from . import uncompiled as cython
 
-from .edges import Grid, Place
+from .discs import ROW
+from .edges import Grid, legs_of
 from .movers import Movers
+from .numbers import Place, flat
 
 if not cython.compiled:
     from math import inf
 
     from .candidates import bounds
-    from .discs import distance
+    from .discs import distance, stand
     from .edges import touches
-    from .pacing import stand, walk_table
+    from .numbers import Doubles, Numbers, at, room
+    from .pacing import walk_table
 
     INFINITY = inf
 else:
     from cython.cimports.libc.math import INFINITY
     from cython.cimports.navigation.kernels.candidates import bounds
-    from cython.cimports.navigation.kernels.discs import distance
+    from cython.cimports.navigation.kernels.discs import distance, stand
     from cython.cimports.navigation.kernels.edges import touches
-    from cython.cimports.navigation.kernels.pacing import stand, walk_table
+    from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at, room
+    from cython.cimports.navigation.kernels.pacing import walk_table
 
-_R: cython.Py_ssize_t = 10  # numbers in a row of a table
+_R: cython.Py_ssize_t = ROW
 _HAIR: float = 1e-6  # metres, for rounding
 _JUST_NOW: float = 2e-3  # metres; at least what `met` takes for too close already
 
@@ -61,19 +65,15 @@ class Retreats:
         self.me = me
         self.width = width
         self.start = movers.now
-        self.top_speed = top_speed
+        self.tops = room(1)
+        at(self.tops)[0] = top_speed
         self.max_speed = max_speed
         self.acceleration = acceleration
-        self.own = movers.throng.radii[me] + movers.throng.gap
+        self.own = at(movers.throng.radii)[me] + movers.throng.gap
         self.walls = walls
         self.radius = radius
-        corners: list[float] = _flat(course)
-        legs: list[float] = []
-        k: cython.Py_ssize_t
-        for k in range(2, len(corners), 2):
-            legs += corners[k - 2 : k + 2]
-        self.legs = legs
-        none: list[float] = []
+        self.legs = legs_of(course)
+        none: Numbers = room(0)
         self.none = none
         self.path = none
         self.places = none
@@ -85,13 +85,13 @@ class Retreats:
         self.hit = -1
         self.tried = 0
 
-    def look(self, path: list[Place], places: list[float]) -> None:
+    def look(self, path: list[Place], places: Numbers) -> None:
         """Look from now on for walks along `path`, and on to one of the `places`.
 
         `places` has x and y of each in turn, from the end of the path (metres). Who steps aside
         stands where all paths begin.
         """
-        self.path = _flat(path)
+        self.path = flat(path)
         self.places = places
         self.k = -1
         if self.last < 0:
@@ -111,12 +111,13 @@ class Retreats:
         end of the path. A walk that meets first who is `refusing` is not taken; it is one of those
         `tried`, as is the one that is returned. At most so many are tried.
         """
-        x: float = self.path[len(self.path) - 2]
-        y: float = self.path[len(self.path) - 1]
+        path: Doubles = at(self.path)
+        x: float = path[len(self.path) - 2]
+        y: float = path[len(self.path) - 1]
         self.tried = 0
         while self.tried < most and self._come(x, y):
-            px: float = x + self.places[2 * self.k]
-            py: float = y + self.places[2 * self.k + 1]
+            px: float = x + at(self.places)[2 * self.k]
+            py: float = y + at(self.places)[2 * self.k + 1]
             if fit is not None and not fit(px, py):
                 continue
             self.tried += 1
@@ -128,35 +129,35 @@ class Retreats:
 
     def _note_ends(self) -> cython.int:
         """Note where those who are moving come to stand: x, y, and how near is too near."""
-        stood: list[float] = []
-        i: cython.Py_ssize_t
-        here: list[float] = []
-        stand(here, self.start, INFINITY, self.path[0], self.path[1])
+        here: Numbers = room(_R)
+        path: Doubles = at(self.path)
+        stand(at(here), 0, self.start, INFINITY, path[0], path[1])
         movers: Movers = self.movers
+        radii: Doubles = at(movers.radii)
+        self.stood = room(3 * len(movers.radii))
+        disc: Doubles = at(self.stood)
+        i: cython.Py_ssize_t
         for i in range(len(movers.radii)):
-            table: list[float] = movers.tables[i]
+            table: Numbers = movers.tables[i]
+            row: Doubles = at(table)
             last: cython.Py_ssize_t = len(table) - _R
-            least: float = self.own + movers.radii[i]
+            least: float = self.own + radii[i]
             # As `met`: who is too close already is met by coming closer still.
             apart: float = distance(here, table, self.start)
             if apart < least + _JUST_NOW:
                 least = min(least, apart)
-            stood.append(table[last + 2])
-            stood.append(table[last + 6])
-            stood.append(least - _HAIR)
-        self.stood = stood
+            disc[3 * i] = row[last + 2]
+            disc[3 * i + 1] = row[last + 6]
+            disc[3 * i + 2] = least - _HAIR
         return 0
 
     def _come(self, x: float, y: float) -> bool:
         """Come to the next place whose walk meets no wall and nobody moving; False for none."""
-        corners: list[float]
-        table: list[float]
-        tops: list[float]
-        count: cython.Py_ssize_t = len(self.places) // 2
-        while self.k + 1 < count:
+        places: Doubles = at(self.places)
+        while self.k + 1 < len(self.places) // 2:
             self.k += 1
-            px: float = x + self.places[2 * self.k]
-            py: float = y + self.places[2 * self.k + 1]
+            px: float = x + places[2 * self.k]
+            py: float = y + places[2 * self.k + 1]
             # No table is drawn up for what can't be fit: whoever stands there for good in the end
             # is met, at the latest then.
             if (
@@ -165,30 +166,47 @@ class Retreats:
                 or self.walls.touched(x, y, px, py, self.radius)
             ):
                 continue
-            corners = self.path[:]
-            corners.append(px)
-            corners.append(py)
-            table = []
-            tops = [self.top_speed] * (len(corners) // 2 - 1)
-            if not walk_table(
-                corners, tops, self.start, 0.0, self.max_speed, self.acceleration, table
-            ):
+            corners: Numbers = self._path_to(px, py)
+            table: Numbers = walk_table(
+                corners,
+                self.tops,
+                self.start,
+                self.start,
+                0.0,
+                self.max_speed,
+                self.acceleration,
+                self.none,
+            )
+            if len(table) == 0:
                 continue
             self.table = table
-            self.box = bounds(corners, [])
+            self.box = bounds(corners, self.none)
             # Whoever was in the way of the last one is likely to be in the way of this one.
             if len(self.stood) == 0 or (not self._meets(self.last) and not self._meets_any()):
                 return True
         return False
 
+    def _path_to(self, x: float, y: float) -> Numbers:
+        """Return the corners of the path, and of a place after it."""
+        count: cython.Py_ssize_t = len(self.path)
+        found: Numbers = room(count + 2)
+        corner: Doubles = at(found)
+        path: Doubles = at(self.path)
+        k: cython.Py_ssize_t
+        for k in range(count):
+            corner[k] = path[k]
+        corner[count] = x
+        corner[count + 1] = y
+        return found
+
     def _is_taken(self, x: float, y: float) -> bool:
         """Return whether somebody who is moving comes to stand at a place, or too near to it."""
-        stood: list[float] = self.stood
+        disc: Doubles = at(self.stood)
         i: cython.Py_ssize_t
-        for i in range(0, len(stood), 3):
-            dx: float = stood[i] - x
-            dy: float = stood[i + 1] - y
-            least: float = stood[i + 2]
+        for i in range(0, len(self.stood), 3):
+            dx: float = disc[i] - x
+            dy: float = disc[i + 1] - y
+            least: float = disc[i + 2]
             if least > 0.0 and dx * dx + dy * dy < least * least:
                 return True
         return False
@@ -205,8 +223,3 @@ class Retreats:
     def _meets(self, i: cython.Py_ssize_t) -> bool:
         """Return whether the walk meets one who is moving."""
         return self.movers.met(i, self.table, self.box, self.own) < INFINITY
-
-
-def _flat(points: list[Place]) -> list[float]:
-    """Return x and y of each point in turn."""
-    return [number for point in points for number in point]

@@ -19,11 +19,13 @@ if not cython.compiled:
     from math import inf, sqrt
 
     from .discs import within_bounds
+    from .numbers import Doubles, Numbers, at, room
 
     INFINITY = inf
 else:
     from cython.cimports.libc.math import INFINITY, sqrt
     from cython.cimports.navigation.kernels.discs import within_bounds
+    from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at, room
 
 _R: cython.Py_ssize_t = ROW
 _SLOW: float = SLOW
@@ -39,16 +41,16 @@ class Throng:
 
     def __init__(self, gap: float) -> None:
         self.gap = gap
-        self.tables: list[list[float]] = []
-        self.boxes: list[float] = []
-        self.radii: list[float] = []
+        self.tables: list[Numbers] = []
+        self.boxes: Numbers = room(0)
+        self.radii: Numbers = room(0)
         self.bound = bytearray()
-        self.onward: list[float] = []
+        self.onward: Numbers = room(0)
         self.widest = 0.0
         """The greatest radius, metres."""
         self.x = self.y = self.c = self.s = 0.0
 
-    def add(self, table: list[float], box: list[float], radius: float) -> None:
+    def add(self, table: Numbers, box: Numbers, radius: float) -> None:
         """Add a disc that is bound for nowhere."""
         self.tables.append(table)
         self.boxes.extend(box)
@@ -58,29 +60,31 @@ class Throng:
         self.onward.append(INFINITY)
         self.onward.append(INFINITY)
 
-    def commit(self, k: cython.Py_ssize_t, table: list[float], box: list[float]) -> None:
+    def commit(self, k: cython.Py_ssize_t, table: Numbers, box: Numbers) -> None:
         """Let the k-th be committed to another motion."""
+        a: Doubles = at(self.boxes)
+        b: Doubles = at(box)
         i: cython.Py_ssize_t
         self.tables[k] = table
         for i in range(4):
-            self.boxes[4 * k + i] = box[i]
+            a[4 * k + i] = b[i]
 
     def send(self, k: cython.Py_ssize_t, bound: bool, x: float, y: float) -> None:
         """Let the k-th be bound for somewhere or not, by x, y first."""
         self.bound[k] = bound
-        self.onward[2 * k] = x
-        self.onward[2 * k + 1] = y
+        onward: Doubles = at(self.onward)
+        onward[2 * k] = x
+        onward[2 * k + 1] = y
 
-    def near(self, box: list[float], around: float) -> list[cython.Py_ssize_t]:
+    def near(self, box: Numbers, around: float) -> list[cython.Py_ssize_t]:
         """Return who may come so near to bounds with their bodies (metres): their indices.
 
         As wide as the widest there is: bounds are those of centres.
         """
         margin: float = around + self.widest + 2 * self.gap
-        low_x: float = box[0] - margin
-        low_y: float = box[1] - margin
+        b: Doubles = at(box)
         found: list[cython.Py_ssize_t] = within_bounds(
-            self.boxes, low_x, low_y, box[2] + margin, box[3] + margin
+            self.boxes, b[0] - margin, b[1] - margin, b[2] + margin, b[3] + margin
         )
         return found
 
@@ -91,23 +95,25 @@ class Throng:
         """
         return self.cosine(k, t, self.c, self.s) if self.heads(i, t) else 0.0
 
-    def standing(self, me: int, box: list[float], around: float, now: float) -> list[float]:
+    def standing(self, me: int, box: Numbers, around: float, now: float) -> Numbers:
         """Return who stands for good `now` (seconds), so near to bounds, but the `me`-th.
 
         Of each x, y, and how far the `me`-th has to stay from there (metres).
         """
-        found: list[float] = []
-        i: cython.Py_ssize_t
         there: list[cython.Py_ssize_t] = self._resting(me, box, around, now)
+        found: Numbers = room(3 * len(there))
+        disc: Doubles = at(found)
+        radii: Doubles = at(self.radii)
+        i: cython.Py_ssize_t
         for i in range(len(there)):
-            table: list[float] = self.tables[there[i]]
-            found.append(table[len(table) - _R + 2])
-            found.append(table[len(table) - _R + 6])
-            found.append(self.radii[me] + self.radii[there[i]] + self.gap)
+            self.end(there[i])
+            disc[3 * i] = self.x
+            disc[3 * i + 1] = self.y
+            disc[3 * i + 2] = radii[me] + radii[there[i]] + self.gap
         return found
 
     def _resting(
-        self, me: cython.Py_ssize_t, box: list[float], around: float, now: float
+        self, me: cython.Py_ssize_t, box: Numbers, around: float, now: float
     ) -> list[cython.Py_ssize_t]:
         found: list[cython.Py_ssize_t] = []
         i: cython.Py_ssize_t
@@ -124,25 +130,37 @@ class Throng:
         From there a ring grows from neighbour to neighbour through gaps that are too narrow for the
         `me`-th, as far as `around`.
         """
-        left: list[cython.Py_ssize_t] = self._resting(me, [x, y, x, y], around, now)
-        width: float = 2 * (self.radii[me] + self.gap)
-        ring: list[float] = [x, y, -self.radii[me]]  # of each who is to be left: x, y, radius
+        ring: Numbers = room(4)  # of each who is to be left: x, y, radius
+        disc: Doubles = at(ring)
+        disc[0] = disc[2] = x
+        disc[1] = disc[3] = y
+        left: list[cython.Py_ssize_t] = self._resting(me, ring, around, now)
+        ring = room(3 * len(left) + 3)
+        disc = at(ring)
+        radii: Doubles = at(self.radii)
+        width: float = 2 * (radii[me] + self.gap)
+        disc[0] = x
+        disc[1] = y
+        disc[2] = -radii[me]
+        last: cython.Py_ssize_t = 0
         i: cython.Py_ssize_t
-        while len(ring) > 0:
-            radius: float = ring.pop()
-            at_y: float = ring.pop()
-            at_x: float = ring.pop()
+        while last >= 0:
+            at_x: float = disc[last]
+            at_y: float = disc[last + 1]
+            radius: float = disc[last + 2]
+            last -= 3
             for i in range(len(left) - 1, -1, -1):
                 k: cython.Py_ssize_t = left[i]
-                table: list[float] = self.tables[k]
-                dx: float = table[len(table) - _R + 2] - at_x
-                dy: float = table[len(table) - _R + 6] - at_y
-                if sqrt(dx * dx + dy * dy) < radius + self.radii[k] + width:
+                self.end(k)
+                dx: float = self.x - at_x
+                dy: float = self.y - at_y
+                if sqrt(dx * dx + dy * dy) < radius + radii[k] + width:
                     if k == other:
                         return True
-                    ring.append(at_x + dx)
-                    ring.append(at_y + dy)
-                    ring.append(self.radii[k])
+                    last += 3
+                    disc[last] = at_x + dx
+                    disc[last + 1] = at_y + dy
+                    disc[last + 2] = radii[k]
                     left[i] = left[len(left) - 1]
                     left.pop()
         return False
@@ -152,25 +170,27 @@ class Throng:
 
         Return whether they do not rest.
         """
-        table: list[float] = self.tables[k]
+        table: Numbers = self.tables[k]
+        row: Doubles = at(table)
         o: cython.Py_ssize_t = 0
         # The last row never ends.
-        while table[o + 1] <= t:
+        while row[o + 1] <= t:
             o += _R
-        if table[o] <= t:
-            u: float = t - table[o]
-            vx: float = table[o + 3] + u * (2 * table[o + 4] + u * 3 * table[o + 5])
-            vy: float = table[o + 7] + u * (2 * table[o + 8] + u * 3 * table[o + 9])
+        if row[o] <= t:
+            u: float = t - row[o]
+            vx: float = row[o + 3] + u * (2 * row[o + 4] + u * 3 * row[o + 5])
+            vy: float = row[o + 7] + u * (2 * row[o + 8] + u * 3 * row[o + 9])
             speed: float = sqrt(vx * vx + vy * vy)
             if speed > _SLOW:
                 self.c = vx / speed
                 self.s = vy / speed
                 return True
-        if not self.bound[k] or self.onward[2 * k] == INFINITY:
+        onward: Doubles = at(self.onward)
+        if not self.bound[k] or onward[2 * k] == INFINITY:
             return False
         self.find(k, t)
-        dx: float = self.onward[2 * k] - self.x
-        dy: float = self.onward[2 * k + 1] - self.y
+        dx: float = onward[2 * k] - self.x
+        dy: float = onward[2 * k + 1] - self.y
         away: float = sqrt(dx * dx + dy * dy)
         if away < _THERE:
             return False
@@ -184,21 +204,31 @@ class Throng:
 
     def find(self, k: cython.Py_ssize_t, t: float) -> cython.int:
         """Set x, y to the place of the k-th at `t` (seconds)."""
-        table: list[float] = self.tables[k]
+        table: Numbers = self.tables[k]
+        row: Doubles = at(table)
         o: cython.Py_ssize_t = 0
-        while table[o + 1] <= t:
+        while row[o + 1] <= t:
             o += _R
-        u: float = max(t - table[o], 0.0)
+        u: float = max(t - row[o], 0.0)
         # Who has come to rest is where their walk ended, to the last bit.
-        if table[o + 1] == INFINITY and o > 0:
+        if row[o + 1] == INFINITY and o > 0:
             o -= _R
-            u = table[o + 1] - table[o]
-        self.x = table[o + 2] + u * (table[o + 3] + u * (table[o + 4] + u * table[o + 5]))
-        self.y = table[o + 6] + u * (table[o + 7] + u * (table[o + 8] + u * table[o + 9]))
+            u = row[o + 1] - row[o]
+        self.x = row[o + 2] + u * (row[o + 3] + u * (row[o + 4] + u * row[o + 5]))
+        self.y = row[o + 6] + u * (row[o + 7] + u * (row[o + 8] + u * row[o + 9]))
         return 0
 
     def rests(self, k: cython.Py_ssize_t) -> float:
         """Return from when on the k-th stands for good, seconds."""
-        table: list[float] = self.tables[k]
-        begin: float = table[len(table) - _R]
+        table: Numbers = self.tables[k]
+        begin: float = at(table)[len(table) - _R]
         return begin
+
+    def end(self, k: cython.Py_ssize_t) -> cython.int:
+        """Set x, y to where the k-th stands for good."""
+        table: Numbers = self.tables[k]
+        row: Doubles = at(table)
+        o: cython.Py_ssize_t = len(table) - _R
+        self.x = row[o + 2]
+        self.y = row[o + 6]
+        return 0

@@ -1,4 +1,5 @@
 from navigation.kernels.edges cimport Legs
+from navigation.kernels.numbers cimport Numbers
 
 cdef Py_ssize_t _CHUNK
 cdef list[Py_ssize_t] _LEAPS
@@ -16,7 +17,7 @@ cdef class WaysRound:
     cdef Py_ssize_t rows
     cpdef void forget(self)
     cpdef list[double] path(
-        self, double ax, double ay, double bx, double by, list[double] discs, Legs legs
+        self, double ax, double ay, double bx, double by, Numbers discs, Legs legs
     )
     cdef int _span(self, double ax, double ay, double bx, double by) noexcept
     cdef bytearray _blocked(self)
@@ -28,7 +29,7 @@ cdef class WaysRound:
         double y,
         double bx,
         double by,
-        list[double] discs,
+        Numbers discs,
         Legs legs,
     )
 

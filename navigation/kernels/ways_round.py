@@ -20,10 +20,12 @@ if not cython.compiled:
 
     from .edges import touches
     from .grid import block_discs, covers, grid_path, middles
+    from .numbers import Doubles, Numbers, at
 else:
     from cython.cimports.libc.math import floor
     from cython.cimports.navigation.kernels.edges import touches
     from cython.cimports.navigation.kernels.grid import block_discs, covers, grid_path, middles
+    from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at
 
 CHUNK = 64
 """Cells of a side of the squares that are known to be blocked or not at a time."""
@@ -59,7 +61,7 @@ class WaysRound:
         self.chunks = {}
 
     def path(
-        self, ax: float, ay: float, bx: float, by: float, discs: list[float], legs: Legs
+        self, ax: float, ay: float, bx: float, by: float, discs: Numbers, legs: Legs
     ) -> list[float]:
         """Return a path from a to b round `discs` along free `legs`; empty if none is found.
 
@@ -138,15 +140,16 @@ class WaysRound:
         y: float,
         bx: float,
         by: float,
-        discs: list[float],
+        discs: Numbers,
         legs: Legs,
     ) -> list[float]:
         """Return the path along cells without those that a straight line can leave out."""
-        ends: list[float] = middles(discs)
+        ends: Numbers = middles(discs)
+        disc: Doubles = at(discs)
         least: float = 0.0
         i: cython.Py_ssize_t
         for i in range(2, len(discs), 3):
-            least = max(least, discs[i])
+            least = max(least, disc[i])
         kept: list[float] = [x, y]
         k: cython.Py_ssize_t = 0
         last: cython.Py_ssize_t = max(len(cells) - 1, 1)

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from navigation import followed, swath, walk
+from navigation import followed, numbers, swath, walk
 
 coordinates = st.floats(-3.0, 3.0)
 places = st.tuples(coordinates, coordinates)
@@ -45,7 +45,7 @@ def test_who_keeps_somebody_slowest_is_followed_unless_somebody_comes(others, t,
     k = followed(
         [*range(len(walks))],
         [swath(motion, 0.0).table for motion in walks],
-        [radius for _, radius in others],
+        numbers(radius for _, radius in others),
         *(t, 0.5, *at, c, s),
         *(0.3, 1.0, 1.0, 1.2, 0.7, 1.5),
         found,

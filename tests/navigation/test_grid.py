@@ -10,7 +10,7 @@ import shapely
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from navigation import CHUNK, Legs, WaysRound
+from navigation import CHUNK, Legs, WaysRound, numbers
 from navigation.kernels.grid import block_discs, grid_path
 from navigation.walls import Walls
 
@@ -69,7 +69,7 @@ def test_paths_are_shortest_and_avoid_what_is_blocked():
 def test_discs_block_the_cells_whose_middle_they_cover():
     columns, rows, width, low = 12, 9, 0.3, (-1.0, 2.0)
     blocked = bytearray(columns * rows)
-    discs = [0.2, 3.1, 0.62, -0.9, 2.1, 0.3]
+    discs = numbers([0.2, 3.1, 0.62, -0.9, 2.1, 0.3])
     block_discs(blocked, columns, *low, width, discs, 0.0)
     for k, taken in enumerate(blocked):
         x = low[0] + (k % columns + 0.5) * width
@@ -95,7 +95,7 @@ def ways_round() -> tuple[WaysRound, Legs]:
 def test_ways_round_keep_off_all_discs(discs, end):
     ways, legs = ways_round()
     begin, away = (-30.0, -30.0), 0.7
-    standing = [number for x, y in discs for number in (x, y, away)]
+    standing = numbers(number for x, y in discs for number in (x, y, away))
     corners = ways.path(*begin, *end, standing, legs)
     if all(math.dist(end, disc) > 2 * away for disc in discs) and len(discs) < 2:
         assert corners
@@ -112,7 +112,7 @@ def test_ways_round_are_as_good_on_every_side_of_the_origin():
     lengths = set()
     for x, y in ((1, 1), (-1, 1), (1, -1), (-1, -1)):
         a, b, disc = (20.25 * x, 20.25 * y), (30.15 * x, 20.25 * y), (25.05 * x, 20.25 * y, 0.7)
-        corners = ways.path(*a, *b, [*disc], legs)
+        corners = ways.path(*a, *b, numbers(disc), legs)
         path = [*zip(corners[::2], corners[1::2], strict=True)]
         lengths.add(round(sum(itertools.starmap(math.dist, itertools.pairwise(path))), 9))
     assert len(lengths) == 1 and 9.9 < lengths.pop() < 10.5

@@ -41,10 +41,10 @@ def test_directions_are_those_of_velocities_or_else_of_routes():
 def test_who_stands_around_is_told_with_how_far_to_stay():
     later = navigation.walk([(1.0, 0.0), (1.0, 5.0)], NOW)
     seen = throng(navigation.standing((0.0, 0.0)), navigation.standing((2.0, 0.0)), later)
-    near = [0.0, 0.0, 0.0, 0.0]
-    assert seen.standing(0, near, 3.0, NOW) == [2.0, 0.0, RADIUS + RADIUS + GAP]
-    assert seen.standing(0, near, 0.5, NOW) == []
-    assert seen.standing(1, near, 3.0, later.end) == [
+    near = navigation.numbers([0.0, 0.0, 0.0, 0.0])
+    assert [*seen.standing(0, near, 3.0, NOW)] == [2.0, 0.0, RADIUS + RADIUS + GAP]
+    assert [*seen.standing(0, near, 0.5, NOW)] == []
+    assert [*seen.standing(1, near, 3.0, later.end)] == [
         *(0.0, 0.0, RADIUS + RADIUS + GAP),
         *(1.0, 5.0, RADIUS + RADIUS + GAP),
     ]
@@ -65,7 +65,7 @@ def test_segments_are_free_of_walls_and_of_what_is_asked_about():
         return False
 
     legs = navigation.Legs(Walls(shapely.box(0.0, 0.0, 9.0, 9.0), RADIUS).grid, RADIUS, ask)
-    legs.bounds = [4.0, 4.0, 5.0, 5.0]
+    legs.bounds = navigation.numbers([4.0, 4.0, 5.0, 5.0])
     assert legs.free(1.0, 1.0, 8.0, 1.0) and not legs.free(1.0, 1.0, 8.8, 1.0)
     assert not asked
     assert not legs.free(1.0, 4.5, 8.0, 4.5)

@@ -2,11 +2,12 @@
 
 import math
 import random
-from collections.abc import Iterator
+from collections.abc import Iterator, MutableSequence
 
 import shapely
 
 import navigation
+from navigation import numbers
 from navigation.walls import Walls
 
 GAP = 0.006
@@ -14,7 +15,8 @@ START, TOP, FASTEST, ACCELERATION = 7.0, 0.9, 1.2, 2.5
 WALLS = Walls(shapely.box(-2.5, -2.5, 2.5, 2.5), 0.3)
 
 Place = tuple[float, float]
-Crowd = tuple[list[list[float]], list[float], list[float]]
+Numbers = MutableSequence[float]
+Crowd = tuple[list[Numbers], Numbers, Numbers]
 
 
 def drawn(corners: list[Place]) -> navigation.Swath | None:
@@ -30,14 +32,18 @@ def crowd(rng: random.Random, count: int) -> Crowd:
     """Return some who walk about: tables, bounds and radii."""
     walks = [drawn([somewhere(rng) for _ in range(3)]) for _ in range(count)]
     found = [walk for walk in walks if walk is not None]
-    boxes = [bound for walk in found for bound in walk.box]
-    return [walk.table for walk in found], boxes, [rng.uniform(0.2, 0.4) for _ in found]
+    boxes = numbers(bound for walk in found for bound in walk.box)
+    return [walk.table for walk in found], boxes, numbers(rng.uniform(0.2, 0.4) for _ in found)
 
 
 def moved(moving: Crowd, floor: Crowd) -> tuple[navigation.Movers, int]:
     """Return those moving among those on the floor, and the index of one of 0.3 m with them."""
     throng = navigation.Throng(GAP)
-    for tables, boxes, radii in (floor, moving, ([[]], [0.0] * 4, [0.3])):
+    for tables, boxes, radii in (
+        floor,
+        moving,
+        ([numbers(())], numbers([0.0] * 4), numbers([0.3])),
+    ):
         for k, (table, radius) in enumerate(zip(tables, radii, strict=True)):
             throng.add(table, boxes[4 * k : 4 * k + 4], radius)
     movers = navigation.Movers(throng, START)
@@ -48,17 +54,19 @@ def moved(moving: Crowd, floor: Crowd) -> tuple[navigation.Movers, int]:
 
 def met(walk: navigation.Swath, others: Crowd, but: bytearray, own: float) -> int:
     near = [k for k in range(len(others[2])) if not but[k]]
-    return navigation.first_met(walk.table, walk.box, near, *others, own, START, [math.inf])
+    return navigation.first_met(
+        walk.table, walk.box, near, *others, own, START, numbers([math.inf])
+    )
 
 
 def plainly(
     path: list[Place],
     places: list[Place],
-    legs: list[float],
+    legs: Numbers,
     moving: Crowd,
     floor: Crowd,
     refusing: bytearray,
-) -> Iterator[tuple[int, int, list[float]]]:
+) -> Iterator[tuple[int, int, Numbers]]:
     x, y = path[-1]
     for k, (dx, dy) in enumerate(places):
         to = (x + dx, y + dy)
@@ -82,13 +90,13 @@ def test_the_steps_taken_are_those_of_a_plain_look() -> None:
         movers, me = moved(moving, floor)
         refusing = bytearray(rng.random() < 0.5 for _ in floor[2])
         course = [somewhere(rng), somewhere(rng)]
-        legs = [c for corner in course for c in corner]
+        legs = navigation.legs_of(course)
         path = [somewhere(rng) for _ in range(rng.choice((1, 1, 2)))]
         places = [(rng.uniform(-1.5, 1.5), rng.uniform(-1.5, 1.5)) for _ in range(40)]
         walks = navigation.Retreats(
             movers, me, course, 0.6, TOP, FASTEST, ACCELERATION, WALLS.grid, 0.3
         )
-        walks.look(path, [c for place in places for c in place])
+        walks.look(path, numbers(c for place in places for c in place))
         found = []
         while (k := walks.next(1000, None, refusing)) >= 0:
             found.append((k, walks.hit, walks.table))
@@ -102,9 +110,10 @@ def test_the_next_free_walk_is_that_of_a_plain_look() -> None:
     for seed in range(150):
         rng = random.Random(seed)
         others = crowd(rng, 6)
-        course = [c for _ in range(3) for c in somewhere(rng)]
+        course = [somewhere(rng) for _ in range(3)]
         walks = navigation.Candidates(
-            course, START, START, 0.0, 0.0, 0.0, FASTEST, ACCELERATION, [], []
+            *(course, START, START, 0.0, 0.0, 0.0, FASTEST, ACCELERATION),
+            *(numbers(()), numbers(())),
         )
         asked = [(rng.uniform(0.3, 6.0), rng.uniform(0.3, TOP), rng.choice((0.0, 1.0)))
                  for _ in range(30)]  # fmt: skip

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from itertools import pairwise
 
 from floorplan import Point
-from navigation import touches
+from navigation import legs_of, touches
 
 from .course import first, length_of, nearest_length, place_after, rest
 from .moving import Moving
@@ -102,7 +101,7 @@ def _paths_off(
 ) -> Iterator[list[Point]]:
     """Yield paths `needed` metres off a course: to places near them, then ahead along it."""
     at = who.swath.place
-    legs = [number for a, b in pairwise(course) for number in (*a, *b)]
+    legs = legs_of([*course])
 
     def off(start: Point, radii: Sequence[float]) -> Iterator[Point]:
         for r in radii:

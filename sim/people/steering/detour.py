@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import MutableSequence
+
 import numpy as np
 import shapely
 from numpy.typing import NDArray
@@ -28,7 +30,9 @@ class Detours:
         self._pieces: NDArray[np.object_] | None = None
         self._ways = WaysRound(CELL, AROUND, MOST, self._chunk)
 
-    def path(self, at: Point, goal: Point, standing: list[float], legs: Legs) -> list[Point]:
+    def path(
+        self, at: Point, goal: Point, standing: MutableSequence[float], legs: Legs
+    ) -> list[Point]:
         """Return a path from `at` to `goal`, both included; empty if none is found.
 
         It stays away from those who are `standing`: x, y, and how far from there (metres) of each;

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, MutableSequence, Sequence
 from functools import cached_property
 from itertools import pairwise
 
@@ -18,6 +18,7 @@ from navigation import (
     Swath,
     can_go_on,
     middles,
+    numbers,
     pace,
     stop_walking,
     swath,
@@ -37,8 +38,10 @@ INSIDE, OUTSIDE = 2, 3
 """People. A place is narrow where so many can't go abreast: for who is in it, and for who is not.
 In an aisle for two, those of one direction side by side leave no room for the other."""
 
-EVERYWHERE = [-math.inf, -math.inf, math.inf, math.inf]
+EVERYWHERE = numbers((-math.inf, -math.inf, math.inf, math.inf))
 """Bounds into which all comes."""
+
+NOTHING = numbers(())
 
 
 class Ground:
@@ -166,7 +169,7 @@ class Outlook:
         human, lead, manners = me.human, self._lead, me.manners
         vx, vy, _ = self._state.velocity
         self.walks = Candidates(
-            [number for corner in self.course for number in corner],
+            self.course,
             self.t,
             now,
             self.speed,
@@ -174,8 +177,8 @@ class Outlook:
             vy,
             human.max_speed,
             human.max_acceleration,
-            [] if lead is None else lead.walk,
-            [] if lead is None else lead.box,
+            NOTHING if lead is None else lead.walk,
+            NOTHING if lead is None else lead.box,
             self._slowed if me.zones else None,
         )
         self._foresight = Foresight(
@@ -264,8 +267,8 @@ class Outlook:
         )
 
     def _slowed(
-        self, corners: list[float], fastest: float, delay: float
-    ) -> tuple[list[float], list[float]] | None:
+        self, corners: MutableSequence[float], fastest: float, delay: float
+    ) -> tuple[MutableSequence[float], MutableSequence[float]] | None:
         """Return the table of a walk where limits hold, and its bounds; None for none."""
         points = [*zip(corners[::2], corners[1::2], strict=True)]
         draft = self._paced(points, fastest, delay)
@@ -344,7 +347,7 @@ class Outlook:
         return self._whereabouts.sight(self.me, box)
 
     @property
-    def _box(self) -> list[float]:
+    def _box(self) -> MutableSequence[float]:
         """The bounds of the course ahead."""
         return self.me.swath.box if self.wished is None else self.wished.box
 
@@ -393,9 +396,9 @@ class Outlook:
         """Let them walk to their goal by another route."""
         self._whereabouts.send(self.me, self.me.goal, route)
 
-    def standing(self, around: float, *places: Point) -> list[float]:
+    def standing(self, around: float, *places: Point) -> MutableSequence[float]:
         """Return who stands so far around some places: x, y, and how far to stay from there (m)."""
         xs, ys = zip(*places, strict=True)
-        box = [min(xs), min(ys), max(xs), max(ys)]
+        box = numbers((min(xs), min(ys), max(xs), max(ys)))
         floor = self._whereabouts
         return floor.throng.standing(floor.indices[self.me], box, around, self.now)

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Container, Iterator, Sequence
+from collections.abc import Callable, Container, Iterator, MutableSequence, Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
 from floorplan import Point
-from navigation import Retreats, Swath
+from navigation import Retreats, Swath, numbers
 
 from .backing_out import back_out
 from .course import first, length_of, place_after, rest
@@ -25,13 +25,13 @@ A step of 0.1 m opens an arch: two who touch each other in a door, with a third 
 
 ANGLES = 16
 
-AROUND = [
+AROUND = numbers(
     number
     for r in RINGS
     for k in range(ANGLES)
     for angle in (2 * math.pi * k / ANGLES,)
     for number in (r * math.cos(angle), r * math.sin(angle))
-]
+)
 """Metres. The places around them, the nearest first: x and y of each in turn."""
 
 PASSED = 1.0
@@ -291,7 +291,7 @@ class Request:
 
 def _lookout(
     at: Point, course: Sequence[Point], width: float, ground: Ground
-) -> Iterator[tuple[list[Point], list[float]]]:
+) -> Iterator[tuple[list[Point], MutableSequence[float]]]:
     """Yield paths from `at`, and places around their ends where somebody may stand off a course.
 
     Off the course first. Only where it fills the aisle do they walk ahead along it, to its next
@@ -306,13 +306,13 @@ def _lookout(
         away = math.dist(place_after(course, s), at)
         if away < near:
             near, gone = away, s
-    beside = [
+    beside = numbers(
         number
         for k in range(ANGLES // 2)
         for angle in (4 * math.pi * k / ANGLES,)
         for r in (width + 0.02, 1.3 * width)
         for number in (r * math.cos(angle), r * math.sin(angle))
-    ]
+    )
     beyond = rest(course, gone + STEP)
     lengths = (s - gone - STEP for s in steps if s > gone + STEP)
     for path in ground.paths_ahead(at, beyond, lengths):

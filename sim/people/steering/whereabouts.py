@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Container, Sequence
+from collections.abc import Container, MutableSequence, Sequence
 from typing import NamedTuple, overload
 
 from floorplan import Point
-from navigation import Swath, Throng, first_met, within_bounds
+from navigation import Swath, Throng, first_met, numbers, within_bounds
 
 from .traveller import Traveller
 
@@ -75,7 +75,7 @@ class Whereabouts:
             self.changes += 1
             self._changed[k] = self.changes
             # Bounds that nothing comes into; the row stays, as indices are kept.
-            box = [math.inf, math.inf, -math.inf, -math.inf]
+            box = numbers((math.inf, math.inf, -math.inf, -math.inf))
             self.throng.commit(k, self.tables[k], box)
 
     def send(self, who: Traveller, goal: Point | None, route: list[Point]) -> None:
@@ -109,7 +109,7 @@ class Whereabouts:
         """Return the conflict with the k-th at `t` (seconds)."""
         return Hit(t, self.people[k], t >= self.rests[k])
 
-    def others(self, me: Traveller, box: list[float], now: float) -> Others:
+    def others(self, me: Traveller, box: MutableSequence[float], now: float) -> Others:
         """Return the others who may come near bounds that somebody moves in from now on."""
         near = self.throng.near(box, me.radius + me.manners.comfort)
         k = self.indices[me]
@@ -134,7 +134,7 @@ class Others(Sequence[Traveller]):
         self.near = near
         self._now = now
         self._own = me.radius + GAP
-        self._when = [math.inf]
+        self._when = numbers((math.inf,))
 
     def __len__(self) -> int:
         return len(self.near)

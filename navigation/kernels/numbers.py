@@ -1,0 +1,72 @@
+"""Numbers side by side, and where a kernel finds them.
+
+Where the kernels are compiled they are arrays of doubles, as C has them, and `at` gives a pointer,
+which holds as long as its array is there and keeps its length: it is asked for anew wherever it is
+needed, and never kept. Where they are not, lists are quicker, and `at` gives the list itself.
+"""
+
+from __future__ import annotations
+
+from array import array
+from collections.abc import Iterable, MutableSequence
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from typing import TypeAlias
+
+    import cython
+else:
+    from . import uncompiled as cython
+
+Place = tuple[float, float]
+
+if not cython.compiled:
+    Numbers: TypeAlias = MutableSequence[float]
+    Doubles: TypeAlias = MutableSequence[float]
+
+    def at(row: Numbers) -> Doubles:
+        """Return what reads and writes a row of numbers by their indices."""
+        return row
+
+    def cut(row: Numbers, count: int) -> None:
+        """Leave the first so many numbers of a row."""
+        del row[count:]
+
+    def room(count: int) -> Numbers:
+        """Return room for so many numbers, which are to be set."""
+        return [0.0] * count
+
+    def numbers(values: Iterable[float]) -> Numbers:
+        """Return `values` as numbers that the kernels read."""
+        return [*map(float, values)]
+else:
+    from cython.cimports.cpython.array import clone
+
+    _NONE: Numbers = array("d")
+
+    def room(count: cython.Py_ssize_t) -> Numbers:
+        return clone(_NONE, count, False)
+
+    def numbers(values: Iterable[float]) -> Numbers:
+        return array("d", values)
+
+
+def part(row: Numbers, begin: cython.Py_ssize_t, count: cython.Py_ssize_t) -> Numbers:
+    """Return a copy of so many numbers of a row from `begin` on."""
+    found: Numbers = room(count)
+    a: Doubles = at(row)
+    b: Doubles = at(found)
+    k: cython.Py_ssize_t
+    for k in range(count):
+        b[k] = a[begin + k]
+    return found
+
+
+def flat(places: list[Place]) -> Numbers:
+    """Return x and y of each of some `places` in turn."""
+    found: Numbers = room(2 * len(places))
+    a: Doubles = at(found)
+    k: cython.Py_ssize_t
+    for k in range(len(places)):
+        a[2 * k], a[2 * k + 1] = places[k]
+    return found
