@@ -1,6 +1,7 @@
 from navigation.kernels.numbers cimport Doubles, Numbers
 
 cdef Py_ssize_t _R
+cdef Py_ssize_t _PIECE
 cdef Py_ssize_t _LEG
 cdef Py_ssize_t _PHASES
 cdef double _SHORT
@@ -17,7 +18,7 @@ cpdef Numbers walk_table(
     double acceleration,
     Numbers lead,
 )
-cpdef list turned(Numbers table, double heading)
+cpdef Numbers turned(Numbers table, double heading)
 cdef double bend_speed(double cosine, double shorter, double acceleration) noexcept
 cdef Py_ssize_t _plan(
     Numbers corners,
