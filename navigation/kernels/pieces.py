@@ -19,11 +19,11 @@ from .odometer import WIDTH
 if not cython.compiled:
     from math import atan2, copysign, sqrt
 
-    from .numbers import Doubles, Numbers, at, cut, room
+    from .numbers import Doubles, Numbers, at, cut, put, room
     from .odometer import row_at
 else:
     from cython.cimports.libc.math import atan2, copysign, sqrt
-    from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at, cut, room
+    from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at, cut, put, room
     from cython.cimports.navigation.kernels.odometer import row_at
 
 Triple = tuple[float, float, float]
@@ -334,10 +334,14 @@ class Pack:
             mask: cython.int = 0
             bits: cython.Py_ssize_t = i
             i += 1
-            for k in range(_WIDTH):
-                known: float = ended if k == 0 else 0.0
-                number: float = a[o + k]
-                if number != known or copysign(1.0, number) != copysign(1.0, known):
+            number: float = a[o]
+            if number != ended or copysign(1.0, number) != copysign(1.0, ended):
+                mask = 1
+                b[i] = number
+                i += 1
+            for k in range(1, _WIDTH):
+                number = a[o + k]
+                if number != 0.0 or copysign(1.0, number) < 0.0:
                     mask |= 1 << k
                     b[i] = number
                     i += 1
@@ -368,7 +372,7 @@ class Pack:
                     a[o + k] = b[i]
                     i += 1
                 else:
-                    a[o + k] = ended if k == 0 else 0.0
+                    a[o + k] = 0.0 if k else ended
             ended = a[o + 1]
             o += _WIDTH
         return table
@@ -398,8 +402,7 @@ def between(table: Numbers, begin: float, end: float) -> Numbers:
         if begin >= until:
             continue
         if begin <= since:
-            for k in range(_WIDTH):
-                b[count + k] = a[o + k]
+            put(b, count, a, o, _WIDTH)
         else:
             b[count] = begin
             for k in range(2, _WIDTH, 4):
