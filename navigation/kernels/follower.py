@@ -131,7 +131,7 @@ class Follower:
         ay: float = y2 + 3 * y3 * middle
         slack: float = half * 2 * sqrt(ax * ax + ay * ay)
         slack += half * half * 3 * sqrt(x3 * x3 + y3 * y3)
-        self.low = max(speed - slack, 0.0)
+        self.low = 0.0 if slack > speed else speed - slack
         self.high = speed + slack
         return 0
 
