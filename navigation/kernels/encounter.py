@@ -150,7 +150,8 @@ class Encounter:
         half: float = (end - begin) / 2
         middle: float = begin - self.since + half
         self.measure(middle, half, slope, curve)
-        self.offset = min(max(self.since + middle + self.offset, begin), end)
+        t: float = self.since + middle + self.offset
+        self.offset = begin if t < begin else end if t > end else t
         return 0
 
     def measure(self, middle: float, half: float, slope: float, curve: float) -> cython.int:

@@ -35,14 +35,15 @@ class Follower:
 
     def seek(self, t: float) -> cython.int:
         """Come to the piece at `t`."""
-        first: float = at(self.table)[0]
+        row: Doubles = at(self.table)
+        first: float = row[0]
         self.since = t
         if t < first:
             self.row = -1
             self.begin = t
             self.end = first
             return 0
-        self.row = row_at(self.table, _WIDTH, t) - 1
+        self.row = row_at(row, self.rows, _WIDTH, t) - 1
         return self.go_on()
 
     def go_on(self) -> cython.int:
@@ -139,4 +140,4 @@ class Follower:
         """Give the speed from `begin` to `end`, an interval within the piece."""
         if self.row < 0 or self.row >= self.rows:
             return figure.set(0.0, 0.0, 0.0, 0.0)
-        return speed_along(self.table, self.row, begin, end, figure)
+        return speed_along(at(self.table), self.row, begin, end, figure)
