@@ -428,6 +428,22 @@ def test_motions_too_small_to_see_are_no_trouble(metres):
             assert found == [(0.0, 5.0)] or law is not LAW
 
 
+class Since:
+    """The clock shows `t` seconds or more."""
+
+    def __init__(self, t):
+        self.t = t
+
+    def holds(self, encounter, begin, end):
+        return True if begin >= self.t else False if end < self.t else None
+
+
+def test_an_instant_is_found_in_however_long_a_span():
+    stands = navigation.standing((0.0, 0.0))
+    begun = navigation.first_time(Since(1.0), stands, stands, 0.0, 1e300)
+    assert begun == pytest.approx(1.0, abs=navigation.RESOLUTION)
+
+
 @dataclass(frozen=True)
 class Kinetic:
     """A law of somebody's own: 0.5 m and what the robot needs to brake at 2 m/s²."""
