@@ -254,6 +254,31 @@ class Legs:
                 return k
         return -1
 
+    def farthest_round(
+        self, x: float, y: float, route: list[Place], places: Numbers, width: float
+    ) -> cython.Py_ssize_t:
+        """Return what `farthest` does where all of the way from there keeps off some `places`.
+
+        By `width` metres; x and y of each in turn, twice. -1 where it doesn't.
+        """
+        k: cython.Py_ssize_t
+        i: cython.Py_ssize_t
+        for k in range(min(len(route), _LOOKED_AT) - 1, -1, -1):
+            bx, by = route[k]
+            if self._keeps_off(x, y, bx, by, places, width):
+                for i in range(k + 1, len(route)):
+                    x, y = bx, by
+                    bx, by = route[i]
+                    if not self._keeps_off(x, y, bx, by, places, width):
+                        return -1
+                return k
+        return -1
+
+    def _keeps_off(
+        self, ax: float, ay: float, bx: float, by: float, places: Numbers, width: float
+    ) -> bool:
+        return not touches(places, ax, ay, bx, by, width) and self.free(ax, ay, bx, by)
+
 
 def back_through(line: Numbers, ax: float, ay: float, bx: float, by: float) -> bool:
     """Return whether the segment from a to b crosses a line from its far side back.
