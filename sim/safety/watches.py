@@ -139,18 +139,27 @@ class BesideVehicles:
     def __init__(self, person: Body) -> None:
         self._clock = person.clock
         self._watches: list[tuple[Body, Reconsidering]] = []
+        self._idle = False
+        """Whether nothing counts until a vehicle sets out."""
         person.on_change.append(self._changed)
 
     def add(self, vehicle: Body, watch: Reconsidering) -> None:
         """Let a watch reconsider when the person or the vehicle changes course."""
         self._watches.append((vehicle, watch))
-        vehicle.on_change.append(watch.reconsider)
+        vehicle.on_change += (self._vehicle_changed, watch.reconsider)
+        self._idle = False
+
+    def _vehicle_changed(self) -> None:
+        self._idle = False
 
     def _changed(self) -> None:
-        now = self._clock.now
+        if self._idle:
+            return
+        now, self._idle = self._clock.now, True
         for vehicle, watch in self._watches:
             if vehicle.motion.end >= now or watch.lasts:
                 watch.reconsider()
+                self._idle = False
 
 
 class SeparationWatch:
