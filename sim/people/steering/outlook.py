@@ -380,7 +380,6 @@ class Outlook:
             if k >= 0:
                 return route[k:]
             me.goes_round = False
-            return self.reroute(at)
         k = self.ground.legs.farthest(*at, route)
         return self.reroute(at) if k < 0 else route[k:]
 
