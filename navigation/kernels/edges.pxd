@@ -42,6 +42,16 @@ cdef class Legs:
 cpdef bint touches(
     list[double] edges, double ax, double ay, double bx, double by, double radius
 ) except -1
+cpdef list come_into(list[double] bounds, list route, double radius)
+cdef bint _comes_into(
+    list[double] bounds,
+    Py_ssize_t k,
+    double ax,
+    double ay,
+    double bx,
+    double by,
+    double radius,
+) noexcept
 cpdef bint back_through(
     list[double] line, double ax, double ay, double bx, double by
 ) except -1
