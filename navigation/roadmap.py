@@ -45,7 +45,7 @@ _AT_ONCE = 256
 _SOON = 32
 """Number of places at the top of a search's queue that are linked at once with the first."""
 
-_ROWS = 64
+_ROWS = 32
 """Number of bends that are looked at from at once, so that tables about them stay in the cache."""
 
 
@@ -87,6 +87,11 @@ class Roadmap:
 
     def __repr__(self) -> str:
         return f"<Roadmap for a radius of {self.radius:g} m: {len(self.bends)} bends>"
+
+    @property
+    def large(self) -> bool:
+        """True if bends are linked only when a search comes to them."""
+        return self._sight is not None
 
     def path(
         self,

@@ -113,6 +113,7 @@ class RoadmapSearch:
         self._links = links
         self._start, self._goal = start, goal
         self._step = step
+        self._room = links.radius + HAIR
         self._ask = ask
         self._refused: set[tuple[Point, Point]] = set()
 
@@ -124,10 +125,9 @@ class RoadmapSearch:
         met = links.met(points) if straight else []
         if straight and not met and self._granted(points):
             return points
-        world, space = links.world, links.world.fixed_space(links.radius + HAIR)
-        # Where there is room at both ends, they can only be apart on a floor in pieces.
-        in_pieces = bool(world.gates) or len(space.pieces) != 1
-        if in_pieces and not world.gates.reach(space, start, goal):
+        world = links.world
+        # To link the bends of a large floor takes longer than this proof.
+        if world.roadmap(links.radius, self._step).large and self._apart():
             return None
         # Wide bends may close a narrow gap. Where they lead nowhere, and nothing proves that
         # nothing does, fine ones decide.
@@ -200,10 +200,16 @@ class RoadmapSearch:
             links.world.checks += 1  # as if asked
         return known and not links.hit(a, b)
 
+    def _apart(self) -> bool:
+        """Return True if it is proved that the floor alone keeps start and goal apart."""
+        gates, space = self._links.world.gates, self._links.world.fixed_space(self._room)
+        # Where there is room at both ends, they can only be apart on a floor in pieces.
+        in_pieces = bool(gates) or len(space.pieces) != 1
+        return in_pieces and not gates.reach(space, self._start, self._goal)
+
     def _hopeless(self) -> bool:
         """Return True if it is proved that there is no path."""
-        room = self._links.radius + HAIR
-        return not self._links.world.reaches(self._start, self._goal, room)
+        return self._apart() or not self._links.world.reaches(self._start, self._goal, self._room)
 
 
 class RoadmapPlanner(ob.Planner):  # type: ignore[misc]
