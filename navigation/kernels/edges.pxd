@@ -58,6 +58,16 @@ cpdef Numbers legs_of(list course)
 cpdef bint touches(
     Numbers edges, double ax, double ay, double bx, double by, double radius
 ) except -1
+cpdef list come_into(Numbers bounds, list route, double radius)
+cdef bint _comes_into(
+    Doubles bound,
+    Py_ssize_t k,
+    double ax,
+    double ay,
+    double bx,
+    double by,
+    double radius,
+) noexcept
 cpdef bint back_through(
     Numbers line, double ax, double ay, double bx, double by
 ) except -1

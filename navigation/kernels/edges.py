@@ -232,13 +232,8 @@ class Legs:
             return False
         bound: Doubles = at(self.bounds)
         k: cython.Py_ssize_t
-        for k in range(0, len(self.bounds), 4):
-            if (
-                bound[k] < max(ax, bx) + self.radius
-                and bound[k + 2] > min(ax, bx) - self.radius
-                and bound[k + 1] < max(ay, by) + self.radius
-                and bound[k + 3] > min(ay, by) - self.radius
-            ):
+        for k in range(len(self.bounds) // 4):
+            if _comes_into(bound, k, ax, ay, bx, by, self.radius):
                 return bool(self.ask((ax, ay), (bx, by)))
         return True
 
@@ -278,6 +273,52 @@ class Legs:
         self, ax: float, ay: float, bx: float, by: float, places: Numbers, width: float
     ) -> bool:
         return not touches(places, ax, ay, bx, by, width) and self.free(ax, ay, bx, by)
+
+
+def come_into(bounds: Numbers, route: list[Place], radius: float) -> list[tuple[int, int]]:
+    """Return which bounds a disc of `radius` metres comes into on which segments of a `route`.
+
+    `bounds` are least x and y and greatest x and y of each; the result has the index of the
+    segment and that of the bounds.
+    """
+    found: list[tuple[int, int]] = []
+    count: cython.Py_ssize_t = len(bounds) // 4
+    bound: Doubles = at(bounds)
+    ax: float
+    ay: float
+    bx: float
+    by: float
+    k: cython.Py_ssize_t
+    i: cython.Py_ssize_t
+    for i in range(len(route) - 1 if count > 0 else 0):
+        ax, ay = route[i]
+        bx, by = route[i + 1]
+        for k in range(count):
+            if _comes_into(bound, k, ax, ay, bx, by, radius):
+                found.append((i, k))  # noqa: PERF401
+    return found
+
+
+def _comes_into(
+    bound: Doubles,
+    k: cython.Py_ssize_t,
+    ax: float,
+    ay: float,
+    bx: float,
+    by: float,
+    radius: float,
+) -> bool:
+    """Return whether a disc comes into the `k`-th of some bounds on the segment from a to b."""
+    low_x: float = bound[4 * k] - radius
+    low_y: float = bound[4 * k + 1] - radius
+    high_x: float = bound[4 * k + 2] + radius
+    high_y: float = bound[4 * k + 3] + radius
+    return (
+        (ax > low_x or bx > low_x)
+        and (ay > low_y or by > low_y)
+        and (ax < high_x or bx < high_x)
+        and (ay < high_y or by < high_y)
+    )
 
 
 def back_through(line: Numbers, ax: float, ay: float, bx: float, by: float) -> bool:
