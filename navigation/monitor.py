@@ -15,9 +15,9 @@ from collections.abc import Iterator
 
 from floorplan import require
 
-from .conditions import Condition, TooClose, judge_of, plain_judge_of
+from .conditions import Condition, TooClose, judge_of, kept_judge_of
 from .encounter import Encounter
-from .kernels.watch import Watch, first_change, least
+from .kernels import watch as kernel
 from .motion import Motion
 from .separation import AnyLaw, Scaled, is_of_motions, kernel_of, require_sense
 from .surfaces import Shapes
@@ -66,12 +66,24 @@ def first_time(
 
     `person`, `machine` and `shapes` are as in `when`.
     """
-    judge = plain_judge_of(condition) if shapes is None else None
-    if judge is not None and person.__class__ is Motion is machine.__class__:
+    judge = kept_judge_of(condition)
+    if shapes is None and judge is not None and person.__class__ is Motion is machine.__class__:
         _check_span(begin, end)
         span = (float(begin), float(end))
-        return first_change(judge, person.table, machine.table, *span, RESOLUTION)
+        return kernel.first_change(judge, person.table, machine.table, *span, RESOLUTION)
     return _watch(condition, person, machine, begin, end, shapes).change()
+
+
+def first_interval(
+    condition: Condition, person: Motion, machine: Motion, begin: float, end: float
+) -> tuple[float, float] | None:
+    """Return the first of the intervals that `when` yields, None if there is none."""
+    judge = kept_judge_of(condition)
+    if judge is None:
+        return next(when(condition, person, machine, begin, end), None)
+    _check(person, machine, begin, end)
+    span = (float(begin), float(end))
+    return kernel.first_interval(judge, person.table, machine.table, *span, RESOLUTION)
 
 
 def _watch(
@@ -81,9 +93,9 @@ def _watch(
     begin: float,
     end: float,
     shapes: Shapes | None,
-) -> Watch:
+) -> kernel.Watch:
     encounter = _encounter(person, machine, begin, end, shapes)
-    return Watch(judge_of(condition), encounter, float(begin), float(end), RESOLUTION)
+    return kernel.Watch(judge_of(condition), encounter, float(begin), float(end), RESOLUTION)
 
 
 def _encounter(
@@ -153,7 +165,7 @@ def minimum_separation(
     such instants. The distance is exact to 1e-9 m.
     """
     encounter = _encounter(person, machine, begin, end, shapes)
-    return least(None, encounter, float(begin), float(end), EXACT)
+    return kernel.least(None, encounter, float(begin), float(end), EXACT)
 
 
 def minimum_margin(
@@ -179,4 +191,4 @@ def minimum_margin(
     while isinstance(judged, Scaled):
         judged = judged.law
     tolerance = EXACT if is_of_motions(judged) else PLAIN
-    return least(kernel_of(law), encounter, float(begin), float(end), tolerance)
+    return kernel.least(kernel_of(law), encounter, float(begin), float(end), tolerance)

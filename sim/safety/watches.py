@@ -14,14 +14,13 @@ from navigation import (
     Approaching,
     Both,
     Condition,
-    FixedDistance,
     Motion,
     Not,
     TooClose,
+    first_interval,
     first_time,
     required_at,
     required_at_speeds,
-    when,
 )
 
 from ..core.body import PERSON, Body
@@ -86,7 +85,7 @@ class Pair:
 
     def next_interval(self, condition: Condition) -> tuple[float, float] | None:
         """Return the first interval from now on in which `condition` holds, if any."""
-        return next(when(condition, *self.motions, self.clock.now, self.horizon()), None)
+        return first_interval(condition, *self.motions, self.clock.now, self.horizon())
 
     def distance(self) -> float:
         """Return the distance between the two now (metres)."""
@@ -332,7 +331,7 @@ class NoticeWatch:
     def _around_nearest(self) -> tuple[Condition, Condition]:
         """Return the conditions that the two have parted, and are nearer than at their nearest."""
         # A millimetre less, or rounding at the nearest point would count as nearer.
-        nearer = TooClose(FixedDistance(max(self._nearest - 1e-3, 0.0)))
+        nearer = Not(Apart(max(self._nearest - 1e-3, 0.0)))
         return Apart(self._nearest + self.rule.parting), nearer
 
     def _perceive(self) -> None:
