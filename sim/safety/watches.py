@@ -278,7 +278,7 @@ class NoticeWatch:
         self._stage: Literal["alert", "closing", "parting"] = "alert"
         self._silent_until = 0.0
         self._nearest = 0.0
-        self._parted, self._nearer = self._around_nearest()
+        self._away = self._off_nearest()
         self._alarm = Alarm(pair.clock, self._ring, Turn.NOTICE)
         self._perceiving = Alarm(pair.clock, self._perceive, Turn.NOTICE)
         self.reconsider()
@@ -292,8 +292,7 @@ class NoticeWatch:
         elif self._stage == "closing":
             self._alarm.set(pair.first_time(self._parting))
         else:
-            parted, nearer = pair.first_time(self._parted), pair.first_time(self._nearer)
-            self._alarm.set(min((t for t in (parted, nearer) if t is not None), default=None))
+            self._alarm.set(pair.first_time(self._away))
 
     def start_over(self) -> None:
         """Begin anew, after `rule.silent` seconds: the person starts, or was put elsewhere."""
@@ -321,18 +320,18 @@ class NoticeWatch:
                 self._perceive()
         elif self._stage == "closing":
             self._nearest = self.pair.distance()
-            self._parted, self._nearer = self._around_nearest()
+            self._away = self._off_nearest()
             self._stage = "parting"
         else:
             has_parted = self.pair.distance() > self._nearest
             self._stage = "alert" if has_parted else "closing"
         self.reconsider()
 
-    def _around_nearest(self) -> tuple[Condition, Condition]:
-        """Return the conditions that the two have parted, and are nearer than at their nearest."""
+    def _off_nearest(self) -> Condition:
+        """Return the condition that the two have parted, or are nearer than at their nearest."""
         # A millimetre less, or rounding at the nearest point would count as nearer.
-        nearer = Not(Apart(max(self._nearest - 1e-3, 0.0)))
-        return Apart(self._nearest + self.rule.parting), nearer
+        nearer, parted = max(self._nearest - 1e-3, 0.0), self._nearest + self.rule.parting
+        return Not(Both(Apart(nearer), Not(Apart(parted))))
 
     def _perceive(self) -> None:
         self._noticed(self.pair, self.rule.law)
