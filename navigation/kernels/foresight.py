@@ -590,7 +590,7 @@ class Foresight:
         c: Doubles = at(self.walks.corners)
         k: cython.Py_ssize_t
         # The shift is in the first three legs; all that comes after is the course, which is free.
-        for k in range(0, min(len(self.walks.corners), 8) - 2, 2):
+        for k in range(0, min(self.walks.many, 8) - 2, 2):
             if not self.legs.free(c[k], c[k + 1], c[k + 2], c[k + 3]):
                 return False
         return True
