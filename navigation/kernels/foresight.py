@@ -197,9 +197,7 @@ class Foresight:
         seen[1] = box[1] - around
         seen[2] = box[2] + around
         seen[3] = box[3] + around
-        self.near = self.throng.near(self.seen, self.radius + self.comfort)
-        if self.me in self.near:
-            self.near.remove(self.me)
+        self.near = self.throng.near(self.seen, self.radius + self.comfort, self.me)
         return 0
 
     def _first_met(self, own: float) -> cython.Py_ssize_t:

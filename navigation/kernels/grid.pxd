@@ -7,6 +7,7 @@ cdef Py_ssize_t _ACROSS
 cdef Py_ssize_t _BUCKETS
 cdef Py_ssize_t _SOME
 cdef Py_ssize_t _FAR
+cdef Py_ssize_t _UNKNOWN
 
 cdef class Cells:
     cdef double width
@@ -28,7 +29,13 @@ cpdef void block_discs(
 ) except *
 cpdef bint covers(Numbers discs, double x, double y) noexcept
 cpdef Numbers middles(Numbers discs)
-@cython.locals(costs="long long[::1]", came="long long[::1]")
+@cython.locals(
+    costs="long long[::1]",
+    came="long long[::1]",
+    tops="long long[::1]",
+    below="long long[::1]",
+    above="long long[::1]",
+)
 cpdef list grid_path(
     bytearray blocked, Py_ssize_t columns, Py_ssize_t start, Py_ssize_t goal
 )

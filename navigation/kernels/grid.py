@@ -29,6 +29,7 @@ _BUCKETS: cython.Py_ssize_t = 15  # a step changes cost and estimate together by
 
 _SOME: cython.Py_ssize_t = SOME
 _FAR: cython.Py_ssize_t = 1 << 20  # cells; no floor is so wide
+_UNKNOWN: cython.Py_ssize_t = 1 << 40  # cost of a cell that is not reached yet
 
 
 class Cells:
@@ -139,26 +140,30 @@ def grid_path(
     with buckets of whole costs (R. Dial, "Algorithm 360", 1969).
     """
     count: cython.Py_ssize_t = len(blocked)
-    costs: array[int] = array("q", [100 * count]) * count
+    costs: array[int] = array("q", [_UNKNOWN]) * count
     came: array[int] = array("q", [-1]) * count
-    buckets: list[list[int]] = [[] for _ in range(_BUCKETS)]
+    # A bucket is a pile of cells, each of which knows those below and above it.
+    tops: array[int] = array("q", [-1]) * _BUCKETS
+    below: array[int] = array("q", [-1]) * count
+    above: array[int] = array("q", [-1]) * count
     costs[start] = 0
     level: cython.Py_ssize_t = _estimate(start, goal, columns)
-    buckets[level % _BUCKETS].append(start)
+    tops[level % _BUCKETS] = start
     empty: cython.Py_ssize_t = 0
     k: cython.Py_ssize_t
     while empty < _BUCKETS:
-        bucket: list[int] = buckets[level % _BUCKETS]
-        if len(bucket) == 0:
+        # Of equal estimates the last one found: towards the goal, not across all that are as good.
+        cell: cython.Py_ssize_t = tops[level % _BUCKETS]
+        if cell < 0:
             level += 1
             empty += 1
             continue
         empty = 0
-        # Of equal estimates the last one found: towards the goal, not across all that are as good.
-        cell: cython.Py_ssize_t = bucket.pop()
+        under: cython.Py_ssize_t = below[cell]
+        tops[level % _BUCKETS] = under
+        if under >= 0:
+            above[under] = -1
         cost: cython.Py_ssize_t = costs[cell]
-        if cost + _estimate(cell, goal, columns) != level:
-            continue  # it has been reached at less
         if cell == goal:
             found: list[int] = []
             while cell >= 0:
@@ -185,10 +190,28 @@ def grid_path(
                 if blocked[cell + across] or blocked[cell + along]:
                     continue
                 dearer = cost + _ACROSS
-            if dearer < costs[other]:
-                costs[other] = dearer
-                came[other] = cell
-                buckets[(dearer + _estimate(other, goal, columns)) % _BUCKETS].append(other)
+            before: cython.Py_ssize_t = costs[other]
+            if dearer >= before:
+                continue
+            left: cython.Py_ssize_t = _estimate(other, goal, columns)
+            if before < _UNKNOWN:
+                # It leaves the pile that it is in; none that was taken from one is reached at less.
+                under = below[other]
+                over: cython.Py_ssize_t = above[other]
+                if under >= 0:
+                    above[under] = over
+                if over >= 0:
+                    below[over] = under
+                else:
+                    tops[(before + left) % _BUCKETS] = under
+            costs[other] = dearer
+            came[other] = cell
+            under = tops[(dearer + left) % _BUCKETS]
+            tops[(dearer + left) % _BUCKETS] = other
+            below[other] = under
+            above[other] = -1
+            if under >= 0:
+                above[under] = other
     return []
 
 
