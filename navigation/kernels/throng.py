@@ -79,9 +79,7 @@ class Throng:
     def near(
         self, box: Numbers, around: float, but: cython.Py_ssize_t = -1
     ) -> list[cython.Py_ssize_t]:
-        """Return who, `but` one, may come so near to bounds with their bodies (metres).
-
-        Their indices.
+        """Return who, `but` one, may come so near to bounds with their bodies (metres): indices.
 
         As wide as the widest there is: bounds are those of centres.
         """
