@@ -10,6 +10,9 @@ cdef inline Doubles at(Numbers row) noexcept:
 cdef inline int cut(Numbers row, Py_ssize_t count) except -1:
     return resize(row, count)
 
+cdef inline int grow(Numbers row, Py_ssize_t count) except -1:
+    return resize(row, count) if len(row) < count else 0
+
 cpdef Numbers room(Py_ssize_t count)
 cpdef Numbers numbers(values)
 cdef Numbers part(Numbers row, Py_ssize_t begin, Py_ssize_t count)

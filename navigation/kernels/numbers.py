@@ -32,6 +32,10 @@ if not cython.compiled:
         """Leave the first so many numbers of a row."""
         del row[count:]
 
+    def grow(row: Numbers, count: int) -> None:
+        """Make a row so long at least; what is new is to be set."""
+        row.extend([0.0] * (count - len(row)))
+
     def room(count: int) -> Numbers:
         """Return room for so many numbers, which are to be set."""
         return [0.0] * count

@@ -1,3 +1,5 @@
+from navigation.kernels.numbers cimport Numbers
+
 cdef double _INFINITE
 cdef Py_ssize_t _WIDTH
 cdef double _SHORTEST
@@ -15,5 +17,6 @@ cpdef list[double] cut(list[double] table, double begin, double end)
 
 cdef class Pack:
     cdef readonly object masks
-    cdef object kept
+    cdef Numbers kept
+    cdef Py_ssize_t count
     cdef list[double] last

@@ -18,9 +18,11 @@ from .odometer import WIDTH
 if not cython.compiled:
     from math import atan2, copysign, sqrt
 
+    from .numbers import Doubles, at, grow
     from .odometer import row_at
 else:
     from cython.cimports.libc.math import atan2, copysign, sqrt
+    from cython.cimports.navigation.kernels.numbers import Doubles, at, grow
     from cython.cimports.navigation.kernels.odometer import row_at
 
 Triple = tuple[float, float, float]
@@ -276,6 +278,7 @@ class Pack:
     def __init__(self) -> None:
         self.masks = array("H")
         self.kept = array("d")
+        self.count = 0
         none: list[float] = []
         self.last = none
 
@@ -284,21 +287,24 @@ class Pack:
 
         Return whether it begins farther than `tolerance` metres from where the last one ended.
         """
-        kept: list[float] = []
-        masks: list[int] = []
         added: list[float] = cut(table, begin, end)
-        o: cython.Py_ssize_t
+        last: cython.Py_ssize_t = self.count
+        most: cython.Py_ssize_t = last + len(added)
+        if most > len(self.kept):
+            grow(self.kept, most + most // 8)
+        kept: Doubles = at(self.kept)
+        row: cython.Py_ssize_t
         k: cython.Py_ssize_t
-        for o in range(0, len(added), _WIDTH):
+        for row in range(len(added) // _WIDTH):
             mask: cython.int = 0
             for k in range(_WIDTH):
-                number: float = added[o + k]
+                number: float = added[row * _WIDTH + k]
                 if number != 0.0 or copysign(1.0, number) < 0.0:
                     mask |= 1 << k
-                    kept.append(number)
-            masks.append(mask)
-        self.masks.extend(masks)
-        self.kept.extend(kept)
+                    kept[last] = number
+                    last += 1
+            self.masks.append(mask)
+        self.count = last
         before: list[float] = self.last
         self.last = added[len(added) - _WIDTH :]
         jumps: bool = len(before) > 0 and _parted(before, 0, added, 0) > tolerance
@@ -308,15 +314,15 @@ class Pack:
         """Return the table of all that was added."""
         table: list[float] = []
         nothing: Any = 0.0  # one for all of them
-        kept: list[float] = self.kept.tolist()
-        at: cython.Py_ssize_t = 0
+        kept: Doubles = at(self.kept)
+        o: cython.Py_ssize_t = 0
         k: cython.Py_ssize_t
         for one in self.masks:
             mask: cython.int = one
             for k in range(_WIDTH):
                 if mask & (1 << k):
-                    table.append(kept[at])
-                    at += 1
+                    table.append(kept[o])
+                    o += 1
                 else:
                     table.append(nothing)
         return table
