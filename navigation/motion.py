@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_left, bisect_right
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, MutableSequence, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple, overload
@@ -16,14 +16,22 @@ from typing import NamedTuple, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .kernels.numbers import numbers
 from .kernels.odometer import WIDTH
-from .kernels.pieces import breaks, cut, evaluate, state
+from .kernels.pieces import between, breaks, evaluate, rest, state
 from .polynomials import monotone_cubics
 
 Cubic = tuple[float, float, float, float]
 """Coefficients c of c[0] + c[1] u + c[2] u² + c[3] u³, with u the time since a piece began."""
 
 Array = NDArray[np.float64]
+
+Table = MutableSequence[float]
+"""Begin, end and the coefficients of x, y and rotation of each piece, one piece after another.
+
+They are numbers of the kernels (`navigation.numbers`): where those are compiled an `array("d")`,
+where they are not a list.
+"""
 
 JUMP_TOLERANCE = 1e-6
 """Metres. Pieces that meet no closer than this are a jump, not rounding."""
@@ -204,7 +212,7 @@ class Motion:
 
     def cut(self, begin: float, end: float) -> Motion:
         """Return the motion from `begin` to `end` (seconds), standing included."""
-        table = cut(self.table, float(begin), float(end))
+        table = between(self.table, float(begin), float(end))
         jumps = frozenset(t for t in self.jumps if begin < t < end) if self.jumps else self.jumps
         return motion_of(table, jumps)
 
@@ -223,12 +231,12 @@ class Motion:
         return self.pieces[max(0, bisect_right(self._begins, t) - 1) :]
 
     @cached_property
-    def _begins(self) -> list[float]:
+    def _begins(self) -> Sequence[float]:
         return self.table[::WIDTH]
 
     @cached_property
-    def table(self) -> list[float]:
-        """Begin, end and coefficients of x, y and rotation of each piece, one after another."""
+    def table(self) -> Table:
+        """Begin, end and coefficients of x, y and rotation of each piece: see `Table`."""
         return _table(self.pieces)
 
     @cached_property
@@ -258,25 +266,25 @@ def _slope(u: Array, c: Array) -> Array:
     return np.asarray(c[..., 1] + u * (2 * c[..., 2] + u * 3 * c[..., 3]))
 
 
-def _table(pieces: Sequence[Piece]) -> list[float]:
+def _table(pieces: Sequence[Piece]) -> Table:
     """Return the table of pieces."""
-    flat: Callable[[], list[float]] | None = getattr(pieces, "flat", None)
+    flat: Callable[[], Table] | None = getattr(pieces, "flat", None)
     if flat is not None:
         return flat()
-    return [c for p in pieces for c in (p.begin, p.end, *p.x, *p.y, *p.rotation)]
+    return numbers([c for p in pieces for c in (p.begin, p.end, *p.x, *p.y, *p.rotation)])
 
 
-def pieces_of(table: list[float]) -> Iterator[Piece]:
+def pieces_of(table: Table) -> Iterator[Piece]:
     """Yield the pieces of a motion's table."""
-    for k in range(0, len(table), WIDTH):
-        begin, end, x0, x1, x2, x3, y0, y1, y2, y3, r0, r1, r2, r3 = table[k : k + WIDTH]
+    rows = zip(*[iter(table)] * WIDTH, strict=True)
+    for begin, end, x0, x1, x2, x3, y0, y1, y2, y3, r0, r1, r2, r3 in rows:
         yield Piece(begin, end, (x0, x1, x2, x3), (y0, y1, y2, y3), (r0, r1, r2, r3))
 
 
 class TablePieces(Sequence[Piece]):
     """Pieces that are made of the numbers in a motion's table as they are looked at."""
 
-    def __init__(self, table: list[float]) -> None:
+    def __init__(self, table: Table) -> None:
         self._numbers = table
 
     def __len__(self) -> int:
@@ -297,7 +305,7 @@ class TablePieces(Sequence[Piece]):
         k = range(0, len(self._numbers), WIDTH)[index]
         return next(pieces_of(self._numbers[k : k + WIDTH]))
 
-    def flat(self) -> list[float]:
+    def flat(self) -> Table:
         """Return all numbers, one piece after another."""
         return self._numbers
 
@@ -310,7 +318,7 @@ class TablePieces(Sequence[Piece]):
         return hash(tuple(self))
 
 
-def motion_of(table: list[float], jumps: frozenset[float] = frozenset()) -> Motion:
+def motion_of(table: Table, jumps: frozenset[float] = frozenset()) -> Motion:
     """Return the motion of a table that is known to be one; it is not checked again."""
     motion = object.__new__(Motion)
     kept = vars(motion)  # what a frozen dataclass sets, and what `Motion` keeps
@@ -321,9 +329,8 @@ def motion_of(table: list[float], jumps: frozenset[float] = frozenset()) -> Moti
 
 def standing(at: tuple[float, float], *, heading: float = 0.0, start: float = 0.0) -> Motion:
     """Standing `at` (x, y in metres), turned by `heading` (radians), from `start` (s) for ever."""
-    start, x, y, rotation = float(start), float(at[0]), float(at[1]), float(heading)
-    table = [start, start, x, 0.0, 0.0, 0.0, y, 0.0, 0.0, 0.0, rotation, 0.0, 0.0, 0.0]
-    return Motion(TablePieces(table))
+    start = float(start)
+    return Motion(TablePieces(rest(start, start, float(at[0]), float(at[1]), float(heading))))
 
 
 def still(at: tuple[float, float, float], begin: float, end: float) -> Piece:

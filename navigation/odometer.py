@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import cmath
 import itertools
+from collections.abc import MutableSequence
 from dataclasses import dataclass
 
 from .kernels import odometer as kernel
+from .kernels.numbers import room
 from .motion import Motion, Piece, shift
 
 _ELLIPSE = 7.0
@@ -71,12 +73,12 @@ class Odometer(kernel.Odometer):
         """Return the speed (m/s) from `begin` to `end`; at a change, the one after it."""
         return Enclosure(*self.speed_within(begin, end).numbers())
 
-    def cut(self) -> tuple[list[float], float]:
+    def cut(self) -> tuple[MutableSequence[float], float]:
         """Return the stretches in which the speed is smooth, and the whole length (metres).
 
         They are kept with the motion: laws that look ahead ask for them at every instant.
         """
-        kept: dict[str, tuple[list[float], float]] = vars(self.motion)
+        kept: dict[str, tuple[MutableSequence[float], float]] = vars(self.motion)
         if _KEPT not in kept:
             kept[_KEPT] = _stretches(self.motion)
         return kept[_KEPT]
@@ -86,13 +88,13 @@ _KEPT = "_stretches"
 """The name by which a motion keeps its stretches."""
 
 
-def _stretches(motion: Motion) -> tuple[list[float], float]:
-    table: list[float] = []
+def _stretches(motion: Motion) -> tuple[MutableSequence[float], float]:
+    table = room(0)
     gone = 0.0
     for piece in motion.pieces:
         for u, w in itertools.pairwise(_smooth_cuts(piece)):
             (_, *x), (_, *y) = shift(piece.x, u), shift(piece.y, u)
-            table += (piece.begin + u, gone, *x, *y)
+            table.extend((piece.begin + u, gone, *x, *y))
             gone += kernel.length(table, len(table) // kernel.STRETCH - 1, w - u)
     return table, gone
 

@@ -15,7 +15,7 @@ class Track:
         self._end: float | None = None
 
     def __repr__(self) -> str:
-        return f"<Track of {len(self._pack.masks)} pieces>"
+        return f"<Track of {self._pack.count} pieces>"
 
     def __bool__(self) -> bool:
         return self._end is not None

@@ -1,3 +1,5 @@
+from navigation.kernels.numbers cimport Numbers
+
 cdef double _INFINITE
 cdef Py_ssize_t _WIDTH
 cdef double _STANDS
@@ -17,12 +19,12 @@ cdef int _add(
 ) except -1
 
 cdef class Stops:
-    cpdef list[double] table(self, list[double] motion, double t)
+    cpdef Numbers table(self, Numbers motion, double t)
 
 cdef class AxisStops(Stops):
     cdef list[double] limits
-    cpdef list[double] table(self, list[double] motion, double t)
-    cpdef list[double] after(self, list[double] state, double t)
+    cpdef Numbers table(self, Numbers motion, double t)
+    cpdef Numbers after(self, list[double] state, double t)
 
 cdef class LaneStops(Stops):
     cdef double x
@@ -33,5 +35,5 @@ cdef class LaneStops(Stops):
     cdef double low
     cdef double high
     cdef double top
-    cpdef list[double] table(self, list[double] motion, double t)
-    cpdef list[double] after(self, double q, double v, double a, double t)
+    cpdef Numbers table(self, Numbers motion, double t)
+    cpdef Numbers after(self, double q, double v, double a, double t)

@@ -17,15 +17,18 @@ from .odometer import WIDTH
 if not cython.compiled:
     from math import sqrt
 
+    from .numbers import Doubles, Numbers, at
     from .odometer import row_at
-    from .pieces import bend_at, merge_axes, rate_at, value_at
+    from .pieces import bend_at, merge_axes, rate_at, rest, value_at
 else:
     from cython.cimports.libc.math import sqrt
+    from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at
     from cython.cimports.navigation.kernels.odometer import row_at
     from cython.cimports.navigation.kernels.pieces import (
         bend_at,
         merge_axes,
         rate_at,
+        rest,
         value_at,
     )
 
@@ -84,7 +87,7 @@ def braking(
             change = -jerk
         steady = (-speed - gained - top * top / (2 * jerk)) / top
     rising = (peak - slope) / change
-    at: float = position
+    place: float = position
     pace: float = velocity
     k: cython.Py_ssize_t
     for k in range(3):
@@ -93,8 +96,8 @@ def braking(
             # Coefficients of the cubic of a phase: a / 2 and j / 6.
             bend: float = sign * (slope if k == 0 else peak) / 2
             twist: float = sign * (change if k == 0 else 0.0 if k == 1 else -jerk) / 6
-            _add(rows, duration, at, pace, 2 * bend, 6 * twist)
-            at += duration * (pace + duration * (bend + duration * twist))
+            _add(rows, duration, place, pace, 2 * bend, 6 * twist)
+            place += duration * (pace + duration * (bend + duration * twist))
             pace += duration * (2 * bend + duration * 3 * twist)
     if not rows:
         _add(rows, 0.0, position, 0.0, 0.0, 0.0)
@@ -121,7 +124,7 @@ def _add(
 class Stops:
     """How a machine stops: as fast as it can."""
 
-    def table(self, motion: list[float], t: float) -> list[float]:
+    def table(self, motion: Numbers, t: float) -> Numbers:
         """Return the table of the stop from a motion at `t` (seconds)."""
         raise NotImplementedError
 
@@ -132,32 +135,31 @@ class AxisStops(Stops):
     def __init__(self, limits: list[float]) -> None:
         self.limits = limits
 
-    def table(self, motion: list[float], t: float) -> list[float]:
+    def table(self, motion: Numbers, t: float) -> Numbers:
         """Return the table of the stop from a motion at `t` (seconds)."""
         state: list[float] = [0.0] * 9
+        row: Doubles = at(motion)
         o: cython.Py_ssize_t = _WIDTH * max(row_at(motion, _WIDTH, t), 0) + 2
-        moves: cython.bint = motion[0] <= t and t < motion[len(motion) - _WIDTH + 1]
+        moves: cython.bint = row[0] <= t and t < row[len(motion) - _WIDTH + 1]
         k: cython.Py_ssize_t
         for k in range(3):
-            state[k] = value_at(motion, o + 4 * k, t)
+            state[k] = value_at(row, o + 4 * k, t)
             if moves:
-                state[3 + k] = rate_at(motion, o + 4 * k, t)
-                state[6 + k] = bend_at(motion, o + 4 * k, t)
+                state[3 + k] = rate_at(row, o + 4 * k, t)
+                state[6 + k] = bend_at(row, o + 4 * k, t)
         return self.after(state, t)
 
-    def after(self, state: list[float], t: float) -> list[float]:
+    def after(self, state: list[float], t: float) -> Numbers:
         """Return the table of the stop at `t` from position, velocity and acceleration."""
         limits: list[float] = self.limits
         axes = [
             braking(state[k], state[3 + k], state[6 + k], limits[2 * k], limits[2 * k + 1])
             for k in range(3)
         ]
-        table: list[float] = merge_axes(axes, t)
+        table: Numbers = merge_axes(axes, t)
         # All axes stand: a motion has one piece at least, here of no length.
-        if not table:
-            table += [t, t]
-            for c in state[:3]:
-                table += [c, 0.0, 0.0, 0.0]
+        if len(table) == 0:
+            return rest(t, t, state[0], state[1], state[2])
         return table
 
 
@@ -184,25 +186,32 @@ class LaneStops(Stops):
         self.high = high
         self.top = top
 
-    def table(self, motion: list[float], t: float) -> list[float]:
+    def table(self, motion: Numbers, t: float) -> Numbers:
         """Return the table of the stop from a motion at `t` (seconds)."""
+        row: Doubles = at(motion)
         o: cython.Py_ssize_t = _WIDTH * max(row_at(motion, _WIDTH, t), 0) + 2
-        x: float = value_at(motion, o, t)
-        y: float = value_at(motion, o + 4, t)
+        x: float = value_at(row, o, t)
+        y: float = value_at(row, o + 4, t)
         q: float = (x - self.x) * self.c + (y - self.y) * self.s
         v: float = 0.0
         a: float = 0.0
-        if motion[0] <= t and t < motion[len(motion) - _WIDTH + 1]:
-            v = rate_at(motion, o, t) * self.c + rate_at(motion, o + 4, t) * self.s
-            a = bend_at(motion, o, t) * self.c + bend_at(motion, o + 4, t) * self.s
+        if row[0] <= t and t < row[len(motion) - _WIDTH + 1]:
+            v = rate_at(row, o, t) * self.c + rate_at(row, o + 4, t) * self.s
+            a = bend_at(row, o, t) * self.c + bend_at(row, o + 4, t) * self.s
         return self.after(min(max(q, self.low), self.high), v, a, t)
 
-    def after(self, q: float, v: float, a: float, t: float) -> list[float]:
+    def after(self, q: float, v: float, a: float, t: float) -> Numbers:
         """Return the table of the stop at `t` from lane position, velocity and acceleration."""
         rows: list[float] = braking(q, v, a, self.top, _INFINITE)
-        at: float = rows[1]
+        place: float = rows[1]
         pace: float = rows[2]
         bend: float = rows[3]
-        along: list[float] = [self.x + at * self.c, pace * self.c, bend * self.c, 0.0]
-        across: list[float] = [self.y + at * self.s, pace * self.s, bend * self.s, 0.0]
-        return [t, t + rows[0], *along, *across, self.heading, 0.0, 0.0, 0.0]
+        c: float = self.c
+        s: float = self.s
+        table: Numbers = rest(t, t + rows[0], self.x + place * c, self.y + place * s, self.heading)
+        row: Doubles = at(table)
+        row[3] = pace * c
+        row[4] = bend * c
+        row[7] = pace * s
+        row[8] = bend * s
+        return table

@@ -61,9 +61,7 @@ def within_bounds(
     return found
 
 
-def swept(
-    pieces: list[float], begin: float, since: float, x: float, y: float, box: Numbers
-) -> Numbers:
+def swept(pieces: Numbers, begin: float, since: float, x: float, y: float, box: Numbers) -> Numbers:
     """Return the table from `begin` on (seconds) of a motion that stands at `x`, `y` from `since`.
 
     `pieces` is its table as those of `pieces`. `box` becomes its bounds: least x and y, greatest x
@@ -72,6 +70,7 @@ def swept(
     count: cython.Py_ssize_t = len(pieces) // _PIECE
     table: Numbers = room((count + 1) * _R)
     row: Doubles = at(table)
+    piece: Doubles = at(pieces)
     bounds: Doubles = at(box)
     bounds[0] = bounds[2] = x
     bounds[1] = bounds[3] = y
@@ -79,11 +78,11 @@ def swept(
     i: cython.Py_ssize_t
     k: cython.Py_ssize_t
     for k in range(count):
-        start: float = pieces[k * _PIECE]
-        end: float = pieces[k * _PIECE + 1]
+        start: float = piece[k * _PIECE]
+        end: float = piece[k * _PIECE + 1]
         if end > begin and end > start:
             for i in range(_R):
-                row[o + i] = pieces[k * _PIECE + i]
+                row[o + i] = piece[k * _PIECE + i]
             _widen(bounds, 0, row, o + 2, end - start)
             _widen(bounds, 1, row, o + 6, end - start)
             o += _R

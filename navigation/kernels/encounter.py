@@ -14,11 +14,13 @@ if not cython.compiled:
 
     from .follower import Follower
     from .gauge import Course, Gauge
+    from .numbers import Numbers
     from .odometer import Figure, Odometer
 else:
     from cython.cimports.libc.math import copysign, cos, sin, sqrt
     from cython.cimports.navigation.kernels.follower import Follower
     from cython.cimports.navigation.kernels.gauge import Course, Gauge
+    from cython.cimports.navigation.kernels.numbers import Numbers
     from cython.cimports.navigation.kernels.odometer import Figure, Odometer
 
 _INFINITE: float = float("inf")
@@ -34,8 +36,8 @@ class Encounter:
 
     def __init__(
         self,
-        person: list[float],
-        machine: list[float],
+        person: Numbers,
+        machine: Numbers,
         gauges: list[Gauge],
         rounding: float,
     ) -> None:

@@ -1,10 +1,11 @@
+from navigation.kernels.numbers cimport Numbers
 from navigation.kernels.odometer cimport Figure
 
 cdef double _INFINITE
 cdef Py_ssize_t _WIDTH
 
 cdef class Follower:
-    cdef list[double] table
+    cdef Numbers table
     cdef Py_ssize_t rows
     cdef Py_ssize_t row
     cdef double since

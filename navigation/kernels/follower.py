@@ -14,9 +14,11 @@ from .odometer import WIDTH
 if not cython.compiled:
     from math import sqrt
 
+    from .numbers import Doubles, Numbers, at
     from .odometer import Figure, row_at, speed_along
 else:
     from cython.cimports.libc.math import sqrt
+    from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at
     from cython.cimports.navigation.kernels.odometer import Figure, row_at, speed_along
 
 _INFINITE: float = float("inf")
@@ -27,39 +29,39 @@ _WIDTH: cython.Py_ssize_t = WIDTH
 class Follower:
     """A body on its motion: standing before it, one piece after another, standing after it."""
 
-    def __init__(self, table: list[float]) -> None:
+    def __init__(self, table: Numbers) -> None:
         self.table = table
         self.rows = len(table) // _WIDTH
 
     def seek(self, t: float) -> cython.int:
         """Come to the piece at `t`."""
-        table: list[float] = self.table
+        first: float = at(self.table)[0]
         self.since = t
-        if t < table[0]:
+        if t < first:
             self.row = -1
             self.begin = t
-            self.end = table[0]
+            self.end = first
             return 0
-        self.row = row_at(table, _WIDTH, t) - 1
+        self.row = row_at(self.table, _WIDTH, t) - 1
         return self.go_on()
 
     def go_on(self) -> cython.int:
         """Come to the next piece. Those of no length are left out: no velocity for no time."""
-        table: list[float] = self.table
+        row: Doubles = at(self.table)
         while True:
             self.row += 1
             if self.row >= self.rows:
-                self.begin = table[(self.rows - 1) * _WIDTH + 1]
+                self.begin = row[(self.rows - 1) * _WIDTH + 1]
                 self.end = _INFINITE
                 return 0
             o: cython.Py_ssize_t = self.row * _WIDTH
-            self.begin = table[o]
-            self.end = table[o + 1]
+            self.begin = row[o]
+            self.end = row[o + 1]
             if self.end > max(self.since, self.begin):
                 total: float = 0.0
                 k: cython.Py_ssize_t
                 for k in range(_WIDTH):
-                    total += table[o + k]
+                    total += row[o + k]
                 # Not 0 for inf and for NaN, and for these alone; one of them among the numbers
                 # makes the sum one.
                 if total - total != 0.0:
@@ -70,25 +72,25 @@ class Follower:
 
     def enter(self, t: float) -> cython.int:
         """Count from `t`, within the piece."""
-        table: list[float] = self.table
+        row: Doubles = at(self.table)
         o: cython.Py_ssize_t = min(max(self.row, 0), self.rows - 1) * _WIDTH
         u: float = 0.0
         if self.row >= self.rows:
-            u = table[o + 1] - table[o]
+            u = row[o + 1] - row[o]
         elif self.row >= 0:
             u = t - self.begin
-        self.x0 = table[o + 2]
-        self.x1 = table[o + 3]
-        self.x2 = table[o + 4]
-        self.x3 = table[o + 5]
-        self.y0 = table[o + 6]
-        self.y1 = table[o + 7]
-        self.y2 = table[o + 8]
-        self.y3 = table[o + 9]
-        self.r0 = table[o + 10]
-        self.r1 = table[o + 11]
-        self.r2 = table[o + 12]
-        self.r3 = table[o + 13]
+        self.x0 = row[o + 2]
+        self.x1 = row[o + 3]
+        self.x2 = row[o + 4]
+        self.x3 = row[o + 5]
+        self.y0 = row[o + 6]
+        self.y1 = row[o + 7]
+        self.y2 = row[o + 8]
+        self.y3 = row[o + 9]
+        self.r0 = row[o + 10]
+        self.r1 = row[o + 11]
+        self.r2 = row[o + 12]
+        self.r3 = row[o + 13]
         # Each polynomial about the later instant: its Taylor coefficients there, by Horner's rule.
         if u != 0.0:
             self.x0 = self.x0 + u * (self.x1 + u * (self.x2 + u * self.x3))

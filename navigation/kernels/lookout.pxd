@@ -1,6 +1,7 @@
 from navigation.kernels.braking cimport Stops
 from navigation.kernels.encounter cimport Encounter
 from navigation.kernels.laws cimport Law
+from navigation.kernels.numbers cimport Numbers
 
 cdef double _INFINITE
 cdef Py_ssize_t _WIDTH
@@ -15,7 +16,7 @@ cdef class Towards(Law):
     cdef int require(self, Encounter encounter, double begin, double end) except? -1
 
 cdef class Part:
-    cdef list[double] table
+    cdef Numbers table
     cdef double begin
     cdef double end
     cdef double fastest
@@ -31,10 +32,10 @@ cdef class Lookout:
     cdef double rounding
     cdef double resolution
     cpdef tuple safe_until(
-        self, list[double] motion, Stops stops, list[double] people, double now, double least
+        self, Numbers motion, Stops stops, list[double] people, double now, double least
     )
     cpdef double lacking(
-        self, list[double] motion, Stops stops, list[double] people, double now, double least
+        self, Numbers motion, Stops stops, list[double] people, double now, double least
     ) except? -1
     cdef double required(self, list[double] people, Py_ssize_t k, double speed) except? -1
     cdef bint hinders(
@@ -48,7 +49,7 @@ cdef class Lookout:
     ) except? -1
 
 cpdef double nearest_on(
-    list[double] motion,
+    Numbers motion,
     list[double] people,
     double now,
     double begin,

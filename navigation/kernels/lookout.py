@@ -23,16 +23,18 @@ if not cython.compiled:
     from .braking import Stops
     from .encounter import Encounter
     from .laws import Law
+    from .numbers import Doubles, Numbers, at
     from .odometer import Figure, Odometer, row_at
-    from .pieces import rate_at, value_at
+    from .pieces import rate_at, rest, value_at
     from .watch import TooClose, Watch
 else:
     from cython.cimports.libc.math import sqrt
     from cython.cimports.navigation.kernels.braking import Stops
     from cython.cimports.navigation.kernels.encounter import Encounter
     from cython.cimports.navigation.kernels.laws import Law
+    from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at
     from cython.cimports.navigation.kernels.odometer import Figure, Odometer, row_at
-    from cython.cimports.navigation.kernels.pieces import rate_at, value_at
+    from cython.cimports.navigation.kernels.pieces import rate_at, rest, value_at
     from cython.cimports.navigation.kernels.watch import TooClose, Watch
 
 _INFINITE: float = float("inf")
@@ -75,7 +77,8 @@ class Part:
     """A part of a motion, from `begin` to `end` (seconds): its ends, and a bound of its speed."""
 
     def __init__(self, odometer: Odometer, begin: float, end: float) -> None:
-        table: list[float] = odometer.table
+        table: Numbers = odometer.table
+        row: Doubles = at(table)
         self.table = table
         self.begin = begin
         self.end = end
@@ -83,15 +86,15 @@ class Part:
         figure: Figure = odometer.out
         self.fastest = figure.value + abs(figure.slope) * ((end - begin) / 2) + figure.slack
         o: cython.Py_ssize_t = _WIDTH * max(row_at(table, _WIDTH, begin), 0)
-        self.x = value_at(table, o + 2, begin)
-        self.y = value_at(table, o + 6, begin)
+        self.x = value_at(row, o + 2, begin)
+        self.y = value_at(row, o + 6, begin)
         o = _WIDTH * max(row_at(table, _WIDTH, end), 0)
-        self.last_x = value_at(table, o + 2, end)
-        self.last_y = value_at(table, o + 6, end)
+        self.last_x = value_at(row, o + 2, end)
+        self.last_y = value_at(row, o + 6, end)
         self.last_speed = 0.0
-        if table[0] <= end and end < table[len(table) - _WIDTH + 1]:
-            vx: float = rate_at(table, o + 2, end)
-            vy: float = rate_at(table, o + 6, end)
+        if row[0] <= end and end < row[len(table) - _WIDTH + 1]:
+            vx: float = rate_at(row, o + 2, end)
+            vy: float = rate_at(row, o + 6, end)
             self.last_speed = sqrt(vx * vx + vy * vy)
 
 
@@ -108,14 +111,14 @@ class Lookout:
         self.resolution = resolution
 
     def safe_until(
-        self, motion: list[float], stops: Stops, people: list[float], now: float, least: float
+        self, motion: Numbers, stops: Stops, people: list[float], now: float, least: float
     ) -> tuple[float, int]:
         """Return an instant until which `motion` may be followed, and the row of who ends it.
 
         It is found by doubling the time, from `least` seconds on; `now` if not even those are safe.
         The row is -1 if nobody ends it before the end of the motion.
         """
-        finish: float = motion[len(motion) - _WIDTH + 1]
+        finish: float = at(motion)[len(motion) - _WIDTH + 1]
         k: cython.Py_ssize_t
         if not people or now >= finish:
             return finish, -1
@@ -135,8 +138,8 @@ class Lookout:
             # Safe until `then` and safe through the stop from there: one may decide anew at that
             # time. Doubling asks for as many stops as the logarithm of the time, and finds at least
             # half of it.
-            stop: list[float] = stops.table(motion, then)
-            stopping: Part = Part(Odometer(stop), then, stop[len(stop) - _WIDTH + 1])
+            stop: Numbers = stops.table(motion, then)
+            stopping: Part = Part(Odometer(stop), then, at(stop)[len(stop) - _WIDTH + 1])
             for k in range(len(people) // _PERSON):
                 if self.hinders(people, k, on, now) or self.hinders(people, k, stopping, now):
                     return until, k
@@ -145,16 +148,16 @@ class Lookout:
         return finish, -1
 
     def lacking(
-        self, motion: list[float], stops: Stops, people: list[float], now: float, least: float
+        self, motion: Numbers, stops: Stops, people: list[float], now: float, least: float
     ) -> float:
         """Return the metres that the first of `people` is too close, whatever comes.
 
         That is after `least` seconds of the motion, or at the end of the stop from there.
         """
-        then: float = min(now + least, motion[len(motion) - _WIDTH + 1])
+        then: float = min(now + least, at(motion)[len(motion) - _WIDTH + 1])
         on: Part = Part(Odometer(motion), now, then)
-        stop: list[float] = stops.table(motion, then)
-        stopping: Part = Part(Odometer(stop), then, stop[len(stop) - _WIDTH + 1])
+        stop: Numbers = stops.table(motion, then)
+        stopping: Part = Part(Odometer(stop), then, at(stop)[len(stop) - _WIDTH + 1])
         return -min(self.room(people, 0, on, now), self.room(people, 0, stopping, now))
 
     def required(self, people: list[float], k: cython.Py_ssize_t, speed: float) -> float:
@@ -178,7 +181,7 @@ class Lookout:
         x: float = people[o]
         y: float = people[o + 1]
         # A motion of no length stands for ever where it is.
-        still: list[float] = [0.0, 0.0, x, 0.0, 0.0, 0.0, y, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
+        still: Numbers = rest(0.0, 0.0, x, y, 0.0)
         law: Towards = Towards(self.law, people[o + 2], since, people[o + 3], self.margin)
         encounter: Encounter = Encounter(still, on.table, [], 0.0)
         judge: TooClose = TooClose(law, self.rounding)
@@ -208,7 +211,7 @@ class Lookout:
 
 
 def nearest_on(
-    motion: list[float],
+    motion: Numbers,
     people: list[float],
     now: float,
     begin: float,
@@ -221,6 +224,7 @@ def nearest_on(
     It is looked for each `step` seconds from `begin` to `end`, and at `end`. Of each of the people
     there are x, y (metres) and their velocity (m/s) at `now`; they keep it for `horizon` seconds.
     """
+    row: Doubles = at(motion)
     least: float = _INFINITE
     i: cython.Py_ssize_t = 0
     k: cython.Py_ssize_t
@@ -232,8 +236,8 @@ def nearest_on(
             over = True
         # Before the motion begins its first row is held at its beginning.
         o: cython.Py_ssize_t = _WIDTH * max(row_at(motion, _WIDTH, t), 0)
-        x: float = value_at(motion, o + 2, t)
-        y: float = value_at(motion, o + 6, t)
+        x: float = value_at(row, o + 2, t)
+        y: float = value_at(row, o + 6, t)
         after: float = min(t - now, horizon)
         for k in range(len(people) // _PERSON):
             p: cython.Py_ssize_t = k * _PERSON

@@ -1,6 +1,10 @@
+from navigation.kernels.numbers cimport Numbers
+
 cdef double _INFINITE
 cdef Py_ssize_t _STRETCH
 cdef Py_ssize_t _WIDTH
+cdef Numbers _NODES
+cdef Numbers _WEIGHTS
 
 cdef class Figure:
     cdef double value
@@ -9,13 +13,13 @@ cdef class Figure:
     cdef double curve
     cdef int set(self, double value, double slope, double slack, double curve) except? -1
 
-cpdef Py_ssize_t row_at(list[double] table, Py_ssize_t width, double t) noexcept
+cpdef Py_ssize_t row_at(Numbers table, Py_ssize_t width, double t) noexcept
 
-cdef int speed_along(list[double] table, Py_ssize_t row, double begin, double end, Figure figure) except? -1
+cdef int speed_along(Numbers table, Py_ssize_t row, double begin, double end, Figure figure) except? -1
 
 cdef class Odometer:
-    cdef list[double] table
-    cdef list[double] stretches
+    cdef Numbers table
+    cdef Numbers stretches
     cdef double total
     cdef double start
     cdef double finish
@@ -25,4 +29,4 @@ cdef class Odometer:
     cdef int look_ahead(self, double begin, double end, double seconds) except? -1
     cdef int look(self, double begin, double end) except? -1
 
-cpdef double length(list[double] table, Py_ssize_t row, double u) except? -1
+cpdef double length(Numbers table, Py_ssize_t row, double u) except? -1

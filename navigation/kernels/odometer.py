@@ -1,7 +1,7 @@
 """Path length and speed of a motion over an interval.
 
 A motion is a table: for each piece its begin and end, and four coefficients each of x, y and
-rotation.
+rotation, all in one row of `numbers`.
 """
 
 from __future__ import annotations
@@ -18,8 +18,10 @@ else:
 if not cython.compiled:
     from math import sqrt
 
+    from .numbers import Doubles, Numbers, at, numbers, room
 else:
     from cython.cimports.libc.math import sqrt
+    from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at, numbers, room
 
 _INFINITE: float = float("inf")
 
@@ -33,8 +35,8 @@ WIDTH = 14
 _WIDTH: cython.Py_ssize_t = WIDTH
 
 # Nodes from 0 to 2, so that half a length times a node is a place from 0 to that length.
-_NODES = [1.0 + node for node in NODES_8]
-_WEIGHTS = [*WEIGHTS_8]
+_NODES: Numbers = numbers([1.0 + node for node in NODES_8])
+_WEIGHTS: Numbers = numbers(WEIGHTS_8)
 
 
 class Figure:
@@ -58,14 +60,15 @@ class Figure:
         return self.value, self.slope, self.slack, self.curve
 
 
-def row_at(table: list[float], width: cython.Py_ssize_t, t: float) -> cython.Py_ssize_t:
+def row_at(table: Numbers, width: cython.Py_ssize_t, t: float) -> cython.Py_ssize_t:
     """Return the last row that begins by `t`, by halving; -1 if none does."""
+    row: Doubles = at(table)
     low: cython.Py_ssize_t = 0
     high: cython.Py_ssize_t = len(table) // width
     middle: cython.Py_ssize_t
     while low < high:
         middle = (low + high) // 2
-        if t < table[middle * width]:
+        if t < row[middle * width]:
             high = middle
         else:
             low = middle + 1
@@ -73,21 +76,22 @@ def row_at(table: list[float], width: cython.Py_ssize_t, t: float) -> cython.Py_
 
 
 def speed_along(
-    table: list[float], row: cython.Py_ssize_t, begin: float, end: float, figure: Figure
+    table: Numbers, row: cython.Py_ssize_t, begin: float, end: float, figure: Figure
 ) -> cython.int:
     """Give the speed of a piece over an interval within it, m/s.
 
     Its second derivative is at most a² / |v| + |j|, with a the acceleration across the velocity.
     """
+    c: Doubles = at(table)
     o: cython.Py_ssize_t = row * _WIDTH
     half: float = (end - begin) / 2
-    u: float = begin - table[o] + half
-    x1: float = table[o + 3]
-    x2: float = table[o + 4]
-    x3: float = table[o + 5]
-    y1: float = table[o + 7]
-    y2: float = table[o + 8]
-    y3: float = table[o + 9]
+    u: float = begin - c[o] + half
+    x1: float = c[o + 3]
+    x2: float = c[o + 4]
+    x3: float = c[o + 5]
+    y1: float = c[o + 7]
+    y2: float = c[o + 8]
+    y3: float = c[o + 9]
     vx: float = x1 + u * (2 * x2 + u * 3 * x3)
     vy: float = y1 + u * (2 * y2 + u * 3 * y3)
     speed: float = sqrt(vx * vx + vy * vy)
@@ -116,32 +120,33 @@ def speed_along(
 class Odometer:
     """Path length and speed of a motion at any time. Jumps add no length."""
 
-    def __init__(self, table: list[float]) -> None:
+    def __init__(self, table: Numbers) -> None:
+        row: Doubles = at(table)
         self.table = table
-        none: list[float] = []
-        self.stretches = none
+        self.stretches: Numbers = room(0)
         self.total = 0.0
-        self.start = table[0]
-        self.finish = table[len(table) - _WIDTH + 1]
+        self.start = row[0]
+        self.finish = row[len(table) - _WIDTH + 1]
         self.out = Figure()
         self.near = Figure()
 
-    def cut(self) -> tuple[list[float], float]:
+    def cut(self) -> tuple[Numbers, float]:
         """Return the table of stretches in which the speed is smooth, and the whole length."""
         raise NotImplementedError
 
     def reading(self, t: float) -> float:
         """The metres gone from the motion's start to `t` (seconds); exact to 1e-12 of them."""
-        if not self.stretches:
+        if len(self.stretches) == 0:
             self.stretches, self.total = self.cut()
         if t >= self.finish:
             return self.total
         if t <= self.start:
             return 0.0
-        table: list[float] = self.stretches
+        table: Numbers = self.stretches
         row: cython.Py_ssize_t = row_at(table, _STRETCH, t)
-        gone: float = table[row * _STRETCH + 1]
-        return gone + length(table, row, t - table[row * _STRETCH])
+        begin: float = at(table)[row * _STRETCH]
+        gone: float = at(table)[row * _STRETCH + 1]
+        return gone + length(table, row, t - begin)
 
     def look_ahead(self, begin: float, end: float, seconds: float) -> cython.int:
         """Find the path length within `seconds` of each instant of an interval: in `out`."""
@@ -166,12 +171,13 @@ class Odometer:
 
     def look(self, begin: float, end: float) -> cython.int:
         """Find the speed over an interval: in `out`; at a change, the one after it."""
-        table: list[float] = self.table
+        table: Numbers = self.table
+        row: Doubles = at(table)
         if end < self.start or begin >= self.finish:
             return self.out.set(0.0, 0.0, 0.0, 0.0)
         rows: cython.Py_ssize_t = len(table) // _WIDTH
         k: cython.Py_ssize_t = row_at(table, _WIDTH, begin)
-        if k >= 0 and end <= table[k * _WIDTH + 1]:
+        if k >= 0 and end <= row[k * _WIDTH + 1]:
             return speed_along(table, k, begin, end, self.out)
         # Over several pieces the speed may jump: its least and its most are all that holds.
         low: float = _INFINITE
@@ -179,9 +185,9 @@ class Odometer:
         if begin < self.start or end > self.finish:
             low = 0.0
         k = max(k, 0)
-        while k < rows and table[k * _WIDTH] < end:
-            since: float = max(begin, table[k * _WIDTH])
-            until: float = min(end, table[k * _WIDTH + 1])
+        while k < rows and row[k * _WIDTH] < end:
+            since: float = max(begin, row[k * _WIDTH])
+            until: float = min(end, row[k * _WIDTH + 1])
             if until > since:
                 speed_along(table, k, since, until, self.out)
                 around: float = abs(self.out.slope) * ((until - since) / 2) + self.out.slack
@@ -202,22 +208,23 @@ class Odometer:
         return self.out
 
 
-def length(table: list[float], row: cython.Py_ssize_t, u: float) -> float:
+def length(table: Numbers, row: cython.Py_ssize_t, u: float) -> float:
     """Return the length of the first `u` seconds of a stretch, metres: Gauss-Legendre's."""
+    c: Doubles = at(table)
     o: cython.Py_ssize_t = row * _STRETCH
-    x1: float = table[o + 2]
-    x2: float = table[o + 3]
-    x3: float = table[o + 4]
-    y1: float = table[o + 5]
-    y2: float = table[o + 6]
-    y3: float = table[o + 7]
+    x1: float = c[o + 2]
+    x2: float = c[o + 3]
+    x3: float = c[o + 4]
+    y1: float = c[o + 5]
+    y2: float = c[o + 6]
+    y3: float = c[o + 7]
     if x2 == y2 == x3 == y3 == 0.0:
         return sqrt(x1 * x1 + y1 * y1) * u
     # Stretches are cut so that eight nodes are enough: see `_ELLIPSE` in `navigation.odometer`.
     half: float = u / 2
     total: float = 0.0
-    nodes: list[float] = _NODES
-    weights: list[float] = _WEIGHTS
+    nodes: Doubles = at(_NODES)
+    weights: Doubles = at(_WEIGHTS)
     k: cython.Py_ssize_t
     for k in range(8):
         w: float = half * nodes[k]

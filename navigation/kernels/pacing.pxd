@@ -1,6 +1,7 @@
 from navigation.kernels.numbers cimport Doubles, Numbers
 
 cdef Py_ssize_t _R
+cdef Py_ssize_t _PIECE
 cdef Py_ssize_t _LEG
 cdef Py_ssize_t _PHASES
 cdef double _SHORT
@@ -29,7 +30,7 @@ cdef Py_ssize_t draw(
     Numbers lead,
     Numbers table,
 ) except -1
-cpdef list turned(Numbers table, double heading)
+cpdef Numbers turned(Numbers table, double heading)
 cdef double bend_speed(double cosine, double shorter, double acceleration) noexcept
 cdef Py_ssize_t _plan(
     Doubles corner,

@@ -16,6 +16,7 @@ else:
     from . import uncompiled as cython
 
 from .discs import ROW
+from .odometer import WIDTH
 from .walks import DEVIATION, NOWHERE
 
 if not cython.compiled:
@@ -31,6 +32,7 @@ else:
     from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at, cut, grow, room
 
 _R: cython.Py_ssize_t = ROW
+_PIECE: cython.Py_ssize_t = WIDTH
 # Numbers of a leg: x and y, direction, length, top speed, the highest speed at its beginning.
 _LEG: cython.Py_ssize_t = 7
 _PHASES: cython.Py_ssize_t = 4  # of a leg, at most
@@ -185,26 +187,29 @@ def _plan(
     return legs if after >= initial_speed - _HAIR else 0
 
 
-def turned(table: Numbers, heading: float) -> list[float]:
+def turned(table: Numbers, heading: float) -> Numbers:
     """Return the table of the motion along a walk: turned to where it goes, standing left out.
 
     Its rows are those of `pieces`; until it goes anywhere it is turned by `heading` (radians).
     """
-    found: list[float] = []
+    count: cython.Py_ssize_t = len(table) // _R - 1
+    found: Numbers = room(_PIECE * count)
     row: Doubles = at(table)
+    piece: Doubles = at(found)
+    i: cython.Py_ssize_t
     k: cython.Py_ssize_t
-    o: cython.Py_ssize_t
-    for o in range(0, len(table) - 10, 10):
+    for k in range(count):
+        o: cython.Py_ssize_t = k * _R
+        p: cython.Py_ssize_t = k * _PIECE
         if row[o + 3] != 0.0 or row[o + 7] != 0.0:
             heading = atan2(row[o + 7], row[o + 3])
         elif row[o + 4] != 0.0 or row[o + 8] != 0.0:
             heading = atan2(row[o + 8], row[o + 4])
-        for k in range(o, o + 10):
-            found.append(row[k])  # noqa: PERF401
-        found.append(heading)
-        found.append(0.0)
-        found.append(0.0)
-        found.append(0.0)
+        for i in range(_R):
+            piece[p + i] = row[o + i]
+        piece[p + _R] = heading
+        for i in range(_R + 1, _PIECE):
+            piece[p + i] = 0.0
     return found
 
 

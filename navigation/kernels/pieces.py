@@ -1,12 +1,13 @@
 """Pieces of motions: states at an instant, continuity, and axes that change at times of their own.
 
-A table has for each piece its begin and end, and four coefficients each of x, y and rotation.
+A table has for each piece its begin and end, and four coefficients each of x, y and rotation, all
+in one row of `numbers`.
 """
 
 from __future__ import annotations
 
 from array import array
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     import cython
@@ -18,11 +19,11 @@ from .odometer import WIDTH
 if not cython.compiled:
     from math import atan2, copysign, sqrt
 
-    from .numbers import Doubles, at, grow
+    from .numbers import Doubles, Numbers, at, cut, room
     from .odometer import row_at
 else:
     from cython.cimports.libc.math import atan2, copysign, sqrt
-    from cython.cimports.navigation.kernels.numbers import Doubles, at, grow
+    from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at, cut, room
     from cython.cimports.navigation.kernels.odometer import row_at
 
 Triple = tuple[float, float, float]
@@ -32,45 +33,47 @@ _WIDTH: cython.Py_ssize_t = WIDTH
 _SHORTEST: float = 1e-12  # seconds; nothing changes its course for less
 
 
-def state(table: list[float], t: float) -> tuple[Triple, Triple, Triple]:
+def state(table: Numbers, t: float) -> tuple[Triple, Triple, Triple]:
     """Return position, velocity and acceleration of a motion at `t` (seconds), held within it."""
+    c: Doubles = at(table)
     row: cython.Py_ssize_t = row_at(table, _WIDTH, t)
-    moving: cython.bint = table[0] <= t < table[len(table) - _WIDTH + 1]
+    moving: cython.bint = c[0] <= t < c[len(table) - _WIDTH + 1]
     return evaluate(table, max(row, 0), t, moving)
 
 
 def evaluate(
-    table: list[float], row: cython.Py_ssize_t, t: float, moving: bool
+    table: Numbers, row: cython.Py_ssize_t, t: float, moving: bool
 ) -> tuple[Triple, Triple, Triple]:
     """Return position, velocity and acceleration of a piece at `t`, held within it."""
+    c: Doubles = at(table)
     o: cython.Py_ssize_t = row * _WIDTH
-    begin: float = table[o]
-    u: float = min(max(t, begin), table[o + 1]) - begin
-    vx: float = table[o + 3]
-    ax: float = table[o + 4]
-    jx: float = table[o + 5]
-    vy: float = table[o + 7]
-    ay: float = table[o + 8]
-    jy: float = table[o + 9]
-    vr: float = table[o + 11]
-    ar: float = table[o + 12]
-    jr: float = table[o + 13]
-    at = (
-        table[o + 2] + u * (vx + u * (ax + u * jx)),
-        table[o + 6] + u * (vy + u * (ay + u * jy)),
-        table[o + 10] + u * (vr + u * (ar + u * jr)),
+    begin: float = c[o]
+    u: float = min(max(t, begin), c[o + 1]) - begin
+    vx: float = c[o + 3]
+    ax: float = c[o + 4]
+    jx: float = c[o + 5]
+    vy: float = c[o + 7]
+    ay: float = c[o + 8]
+    jy: float = c[o + 9]
+    vr: float = c[o + 11]
+    ar: float = c[o + 12]
+    jr: float = c[o + 13]
+    place = (
+        c[o + 2] + u * (vx + u * (ax + u * jx)),
+        c[o + 6] + u * (vy + u * (ay + u * jy)),
+        c[o + 10] + u * (vr + u * (ar + u * jr)),
     )
     if not moving:
-        return at, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+        return place, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     velocity = (
         vx + u * (2 * ax + u * 3 * jx),
         vy + u * (2 * ay + u * 3 * jy),
         vr + u * (2 * ar + u * 3 * jr),
     )
-    return at, velocity, (2 * ax + 6 * u * jx, 2 * ay + 6 * u * jy, 2 * ar + 6 * u * jr)
+    return place, velocity, (2 * ax + 6 * u * jx, 2 * ay + 6 * u * jy, 2 * ar + 6 * u * jr)
 
 
-def value_at(table: list[float], o: cython.Py_ssize_t, t: float) -> float:
+def value_at(table: Doubles, o: cython.Py_ssize_t, t: float) -> float:
     """Return the value at `t` (seconds) of the cubic whose coefficients begin at `o`.
 
     Its piece is that of the row which `o` is in; it is held within that.
@@ -82,7 +85,7 @@ def value_at(table: list[float], o: cython.Py_ssize_t, t: float) -> float:
     return value
 
 
-def rate_at(table: list[float], o: cython.Py_ssize_t, t: float) -> float:
+def rate_at(table: Doubles, o: cython.Py_ssize_t, t: float) -> float:
     """Return the derivative of `value_at`."""
     row: cython.Py_ssize_t = o - o % _WIDTH
     begin: float = table[row]
@@ -91,7 +94,7 @@ def rate_at(table: list[float], o: cython.Py_ssize_t, t: float) -> float:
     return value
 
 
-def bend_at(table: list[float], o: cython.Py_ssize_t, t: float) -> float:
+def bend_at(table: Doubles, o: cython.Py_ssize_t, t: float) -> float:
     """Return the second derivative of `value_at`."""
     row: cython.Py_ssize_t = o - o % _WIDTH
     begin: float = table[row]
@@ -100,27 +103,26 @@ def bend_at(table: list[float], o: cython.Py_ssize_t, t: float) -> float:
     return value
 
 
-def breaks(table: list[float], tolerance: float) -> list[int]:
+def breaks(table: Numbers, tolerance: float) -> list[int]:
     """Return the rows that end before they begin, or do not begin where the one before ended.
 
     That is when it ended, and no farther from it than `tolerance` metres.
     """
     found: list[int] = []
+    c: Doubles = at(table)
     k: cython.Py_ssize_t
     for k in range(len(table) // _WIDTH):
         o: cython.Py_ssize_t = k * _WIDTH
-        if table[o + 1] < table[o]:
+        if c[o + 1] < c[o]:
             found.append(k)
         elif k > 0:
             p: cython.Py_ssize_t = o - _WIDTH
-            if table[p + 1] != table[o] or _parted(table, p, table, o) > tolerance:
+            if c[p + 1] != c[o] or _parted(c, p, c, o) > tolerance:
                 found.append(k)
     return found
 
 
-def _parted(
-    table: list[float], p: cython.Py_ssize_t, after: list[float], o: cython.Py_ssize_t
-) -> float:
+def _parted(table: Doubles, p: cython.Py_ssize_t, after: Doubles, o: cython.Py_ssize_t) -> float:
     """Return how far from the end of the piece at `p` the one at `o` begins (metres)."""
     u: float = table[p + 1] - table[p]
     dx: float = table[p + 2] + u * (table[p + 3] + u * (table[p + 4] + u * table[p + 5]))
@@ -128,6 +130,24 @@ def _parted(
     dx -= after[o + 2]
     dy -= after[o + 6]
     return sqrt(dx * dx + dy * dy)
+
+
+def rest(begin: float, end: float, x: float, y: float, rotation: float) -> Numbers:
+    """Return the table of standing at `x`, `y` (metres) from `begin` to `end` (seconds).
+
+    It is turned by `rotation` (radians).
+    """
+    table: Numbers = room(_WIDTH)
+    row: Doubles = at(table)
+    k: cython.Py_ssize_t
+    for k in range(_WIDTH):
+        row[k] = 0.0
+    row[0] = begin
+    row[1] = end
+    row[2] = x
+    row[6] = y
+    row[10] = rotation
+    return table
 
 
 def phases_of(
@@ -175,17 +195,23 @@ def scaled(rows: list[float], begin: float, share: float) -> list[float]:
     return found
 
 
-def merge_axes(axes: list[list[float]], start: float) -> list[float]:
+def merge_axes(axes: list[list[float]], start: float) -> Numbers:
     """Return the table of a motion from `start` on whose three axes have phases of their own.
 
     An axis has a row of a duration and four coefficients for each phase, and is at rest after the
     last. The motion is cut where one of them changes.
     """
-    table: list[float] = []
+    phases: list[float]
+    most: cython.Py_ssize_t = 0
+    axis: cython.Py_ssize_t
+    for axis in range(3):
+        phases = axes[axis]
+        most += len(phases) // 5
+    table: Numbers = room(_WIDTH * most)  # one of the axes changes at the end of every piece
+    c: Doubles = at(table)
+    o: cython.Py_ssize_t = 0
     rows: list[int] = [0, 0, 0]
     begins: list[float] = [0.0, 0.0, 0.0]
-    phases: list[float]
-    axis: cython.Py_ssize_t
     row: cython.Py_ssize_t
     begin: float = start
     lower: float = 0.0
@@ -195,73 +221,81 @@ def merge_axes(axes: list[list[float]], start: float) -> list[float]:
         for axis in range(3):
             phases = axes[axis]
             row = rows[axis]
-            at: float = begins[axis]
-            while row < len(phases) and at + phases[row] <= lower:
-                at += phases[row]
+            since: float = begins[axis]
+            while row < len(phases) and since + phases[row] <= lower:
+                since += phases[row]
                 row += 5
             rows[axis] = row
-            begins[axis] = at
+            begins[axis] = since
             if row < len(phases):
-                upper = min(upper, at + phases[row])
+                upper = min(upper, since + phases[row])
         if upper == _INFINITE:
+            cut(table, o)
             return table
         # Axes that end together do so but for rounding: a sliver goes to the next piece, which
         # begins where the last one ended.
-        if upper - lower >= _SHORTEST or not table:
-            table.append(begin)
+        if upper - lower >= _SHORTEST or o == 0:
+            c[o] = begin
             begin = start + upper
-            table.append(begin)
+            c[o + 1] = begin
             for axis in range(3):
                 phases = axes[axis]
                 row = rows[axis]
+                k: cython.Py_ssize_t = o + 2 + 4 * axis
                 if row >= len(phases):
                     row -= 5
-                    _append_shifted(table, phases, row, phases[row], False)
+                    _shift(c, k, phases, row, phases[row], False)
                 else:
-                    _append_shifted(table, phases, row, lower - begins[axis], True)
+                    _shift(c, k, phases, row, lower - begins[axis], True)
+            o += _WIDTH
         lower = upper
 
 
-def _append_shifted(
-    table: list[float], phases: list[float], row: cython.Py_ssize_t, u: float, moving: bool
+def _shift(
+    table: Doubles,
+    k: cython.Py_ssize_t,
+    phases: list[float],
+    row: cython.Py_ssize_t,
+    u: float,
+    moving: bool,
 ) -> cython.int:
-    """Append the cubic of a phase as seen from `u` seconds after it began."""
+    """Set the cubic at `k` to that of a phase as seen from `u` seconds after it began."""
     c1: float = phases[row + 2]
     c2: float = phases[row + 3]
     c3: float = phases[row + 4]
-    table.append(phases[row + 1] + u * (c1 + u * (c2 + u * c3)))
+    table[k] = phases[row + 1] + u * (c1 + u * (c2 + u * c3))
     if moving:
-        table.append(c1 + u * (2 * c2 + u * 3 * c3))
-        table.append(c2 + u * 3 * c3)
-        table.append(c3)
+        table[k + 1] = c1 + u * (2 * c2 + u * 3 * c3)
+        table[k + 2] = c2 + u * 3 * c3
+        table[k + 3] = c3
     else:
-        table.append(0.0)
-        table.append(0.0)
-        table.append(0.0)
+        table[k + 1] = table[k + 2] = table[k + 3] = 0.0
     return 0
 
 
-def walked_and_stood(table: list[float], since: float, until: float) -> tuple[float, float]:
+def walked_and_stood(table: Numbers, since: float, until: float) -> tuple[float, float]:
     """Return how far a walk goes (metres), and how long it stands from `since` to `until` (s).
 
     Its pieces are straight and never turn back: each is as long as its chord.
     """
+    c: Doubles = at(table)
     walked: float = 0.0
     stood: float = 0.0
-    o: cython.Py_ssize_t
-    for o in range(0, len(table), _WIDTH):
-        begin: float = table[o]
-        end: float = table[o + 1]
+    k: cython.Py_ssize_t
+    for k in range(len(table) // _WIDTH):
+        o: cython.Py_ssize_t = k * _WIDTH
+        begin: float = c[o]
+        end: float = c[o + 1]
         u: float = end - begin
-        dx: float = u * (table[o + 3] + u * (table[o + 4] + u * table[o + 5]))
-        dy: float = u * (table[o + 7] + u * (table[o + 8] + u * table[o + 9]))
+        dx: float = u * (c[o + 3] + u * (c[o + 4] + u * c[o + 5]))
+        dy: float = u * (c[o + 7] + u * (c[o + 8] + u * c[o + 9]))
         if (
-            table[o + 3] != 0.0
-            or table[o + 4] != 0.0
-            or table[o + 5] != 0.0
-            or table[o + 7] != 0.0
-            or table[o + 8] != 0.0
-            or table[o + 9] != 0.0
+            c[o + 3] != 0.0
+            or c[o + 4] != 0.0
+            or c[o + 5] != 0.0
+            or c[o + 7] != 0.0
+            or c[o + 8] != 0.0
+            or c[o + 9] != 0.0
         ):
             walked += sqrt(dx * dx + dy * dy)
         else:
@@ -270,134 +304,155 @@ def walked_and_stood(table: list[float], since: float, until: float) -> tuple[fl
 
 
 class Pack:
-    """Pieces without their zeros: which numbers of each are there, as bits, and those numbers.
+    """Pieces without what says nothing: which numbers of each are there, as bits, and those.
 
-    Half of the numbers of a walk are 0. A negative zero is none: it stays what it is.
+    Half of the numbers of a walk are 0, and a piece begins when the one before it ends. A negative
+    zero is none: it stays what it is.
     """
 
     def __init__(self) -> None:
-        self.masks = array("H")
-        self.kept = array("d")
         self.count = 0
-        none: list[float] = []
-        self.last = none
+        self.kept = array("d")
+        self.last: Numbers = room(0)
 
-    def add(self, table: list[float], begin: float, end: float, tolerance: float) -> bool:
-        """Add a motion from `begin` to `end` (seconds), as `cut` has it.
+    def add(self, table: Numbers, begin: float, end: float, tolerance: float) -> bool:
+        """Add a motion from `begin` to `end` (seconds), as `between` has it.
 
         Return whether it begins farther than `tolerance` metres from where the last one ended.
         """
-        added: list[float] = cut(table, begin, end)
-        last: cython.Py_ssize_t = self.count
-        most: cython.Py_ssize_t = last + len(added)
-        if most > len(self.kept):
-            grow(self.kept, most + most // 8)
-        kept: Doubles = at(self.kept)
-        row: cython.Py_ssize_t
+        before: Numbers = self.last
+        after: Numbers = between(table, begin, end)
+        kept: Numbers = room(len(after) // _WIDTH * (_WIDTH + 1))
+        a: Doubles = at(after)
+        b: Doubles = at(kept)
+        last: cython.Py_ssize_t = len(before) - _WIDTH
+        ended: float = at(before)[last + 1] if last >= 0 else 0.0
+        i: cython.Py_ssize_t = 0
         k: cython.Py_ssize_t
-        for row in range(len(added) // _WIDTH):
+        o: cython.Py_ssize_t = 0
+        while o < len(after):
             mask: cython.int = 0
+            bits: cython.Py_ssize_t = i
+            i += 1
             for k in range(_WIDTH):
-                number: float = added[row * _WIDTH + k]
-                if number != 0.0 or copysign(1.0, number) < 0.0:
+                known: float = ended if k == 0 else 0.0
+                number: float = a[o + k]
+                if number != known or copysign(1.0, number) != copysign(1.0, known):
                     mask |= 1 << k
-                    kept[last] = number
-                    last += 1
-            self.masks.append(mask)
-        self.count = last
-        before: list[float] = self.last
-        self.last = added[len(added) - _WIDTH :]
-        jumps: bool = len(before) > 0 and _parted(before, 0, added, 0) > tolerance
+                    b[i] = number
+                    i += 1
+            b[bits] = mask
+            ended = a[o + 1]
+            o += _WIDTH
+        cut(kept, i)
+        self.kept.extend(kept)
+        self.count += len(after) // _WIDTH
+        self.last = after
+        jumps: bool = last >= 0 and _parted(at(before), last, a, 0) > tolerance
         return jumps
 
-    def pieces(self) -> list[float]:
+    def pieces(self) -> Numbers:
         """Return the table of all that was added."""
-        table: list[float] = []
-        nothing: Any = 0.0  # one for all of them
-        kept: Doubles = at(self.kept)
-        o: cython.Py_ssize_t = 0
+        table: Numbers = room(_WIDTH * self.count)
+        a: Doubles = at(table)
+        b: Doubles = at(self.kept)
+        ended: float = 0.0
+        i: cython.Py_ssize_t = 0
         k: cython.Py_ssize_t
-        for one in self.masks:
-            mask: cython.int = one
+        o: cython.Py_ssize_t = 0
+        while o < len(table):
+            mask: cython.int = int(b[i])
+            i += 1
             for k in range(_WIDTH):
                 if mask & (1 << k):
-                    table.append(kept[o])
-                    o += 1
+                    a[o + k] = b[i]
+                    i += 1
                 else:
-                    table.append(nothing)
+                    a[o + k] = ended if k == 0 else 0.0
+            ended = a[o + 1]
+            o += _WIDTH
         return table
 
 
-def cut(table: list[float], begin: float, end: float) -> list[float]:
+def between(table: Numbers, begin: float, end: float) -> Numbers:
     """Return the table of a motion from `begin` to `end` (seconds), standing included."""
-    found: list[float] = []
-    first: float = table[0]
-    last: float = table[len(table) - _WIDTH + 1]
+    a: Doubles = at(table)
+    rows: cython.Py_ssize_t = len(table) // _WIDTH
+    first: float = a[0]
+    last: float = a[len(table) - _WIDTH + 1]
+    found: Numbers = room(_WIDTH * (rows + 2))
+    b: Doubles = at(found)
+    count: cython.Py_ssize_t = 0
+    o: cython.Py_ssize_t = 0
+    k: cython.Py_ssize_t
     if begin < first:
-        _append_still(found, table, 0, begin, begin, min(first, end))
-    o: cython.Py_ssize_t
+        _stand(b, 0, a, 0, begin, begin, min(first, end))
+        count = _WIDTH
     row: cython.Py_ssize_t
-    for row in range(len(table) // _WIDTH):
+    for row in range(rows):
         o = row * _WIDTH
-        since: float = table[o]
-        until: float = table[o + 1]
+        since: float = a[o]
+        until: float = a[o + 1]
         if since >= end:
             break
         if begin >= until:
             continue
         if begin <= since:
-            found.extend(table[o : o + _WIDTH])
-            found[len(found) - _WIDTH + 1] = min(end, until)
-            continue
-        u: float = begin - since
-        found.append(begin)
-        found.append(min(end, until))
-        _append_later(found, table, o + 2, u)
-        _append_later(found, table, o + 6, u)
-        _append_later(found, table, o + 10, u)
-    if end > last or not found:
+            for k in range(_WIDTH):
+                b[count + k] = a[o + k]
+        else:
+            b[count] = begin
+            for k in range(2, _WIDTH, 4):
+                _set_later(b, count + k, a, o + k, begin - since)
+        b[count + 1] = min(end, until)
+        count += _WIDTH
+    if end > last or count == 0:
         # After its end a motion stands; the last piece that has begun says where.
         stands: float = max(begin, last) if end > last else begin
         o = len(table) - _WIDTH
-        while o > 0 and table[o] > stands:
+        while o > 0 and a[o] > stands:
             o -= _WIDTH
-        _append_still(found, table, o, stands, stands, end)
+        _stand(b, count, a, o, stands, stands, end)
+        count += _WIDTH
+    cut(found, count)
     return found
 
 
-def _append_still(
-    found: list[float],
-    table: list[float],
+def _stand(
+    found: Doubles,
+    count: cython.Py_ssize_t,
+    table: Doubles,
     o: cython.Py_ssize_t,
     t: float,
     begin: float,
     end: float,
 ) -> cython.int:
-    """Append standing from `begin` to `end` where the piece at `o` is at `t`, held within it."""
+    """Set standing from `begin` to `end` where the piece at `o` is at `t`, held within it."""
     since: float = table[o]
     u: float = min(max(t, since), table[o + 1]) - since
-    found.append(begin)
-    found.append(end)
+    found[count] = begin
+    found[count + 1] = end
     k: cython.Py_ssize_t
-    for k in range(o + 2, o + _WIDTH, 4):
-        found.append(table[k] + u * (table[k + 1] + u * (table[k + 2] + u * table[k + 3])))
-        found.append(0.0)
-        found.append(0.0)
-        found.append(0.0)
+    for k in range(2, _WIDTH, 4):
+        c1: float = table[o + k + 1]
+        c2: float = table[o + k + 2]
+        c3: float = table[o + k + 3]
+        found[count + k] = table[o + k] + u * (c1 + u * (c2 + u * c3))
+        found[count + k + 1] = found[count + k + 2] = found[count + k + 3] = 0.0
     return 0
 
 
-def _append_later(
-    found: list[float], table: list[float], k: cython.Py_ssize_t, u: float
+def _set_later(
+    found: Doubles, k: cython.Py_ssize_t, table: Doubles, o: cython.Py_ssize_t, u: float
 ) -> cython.int:
-    """Append the cubic at `k`, counted from `u` seconds later."""
-    c1: float = table[k + 1]
-    c2: float = table[k + 2]
-    c3: float = table[k + 3]
-    found.append(table[k] + u * (c1 + u * (c2 + u * c3)))
-    found.append(c1 + u * (2 * c2 + u * 3 * c3))
-    found.append(c2 + u * 3 * c3)
-    found.append(c3)
+    """Set the cubic at `k` to the one at `o`, counted from `u` seconds later."""
+    c1: float = table[o + 1]
+    c2: float = table[o + 2]
+    c3: float = table[o + 3]
+    found[k] = table[o] + u * (c1 + u * (c2 + u * c3))
+    found[k + 1] = c1 + u * (2 * c2 + u * 3 * c3)
+    found[k + 2] = c2 + u * 3 * c3
+    found[k + 3] = c3
     return 0
 
 
@@ -408,14 +463,16 @@ def along_legs(
     top: float,
     rate: float,
     start: float,
-) -> list[float]:
+) -> Numbers:
     """Return the table of the fastest walk through `corners` (x and y of each in turn).
 
     It has the given speed at each of them (m/s), `top` at most, and speeds up and slows down at
     `rate` (m/s²); `lengths` are those of the legs (metres), and it begins at `start` (seconds). Its
     rotation is the heading.
     """
-    table: list[float] = []
+    table: Numbers = room(3 * _WIDTH * len(lengths))  # a leg has three phases at most
+    row: Doubles = at(table)
+    o: cython.Py_ssize_t = 0
     begin: float = start
     k: cython.Py_ssize_t
     for k in range(len(lengths)):
@@ -454,22 +511,22 @@ def along_legs(
             if duration > 0.0:
                 half: float = slope / 2
                 end: float = begin + duration
-                table.append(begin)
-                table.append(end)
-                table.append(x + gone * c)
-                table.append(speed * c)
-                table.append(half * c)
+                row[o] = begin
+                row[o + 1] = end
+                row[o + 2] = x + gone * c
+                row[o + 3] = speed * c
+                row[o + 4] = half * c
                 # No jerk; the product gives the zero the sign that it has where pieces are made one
                 # by one.
-                table.append(0.0 * c)
-                table.append(y + gone * s)
-                table.append(speed * s)
-                table.append(half * s)
-                table.append(0.0 * s)
-                table.append(heading)
-                table.append(0.0)
-                table.append(0.0)
-                table.append(0.0)
+                row[o + 5] = 0.0 * c
+                row[o + 6] = y + gone * s
+                row[o + 7] = speed * s
+                row[o + 8] = half * s
+                row[o + 9] = 0.0 * s
+                row[o + 10] = heading
+                row[o + 11] = row[o + 12] = row[o + 13] = 0.0
+                o += _WIDTH
                 begin = end
                 gone += duration * (speed + duration * slope / 2)
+    cut(table, o)
     return table

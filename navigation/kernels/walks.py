@@ -18,6 +18,8 @@ from .odometer import WIDTH
 if not cython.compiled:
     from math import atan2, cos, inf, isfinite, pi, sin, sqrt, tan
 
+    from .numbers import Doubles, Numbers, at, room
+
     INFINITY = inf
     M_PI = pi
 else:
@@ -31,6 +33,7 @@ else:
         sqrt,
         tan,
     )
+    from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at, room
 
 # Of `dist`, `hypot` and `pow`, Python's are taken: compilers' may have other last bits.
 
@@ -158,16 +161,17 @@ def corner_speeds(
     return speeds
 
 
-def ends_after(table: list[float], t: float) -> list[Corner]:
+def ends_after(table: Numbers, t: float) -> list[Corner]:
     """Return where the pieces of a motion end that are not over at `t` (seconds)."""
     ends: list[Corner] = []
+    c: Doubles = at(table)
     k: cython.Py_ssize_t
     for k in range(len(table) // _WIDTH):
         o: cython.Py_ssize_t = k * _WIDTH
-        u: float = table[o + 1] - table[o]
-        if table[o + 1] > t:
-            x: float = table[o + 2] + u * (table[o + 3] + u * (table[o + 4] + u * table[o + 5]))
-            y: float = table[o + 6] + u * (table[o + 7] + u * (table[o + 8] + u * table[o + 9]))
+        u: float = c[o + 1] - c[o]
+        if c[o + 1] > t:
+            x: float = c[o + 2] + u * (c[o + 3] + u * (c[o + 4] + u * c[o + 5]))
+            y: float = c[o + 6] + u * (c[o + 7] + u * (c[o + 8] + u * c[o + 9]))
             ends.append((x, y))
     return ends
 
@@ -191,12 +195,14 @@ def first_metres(corners: list[Corner], length: float) -> list[Corner]:
     return kept
 
 
-def braking(corners: list[Corner], lengths: list[float], speed: float, start: float) -> list[float]:
+def braking(corners: list[Corner], lengths: list[float], speed: float, start: float) -> Numbers:
     """Return the table of braking from `speed` (m/s) at `start` (s), all along `corners`.
 
     At one deceleration, from the first to a rest at the last. `lengths` are those of the legs.
     """
-    table: list[float] = []
+    table: Numbers = room(_WIDTH * len(lengths))
+    row: Doubles = at(table)
+    o: cython.Py_ssize_t = 0
     left: float = sum(lengths)
     # What the legs' rounded lengths leave: it comes to rest at their end, neither before nor after.
     deceleration: float = pow(speed, 2) / (2 * left)
@@ -216,20 +222,19 @@ def braking(corners: list[Corner], lengths: list[float], speed: float, start: fl
         half: float = -deceleration / 2
         c: float = dx / lengths[k]
         s: float = dy / lengths[k]
-        table.append(start)
-        table.append(end)
-        table.append(x + 0.0 * c)
-        table.append(speed * c)
-        table.append(half * c)
-        table.append(0.0 * c)
-        table.append(y + 0.0 * s)
-        table.append(speed * s)
-        table.append(half * s)
-        table.append(0.0 * s)
-        table.append(atan2(dy, dx))
-        table.append(0.0)
-        table.append(0.0)
-        table.append(0.0)
+        row[o] = start
+        row[o + 1] = end
+        row[o + 2] = x + 0.0 * c
+        row[o + 3] = speed * c
+        row[o + 4] = half * c
+        row[o + 5] = 0.0 * c
+        row[o + 6] = y + 0.0 * s
+        row[o + 7] = speed * s
+        row[o + 8] = half * s
+        row[o + 9] = 0.0 * s
+        row[o + 10] = atan2(dy, dx)
+        row[o + 11] = row[o + 12] = row[o + 13] = 0.0
+        o += _WIDTH
         start = end
         speed = slower
     return table

@@ -17,12 +17,14 @@ if not cython.compiled:
     from .follower import Follower
     from .gauge import Gauge
     from .laws import Law
+    from .numbers import Numbers
     from .odometer import Figure
 else:
     from cython.cimports.navigation.kernels.encounter import Encounter
     from cython.cimports.navigation.kernels.follower import Follower
     from cython.cimports.navigation.kernels.gauge import Gauge
     from cython.cimports.navigation.kernels.laws import Law
+    from cython.cimports.navigation.kernels.numbers import Numbers
     from cython.cimports.navigation.kernels.odometer import Figure
 
 _INFINITE: float = float("inf")
@@ -248,8 +250,8 @@ class Watch:
 
 def first_change(
     judge: Judge,
-    person: list[float],
-    machine: list[float],
+    person: Numbers,
+    machine: Numbers,
     begin: float,
     end: float,
     resolution: float,
@@ -261,8 +263,8 @@ def first_change(
 
 def first_interval(
     judge: Judge,
-    person: list[float],
-    machine: list[float],
+    person: Numbers,
+    machine: Numbers,
     begin: float,
     end: float,
     resolution: float,

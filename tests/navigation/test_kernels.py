@@ -45,7 +45,7 @@ shapes = navigation.Shapes(
 stops = navigation.gantry_stops(), navigation.agv_stops(floorplan.load("ariac2023").lane("agv1"))
 for _ in range(40):
     person = navigation.walk([place() for _ in range(4)], rng.uniform(0, 3))
-    digest.update(repr(navigation.stop_walking(person, person.end / 2).table).encode())
+    digest.update(repr([*navigation.stop_walking(person, person.end / 2).table]).encode())
     machine = navigation.gantry_move((*place(), 0.0), (*place(), rng.uniform(-3, 3)), 1.0)
     pair = (person, machine)
     people = [c for _ in range(3) for c in (*place(), 1.5, rng.choice((-1.0, 2.0)))]
@@ -57,7 +57,7 @@ for _ in range(40):
     for law in laws:
         for stop in stops if hasattr(law, "distance") else ():
             found = navigation.Lookout(law, 0.01).safe_until(machine.table, stop, people, 2.0, 0.2)
-            digest.update(repr((found, stop.table(machine.table, 3.0))).encode())
+            digest.update(repr((found, [*stop.table(machine.table, 3.0)])).encode())
         for solids in (None, shapes):
             digest.update(repr((
                 navigation.violations(*pair, law, 0.0, 20.0, shapes=solids),

@@ -93,14 +93,14 @@ class Whereabouts:
 
     def sight(self, me: Traveller, box: Sequence[float]) -> Sight:
         """Return what somebody sees who looks at what comes into bounds."""
-        near = within_bounds(self.boxes, *box, but=self.indices[me])
+        near = within_bounds(self.boxes, *box, self.indices[me])
         return Sight(box, near, self.changes, max((self.rests[k] for k in near), default=0.0))
 
     def changed(self, me: Traveller, sight: Sight) -> bool:
         """Return whether anybody in sight of `me` has committed themselves to something else."""
         if self.changes == sight.changes:
             return False
-        near = within_bounds(self.boxes, *sight.box, but=self.indices[me])
+        near = within_bounds(self.boxes, *sight.box, self.indices[me])
         return near != sight.near or any(self._changed[k] > sight.changes for k in near)
 
     def hit(self, k: int, t: float) -> Hit:
