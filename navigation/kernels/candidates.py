@@ -88,13 +88,13 @@ class Candidates:
         self.lead = lead
         self.lead_box = lead_box
         self.slowed = slowed
-        none: Numbers = room(0)
-        self.legs = none
+        self.legs = room(_LEG * len(course))
         self.whole = self._measure()
         self.losses = room(0)
         self.rows = room(0)
         self.count = 0
         self.tops = room(1)
+        none: Numbers = room(0)
         self.stood = none
         self.ends = none
         nobody: list[cython.Py_ssize_t] = []
@@ -528,7 +528,6 @@ class Candidates:
         """Note the legs of the course; return its length, metres."""
         course: Doubles = at(self.course)
         count: cython.Py_ssize_t = len(self.course) // 2
-        self.legs = room(_LEG * count)
         leg: Doubles = at(self.legs)
         total: float = 0.0
         c: float = 1.0

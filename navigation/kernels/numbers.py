@@ -43,10 +43,6 @@ if not cython.compiled:
     def part(row: Numbers, begin: int, count: int) -> Numbers:
         """Return a copy of so many numbers of a row from `begin` on."""
         return row[begin : begin + count]
-
-    def numbers(values: Iterable[float]) -> Numbers:
-        """Return `values` as numbers that the kernels read."""
-        return [*map(float, values)]
 else:
     from cython.cimports.cpython.array import clone
 
@@ -64,8 +60,10 @@ else:
             b[k] = a[begin + k]
         return found
 
-    def numbers(values: Iterable[float]) -> Numbers:
-        return array("d", values)
+
+def numbers(values: Iterable[float]) -> Numbers:
+    """Return some `values` as the numbers that kernels read."""
+    return array("d", values) if cython.compiled else [*map(float, values)]
 
 
 def flat(places: list[Place]) -> Numbers:
