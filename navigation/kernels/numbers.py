@@ -62,7 +62,7 @@ else:
 
 
 def numbers(values: Iterable[float]) -> Numbers:
-    """Return some `values` as the numbers that kernels read."""
+    """Return some `values` as the numbers that kernels read: tables, bounds, edges, and discs."""
     return array("d", values) if cython.compiled else [*map(float, values)]
 
 
