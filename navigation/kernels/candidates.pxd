@@ -110,7 +110,7 @@ cdef class Candidates:
     cdef double _longer(self, double along, double side) noexcept
     cdef int _shift(self, double along, double side) noexcept
     cdef int _seek(self, double length) noexcept
-    cdef double _measure(self) except? -1.0
+    cdef double _measure(self) noexcept
 
 cdef bint _runs_into(Numbers corners, Py_ssize_t count, Numbers stood) noexcept
 cdef bint _ends_at(Numbers corners, Py_ssize_t count, Numbers ends) noexcept

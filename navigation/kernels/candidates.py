@@ -88,13 +88,13 @@ class Candidates:
         self.lead = lead
         self.lead_box = lead_box
         self.slowed = slowed
-        none: Numbers = room(0)
-        self.legs = none
+        self.legs = room(_LEG * len(course))
         self.whole = self._measure()
         self.losses = room(0)
         self.rows = room(0)
         self.count = 0
         self.tops = room(1)
+        none: Numbers = room(0)
         self.stood = none
         self.ends = none
         nobody: list[cython.Py_ssize_t] = []
@@ -506,38 +506,36 @@ class Candidates:
         """
         course: Doubles = at(self.course)
         leg: Doubles = at(self.legs)
-        count: cython.Py_ssize_t = len(self.course) // 2
-        self.c = 1.0
-        self.s = 0.0
-        k: cython.Py_ssize_t
-        for k in range(count - 1):
-            whole: float = leg[k * _LEG]
-            self.c = leg[k * _LEG + 1]
-            self.s = leg[k * _LEG + 2]
-            if whole > length:
-                share: float = max(length, 0.0) / whole
-                x: float = course[2 * k]
-                y: float = course[2 * k + 1]
-                self.x = x + share * (course[2 * k + 2] - x)
-                self.y = y + share * (course[2 * k + 3] - y)
-                self.leg = k
-                return 0
-            length -= whole
-        self.x = course[2 * count - 2]
-        self.y = course[2 * count - 1]
-        self.leg = count - 1
+        last: cython.Py_ssize_t = len(self.course) // 2 - 1
+        k: cython.Py_ssize_t = 0
+        while k < last and leg[k * _LEG] <= length:
+            length -= leg[k * _LEG]
+            k += 1
+        self.leg = k
+        self.x = course[2 * k]
+        self.y = course[2 * k + 1]
+        if k < last:
+            share: float = max(length, 0.0) / leg[k * _LEG]
+            self.x += share * (course[2 * k + 2] - self.x)
+            self.y += share * (course[2 * k + 3] - self.y)
+        elif k > 0:
+            k -= 1
+        self.c = leg[k * _LEG + 1]
+        self.s = leg[k * _LEG + 2]
         return 0
 
     def _measure(self) -> float:
         """Note the legs of the course; return its length, metres."""
         course: Doubles = at(self.course)
         count: cython.Py_ssize_t = len(self.course) // 2
-        self.legs = room(_LEG * count)
         leg: Doubles = at(self.legs)
         total: float = 0.0
         c: float = 1.0
         s: float = 0.0
         k: cython.Py_ssize_t
+        # A course of one corner leads nowhere, but has a direction.
+        leg[1] = c
+        leg[2] = s
         for k in range(count - 1):
             dx: float = course[2 * k + 2] - course[2 * k]
             dy: float = course[2 * k + 3] - course[2 * k + 1]

@@ -2,7 +2,7 @@
 
 A table holds the motion of a centre in rows of ten numbers, one after another: begin and end of a
 piece (seconds), then the coefficients of its cubics of x and y since it began. The last row is the
-final standing, and never ends.
+final standing, and never ends. For what a row of numbers is see `numbers`.
 """
 
 from __future__ import annotations

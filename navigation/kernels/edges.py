@@ -1,6 +1,6 @@
 """Edges of a floor: whether a disc that is swept along a segment touches one.
 
-Edges are numbers side by side: x and y of both ends of each in turn (metres).
+Edges are rows of numbers (see `numbers`): x and y of both ends of each in turn (metres).
 """
 
 from __future__ import annotations

@@ -549,7 +549,7 @@ class Foresight:
         walks.add_asides(sides, _WIDEST, usual, _OTHER_SIDE, length, top, along)
         if opposed:
             length = along + _PAST
-            cut(sides, 2)
+            sides = numbers((beside - wide, beside + wide))
             walks.add_asides(sides, _WIDEST, usual, _OTHER_SIDE, length, top, along)
         return 0
 

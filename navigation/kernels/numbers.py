@@ -40,9 +40,9 @@ if not cython.compiled:
         """Return room for so many numbers, which are to be set."""
         return [0.0] * count
 
-    def numbers(values: Iterable[float]) -> Numbers:
-        """Return `values` as numbers that the kernels read."""
-        return [*map(float, values)]
+    def part(row: Numbers, begin: int, count: int) -> Numbers:
+        """Return a copy of so many numbers of a row from `begin` on."""
+        return row[begin : begin + count]
 else:
     from cython.cimports.cpython.array import clone
 
@@ -51,19 +51,19 @@ else:
     def room(count: cython.Py_ssize_t) -> Numbers:
         return clone(_NONE, count, False)
 
-    def numbers(values: Iterable[float]) -> Numbers:
-        return array("d", values)
+    def part(row: Numbers, begin: cython.Py_ssize_t, count: cython.Py_ssize_t) -> Numbers:
+        found: Numbers = room(count)
+        a: Doubles = at(row)
+        b: Doubles = at(found)
+        k: cython.Py_ssize_t
+        for k in range(count):
+            b[k] = a[begin + k]
+        return found
 
 
-def part(row: Numbers, begin: cython.Py_ssize_t, count: cython.Py_ssize_t) -> Numbers:
-    """Return a copy of so many numbers of a row from `begin` on."""
-    found: Numbers = room(count)
-    a: Doubles = at(row)
-    b: Doubles = at(found)
-    k: cython.Py_ssize_t
-    for k in range(count):
-        b[k] = a[begin + k]
-    return found
+def numbers(values: Iterable[float]) -> Numbers:
+    """Return some `values` as the numbers that kernels read: tables, bounds, edges, and discs."""
+    return array("d", values) if cython.compiled else [*map(float, values)]
 
 
 def flat(places: list[Place]) -> Numbers:

@@ -93,15 +93,19 @@ class Whereabouts:
 
     def sight(self, me: Traveller, box: Sequence[float]) -> Sight:
         """Return what somebody sees who looks at what comes into bounds."""
-        near = within_bounds(self.boxes, *box, self.indices[me])
+        near = self._within(box, me)
         return Sight(box, near, self.changes, max((self.rests[k] for k in near), default=0.0))
 
     def changed(self, me: Traveller, sight: Sight) -> bool:
         """Return whether anybody in sight of `me` has committed themselves to something else."""
         if self.changes == sight.changes:
             return False
-        near = within_bounds(self.boxes, *sight.box, self.indices[me])
+        near = self._within(sight.box, me)
         return near != sight.near or any(self._changed[k] > sight.changes for k in near)
+
+    def _within(self, box: Sequence[float], me: Traveller) -> list[int]:
+        low_x, low_y, high_x, high_y = box
+        return within_bounds(self.boxes, low_x, low_y, high_x, high_y, self.indices[me])
 
     def hit(self, k: int, t: float) -> Hit:
         """Return the conflict with the k-th at `t` (seconds)."""
