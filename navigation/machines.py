@@ -10,8 +10,9 @@ from typing import NamedTuple, TypeAlias
 from floorplan import Gantry, Lane
 
 from .kernels.braking import AxisStops, LaneStops
+from .kernels.numbers import numbers
 from .kernels.pieces import merge_axes
-from .motion import Motion, Piece, State, TablePieces
+from .motion import Motion, Piece, State, Table, TablePieces
 from .profiles import (
     AxisLimits,
     AxisState,
@@ -76,7 +77,7 @@ def gantry_move(
 
 def gantry_stop(current: State, start: float, *, limits: GantryLimits = ARIAC_GANTRY) -> Motion:
     """Return the fastest stop from `current` within `limits`; it begins at `start` (seconds)."""
-    state = [*current.position, *current.velocity, *current.acceleration]
+    state = numbers([*current.position, *current.velocity, *current.acceleration])
     return Motion(TablePieces(gantry_stops(limits).after(state, float(start))))
 
 
@@ -159,7 +160,7 @@ _STILL = (0.0, 0.0, 0.0)
 """Velocity, or acceleration, of all axes at rest."""
 
 
-def _along_axes(axes: list[list[float]], start: float) -> Motion:
+def _along_axes(axes: list[Table], start: float) -> Motion:
     """Return three axes with phases of their own as one motion, cut where one of them changes."""
     start = float(start)
     if not (table := merge_axes(axes, start)):

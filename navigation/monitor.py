@@ -10,8 +10,8 @@ encounters, not with the time watched.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
+from math import inf
 
 from floorplan import require
 
@@ -66,11 +66,10 @@ def first_time(
 
     `person`, `machine` and `shapes` are as in `when`.
     """
-    judge = kept_judge_of(condition)
-    if shapes is None and judge is not None and person.__class__ is Motion is machine.__class__:
-        _check_span(begin, end)
-        span = (float(begin), float(end))
-        return kernel.first_change(judge, person.table, machine.table, *span, RESOLUTION)
+    judge = kept_judge_of(condition) if shapes is None else None
+    if judge is not None and _makes_sense(person, machine, begin, end):
+        one, other = person.table, machine.table
+        return kernel.first_change(judge, one, other, float(begin), float(end), RESOLUTION)
     return _watch(condition, person, machine, begin, end, shapes).change()
 
 
@@ -79,11 +78,15 @@ def first_interval(
 ) -> tuple[float, float] | None:
     """Return the first of the intervals that `when` yields, None if there is none."""
     judge = kept_judge_of(condition)
-    if judge is None:
+    if judge is None or not _makes_sense(person, machine, begin, end):
         return next(when(condition, person, machine, begin, end), None)
-    _check(person, machine, begin, end)
-    span = (float(begin), float(end))
-    return kernel.first_interval(judge, person.table, machine.table, *span, RESOLUTION)
+    one, other = person.table, machine.table
+    return kernel.first_interval(judge, one, other, float(begin), float(end), RESOLUTION)
+
+
+def _makes_sense(person: Motion, machine: Motion, begin: float, end: float) -> bool:
+    """Return whether these are motions, and a span; what is wrong is said by `_encounter`."""
+    return person.__class__ is Motion is machine.__class__ and -inf < begin <= end < inf
 
 
 def _watch(
@@ -101,19 +104,11 @@ def _watch(
 def _encounter(
     person: Motion, machine: Motion, begin: float, end: float, shapes: Shapes | None
 ) -> Encounter:
-    _check(person, machine, begin, end)
-    return Encounter(person, machine, () if shapes is None else shapes.gauges)
-
-
-def _check(person: Motion, machine: Motion, begin: float, end: float) -> None:
     require(person, Motion)
     require(machine, Motion)
-    _check_span(begin, end)
-
-
-def _check_span(begin: float, end: float) -> None:
-    if not -math.inf < begin <= end < math.inf:
+    if not -inf < begin <= end < inf:
         raise ValueError(f"can't watch from {begin} s to {end} s")
+    return Encounter(person, machine, () if shapes is None else shapes.gauges)
 
 
 def first_violation(

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import threading
-from collections.abc import Sequence
+from collections.abc import MutableSequence, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -16,6 +16,7 @@ from typing import Any
 import ruckig
 
 from .kernels.braking import stands
+from .kernels.numbers import numbers
 from .kernels.pieces import phases_of, scaled
 from .kernels.walks import NOWHERE
 from .motion import Cubic, Piece
@@ -51,6 +52,8 @@ _MOST_KEPT = 256
 Phases = list[tuple[float, Cubic]]
 """The duration of each phase of one axis (seconds), and its cubic."""
 
+Rows = MutableSequence[float]
+"""The phases of one axis as numbers of the kernels: of each its duration and coefficients."""
 
 States = tuple[Sequence[float], Sequence[float], Sequence[float]]
 """Positions, velocities and accelerations of some axes."""
@@ -67,14 +70,12 @@ def to_position(
     return [_phases(axis) for axis in rows]
 
 
-def rows_to_position(
-    current: States, target: States, limits: Sequence[AxisLimits]
-) -> list[list[float]]:
+def rows_to_position(current: States, target: States, limits: Sequence[AxisLimits]) -> list[Rows]:
     """Return `to_position`'s profiles: for each phase of an axis its duration and coefficients."""
     place, velocity, acceleration = current
     under_way = any(velocity) or any(acceleration) or any(target[1]) or any(target[2])
     if not under_way and [*place] == [*target[0]]:
-        return [[0.0, at, 0.0, 0.0, 0.0] for at in place]  # as Ruckig has it
+        return [numbers([0.0, at, 0.0, 0.0, 0.0]) for at in place]  # as Ruckig has it
     states = [
         # An axis at rest but for rounding is taken for one in motion by Ruckig.
         [at, 0.0, 0.0] if stands(v, a) else [at, v, a]
@@ -85,7 +86,7 @@ def rows_to_position(
 
 def straight(
     current: Sequence[float], target: Sequence[float], limits: Sequence[AxisLimits]
-) -> list[list[float]]:
+) -> list[Rows]:
     """Return the fastest profiles from rest to rest with all axes in step: a straight line.
 
     They are rows as those of `rows_to_position`.
@@ -96,7 +97,7 @@ def straight(
     spans = [b - a for a, b in zip(current, target, strict=True)]
     length = max(abs(span) for span in spans)
     if length < NOWHERE:
-        return [[0.0, a, 0.0, 0.0, 0.0] for a in current]
+        return [numbers([0.0, a, 0.0, 0.0, 0.0]) for a in current]
     # Of metres along the longest axis each other axis goes a share; so do speed and the rest.
     shares = [span / length for span in spans]
     moving = [(abs(share), axis) for share, axis in zip(shares, limits, strict=True) if share]
@@ -110,7 +111,7 @@ def straight(
 
 
 @lru_cache(_MOST_KEPT)
-def _from_rest(length: float, speed: float, acceleration: float, jerk: float) -> list[float]:
+def _from_rest(length: float, speed: float, acceleration: float, jerk: float) -> Rows:
     """Return the rows of an axis from rest at 0 to rest at `length`, within these limits.
 
     Machines ask again and again: for the same way, or standing where they have stood before.
@@ -183,9 +184,7 @@ class _Ruckig(threading.local):
 _RUCKIG = _Ruckig()
 
 
-def _solve(
-    states: list[list[float]], target: States, limits: Sequence[AxisLimits]
-) -> list[list[float]]:
+def _solve(states: list[list[float]], target: States, limits: Sequence[AxisLimits]) -> list[Rows]:
     """Return Ruckig's answer: of each axis, in one of `states`, the rows of `merge_axes`."""
     solver, task = _RUCKIG.of(limits)
     task.current_position, task.current_velocity, task.current_acceleration = zip(
@@ -222,7 +221,7 @@ def _columns(states: Sequence[AxisState]) -> States:
     )
 
 
-def _phases(rows: list[float]) -> Phases:
+def _phases(rows: Rows) -> Phases:
     """Return the rows of one axis as phases."""
     return [
         (rows[k], (rows[k + 1], rows[k + 2], rows[k + 3], rows[k + 4]))

@@ -1,4 +1,4 @@
-from navigation.kernels.numbers cimport Numbers
+from navigation.kernels.numbers cimport Doubles, Numbers
 
 cdef double _INFINITE
 cdef Py_ssize_t _WIDTH
@@ -6,25 +6,26 @@ cdef double _STANDS
 cdef double _EASES
 
 cpdef bint stands(double velocity, double acceleration) noexcept
-cpdef list[double] braking(
+cpdef Numbers braking(
     double position, double velocity, double acceleration, double top, double jerk
 )
-cdef int _add(
-    list[double] rows,
+cdef Py_ssize_t _set(
+    Doubles row,
+    Py_ssize_t o,
     double duration,
     double position,
     double velocity,
     double acceleration,
     double jerk,
-) except -1
+) noexcept
 
 cdef class Stops:
     cpdef Numbers table(self, Numbers motion, double t)
 
 cdef class AxisStops(Stops):
-    cdef list[double] limits
+    cdef Numbers limits
     cpdef Numbers table(self, Numbers motion, double t)
-    cpdef Numbers after(self, list[double] state, double t)
+    cpdef Numbers after(self, Numbers state, double t)
 
 cdef class LaneStops(Stops):
     cdef double x

@@ -17,12 +17,12 @@ from .odometer import WIDTH
 if not cython.compiled:
     from math import sqrt
 
-    from .numbers import Doubles, Numbers, at
+    from .numbers import Doubles, Numbers, at, cut, numbers, room
     from .odometer import row_at
     from .pieces import bend_at, merge_axes, rate_at, rest, value_at
 else:
     from cython.cimports.libc.math import sqrt
-    from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at
+    from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at, cut, numbers, room
     from cython.cimports.navigation.kernels.odometer import row_at
     from cython.cimports.navigation.kernels.pieces import (
         bend_at,
@@ -45,7 +45,7 @@ def stands(velocity: float, acceleration: float) -> bool:
 
 def braking(
     position: float, velocity: float, acceleration: float, top: float, jerk: float
-) -> list[float]:
+) -> Numbers:
     """Return the phases of the fastest stop of an axis: a duration and four coefficients of each.
 
     Its acceleration is at most `top`, and changes by at most `jerk` in a second (inf: at once).
@@ -56,14 +56,15 @@ def braking(
     L. Biagiotti and C. Melchiorri, "Trajectory Planning for Automatic Machines and Robots", 2008,
     section 3.4.
     """
-    rows: list[float] = []
-    if stands(velocity, acceleration):
-        _add(rows, 0.0, position, 0.0, 0.0, 0.0)
-        return rows
+    rows: Numbers = room(15)
+    row: Doubles = at(rows)
     sign: float
+    if stands(velocity, acceleration):
+        cut(rows, _set(row, 0, 0.0, position, 0.0, 0.0, 0.0))
+        return rows
     if jerk == _INFINITE:
         sign = -1.0 if velocity > 0.0 else 1.0
-        _add(rows, abs(velocity) / top, position, velocity, sign * top, 0.0)
+        cut(rows, _set(row, 0, abs(velocity) / top, position, velocity, sign * top, 0.0))
         return rows
     # The velocity that is left once the acceleration has been brought to none.
     left: float = velocity + acceleration * abs(acceleration) / (2 * jerk)
@@ -89,6 +90,7 @@ def braking(
     rising = (peak - slope) / change
     place: float = position
     pace: float = velocity
+    o: cython.Py_ssize_t = 0
     k: cython.Py_ssize_t
     for k in range(3):
         duration: float = rising if k == 0 else steady if k == 1 else peak / jerk
@@ -96,29 +98,31 @@ def braking(
             # Coefficients of the cubic of a phase: a / 2 and j / 6.
             bend: float = sign * (slope if k == 0 else peak) / 2
             twist: float = sign * (change if k == 0 else 0.0 if k == 1 else -jerk) / 6
-            _add(rows, duration, place, pace, 2 * bend, 6 * twist)
+            o = _set(row, o, duration, place, pace, 2 * bend, 6 * twist)
             place += duration * (pace + duration * (bend + duration * twist))
             pace += duration * (2 * bend + duration * 3 * twist)
-    if not rows:
-        _add(rows, 0.0, position, 0.0, 0.0, 0.0)
+    if o == 0:
+        o = _set(row, 0, 0.0, position, 0.0, 0.0, 0.0)
+    cut(rows, o)
     return rows
 
 
-def _add(
-    rows: list[float],
+def _set(
+    row: Doubles,
+    o: cython.Py_ssize_t,
     duration: float,
     position: float,
     velocity: float,
     acceleration: float,
     jerk: float,
-) -> cython.int:
-    """Add a phase."""
-    rows.append(duration)
-    rows.append(position)
-    rows.append(velocity)
-    rows.append(acceleration / 2)
-    rows.append(jerk / 6)
-    return 0
+) -> cython.Py_ssize_t:
+    """Set the phase at `o`; return where the next one is."""
+    row[o] = duration
+    row[o + 1] = position
+    row[o + 2] = velocity
+    row[o + 3] = acceleration / 2
+    row[o + 4] = jerk / 6
+    return o + 5
 
 
 class Stops:
@@ -133,33 +137,33 @@ class AxisStops(Stops):
     """Each of three axes by itself; `limits` are acceleration and jerk of each."""
 
     def __init__(self, limits: list[float]) -> None:
-        self.limits = limits
+        self.limits = numbers(limits)
 
     def table(self, motion: Numbers, t: float) -> Numbers:
         """Return the table of the stop from a motion at `t` (seconds)."""
-        state: list[float] = [0.0] * 9
+        found: Numbers = room(9)
+        state: Doubles = at(found)
         row: Doubles = at(motion)
         o: cython.Py_ssize_t = _WIDTH * max(row_at(motion, _WIDTH, t), 0) + 2
         moves: cython.bint = row[0] <= t and t < row[len(motion) - _WIDTH + 1]
         k: cython.Py_ssize_t
         for k in range(3):
             state[k] = value_at(row, o + 4 * k, t)
-            if moves:
-                state[3 + k] = rate_at(row, o + 4 * k, t)
-                state[6 + k] = bend_at(row, o + 4 * k, t)
-        return self.after(state, t)
+            state[3 + k] = rate_at(row, o + 4 * k, t) if moves else 0.0
+            state[6 + k] = bend_at(row, o + 4 * k, t) if moves else 0.0
+        return self.after(found, t)
 
-    def after(self, state: list[float], t: float) -> Numbers:
+    def after(self, state: Numbers, t: float) -> Numbers:
         """Return the table of the stop at `t` from position, velocity and acceleration."""
-        limits: list[float] = self.limits
+        s: Doubles = at(state)
+        limits: Doubles = at(self.limits)
         axes = [
-            braking(state[k], state[3 + k], state[6 + k], limits[2 * k], limits[2 * k + 1])
-            for k in range(3)
+            braking(s[k], s[3 + k], s[6 + k], limits[2 * k], limits[2 * k + 1]) for k in range(3)
         ]
         table: Numbers = merge_axes(axes, t)
         # All axes stand: a motion has one piece at least, here of no length.
         if len(table) == 0:
-            return rest(t, t, state[0], state[1], state[2])
+            return rest(t, t, s[0], s[1], s[2])
         return table
 
 
@@ -202,13 +206,14 @@ class LaneStops(Stops):
 
     def after(self, q: float, v: float, a: float, t: float) -> Numbers:
         """Return the table of the stop at `t` from lane position, velocity and acceleration."""
-        rows: list[float] = braking(q, v, a, self.top, _INFINITE)
-        place: float = rows[1]
-        pace: float = rows[2]
-        bend: float = rows[3]
+        phase: Numbers = braking(q, v, a, self.top, _INFINITE)
+        duration: float = at(phase)[0]
+        place: float = at(phase)[1]
+        pace: float = at(phase)[2]
+        bend: float = at(phase)[3]
         c: float = self.c
         s: float = self.s
-        table: Numbers = rest(t, t + rows[0], self.x + place * c, self.y + place * s, self.heading)
+        table: Numbers = rest(t, t + duration, self.x + place * c, self.y + place * s, self.heading)
         row: Doubles = at(table)
         row[3] = pace * c
         row[4] = bend * c

@@ -17,12 +17,12 @@ else:
 if not cython.compiled:
     from math import inf, sqrt
 
-    from .numbers import Doubles, Numbers, at, cut, room
+    from .numbers import Doubles, Numbers, at, cut, put, room
 
     INFINITY = inf
 else:
     from cython.cimports.libc.math import INFINITY, sqrt
-    from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at, cut, room
+    from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at, cut, put, room
 
 ROW = 10
 """Numbers in a row."""
@@ -75,14 +75,12 @@ def swept(pieces: Numbers, begin: float, since: float, x: float, y: float, box: 
     bounds[0] = bounds[2] = x
     bounds[1] = bounds[3] = y
     o: cython.Py_ssize_t = 0
-    i: cython.Py_ssize_t
     k: cython.Py_ssize_t
     for k in range(count):
         start: float = piece[k * _PIECE]
         end: float = piece[k * _PIECE + 1]
         if end > begin and end > start:
-            for i in range(_R):
-                row[o + i] = piece[k * _PIECE + i]
+            put(row, o, piece, k * _PIECE, _R)
             _widen(bounds, 0, row, o + 2, end - start)
             _widen(bounds, 1, row, o + 6, end - start)
             o += _R

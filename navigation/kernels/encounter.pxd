@@ -1,8 +1,12 @@
 from navigation.kernels.follower cimport Follower
 from navigation.kernels.gauge cimport Course, Gauge
+from navigation.kernels.numbers cimport Numbers
 from navigation.kernels.odometer cimport Figure, Odometer
 
 cdef double _INFINITE
+cdef Course _NO_COURSE
+cdef Numbers _NONE
+cdef Py_ssize_t _SOME
 cdef double _NEAR
 
 cdef class Encounter:
@@ -26,11 +30,15 @@ cdef class Encounter:
     cdef double near
     cdef double far
     cdef double offset
-    cdef Figure speed_of_one
-    cdef Figure speed_of_other
+    cdef double lower
+    cdef double upper
+    cdef Numbers ends
+    cdef Py_ssize_t left
     cdef tuple paths(self)
     cdef int start(self, double begin) except? -1
     cdef bint go_on(self, double end) except? -1
+    cdef bint next_interval(self, double end) except? -1
+    cdef bint halve(self) except? -1
     cdef int look(self, double begin, double end) noexcept
     cdef int apart_over(self, double begin, double end, double slope, double curve) noexcept
     cdef int measure(self, double middle, double half, double slope, double curve) noexcept

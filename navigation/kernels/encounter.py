@@ -14,16 +14,20 @@ if not cython.compiled:
 
     from .follower import Follower
     from .gauge import Course, Gauge
-    from .numbers import Numbers
+    from .numbers import Numbers, at, grow, room
     from .odometer import Figure, Odometer
 else:
     from cython.cimports.libc.math import copysign, cos, sin, sqrt
     from cython.cimports.navigation.kernels.follower import Follower
     from cython.cimports.navigation.kernels.gauge import Course, Gauge
-    from cython.cimports.navigation.kernels.numbers import Numbers
+    from cython.cimports.navigation.kernels.numbers import Numbers, at, grow, room
     from cython.cimports.navigation.kernels.odometer import Figure, Odometer
 
 _INFINITE: float = float("inf")
+
+_NO_COURSE = Course()
+_NONE: Numbers = room(0)
+_SOME: cython.Py_ssize_t = 64  # ends of intervals, to begin with
 
 _NEAR: float = 1e-9  # metres; nearer than this, the direction to the other is mostly rounding
 
@@ -44,14 +48,15 @@ class Encounter:
         self.person = Follower(person)
         self.machine = Follower(machine)
         self.gauges = gauges
-        self.course = Course()
+        self.course = Course() if gauges else _NO_COURSE
         self.ways: tuple[Odometer, ...] = ()
         self.slack = rounding
         self.since = self.until = 0.0
         self.near = self.far = self.offset = 0.0
         self.started = False
-        self.speed_of_one = Figure()
-        self.speed_of_other = Figure()
+        self.lower = self.upper = 0.0
+        self.ends = _NONE
+        self.left = 0
 
     def odometers(self) -> tuple[Odometer, ...]:
         """Return those of the person and of the machine."""
@@ -66,6 +71,7 @@ class Encounter:
     def start(self, begin: float) -> cython.int:
         """Come to the instant `begin`, before the first stretch."""
         self.started = False
+        self.left = 0
         self.since = self.until = begin
         self.person.seek(begin)
         self.machine.seek(begin)
@@ -97,6 +103,38 @@ class Encounter:
         self.y1 = machine.y1 - person.y1
         self.y2 = machine.y2 - person.y2
         self.y3 = machine.y3 - person.y3
+        return True
+
+    def next_interval(self, end: float) -> cython.bint:
+        """Come to the next interval, from `lower` to `upper`, or return that there is none.
+
+        That is what is left of those that were halved, or the next stretch.
+        """
+        if self.left > 0:
+            self.left -= 1
+            self.lower = self.upper
+            self.upper = at(self.ends)[self.left]
+            return True
+        if not self.go_on(end):
+            return False
+        self.lower = self.since
+        self.upper = self.until
+        return True
+
+    def halve(self) -> cython.bint:
+        """Leave the later half of the interval for later, or return that it is too short."""
+        lower: float = self.lower
+        upper: float = self.upper
+        middle: float = lower + (upper - lower) / 2
+        if not lower < middle < upper:
+            return False
+        # Each of those that are left begins where the one before it ends.
+        left: cython.Py_ssize_t = self.left
+        if left == len(self.ends):
+            grow(self.ends, max(2 * left, _SOME))
+        at(self.ends)[left] = upper
+        self.left = left + 1
+        self.upper = middle
         return True
 
     def look(self, begin: float, end: float) -> cython.int:
@@ -332,6 +370,7 @@ class Encounter:
         return self.near, self.far
 
     def speed_of(self, machine: bool, begin: float, end: float) -> Figure:
-        """Return the speed of the person or the machine, to be read at once."""
-        (self.machine if machine else self.person).speed(begin, end, self.speed_of_one)
-        return self.speed_of_one
+        """Return the speed of the person or the machine."""
+        figure: Figure = Figure()
+        (self.machine if machine else self.person).speed(begin, end, figure)
+        return figure

@@ -14,11 +14,11 @@ from .odometer import WIDTH
 if not cython.compiled:
     from math import sqrt
 
-    from .numbers import Doubles, Numbers, at
+    from .numbers import Doubles, Numbers, are_finite, at
     from .odometer import Figure, row_at, speed_along
 else:
     from cython.cimports.libc.math import sqrt
-    from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at
+    from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, are_finite, at
     from cython.cimports.navigation.kernels.odometer import Figure, row_at, speed_along
 
 _INFINITE: float = float("inf")
@@ -58,13 +58,7 @@ class Follower:
             self.begin = row[o]
             self.end = row[o + 1]
             if self.end > max(self.since, self.begin):
-                total: float = 0.0
-                k: cython.Py_ssize_t
-                for k in range(_WIDTH):
-                    total += row[o + k]
-                # Not 0 for inf and for NaN, and for these alone; one of them among the numbers
-                # makes the sum one.
-                if total - total != 0.0:
+                if not are_finite(row, o, _WIDTH):
                     raise ValueError(
                         f"a motion is not finite from t = {self.begin} s to {self.end} s"
                     )
@@ -79,33 +73,45 @@ class Follower:
             u = row[o + 1] - row[o]
         elif self.row >= 0:
             u = t - self.begin
-        self.x0 = row[o + 2]
-        self.x1 = row[o + 3]
-        self.x2 = row[o + 4]
-        self.x3 = row[o + 5]
-        self.y0 = row[o + 6]
-        self.y1 = row[o + 7]
-        self.y2 = row[o + 8]
-        self.y3 = row[o + 9]
-        self.r0 = row[o + 10]
-        self.r1 = row[o + 11]
-        self.r2 = row[o + 12]
-        self.r3 = row[o + 13]
+        x0: float = row[o + 2]
+        x1: float = row[o + 3]
+        x2: float = row[o + 4]
+        x3: float = row[o + 5]
+        y0: float = row[o + 6]
+        y1: float = row[o + 7]
+        y2: float = row[o + 8]
+        y3: float = row[o + 9]
+        r0: float = row[o + 10]
+        r1: float = row[o + 11]
+        r2: float = row[o + 12]
+        r3: float = row[o + 13]
         # Each polynomial about the later instant: its Taylor coefficients there, by Horner's rule.
         if u != 0.0:
-            self.x0 = self.x0 + u * (self.x1 + u * (self.x2 + u * self.x3))
-            self.x1 = self.x1 + u * (2 * self.x2 + u * 3 * self.x3)
-            self.x2 = self.x2 + u * 3 * self.x3
-            self.y0 = self.y0 + u * (self.y1 + u * (self.y2 + u * self.y3))
-            self.y1 = self.y1 + u * (2 * self.y2 + u * 3 * self.y3)
-            self.y2 = self.y2 + u * 3 * self.y3
-            self.r0 = self.r0 + u * (self.r1 + u * (self.r2 + u * self.r3))
-            self.r1 = self.r1 + u * (2 * self.r2 + u * 3 * self.r3)
-            self.r2 = self.r2 + u * 3 * self.r3
+            x0 += u * (x1 + u * (x2 + u * x3))
+            x1 += u * (2 * x2 + u * 3 * x3)
+            x2 += u * 3 * x3
+            y0 += u * (y1 + u * (y2 + u * y3))
+            y1 += u * (2 * y2 + u * 3 * y3)
+            y2 += u * 3 * y3
+            r0 += u * (r1 + u * (r2 + u * r3))
+            r1 += u * (2 * r2 + u * 3 * r3)
+            r2 += u * 3 * r3
         if self.row < 0 or self.row >= self.rows:
-            self.x1 = self.x2 = self.x3 = 0.0
-            self.y1 = self.y2 = self.y3 = 0.0
-            self.r1 = self.r2 = self.r3 = 0.0
+            x1 = x2 = x3 = 0.0
+            y1 = y2 = y3 = 0.0
+            r1 = r2 = r3 = 0.0
+        self.x0 = x0
+        self.x1 = x1
+        self.x2 = x2
+        self.x3 = x3
+        self.y0 = y0
+        self.y1 = y1
+        self.y2 = y2
+        self.y3 = y3
+        self.r0 = r0
+        self.r1 = r1
+        self.r2 = r2
+        self.r3 = r3
         return 0
 
     def pace(self, middle: float, half: float) -> cython.int:

@@ -9,6 +9,7 @@ cdef class Law:
     cdef int require(self, Encounter encounter, double begin, double end) except? -1
 
 cdef class LinearLaw(Law):
+    cdef tuple speeds
     cdef double human
     cdef double robot
     cdef double stopping

@@ -47,6 +47,7 @@ class LinearLaw(Law):
 
     def __init__(self, human: float, robot: float, stopping: float, intrusion: float) -> None:
         super().__init__(True)
+        self.speeds = Figure(), Figure()
         self.human = human
         self.robot = robot
         self.stopping = stopping
@@ -59,8 +60,9 @@ class LinearLaw(Law):
         fixed: float = self.stopping + self.intrusion
         if self.human == 0.0 and self.robot == 0.0:
             return self.out.set(fixed, 0.0, 0.0, 0.0)
-        human: Figure = encounter.speed_of_one
-        robot: Figure = encounter.speed_of_other
+        human: Figure
+        robot: Figure
+        human, robot = self.speeds
         encounter.person.speed(begin, end, human)
         encounter.machine.speed(begin, end, robot)
         return self.out.set(

@@ -2,12 +2,14 @@ from navigation.kernels.braking cimport Stops
 from navigation.kernels.encounter cimport Encounter
 from navigation.kernels.laws cimport Law
 from navigation.kernels.numbers cimport Numbers
+from navigation.kernels.odometer cimport Figure
 
 cdef double _INFINITE
 cdef Py_ssize_t _WIDTH
 cdef Py_ssize_t _PERSON
 
 cdef class Towards(Law):
+    cdef Figure pace
     cdef Law law
     cdef double speed
     cdef double since

@@ -50,6 +50,7 @@ class Towards(Law):
 
     def __init__(self, law: Law, speed: float, since: float, fixed: float, margin: float) -> None:
         super().__init__(False)
+        self.pace = Figure()
         self.law = law
         self.speed = speed
         self.since = since
@@ -63,7 +64,7 @@ class Towards(Law):
         # person who stands and a requirement that grows by it.
         if self.fixed >= 0.0:
             return self.out.set(walked + self.fixed, self.speed, 0.0, 0.0)
-        pace: Figure = encounter.speed_of_other
+        pace: Figure = self.pace
         encounter.machine.speed(begin, end, pace)
         around: float = (abs(pace.slope) + abs(pace.curve) * half / 2) * half + pace.slack
         low: float = self.law.distance(self.speed, max(pace.value - around, 0.0))

@@ -1,4 +1,5 @@
 from cpython.array cimport array as Numbers, resize
+from libc.string cimport memcpy
 
 ctypedef double* Doubles
 
@@ -12,6 +13,19 @@ cdef inline int cut(Numbers row, Py_ssize_t count) except -1:
 
 cdef inline int grow(Numbers row, Py_ssize_t count) except -1:
     return resize(row, count) if len(row) < count else 0
+
+cdef inline int put(
+    Doubles row, Py_ssize_t o, Doubles other, Py_ssize_t p, Py_ssize_t count
+) noexcept:
+    memcpy(row + o, other + p, count * sizeof(double))
+    return 0
+
+cdef inline bint are_finite(Doubles row, Py_ssize_t o, Py_ssize_t count) noexcept:
+    cdef double total = 0.0
+    cdef Py_ssize_t k
+    for k in range(count):
+        total += row[o + k]
+    return total - total == 0.0
 
 cpdef Numbers room(Py_ssize_t count)
 cpdef Numbers numbers(values)

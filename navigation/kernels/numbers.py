@@ -36,6 +36,17 @@ if not cython.compiled:
         """Make a row so long at least; what is new is to be set."""
         row.extend([0.0] * (count - len(row)))
 
+    def put(
+        row: Doubles, o: cython.Py_ssize_t, other: Doubles, p: cython.Py_ssize_t, count: int
+    ) -> None:
+        """Set so many numbers of a row from `o` on to those of another from `p` on."""
+        row[o : o + count] = other[p : p + count]
+
+    def are_finite(row: Doubles, o: cython.Py_ssize_t, count: int) -> bool:
+        """Return whether so many numbers of a row from `o` on are neither infinite nor NaN."""
+        total = sum(row[o : o + count])
+        return total - total == 0.0  # one of them among the numbers makes the sum one
+
     def room(count: int) -> Numbers:
         """Return room for so many numbers, which are to be set."""
         return [0.0] * count
@@ -53,11 +64,7 @@ else:
 
     def part(row: Numbers, begin: cython.Py_ssize_t, count: cython.Py_ssize_t) -> Numbers:
         found: Numbers = room(count)
-        a: Doubles = at(row)
-        b: Doubles = at(found)
-        k: cython.Py_ssize_t
-        for k in range(count):
-            b[k] = a[begin + k]
+        put(at(found), 0, at(row), begin, count)
         return found
 
 

@@ -23,13 +23,21 @@ if not cython.compiled:
     from math import atan2, inf, sqrt
 
     from .discs import stand
-    from .numbers import Doubles, Numbers, at, cut, grow, room
+    from .numbers import Doubles, Numbers, at, cut, grow, put, room
 
     INFINITY = inf
 else:
     from cython.cimports.libc.math import INFINITY, atan2, sqrt
     from cython.cimports.navigation.kernels.discs import stand
-    from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at, cut, grow, room
+    from cython.cimports.navigation.kernels.numbers import (
+        Doubles,
+        Numbers,
+        at,
+        cut,
+        grow,
+        put,
+        room,
+    )
 
 _R: cython.Py_ssize_t = ROW
 _PIECE: cython.Py_ssize_t = WIDTH
@@ -196,7 +204,6 @@ def turned(table: Numbers, heading: float) -> Numbers:
     found: Numbers = room(_PIECE * count)
     row: Doubles = at(table)
     piece: Doubles = at(found)
-    i: cython.Py_ssize_t
     k: cython.Py_ssize_t
     for k in range(count):
         o: cython.Py_ssize_t = k * _R
@@ -205,11 +212,9 @@ def turned(table: Numbers, heading: float) -> Numbers:
             heading = atan2(row[o + 7], row[o + 3])
         elif row[o + 4] != 0.0 or row[o + 8] != 0.0:
             heading = atan2(row[o + 8], row[o + 4])
-        for i in range(_R):
-            piece[p + i] = row[o + i]
-        piece[p + _R] = heading
-        for i in range(_R + 1, _PIECE):
-            piece[p + i] = 0.0
+        put(piece, p, row, o, _R)
+        piece[p + 10] = heading
+        piece[p + 11] = piece[p + 12] = piece[p + 13] = 0.0
     return found
 
 

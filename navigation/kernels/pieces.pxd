@@ -10,15 +10,15 @@ cdef double rate_at(Doubles table, Py_ssize_t o, double t) noexcept
 cdef double bend_at(Doubles table, Py_ssize_t o, double t) noexcept
 cpdef Numbers rest(double begin, double end, double x, double y, double rotation)
 cdef double _parted(Doubles table, Py_ssize_t p, Doubles after, Py_ssize_t o) noexcept
-cpdef Numbers merge_axes(list[list[double]] axes, double start)
+cpdef Numbers merge_axes(list[Numbers] axes, double start)
 cdef int _shift(
     Doubles table,
     Py_ssize_t k,
-    list[double] phases,
+    Doubles phases,
     Py_ssize_t row,
     double u,
     bint moving,
-) except -1
+) noexcept
 cpdef Numbers between(Numbers table, double begin, double end)
 cdef int _stand(
     Doubles found,

@@ -19,11 +19,11 @@ from .odometer import WIDTH
 if not cython.compiled:
     from math import atan2, copysign, sqrt
 
-    from .numbers import Doubles, Numbers, at, cut, room
+    from .numbers import Doubles, Numbers, at, cut, put, room
     from .odometer import row_at
 else:
     from cython.cimports.libc.math import atan2, copysign, sqrt
-    from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at, cut, room
+    from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at, cut, put, room
     from cython.cimports.navigation.kernels.odometer import row_at
 
 Triple = tuple[float, float, float]
@@ -155,12 +155,14 @@ def phases_of(
     durations: list[float],
     accelerations: list[float],
     jerks: list[float],
-) -> list[float]:
+) -> Numbers:
     """Return an axis's phases, from position, velocity and acceleration on: rows of `merge_axes`.
 
     Without a jerk limit the acceleration jumps between phases; position and velocity don't.
     """
-    rows: list[float] = []
+    rows: Numbers = room(5 * max(len(durations), 1))
+    row: Doubles = at(rows)
+    o: cython.Py_ssize_t = 0
     c0: float = state[0]
     c1: float = state[1]
     k: cython.Py_ssize_t
@@ -170,38 +172,48 @@ def phases_of(
             continue
         c2: float = accelerations[k] / 2
         c3: float = jerks[k] / 6
-        rows.append(u)
-        rows.append(c0)
-        rows.append(c1)
-        rows.append(c2)
-        rows.append(c3)
+        row[o] = u
+        row[o + 1] = c0
+        row[o + 2] = c1
+        row[o + 3] = c2
+        row[o + 4] = c3
+        o += 5
         c0 = c0 + u * (c1 + u * (c2 + u * c3))
         c1 = c1 + u * (2 * c2 + u * 3 * c3)
-    if not rows:
-        return [0.0, state[0], state[1], state[2] / 2, 0.0]
+    if o == 0:
+        row[0] = 0.0
+        row[1] = c0
+        row[2] = c1
+        row[3] = state[2] / 2
+        row[4] = 0.0
+        o = 5
+    cut(rows, o)
     return rows
 
 
-def scaled(rows: list[float], begin: float, share: float) -> list[float]:
+def scaled(rows: Numbers, begin: float, share: float) -> Numbers:
     """Return the rows of an axis that goes by a share of another's, from `begin` on."""
-    found: list[float] = []
+    found: Numbers = room(len(rows))
+    a: Doubles = at(rows)
+    b: Doubles = at(found)
     k: cython.Py_ssize_t
     for k in range(0, len(rows), 5):
-        found.append(rows[k])
-        found.append(begin + share * rows[k + 1])
-        found.append(share * rows[k + 2])
-        found.append(share * rows[k + 3])
-        found.append(share * rows[k + 4])
+        b[k] = a[k]
+        b[k + 1] = begin + share * a[k + 1]
+        b[k + 2] = share * a[k + 2]
+        b[k + 3] = share * a[k + 3]
+        b[k + 4] = share * a[k + 4]
     return found
 
 
-def merge_axes(axes: list[list[float]], start: float) -> Numbers:
+def merge_axes(axes: list[Numbers], start: float) -> Numbers:
     """Return the table of a motion from `start` on whose three axes have phases of their own.
 
     An axis has a row of a duration and four coefficients for each phase, and is at rest after the
     last. The motion is cut where one of them changes.
     """
-    phases: list[float]
+    phases: Numbers
+    phase: Doubles
     most: cython.Py_ssize_t = 0
     axis: cython.Py_ssize_t
     for axis in range(3):
@@ -211,7 +223,9 @@ def merge_axes(axes: list[list[float]], start: float) -> Numbers:
     c: Doubles = at(table)
     o: cython.Py_ssize_t = 0
     rows: list[int] = [0, 0, 0]
-    begins: list[float] = [0.0, 0.0, 0.0]
+    begins: Numbers = room(3)
+    b: Doubles = at(begins)
+    b[0] = b[1] = b[2] = 0.0
     row: cython.Py_ssize_t
     begin: float = start
     lower: float = 0.0
@@ -221,14 +235,15 @@ def merge_axes(axes: list[list[float]], start: float) -> Numbers:
         for axis in range(3):
             phases = axes[axis]
             row = rows[axis]
-            since: float = begins[axis]
-            while row < len(phases) and since + phases[row] <= lower:
-                since += phases[row]
+            phase = at(phases)
+            since: float = b[axis]
+            while row < len(phases) and since + phase[row] <= lower:
+                since += phase[row]
                 row += 5
             rows[axis] = row
-            begins[axis] = since
+            b[axis] = since
             if row < len(phases):
-                upper = min(upper, since + phases[row])
+                upper = min(upper, since + phase[row])
         if upper == _INFINITE:
             cut(table, o)
             return table
@@ -240,13 +255,14 @@ def merge_axes(axes: list[list[float]], start: float) -> Numbers:
             c[o + 1] = begin
             for axis in range(3):
                 phases = axes[axis]
+                phase = at(phases)
                 row = rows[axis]
                 k: cython.Py_ssize_t = o + 2 + 4 * axis
                 if row >= len(phases):
                     row -= 5
-                    _shift(c, k, phases, row, phases[row], False)
+                    _shift(c, k, phase, row, phase[row], False)
                 else:
-                    _shift(c, k, phases, row, lower - begins[axis], True)
+                    _shift(c, k, phase, row, lower - b[axis], True)
             o += _WIDTH
         lower = upper
 
@@ -254,7 +270,7 @@ def merge_axes(axes: list[list[float]], start: float) -> Numbers:
 def _shift(
     table: Doubles,
     k: cython.Py_ssize_t,
-    phases: list[float],
+    phases: Doubles,
     row: cython.Py_ssize_t,
     u: float,
     moving: bool,
@@ -276,7 +292,7 @@ def _shift(
 def walked_and_stood(table: Numbers, since: float, until: float) -> tuple[float, float]:
     """Return how far a walk goes (metres), and how long it stands from `since` to `until` (s).
 
-    Its pieces are straight and never turn back: each is as long as its chord.
+    The pieces of its `table` are straight and never turn back: each is as long as its chord.
     """
     c: Doubles = at(table)
     walked: float = 0.0
@@ -334,10 +350,14 @@ class Pack:
             mask: cython.int = 0
             bits: cython.Py_ssize_t = i
             i += 1
-            for k in range(_WIDTH):
-                known: float = ended if k == 0 else 0.0
-                number: float = a[o + k]
-                if number != known or copysign(1.0, number) != copysign(1.0, known):
+            number: float = a[o]
+            if number != ended or copysign(1.0, number) != copysign(1.0, ended):
+                mask = 1
+                b[i] = number
+                i += 1
+            for k in range(1, _WIDTH):
+                number = a[o + k]
+                if number != 0.0 or copysign(1.0, number) < 0.0:
                     mask |= 1 << k
                     b[i] = number
                     i += 1
@@ -368,7 +388,7 @@ class Pack:
                     a[o + k] = b[i]
                     i += 1
                 else:
-                    a[o + k] = ended if k == 0 else 0.0
+                    a[o + k] = 0.0 if k else ended
             ended = a[o + 1]
             o += _WIDTH
         return table
@@ -398,8 +418,7 @@ def between(table: Numbers, begin: float, end: float) -> Numbers:
         if begin >= until:
             continue
         if begin <= since:
-            for k in range(_WIDTH):
-                b[count + k] = a[o + k]
+            put(b, count, a, o, _WIDTH)
         else:
             b[count] = begin
             for k in range(2, _WIDTH, 4):

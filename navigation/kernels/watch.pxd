@@ -1,7 +1,9 @@
 from navigation.kernels.encounter cimport Encounter
+from navigation.kernels.gauge cimport Gauge
 from navigation.kernels.laws cimport Law
 
 cdef double _INFINITE
+cdef list[Gauge] _NO_GAUGES
 cdef int UNDECIDED
 
 cdef class Judge:
@@ -46,6 +48,9 @@ cdef class Watch:
     cdef double resolution
     cdef bint held
     cdef bint over
-    cdef list[double] undecided
+
+cdef double next_change(
+    Judge judge, Encounter encounter, double end, double resolution, bint held
+) except? -1
 
 cdef int margin_over(Law law, Encounter encounter, double begin, double end) except? -1

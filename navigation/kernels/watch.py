@@ -29,6 +29,8 @@ else:
 
 _INFINITE: float = float("inf")
 
+_NO_GAUGES: list[Gauge] = []
+
 UNDECIDED: cython.int = -1
 
 
@@ -197,55 +199,44 @@ class Watch:
         self.resolution = resolution
         self.held = False
         self.over = False
-        none: list[float] = []
-        self.undecided = none
         encounter.start(begin)
 
     def change(self) -> float | None:
         """Return the next instant at which the condition begins or ceases to hold, seconds."""
-        encounter: Encounter = self.encounter
-        judge: Judge = self.judge
-        undecided: list[float] = self.undecided
-        lower: float
-        upper: float
-        t: float
-        middle: float
-        holds: cython.int
         if self.over:
             return None
-        while True:
-            # Left halves come first, and stretches in turn, so what is found first is the earliest.
-            if undecided:
-                lower = undecided.pop()
-                upper = undecided.pop()
-            elif encounter.go_on(self.end):
-                lower = encounter.since
-                upper = encounter.until
-            else:
-                break
-            t = lower
-            holds = judge.holds(encounter, lower, upper)
-            if holds < 0:
-                middle = lower + (upper - lower) / 2
-                if upper - lower > self.resolution and lower < middle and middle < upper:
-                    undecided.append(upper)
-                    undecided.append(middle)
-                    undecided.append(middle)
-                    undecided.append(lower)
-                    continue
-                # Too short to cut: its two ends stand for it. What holds at neither, and for less
-                # than the resolution, is let pass; `RESOLUTION` in `monitor` says so.
-                holds = judge.holds(encounter, lower, lower)
-                if holds != 1:
-                    holds = 0
-                    if judge.holds(encounter, upper, upper) == 1:
-                        t = upper
-                        holds = 1
-            if (holds == 1) != self.held:
-                self.held = holds == 1
-                return t
-        self.over = True
-        return self.end if self.held else None
+        t: float = next_change(self.judge, self.encounter, self.end, self.resolution, self.held)
+        if t == _INFINITE:
+            self.over = True
+            return self.end if self.held else None
+        self.held = not self.held
+        return t
+
+
+def next_change(
+    judge: Judge, encounter: Encounter, end: float, resolution: float, held: cython.bint
+) -> float:
+    """Return the next instant at which a condition that was `held` or not changes; or infinity."""
+    t: float
+    holds: cython.int
+    # Left halves come first, and stretches in turn, so what is found first is the earliest.
+    while encounter.next_interval(end):
+        t = encounter.lower
+        holds = judge.holds(encounter, t, encounter.upper)
+        while holds < 0 and encounter.upper - t > resolution and encounter.halve():
+            holds = judge.holds(encounter, t, encounter.upper)
+        if holds < 0:
+            # Too short to cut: its two ends stand for it. What holds at neither, and for less
+            # than the resolution, is let pass; `RESOLUTION` in `monitor` says so.
+            holds = judge.holds(encounter, t, t)
+            if holds != 1:
+                holds = 0
+                if judge.holds(encounter, encounter.upper, encounter.upper) == 1:
+                    t = encounter.upper
+                    holds = 1
+        if (holds == 1) != held:
+            return t
+    return _INFINITE
 
 
 def first_change(
@@ -257,8 +248,10 @@ def first_change(
     resolution: float,
 ) -> float | None:
     """Return the first instant at which a condition on places and speeds holds, or None."""
-    none: list[Gauge] = []
-    return Watch(judge, Encounter(person, machine, none, 0.0), begin, end, resolution).change()
+    encounter: Encounter = Encounter(person, machine, _NO_GAUGES, 0.0)
+    encounter.start(begin)
+    t: float = next_change(judge, encounter, end, resolution, False)
+    return None if t == _INFINITE else t
 
 
 def first_interval(
@@ -289,48 +282,36 @@ def least(
     """
     best: float = _INFINITE
     when: float = 0.0
-    lower: float
-    upper: float
     low: float
     high: float
     candidate: float
-    middle: float
-    undecided: list[float] = []
+    k: cython.Py_ssize_t
     encounter.start(begin)
-    while True:
+    while encounter.next_interval(end):
         # Branch and bound: what can't be better than the best so far by the tolerance is not
         # halved.
-        if undecided:
-            lower = undecided.pop()
-            upper = undecided.pop()
-        elif encounter.go_on(end):
-            lower = encounter.since
-            upper = encounter.until
-        else:
-            return float(when), float(best)
-        margin_over(law, encounter, lower, upper)
-        low = encounter.near
-        high = encounter.far
-        candidate = encounter.offset
-        if low >= best - tolerance:
-            continue
-        # Only NaN differs from itself, and no comparison with it would ever end the search.
-        if (low + high) != (low + high):
-            raise ValueError(f"the law asks for no finite distance from {lower} s to {upper} s")
-        k: cython.Py_ssize_t
-        for k in range(3):
-            t: float = lower if k == 0 else candidate if k == 1 else upper
-            margin_over(law, encounter, t, t)
-            # The first of several that are equal but for rounding is kept.
-            if encounter.near < best - 1e-12:
-                when = t
-                best = encounter.near
-        middle = lower + (upper - lower) / 2
-        if low < best - tolerance and lower < middle and middle < upper:
-            undecided.append(upper)
-            undecided.append(middle)
-            undecided.append(middle)
-            undecided.append(lower)
+        while True:
+            lower: float = encounter.lower
+            upper: float = encounter.upper
+            margin_over(law, encounter, lower, upper)
+            low = encounter.near
+            high = encounter.far
+            candidate = encounter.offset
+            if low >= best - tolerance:
+                break
+            # Only NaN differs from itself, and no comparison with it would ever end the search.
+            if (low + high) != (low + high):
+                raise ValueError(f"the law asks for no finite distance from {lower} s to {upper} s")
+            for k in range(3):
+                t: float = lower if k == 0 else candidate if k == 1 else upper
+                margin_over(law, encounter, t, t)
+                # The first of several that are equal but for rounding is kept.
+                if encounter.near < best - 1e-12:
+                    when = t
+                    best = encounter.near
+            if low >= best - tolerance or not encounter.halve():
+                break
+    return float(when), float(best)
 
 
 def margin_over(law: Law | None, encounter: Encounter, begin: float, end: float) -> cython.int:
