@@ -76,7 +76,10 @@ def first_time(
 def first_interval(
     condition: Condition, person: Motion, machine: Motion, begin: float, end: float
 ) -> tuple[float, float] | None:
-    """Return the first of the intervals that `when` yields, None if there is none."""
+    """Return the first of the intervals that `when` yields, None if there is none.
+
+    `condition`, `person`, `machine`, `begin` and `end` are what they are there.
+    """
     judge = kept_judge_of(condition)
     if judge is None or not _makes_sense(person, machine, begin, end):
         return next(when(condition, person, machine, begin, end), None)
