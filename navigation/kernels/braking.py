@@ -144,7 +144,8 @@ class AxisStops(Stops):
         found: Numbers = room(9)
         state: Doubles = at(found)
         row: Doubles = at(motion)
-        o: cython.Py_ssize_t = _WIDTH * max(row_at(motion, _WIDTH, t), 0) + 2
+        rows: cython.Py_ssize_t = len(motion) // _WIDTH
+        o: cython.Py_ssize_t = _WIDTH * max(row_at(row, rows, _WIDTH, t), 0) + 2
         moves: cython.bint = row[0] <= t and t < row[len(motion) - _WIDTH + 1]
         k: cython.Py_ssize_t
         for k in range(3):
@@ -193,7 +194,8 @@ class LaneStops(Stops):
     def table(self, motion: Numbers, t: float) -> Numbers:
         """Return the table of the stop from a motion at `t` (seconds)."""
         row: Doubles = at(motion)
-        o: cython.Py_ssize_t = _WIDTH * max(row_at(motion, _WIDTH, t), 0) + 2
+        rows: cython.Py_ssize_t = len(motion) // _WIDTH
+        o: cython.Py_ssize_t = _WIDTH * max(row_at(row, rows, _WIDTH, t), 0) + 2
         x: float = value_at(row, o, t)
         y: float = value_at(row, o + 4, t)
         q: float = (x - self.x) * self.c + (y - self.y) * self.s

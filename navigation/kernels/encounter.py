@@ -150,7 +150,8 @@ class Encounter:
         half: float = (end - begin) / 2
         middle: float = begin - self.since + half
         self.measure(middle, half, slope, curve)
-        self.offset = min(max(self.since + middle + self.offset, begin), end)
+        t: float = self.since + middle + self.offset
+        self.offset = begin if t < begin else end if t > end else t
         return 0
 
     def measure(self, middle: float, half: float, slope: float, curve: float) -> cython.int:
@@ -190,7 +191,10 @@ class Encounter:
             offset = -(x * vx + y * vy) / square
             if slope:
                 offset += abs(x * vy - y * vx) / square * (slope / sqrt(square - slope * slope))
-            offset = min(max(offset, -half), half)
+            if offset < -half:
+                offset = -half
+            elif offset > half:
+                offset = half
         elif slope:
             # No speed along the line makes up for the slope: the figure falls, or rises, all the
             # time.
@@ -212,8 +216,9 @@ class Encounter:
             self.near = near - slope * offset - bend
             self.far = max(before + rise, after - rise) + bend
         else:
-            self.near = max(near - bend, 0.0)
-            self.far = max(before, after) + bend
+            near -= bend
+            self.near = 0.0 if near < 0.0 else near
+            self.far = (after if after > before else before) + bend
         return 0
 
     def bend(
@@ -303,14 +308,18 @@ class Encounter:
         """Bound the rate of half the squared distance of the places, m²/s: `near` and `far`."""
         h: float = (end - begin) / 2
         u: float = begin - self.since + h
+        a1: float = self.x1
+        a2: float = self.x2
         jx: float = self.x3
+        b1: float = self.y1
+        b2: float = self.y2
         jy: float = self.y3
-        x: float = self.x0 + u * (self.x1 + u * (self.x2 + u * jx))
-        y: float = self.y0 + u * (self.y1 + u * (self.y2 + u * jy))
-        vx: float = self.x1 + u * (2 * self.x2 + u * 3 * jx)
-        vy: float = self.y1 + u * (2 * self.y2 + u * 3 * jy)
-        ax: float = self.x2 + u * 3 * jx
-        ay: float = self.y2 + u * 3 * jy
+        x: float = self.x0 + u * (a1 + u * (a2 + u * jx))
+        y: float = self.y0 + u * (b1 + u * (b2 + u * jy))
+        vx: float = a1 + u * (2 * a2 + u * 3 * jx)
+        vy: float = b1 + u * (2 * b2 + u * 3 * jy)
+        ax: float = a2 + u * 3 * jx
+        ay: float = b2 + u * 3 * jy
         # r·v as a polynomial about the middle: its terms one by one, by their greatest size.
         rate: float = x * vx + y * vy
         slack: float = h * (

@@ -35,14 +35,15 @@ class Follower:
 
     def seek(self, t: float) -> cython.int:
         """Come to the piece at `t`."""
-        first: float = at(self.table)[0]
+        row: Doubles = at(self.table)
+        first: float = row[0]
         self.since = t
         if t < first:
             self.row = -1
             self.begin = t
             self.end = first
             return 0
-        self.row = row_at(self.table, _WIDTH, t) - 1
+        self.row = row_at(row, self.rows, _WIDTH, t) - 1
         return self.go_on()
 
     def go_on(self) -> cython.int:
@@ -131,7 +132,7 @@ class Follower:
         ay: float = y2 + 3 * y3 * middle
         slack: float = half * 2 * sqrt(ax * ax + ay * ay)
         slack += half * half * 3 * sqrt(x3 * x3 + y3 * y3)
-        self.low = max(speed - slack, 0.0)
+        self.low = 0.0 if slack > speed else speed - slack
         self.high = speed + slack
         return 0
 
@@ -139,4 +140,4 @@ class Follower:
         """Give the speed from `begin` to `end`, an interval within the piece."""
         if self.row < 0 or self.row >= self.rows:
             return figure.set(0.0, 0.0, 0.0, 0.0)
-        return speed_along(self.table, self.row, begin, end, figure)
+        return speed_along(at(self.table), self.row, begin, end, figure)

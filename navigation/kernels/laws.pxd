@@ -3,6 +3,7 @@ from navigation.kernels.odometer cimport Figure
 
 cdef class Law:
     cdef bint of_speeds
+    cdef bint steady
     cdef object source
     cdef Figure out
     cdef double distance(self, double human, double robot) except? -1

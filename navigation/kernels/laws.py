@@ -20,11 +20,13 @@ else:
 class Law:
     """A separation law: `distance` from two speeds, `require` of an encounter, in `out`.
 
-    `of_speeds` is False where two speeds are not all it asks for; `source` is named in messages.
+    `of_speeds` is False where two speeds are not all it asks for, and `steady` True where not even
+    they matter; `source` is named in messages.
     """
 
-    def __init__(self, of_speeds: bool, source: Any = None) -> None:
+    def __init__(self, of_speeds: bool, source: Any = None, *, steady: bool = False) -> None:
         self.of_speeds = of_speeds
+        self.steady = steady
         self.source = source
         self.out = Figure()
 
@@ -46,7 +48,7 @@ class LinearLaw(Law):
     """`human` · v_H + `robot` · v_R + `stopping` + `intrusion`."""
 
     def __init__(self, human: float, robot: float, stopping: float, intrusion: float) -> None:
-        super().__init__(True)
+        super().__init__(True, steady=human == 0.0 == robot)
         self.speeds = Figure(), Figure()
         self.human = human
         self.robot = robot
@@ -58,7 +60,7 @@ class LinearLaw(Law):
 
     def require(self, encounter: Encounter, begin: float, end: float) -> cython.int:
         fixed: float = self.stopping + self.intrusion
-        if self.human == 0.0 and self.robot == 0.0:
+        if self.steady:
             return self.out.set(fixed, 0.0, 0.0, 0.0)
         human: Figure
         robot: Figure
@@ -110,7 +112,7 @@ class ScaledLaw(Law):
     """`factor` times another law, capped first at `cap` metres."""
 
     def __init__(self, law: Law, factor: float, cap: float) -> None:
-        super().__init__(law.of_speeds)
+        super().__init__(law.of_speeds, steady=law.steady)
         self.law = law
         self.factor = factor
         self.cap = cap

@@ -86,10 +86,11 @@ class Part:
         odometer.look(begin, end)
         figure: Figure = odometer.out
         self.fastest = figure.value + abs(figure.slope) * ((end - begin) / 2) + figure.slack
-        o: cython.Py_ssize_t = _WIDTH * max(row_at(table, _WIDTH, begin), 0)
+        rows: cython.Py_ssize_t = len(table) // _WIDTH
+        o: cython.Py_ssize_t = _WIDTH * max(row_at(row, rows, _WIDTH, begin), 0)
         self.x = value_at(row, o + 2, begin)
         self.y = value_at(row, o + 6, begin)
-        o = _WIDTH * max(row_at(table, _WIDTH, end), 0)
+        o = _WIDTH * max(row_at(row, rows, _WIDTH, end), 0)
         self.last_x = value_at(row, o + 2, end)
         self.last_y = value_at(row, o + 6, end)
         self.last_speed = 0.0
@@ -226,6 +227,7 @@ def nearest_on(
     there are x, y (metres) and their velocity (m/s) at `now`; they keep it for `horizon` seconds.
     """
     row: Doubles = at(motion)
+    rows: cython.Py_ssize_t = len(motion) // _WIDTH
     least: float = _INFINITE
     i: cython.Py_ssize_t = 0
     k: cython.Py_ssize_t
@@ -236,7 +238,7 @@ def nearest_on(
             t = end
             over = True
         # Before the motion begins its first row is held at its beginning.
-        o: cython.Py_ssize_t = _WIDTH * max(row_at(motion, _WIDTH, t), 0)
+        o: cython.Py_ssize_t = _WIDTH * max(row_at(row, rows, _WIDTH, t), 0)
         x: float = value_at(row, o + 2, t)
         y: float = value_at(row, o + 6, t)
         after: float = min(t - now, horizon)

@@ -1,4 +1,4 @@
-from navigation.kernels.numbers cimport Numbers
+from navigation.kernels.numbers cimport Doubles, Numbers
 
 cdef double _INFINITE
 cdef Py_ssize_t _STRETCH
@@ -13,9 +13,9 @@ cdef class Figure:
     cdef double curve
     cdef int set(self, double value, double slope, double slack, double curve) except? -1
 
-cpdef Py_ssize_t row_at(Numbers table, Py_ssize_t width, double t) noexcept
+cdef Py_ssize_t row_at(Doubles row, Py_ssize_t rows, Py_ssize_t width, double t) noexcept
 
-cdef int speed_along(Numbers table, Py_ssize_t row, double begin, double end, Figure figure) except? -1
+cdef int speed_along(Doubles c, Py_ssize_t row, double begin, double end, Figure figure) except? -1
 
 cdef class Odometer:
     cdef Numbers table

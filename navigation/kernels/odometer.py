@@ -60,11 +60,12 @@ class Figure:
         return self.value, self.slope, self.slack, self.curve
 
 
-def row_at(table: Numbers, width: cython.Py_ssize_t, t: float) -> cython.Py_ssize_t:
-    """Return the last row that begins by `t`, by halving; -1 if none does."""
-    row: Doubles = at(table)
+def row_at(
+    row: Doubles, rows: cython.Py_ssize_t, width: cython.Py_ssize_t, t: float
+) -> cython.Py_ssize_t:
+    """Return the last of so many rows that begins by `t`, by halving; -1 if none does."""
     low: cython.Py_ssize_t = 0
-    high: cython.Py_ssize_t = len(table) // width
+    high: cython.Py_ssize_t = rows
     middle: cython.Py_ssize_t
     while low < high:
         middle = (low + high) // 2
@@ -76,13 +77,12 @@ def row_at(table: Numbers, width: cython.Py_ssize_t, t: float) -> cython.Py_ssiz
 
 
 def speed_along(
-    table: Numbers, row: cython.Py_ssize_t, begin: float, end: float, figure: Figure
+    c: Doubles, row: cython.Py_ssize_t, begin: float, end: float, figure: Figure
 ) -> cython.int:
     """Give the speed of a piece over an interval within it, m/s.
 
     Its second derivative is at most a² / |v| + |j|, with a the acceleration across the velocity.
     """
-    c: Doubles = at(table)
     o: cython.Py_ssize_t = row * _WIDTH
     half: float = (end - begin) / 2
     u: float = begin - c[o] + half
@@ -143,10 +143,10 @@ class Odometer:
         if t <= self.start:
             return 0.0
         table: Numbers = self.stretches
-        row: cython.Py_ssize_t = row_at(table, _STRETCH, t)
-        begin: float = at(table)[row * _STRETCH]
-        gone: float = at(table)[row * _STRETCH + 1]
-        return gone + length(table, row, t - begin)
+        c: Doubles = at(table)
+        k: cython.Py_ssize_t = row_at(c, len(table) // _STRETCH, _STRETCH, t)
+        gone: float = c[k * _STRETCH + 1]
+        return gone + length(table, k, t - c[k * _STRETCH])
 
     def look_ahead(self, begin: float, end: float, seconds: float) -> cython.int:
         """Find the path length within `seconds` of each instant of an interval: in `out`."""
@@ -176,9 +176,9 @@ class Odometer:
         if end < self.start or begin >= self.finish:
             return self.out.set(0.0, 0.0, 0.0, 0.0)
         rows: cython.Py_ssize_t = len(table) // _WIDTH
-        k: cython.Py_ssize_t = row_at(table, _WIDTH, begin)
+        k: cython.Py_ssize_t = row_at(row, rows, _WIDTH, begin)
         if k >= 0 and end <= row[k * _WIDTH + 1]:
-            return speed_along(table, k, begin, end, self.out)
+            return speed_along(row, k, begin, end, self.out)
         # Over several pieces the speed may jump: its least and its most are all that holds.
         low: float = _INFINITE
         high: float = 0.0
@@ -189,7 +189,7 @@ class Odometer:
             since: float = max(begin, row[k * _WIDTH])
             until: float = min(end, row[k * _WIDTH + 1])
             if until > since:
-                speed_along(table, k, since, until, self.out)
+                speed_along(row, k, since, until, self.out)
                 around: float = abs(self.out.slope) * ((until - since) / 2) + self.out.slack
                 low = min(low, self.out.value - around)
                 high = max(high, self.out.value + around)

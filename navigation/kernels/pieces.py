@@ -36,7 +36,7 @@ _SHORTEST: float = 1e-12  # seconds; nothing changes its course for less
 def state(table: Numbers, t: float) -> tuple[Triple, Triple, Triple]:
     """Return position, velocity and acceleration of a motion at `t` (seconds), held within it."""
     c: Doubles = at(table)
-    row: cython.Py_ssize_t = row_at(table, _WIDTH, t)
+    row: cython.Py_ssize_t = row_at(c, len(table) // _WIDTH, _WIDTH, t)
     moving: cython.bint = c[0] <= t < c[len(table) - _WIDTH + 1]
     return evaluate(table, max(row, 0), t, moving)
 

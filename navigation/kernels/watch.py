@@ -57,9 +57,14 @@ class TooClose(Judge):
         law: Law = self.law
         if not law.of_speeds:
             return self.short_of(encounter, begin, end)
-        encounter.look(begin, end)
         person: Follower = encounter.person
         machine: Follower = encounter.machine
+        if law.steady:
+            half: float = (end - begin) / 2
+            encounter.measure(begin - encounter.since + half, half, 0.0, 0.0)
+            person.low = person.high = machine.low = machine.high = 0.0
+        else:
+            encounter.look(begin, end)
         near: float = encounter.near
         far: float = encounter.far
         most: float = law.distance(person.high, machine.high)
@@ -137,7 +142,8 @@ class Apart(Judge):
         self.metres = metres
 
     def holds(self, encounter: Encounter, begin: float, end: float) -> cython.int:
-        encounter.look(begin, end)
+        half: float = (end - begin) / 2
+        encounter.measure(begin - encounter.since + half, half, 0.0, 0.0)
         if encounter.far + encounter.slack / 2 < self.metres:
             return 0
         return 1 if encounter.near + encounter.slack >= self.metres else UNDECIDED
@@ -218,21 +224,24 @@ def next_change(
 ) -> float:
     """Return the next instant at which a condition that was `held` or not changes; or infinity."""
     t: float
+    upper: float
     holds: cython.int
     # Left halves come first, and stretches in turn, so what is found first is the earliest.
     while encounter.next_interval(end):
         t = encounter.lower
-        holds = judge.holds(encounter, t, encounter.upper)
-        while holds < 0 and encounter.upper - t > resolution and encounter.halve():
-            holds = judge.holds(encounter, t, encounter.upper)
+        upper = encounter.upper
+        holds = judge.holds(encounter, t, upper)
+        while holds < 0 and upper - t > resolution and encounter.halve():
+            upper = encounter.upper
+            holds = judge.holds(encounter, t, upper)
         if holds < 0:
             # Too short to cut: its two ends stand for it. What holds at neither, and for less
             # than the resolution, is let pass; `RESOLUTION` in `monitor` says so.
             holds = judge.holds(encounter, t, t)
             if holds != 1:
                 holds = 0
-                if judge.holds(encounter, encounter.upper, encounter.upper) == 1:
-                    t = encounter.upper
+                if judge.holds(encounter, upper, upper) == 1:
+                    t = upper
                     holds = 1
         if (holds == 1) != held:
             return t
