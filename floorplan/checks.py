@@ -55,6 +55,11 @@ def check(plan: Floor, *, file: str = "") -> None:
         return
     require_fields(plan)
     refuse(file or f"floorplan {plan.name!r}", faults(plan), FloorplanError)
+    keep_sound(plan)
+
+
+def keep_sound(plan: Floor) -> None:
+    """Keep in mind that `plan` is sound, so that `check` need not look again."""
     vars(plan)[SOUND] = True
 
 

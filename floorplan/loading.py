@@ -9,7 +9,7 @@ from pathlib import Path
 from shapely.geometry import Polygon
 
 from .building import parts
-from .checks import check, faults
+from .checks import check, faults, keep_sound
 from .document import Document, parse_yaml, read_yaml
 from .dxf import load_dxf
 from .geojson import load_geojson
@@ -117,6 +117,7 @@ def _build(document: Document, folder: Path, above: tuple[Path, ...], name: str 
         problems.append(document.problem(message, "base"))
     if problems:
         raise FloorplanError(document.file, problems)
+    keep_sound(plan)
     return plan
 
 

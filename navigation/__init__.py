@@ -51,6 +51,7 @@ from .machines import (
 )
 from .monitor import (
     RESOLUTION,
+    first_interval,
     first_time,
     first_violation,
     minimum_margin,
@@ -156,6 +157,7 @@ __all__ = [
     "can_go_on",
     "corner_speed",
     "first_conflict",
+    "first_interval",
     "first_met",
     "first_time",
     "first_violation",

@@ -54,14 +54,18 @@ ITERATIONS = 2_000
 _NOT_A_NUMBER = ("ProjectionEvaluator", "DefaultConnectionStrategy")
 
 
+_DEFAULT = PlannerInfo(ROADMAP, "the shortest path along the corners of what stands there", True)
+
+
 def planners() -> tuple[PlannerInfo, ...]:
     """Return every planner that can be asked for by name, the default one first."""
-    default = PlannerInfo(ROADMAP, "the shortest path along the corners of what stands there", True)
-    return (default, *_sampling_planners())
+    return (_DEFAULT, *_sampling_planners())
 
 
 def planner_info(name: str) -> PlannerInfo:
     """Return the planner that is called `name`; `ValueError` with a hint if there is none."""
+    if name == ROADMAP:
+        return _DEFAULT
     known = {info.name: info for info in planners()}
     if name == SPACE_TIME:
         raise ValueError(f"{name} plans in space and time; navigation.plan_among answers for that")

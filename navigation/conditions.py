@@ -80,19 +80,15 @@ class Both(_OfTheKernel):
     second: Condition
 
 
-def plain_judge_of(condition: Condition) -> kernel.Judge | None:
-    """Return what decides about a condition on places and speeds alone; None for others."""
-    found: kernel.Judge | None = getattr(condition, _JUDGE, None)
-    if found is None:
-        judge_of(condition)
-        found = getattr(condition, _JUDGE, None)
-    return found
+def kept_judge_of(condition: Condition) -> kernel.Judge | None:
+    """Return what decided about a condition on places and speeds alone; None if it is not known."""
+    kept: kernel.Judge | None = getattr(condition, _JUDGE, None)
+    return kept
 
 
 def judge_of(condition: Condition) -> kernel.Judge:
     """Return what decides about `condition` in the monitor."""
-    kept: dict[str, kernel.Judge] = getattr(condition, "__dict__", {})
-    known = kept.get(_JUDGE)
+    known = kept_judge_of(condition)
     if known is not None:
         return known
     make = _JUDGES.get(type(condition))
@@ -100,7 +96,7 @@ def judge_of(condition: Condition) -> kernel.Judge:
         return kernel.OwnJudge(condition)
     judge = make(condition)
     if _keeps_nothing(condition):
-        kept[_JUDGE] = judge
+        vars(condition)[_JUDGE] = judge
     return judge
 
 

@@ -32,6 +32,9 @@ MOST_BODIES = 64
 _AROUND = 10.0
 """Metres. How thick the solid rim around a floor is drawn."""
 
+_SIDE = 4.0
+"""Metres. Longer sides of a floor are split for FCL: it looks at slim triangles longer."""
+
 Bounds = tuple[float, float, float, float]
 """Least x and y, greatest x and y, in metres."""
 
@@ -73,7 +76,7 @@ def floor(
 def solid(floor: shapely.Geometry, bounds: Bounds) -> Any:
     """Return the FCL object of all that is not `floor`, with a rim around its `bounds`."""
     rim = shapely.box(*bounds).buffer(_AROUND, join_style="mitre")
-    return region(rim.difference(floor))
+    return region(rim.difference(floor).segmentize(_SIDE))
 
 
 @_kept(MOST_KEPT)

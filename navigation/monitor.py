@@ -15,9 +15,9 @@ from math import inf
 
 from floorplan import require
 
-from .conditions import Condition, TooClose, judge_of, plain_judge_of
+from .conditions import Condition, TooClose, judge_of, kept_judge_of
 from .encounter import Encounter
-from .kernels.watch import Watch, first_change, least
+from .kernels import watch as kernel
 from .motion import Motion
 from .separation import AnyLaw, Scaled, is_of_motions, kernel_of, require_sense
 from .surfaces import Shapes
@@ -66,15 +66,30 @@ def first_time(
 
     `person`, `machine` and `shapes` are as in `when`.
     """
-    judge = plain_judge_of(condition) if shapes is None else None
-    if (
-        judge is not None
-        and person.__class__ is Motion is machine.__class__
-        and -inf < begin <= end < inf
-    ):
+    judge = kept_judge_of(condition) if shapes is None else None
+    if judge is not None and _makes_sense(person, machine, begin, end):
         one, other = person.table, machine.table
-        return first_change(judge, one, other, float(begin), float(end), RESOLUTION)
+        return kernel.first_change(judge, one, other, float(begin), float(end), RESOLUTION)
     return _watch(condition, person, machine, begin, end, shapes).change()
+
+
+def first_interval(
+    condition: Condition, person: Motion, machine: Motion, begin: float, end: float
+) -> tuple[float, float] | None:
+    """Return the first of the intervals that `when` yields, None if there is none.
+
+    `condition`, `person`, `machine`, `begin` and `end` are what they are there.
+    """
+    judge = kept_judge_of(condition)
+    if judge is None or not _makes_sense(person, machine, begin, end):
+        return next(when(condition, person, machine, begin, end), None)
+    one, other = person.table, machine.table
+    return kernel.first_interval(judge, one, other, float(begin), float(end), RESOLUTION)
+
+
+def _makes_sense(person: Motion, machine: Motion, begin: float, end: float) -> bool:
+    """Return whether these are motions, and a span; what is wrong is said by `_encounter`."""
+    return person.__class__ is Motion is machine.__class__ and -inf < begin <= end < inf
 
 
 def _watch(
@@ -84,9 +99,9 @@ def _watch(
     begin: float,
     end: float,
     shapes: Shapes | None,
-) -> Watch:
+) -> kernel.Watch:
     encounter = _encounter(person, machine, begin, end, shapes)
-    return Watch(judge_of(condition), encounter, float(begin), float(end), RESOLUTION)
+    return kernel.Watch(judge_of(condition), encounter, float(begin), float(end), RESOLUTION)
 
 
 def _encounter(
@@ -148,7 +163,7 @@ def minimum_separation(
     such instants. The distance is exact to 1e-9 m.
     """
     encounter = _encounter(person, machine, begin, end, shapes)
-    return least(None, encounter, float(begin), float(end), EXACT)
+    return kernel.least(None, encounter, float(begin), float(end), EXACT)
 
 
 def minimum_margin(
@@ -174,4 +189,4 @@ def minimum_margin(
     while isinstance(judged, Scaled):
         judged = judged.law
     tolerance = EXACT if is_of_motions(judged) else PLAIN
-    return least(kernel_of(law), encounter, float(begin), float(end), tolerance)
+    return kernel.least(kernel_of(law), encounter, float(begin), float(end), tolerance)

@@ -70,6 +70,13 @@ class OmplFloor:
         self.there: Any = self.information.allocState()
         """Two states to put places into, of which OMPL keeps copies."""
 
+    def moves(self, a: Point, b: Point) -> bool:
+        """Return whether OMPL's motion validator lets one go straight from a to b."""
+        here, there = self.here, self.there
+        here[0], here[1] = a
+        there[0], there[1] = b
+        return bool(self.information.checkMotion(here, there))
+
     def release(self) -> None:
         """Release OMPL's objects in an order that it survives."""
         self.here = None

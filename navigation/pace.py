@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from .clearance import Swath, walked
-from .kernels.candidates import bounds
-from .kernels.numbers import flat, numbers
+from .kernels.candidates import bound
+from .kernels.numbers import flat, numbers, room
 from .kernels.pacing import walk_table
 from .motion import Motion
 
@@ -38,9 +38,9 @@ def pace(
     if there is one, or on standing from `since` on. None where it can't come to rest, or slow down
     enough for a corner.
     """
-    places, before, box = flat([*corners]), _NONE, _NONE
+    places, before, bounds = flat([*corners]), _NONE, _NONE
     if lead is not None:
-        before, box, since = lead.walk, lead.box, lead.rests
+        before, bounds, since = lead.walk, lead.box, lead.rests
     tops = numbers((top_speed,) if isinstance(top_speed, float | int) else top_speed)
     table = walk_table(
         places,
@@ -52,7 +52,11 @@ def pace(
         max_acceleration,
         before,
     )
-    return Swath.of(table, bounds(places, box)) if table else None
+    if not table:
+        return None
+    box = room(4)
+    bound(places, len(places), bounds, box)
+    return Swath.of(table, box)
 
 
 def paced(

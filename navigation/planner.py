@@ -16,7 +16,7 @@ from .catalog import ROADMAP, Setting
 from .choice import PlannerChoice
 from .freespace import STEP
 from .gates import Gates
-from .kernels.walks import is_place
+from .kernels.walks import distinct, is_place
 from .obstruction import blocked_place, explain_cut_off
 from .ompl_setup import Question
 from .path import Path, PlanningError, Reason, Watch
@@ -130,7 +130,7 @@ class PathPlanner:
         else:
             leave, arrive = self._ends_of(a, b)
             found = self._sampled(leave, arrive, choice, seed, watch)
-        points = np.array(_distinct([a, leave, *found, arrive, b]), dtype=float)
+        points = np.array(distinct([a, leave, *found, arrive, b], _STEP))
         clear = partial(self.world.clearance, points, self.world.bodies)
         return Path(points, clear, choice.name, self.world.checks - before)
 
@@ -256,15 +256,6 @@ class PathPlanner:
         if footing is None or math.dist(place, footing) > 10 * TOO_CLOSE:
             raise PlanningError(reason, self._blocked(place, end))
         return footing
-
-
-def _distinct(points: list[Point]) -> list[Point]:
-    """Return `points` without waypoints that are next to the one before or to the end."""
-    kept, last = [points[0]], points[-1]
-    for place in points[1:-1]:
-        if math.dist(place, kept[-1]) > _STEP and math.dist(place, last) > _STEP:
-            kept.append(place)
-    return [*kept, last]
 
 
 def _place(at: ArrayLike, end: str) -> Point:

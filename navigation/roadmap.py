@@ -12,7 +12,7 @@ polyhedral obstacles", Communications of the ACM 22 (1979).
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Sequence
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -25,8 +25,9 @@ from .bodies import Body
 from .corners import Bends, Corners, Floats, bends, corners, edges_of_room
 from .freespace import STEP
 from .gates import Gates
+from .kernels.edges import Room
 from .kernels.heap import Heap
-from .kernels.search import Link, Turns
+from .kernels.search import Link, Search
 from .sight import Ints, Sight
 
 HAIR = 1e-4
@@ -41,7 +42,10 @@ In a larger one, bends are linked when a search comes to them.
 _AT_ONCE = 256
 """Number of bends that are linked at once."""
 
-_ROWS = 64
+_SOON = 32
+"""Number of places at the top of a search's queue that are linked at once with the first."""
+
+_ROWS = 32
 """Number of bends that are looked at from at once, so that tables about them stay in the cache."""
 
 
@@ -66,11 +70,8 @@ class Roadmap:
         shapely.prepare(self._edges)
         edges = edges_of_room(floor)
         self.bends = self._standing_bends(corners(edges))
+        self._columns = self.bends.columns()
         self._points: list[Point] = [(x, y) for x, y in self.bends.point.tolist()]
-        self.turns = Turns(self.bends.columns())
-        """The bends, for searches."""
-        self.queues: list[Heap] = []
-        """Queues that no search needs now: to make one takes longer than to use it."""
         self.places = frozenset(self._points)
         self.asked: dict[tuple[Point, Point], bool] = {}
         """FCL's answers about links between the floor's bends, by their places."""
@@ -81,10 +82,43 @@ class Roadmap:
             self.links = [*self._network()]
         else:
             self._sight = Sight(edges, self.bends, radius)
-        self._bodies: WeakKeyDictionary[Body, Turns] = WeakKeyDictionary()
+        self._bodies: WeakKeyDictionary[Body, Floats] = WeakKeyDictionary()
+        self._searches: list[Search] = []
 
     def __repr__(self) -> str:
         return f"<Roadmap for a radius of {self.radius:g} m: {len(self.bends)} bends>"
+
+    @property
+    def large(self) -> bool:
+        """True if bends are linked only when a search comes to them."""
+        return self._sight is not None
+
+    def path(
+        self,
+        start: Point,
+        goal: Point,
+        straight: bool,
+        bodies: Sequence[Body],
+        room: Room,
+        refused: set[tuple[Point, Point]],
+        hopeless: Callable[[], bool],
+    ) -> list[Point] | None:
+        """Return the shortest path round `bodies`, or None where there is none.
+
+        `straight` is false where something fixed is in the way between start and goal, `room` what
+        the floor and the bodies leave; `refused` links count for none. `hopeless()` is asked once
+        if the search takes long, and ends it if it is true.
+        """
+        around = [self.around(body) for body in bodies]
+        try:
+            search = self._searches.pop()  # one that nobody needs now
+        except IndexError:
+            search = Search(self._columns, self.links)  # takes longer than to use it
+        points = search.path(
+            start, goal, straight, around, room, refused, self._link_soon, hopeless
+        )
+        self._searches.append(search)
+        return points
 
     def visible(self, a: Floats, b: Floats) -> NDArray[np.bool_]:
         """Return whether the disc can go straight from a to b (N, 2), without regard to bodies."""
@@ -118,6 +152,12 @@ class Roadmap:
                 self.links[k] = links
             known = found[0]
         return known
+
+    def _link_soon(self, bend: int, queue: Heap) -> None:
+        """Link a bend that a search has come to, and those that it will soon come to."""
+        # A heap has the bends that will be taken soon not far from its top.
+        count = len(self.links)
+        self.links_of(bend, (to for to in queue.first(_SOON) if to < count))
 
     def _standing_bends(self, around: Corners) -> Bends:
         """Return the bends around corners that are clear of the floor's edges.
@@ -182,9 +222,9 @@ class Roadmap:
         both: NDArray[np.bool_] = here.graze(*along.T) & there.graze(*along.T)
         return both
 
-    def around(self, body: Body) -> Turns:
-        """Return the bends around `body`, kept for as long as it stands where it does."""
+    def around(self, body: Body) -> Floats:
+        """Return the columns of the bends around `body`, kept for as long as it stands there."""
         known = self._bodies.get(body)
         if known is None:
-            known = self._bodies[body] = Turns(self._standing_bends(body.corners).columns())
+            known = self._bodies[body] = self._standing_bends(body.corners).columns()
         return known

@@ -14,10 +14,9 @@ from floorplan import Point
 from .bodies import TOLERANCE, Body
 from .catalog import ROADMAP
 from .freespace import STEP
-from .kernels.edges import Room, touches
+from .kernels.edges import Room, come_into, touches
 from .ompl_setup import OmplFloor, path_along
 from .roadmap import HAIR, Roadmap
-from .search import shortest_path
 from .world import CollisionWorld
 
 SLACK = HAIR / 2
@@ -26,14 +25,11 @@ SLACK = HAIR / 2
 _SURE = 2 * TOLERANCE
 """Metres. What has so much room beyond what is asked has room by FCL, too."""
 
-_MOST_JUDGED = 4096
-"""Number of links of which FCL's answer among the bodies near them is kept."""
-
 
 class Links:
     """What is in the way of links, for discs of `radius` metres.
 
-    A search asks what the floor and the bodies leave `clear`, worked out in the plane; OMPL asks
+    A search asks what the floor and the bodies leave clear, worked out in the plane; OMPL asks
     whether links are `free`, which FCL decides.
     """
 
@@ -42,30 +38,43 @@ class Links:
         self.radius = radius
         self.among: list[Body] | None = None
         """The bodies that count for OMPL; None for all."""
-        self.judged: dict[tuple[Point, Point], tuple[list[Body], bool, int]] = {}
-        """What FCL said of links between bends, among which bodies, and in how many checks."""
+        self._judged: dict[tuple[Point, Point], tuple[bool, int]] = {}
+        self._judged_at = world.changes
         self._keep = radius + SLACK
         self._walls = world.walls(self._keep)
         self._floor = self.room([])
         self._place = self.room([], _SURE)
+
+    @property
+    def judged(self) -> dict[tuple[Point, Point], tuple[bool, int]]:
+        """What FCL said of links between bends since a body moved, and in how many checks."""
+        if self._judged_at != self.world.changes:
+            self._judged, self._judged_at = {}, self.world.changes
+        return self._judged
 
     def holds(self, place: Point) -> bool:
         """Return whether there is room at a place, and so much that FCL can't but agree."""
         if not self._place.holds(*place):
             return False
         near = self.world.near(place, place, self._keep + _SURE)
-        return not any(self.blocks(body, place, place, _SURE) for body in near)
+        return not (near and any(self.blocks(body, place, place, _SURE) for body in near))
 
     def clear(self, a: Point, b: Point) -> bool:
         """Return whether the floor leaves room on the link from a, where there is room, to b."""
         self.world.checks += 1
         return self._floor.clear(*a, *b, True)
 
-    def near(self, a: Point, b: Point) -> list[Body]:
-        """Return the bodies that may be in the way on the link from a to b."""
-        near = self.world.near(a, b, self._keep)
-        self.world.checks += len(near)
-        return near
+    def met(self, points: list[Point]) -> list[Body]:
+        """Return the bodies that are in the way on the polyline `points`, the first met first."""
+        met: list[Body] = []
+        near = come_into(self.world.bounds, points, self._keep)
+        if near:
+            self.world.checks += len(near)
+            bodies = self.world.bodies
+            for leg, k in near:
+                if bodies[k] not in met and self.blocks(bodies[k], points[leg], points[leg + 1]):
+                    met.append(bodies[k])
+        return met
 
     def blocks(self, body: Body, a: Point, b: Point, beyond: float = 0.0) -> bool:
         """Return whether a body is in the way on the link from a, where it is not, to b."""
@@ -104,92 +113,78 @@ class RoadmapSearch:
         self._links = links
         self._start, self._goal = start, goal
         self._step = step
+        self._room = links.radius + HAIR
         self._ask = ask
         self._refused: set[tuple[Point, Point]] = set()
 
     def path(self) -> list[Point] | None:
         """Return the points of the shortest path, or None if there is none."""
         links, start, goal = self._links, self._start, self._goal
+        points = [start, goal]
         straight = links.clear(start, goal)
-        if straight:
-            near = links.near(start, goal)
-            blocked = any(links.blocks(body, start, goal) for body in near)
-            if not blocked and self._granted(start, goal):
-                return [start, goal]
-        world, space = links.world, links.world.fixed_space(links.radius + HAIR)
-        # Where there is room at both ends, they can only be apart on a floor in pieces.
-        in_pieces = bool(world.gates) or len(space.pieces) != 1
-        if in_pieces and not world.gates.reach(space, start, goal):
+        met = links.met(points) if straight else []
+        if straight and not met and self._granted(points):
+            return points
+        world = links.world
+        # To link the bends of a large floor takes longer than this proof.
+        if world.roadmap(links.radius, self._step).large and self._apart():
             return None
         # Wide bends may close a narrow gap. Where they lead nowhere, and nothing proves that
         # nothing does, fine ones decide.
         for step in (self._step, STEP):
-            points = self._around_bodies(world.roadmap(links.radius, step), straight)
-            if points is not None or self._hopeless():
-                return points
+            found = self._around_bodies(world.roadmap(links.radius, step), straight, met)
+            if found is not None or self._hopeless():
+                return found
         return None
 
-    def _around_bodies(self, roadmap: Roadmap, straight: bool) -> list[Point] | None:
-        """Return the shortest path on `roadmap` round the bodies that it meets.
+    def _around_bodies(
+        self, roadmap: Roadmap, straight: bool, met: list[Body]
+    ) -> list[Point] | None:
+        """Return the shortest path on `roadmap` round the bodies that it meets, and those `met`.
 
         Bodies are taken in only when a path runs into them. That is enough: a shortest path round
         some of the bodies that is clear of all others is the shortest path round all. `straight` is
         true where nothing but bodies is in the way to the goal.
         """
-        links, start, goal = self._links, self._start, self._goal
-        met: list[Body] = []
-        points: list[Point] | None = [start, goal] if straight else None
+        links = self._links
         while True:
-            # Only asked anew where a body was met, or FCL has refused a link of the answer.
-            if points is None or not self._refused.isdisjoint(itertools.pairwise(points)):
-                room, refused = links.room(met), self._refused
-                points = shortest_path(
-                    roadmap, start, goal, straight, met, room, refused, self._hopeless
-                )
-                links.world.checks += room.asked
+            room = links.room(met)
+            points = roadmap.path(
+                self._start, self._goal, straight, met, room, self._refused, self._hopeless
+            )
+            links.world.checks += room.asked
             if points is None:
                 return None
-            pairs = [*itertools.pairwise(points)]
-            nears = [links.near(*pair) for pair in pairs]
-            touched = {
-                body: None
-                for pair, near in zip(pairs, nears, strict=True)
-                for body in near
-                if links.blocks(body, *pair)
-            }
-            fresh = [body for body in touched if body not in met]
-            asked = zip(pairs, nears, strict=True)
-            if not fresh and all(self._granted(*pair, near, roadmap) for pair, near in asked):
+            fresh = links.met(points)
+            if not fresh and self._granted(points, roadmap):
                 return points
-            points = None
-            met += fresh
+            met = met + fresh
 
-    def _granted(
-        self, a: Point, b: Point, near: list[Body] | None = None, roadmap: Roadmap | None = None
-    ) -> bool:
-        """Return whether the link from a to b is free, and keep in mind that it is not.
+    def _granted(self, points: list[Point], roadmap: Roadmap | None = None) -> bool:
+        """Return whether all links of a path are free; one that is not is refused from now on."""
+        judged, world = self._links.judged, self._links.world
+        for link in itertools.pairwise(points):
+            free, checks = judged.get(link) or self._judge(*link, roadmap)
+            world.checks += checks  # those of earlier questions, too: figures don't depend on them
+            if not free:
+                self._refused.add(link)
+                return False
+        return True
 
-        Links between bends, of `roadmap` or of bodies, are asked once for as long as the same
-        bodies stand `near` them.
+    def _judge(self, a: Point, b: Point, roadmap: Roadmap | None) -> tuple[bool, int]:
+        """Return whether the link from a to b is free, and the number of checks that this takes.
+
+        Links between bends, of `roadmap` or of bodies, are judged once until a body moves.
         """
-        links, known = self._links, None
+        world = self._links.world
+        before = world.checks
         fixed = roadmap is not None and a in roadmap.places and b in roadmap.places
-        if near is not None and (fixed or (a != self._start and b != self._goal)):
-            known = links.judged.get((a, b))
-            if known is None or known[0] != near:
-                before = links.world.checks
-                free = self._asked_of(roadmap, a, b) if roadmap and fixed else self._ask(a, b)
-                if len(links.judged) >= _MOST_JUDGED:
-                    links.judged.clear()
-                links.judged[a, b] = near, free, links.world.checks - before
-            else:
-                free = known[1]
-                links.world.checks += known[2]  # figures don't depend on earlier questions
-        else:
-            free = self._ask(a, b)
-        if not free:
-            self._refused.add((a, b))
-        return free
+        free = self._asked_of(roadmap, a, b) if roadmap and fixed else self._ask(a, b)
+        verdict = free, world.checks - before
+        world.checks = before
+        if fixed or (a != self._start and b != self._goal):
+            self._links.judged[a, b] = verdict
+        return verdict
 
     def _asked_of(self, roadmap: Roadmap, a: Point, b: Point) -> bool:
         """Return whether a link between bends of `roadmap` is free.
@@ -205,10 +200,16 @@ class RoadmapSearch:
             links.world.checks += 1  # as if asked
         return known and not links.hit(a, b)
 
+    def _apart(self) -> bool:
+        """Return True if it is proved that the floor alone keeps start and goal apart."""
+        gates, space = self._links.world.gates, self._links.world.fixed_space(self._room)
+        # Where there is room at both ends, they can only be apart on a floor in pieces.
+        in_pieces = bool(gates) or len(space.pieces) != 1
+        return in_pieces and not gates.reach(space, self._start, self._goal)
+
     def _hopeless(self) -> bool:
         """Return True if it is proved that there is no path."""
-        room = self._links.radius + HAIR
-        return not self._links.world.reaches(self._start, self._goal, room)
+        return self._apart() or not self._links.world.reaches(self._start, self._goal, self._room)
 
 
 class RoadmapPlanner(ob.Planner):  # type: ignore[misc]
@@ -230,17 +231,10 @@ class RoadmapPlanner(ob.Planner):  # type: ignore[misc]
 
     def solve(self, _: Any) -> Any:
         """Add the shortest path to the problem, if there is one."""
-        information, here, there = self._floor.information, self._floor.here, self._floor.there
-
-        def ask(a: Point, b: Point) -> bool:
-            here[0], here[1] = a
-            there[0], there[1] = b
-            return bool(information.checkMotion(here, there))
-
-        points = self.points = RoadmapSearch(*self._question, ask).path()
+        points = self.points = RoadmapSearch(*self._question, self._floor.moves).path()
         if points is None:
             return ob.PlannerStatus(ob.PlannerStatus.INFEASIBLE)
-        self.getProblemDefinition().addSolutionPath(path_along(information, points))
+        self.getProblemDefinition().addSolutionPath(path_along(self._floor.information, points))
         return ob.PlannerStatus(ob.PlannerStatus.EXACT_SOLUTION)
 
 
@@ -248,7 +242,9 @@ class RoadmapQuestions:
     """Questions to the roadmap of `world` for discs of `radius` metres, put by OMPL.
 
     FCL decides for OMPL what is free. Its space is made once; each question is a problem, and a
-    planner, of its own.
+    planner, of its own. Beside these a question costs a search, and FCL's judgement of the first
+    and the last link of the path. All else is kept: what the floor alone decides as long as the
+    floor (`Roadmap`), and what bodies decide until one moves (`Links.judged`).
     """
 
     def __init__(self, world: CollisionWorld, radius: float) -> None:

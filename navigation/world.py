@@ -17,7 +17,7 @@ from . import ground
 from .bodies import TOLERANCE, Body, Disc, Sweep, touch
 from .freespace import FreeSpace
 from .gates import Gates
-from .kernels.discs import within_bounds
+from .kernels.edges import come_into
 from .kernels.numbers import numbers
 from .narrows import Narrows
 from .roadmap import HAIR, Roadmap
@@ -65,7 +65,7 @@ class CollisionWorld:
         self._solid = ground.solid(self.floor, self._bounds)
         self._sweep = Sweep()
         self._bodies: dict[str, Body] = {}
-        self._all_bounds: MutableSequence[float] | None = None
+        self._there: tuple[Named[Body], MutableSequence[float]] | None = None
         self._agvs: dict[str, float] = {}
         self.checks = 0
         """Number of collision queries answered."""
@@ -121,7 +121,7 @@ class CollisionWorld:
             placed = ", ".join(n for n in self._bodies if n not in self._agvs) or "none"
             raise KeyError(f"no placed body is called {name!r} (there are: {placed})")
         del self._bodies[name]
-        self._all_bounds = None
+        self._there = None
         self.changes += 1
 
     def as_if(
@@ -141,7 +141,7 @@ class CollisionWorld:
         other._bodies = {name: b for name, b in self._bodies.items() if name not in away}
         other._agvs = {name: q for name, q in self._agvs.items() if name not in away}
         other._free_space = dict(self._free_space)
-        other._all_bounds = None
+        other._there = None
         for name, shape in (there or {}).items():
             other.place(name, shape)
         return other
@@ -149,34 +149,25 @@ class CollisionWorld:
     @property
     def bodies(self) -> Named[Body]:
         """The bodies on the floor now, within the heights of interest."""
-        return Named(self._bodies.values())
+        return self._standing[0]
 
     @property
     def bounds(self) -> MutableSequence[float]:
         """The bounds of the bodies: least x and y, greatest x and y of each, metres."""
-        if self._all_bounds is None:
-            self._all_bounds = numbers(
-                bound for body in self._bodies.values() for bound in body.bounds
-            )
-        return self._all_bounds
+        return self._standing[1]
+
+    @property
+    def _standing(self) -> tuple[Named[Body], MutableSequence[float]]:
+        """The bodies and their bounds, put together once for as long as none moves."""
+        if self._there is None:
+            bodies = Named(self._bodies.values())
+            self._there = bodies, numbers(bound for body in bodies for bound in body.bounds)
+        return self._there
 
     def near(self, a: Point, b: Point, radius: float) -> list[Body]:
         """Return the bodies whose bounds a disc of `radius` metres from a to b comes into."""
-        bounds = self.bounds
-        if not bounds:
-            return []
-        (ax, ay), (bx, by) = a, b
-        near = within_bounds(
-            bounds,
-            (ax if ax < bx else bx) - radius,
-            (ay if ay < by else by) - radius,
-            (ax if ax > bx else bx) + radius,
-            (ay if ay > by else by) + radius,
-        )
-        if not near:
-            return []
-        bodies = [*self._bodies.values()]
-        return [bodies[k] for k in near]
+        bodies, bounds = self._standing
+        return [bodies[k] for _, k in come_into(bounds, [a, b], radius)]
 
     def _put(self, name: str, shape: Polygon | Disc, bottom: float, top: float) -> None:
         body = ground.body(name, shape) if isinstance(shape, Polygon) else Body.of(name, shape)
@@ -184,7 +175,7 @@ class CollisionWorld:
             self._bodies[name] = body
         else:
             self._bodies.pop(name, None)
-        self._all_bounds = None
+        self._there = None
         self.changes += 1
 
     # The room there is
@@ -248,9 +239,9 @@ class CollisionWorld:
         ones count, by default all.
         """
         self.checks += 1
-        if self.gates and not self.gates.allow(a, b):
+        if self.gates.lines and not self.gates.allow(a, b):
             return False
-        if not (self._within(a, radius) and self._within(b, radius)):
+        if not self._within(a, b, radius):
             return False
         sweep = self._sweep.between(a, b, radius)
         if touch(sweep, self._solid):
@@ -273,7 +264,7 @@ class CollisionWorld:
     def distance(self, point: Point) -> float:
         """Return the metres from `point` to the nearest thing or the boundary; 0 inside one."""
         self.checks += 1
-        if not self._within(point, 0.0):
+        if not self._within(point, point, 0.0):
             return 0.0
         solids = [self._solid, *(body.solid for body in self._bodies.values())]
         return min(self._sweep.distance(point, solid) for solid in solids)
@@ -370,8 +361,12 @@ class CollisionWorld:
             key=lambda place: math.dist(point, place),
         )
 
-    def _within(self, point: Point, margin: float) -> bool:
-        """Return whether `point` is finite and inside the bounds of the floor by `margin`."""
-        low_x, low_y, high_x, high_y = self._bounds
-        x, y = point
-        return low_x + margin <= x <= high_x - margin and low_y + margin <= y <= high_y - margin
+    def _within(self, a: Point, b: Point, margin: float) -> bool:
+        """Return whether a and b are finite and inside the bounds of the floor by `margin`."""
+        (ax, ay), (bx, by), (low_x, low_y, high_x, high_y) = a, b, self._bounds
+        return (
+            low_x + margin <= ax <= high_x - margin
+            and low_x + margin <= bx <= high_x - margin
+            and low_y + margin <= ay <= high_y - margin
+            and low_y + margin <= by <= high_y - margin
+        )

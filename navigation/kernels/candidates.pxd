@@ -2,12 +2,13 @@ from navigation.kernels.numbers cimport Doubles, Numbers
 from navigation.kernels.throng cimport Throng
 
 cdef Py_ssize_t _ROW
+cdef Py_ssize_t _LEG
 cdef Py_ssize_t _R
 cdef double _BEFORE
 cdef double _RAMP
 cdef double _HAIR
 cdef double _CLEAR
-cdef Py_ssize_t _MANY
+cdef Py_ssize_t _MORE
 cdef double _HARDLY
 cdef double _STANDS
 
@@ -24,6 +25,8 @@ cdef class Candidates:
     cdef Numbers lead_box
     cdef object slowed
     cdef readonly double whole
+    cdef Numbers legs
+    cdef Numbers losses
     cdef Numbers rows
     cdef Py_ssize_t count
     cdef Numbers tops
@@ -31,13 +34,17 @@ cdef class Candidates:
     cdef Numbers stood
     cdef Numbers ends
     cdef readonly Py_ssize_t row
-    cdef double loss
     cdef Py_ssize_t blocker
     cdef readonly double length
     cdef readonly double top_speed
     cdef readonly double delay
     cdef readonly double side
-    cdef readonly Numbers corners
+    cdef Numbers corners
+    cdef Py_ssize_t many
+    cdef Numbers aside
+    cdef Numbers path
+    cdef Numbers sketch
+    cdef Numbers bounds
     cdef readonly Numbers table
     cdef readonly Numbers box
     cdef readonly double x
@@ -85,7 +92,9 @@ cdef class Candidates:
     cdef int _look_at(
         self, list[Py_ssize_t] near, Throng throng, double own
     ) except -1
-    cdef bint _draw(self, Numbers corners) except -1
+    cdef Py_ssize_t _cut(self) noexcept
+    cdef Py_ssize_t _draw(self, Py_ssize_t count) except -1
+    cdef bint _take(self, Py_ssize_t end) except -1
     cdef int _add(
         self,
         double loss,
@@ -96,18 +105,18 @@ cdef class Candidates:
         double side,
     ) except -1
     cdef bint _can_turn(self) noexcept
-    cdef int _aside(self, double along, double side) except -1
+    cdef int _go_along(self) noexcept
+    cdef int _go_aside(self, double along, double side) noexcept
     cdef double _longer(self, double along, double side) noexcept
     cdef int _shift(self, double along, double side) noexcept
     cdef int _seek(self, double length) noexcept
+    cdef double _measure(self) noexcept
 
-cdef bint _runs_into(Numbers corners, Numbers stood) noexcept
-cdef bint _ends_at(Numbers corners, Numbers ends) noexcept
+cdef bint _runs_into(Numbers corners, Py_ssize_t count, Numbers stood) noexcept
+cdef bint _ends_at(Numbers corners, Py_ssize_t count, Numbers ends) noexcept
 cdef Py_ssize_t _note(
     Doubles disc, Py_ssize_t o, double x, double y, double least
 ) noexcept
 cdef double _apart(double ax, double ay, double bx, double by) noexcept
-cdef double _length(Numbers corners) noexcept
-cdef Numbers _first(Numbers corners, double length)
-cpdef Numbers bounds(Numbers corners, Numbers more)
-cdef int _widen(Doubles box, Numbers corners) noexcept
+cpdef int bound(Numbers corners, Py_ssize_t count, Numbers more, Numbers box) noexcept
+cdef int _widen(Doubles box, Doubles corner, Py_ssize_t count) noexcept

@@ -22,23 +22,32 @@ if not cython.compiled:
     from math import inf, sqrt
 
     from .discs import distance, met, stand
-    from .numbers import Doubles, Numbers, at, cut, room
-    from .pacing import bend_speed, walk_table
+    from .numbers import Doubles, Numbers, at, cut, grow, part, room
+    from .pacing import bend_speed, draw
 
     INFINITY = inf
 else:
     from cython.cimports.libc.math import INFINITY, sqrt
     from cython.cimports.navigation.kernels.discs import distance, met, stand
-    from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at, cut, room
-    from cython.cimports.navigation.kernels.pacing import bend_speed, walk_table
+    from cython.cimports.navigation.kernels.numbers import (
+        Doubles,
+        Numbers,
+        at,
+        cut,
+        grow,
+        part,
+        room,
+    )
+    from cython.cimports.navigation.kernels.pacing import bend_speed, draw
 
-_ROW: cython.Py_ssize_t = 6  # loss, length, top speed, delay, and for an aside: along, side
+_ROW: cython.Py_ssize_t = 5  # length, top speed, delay, and for an aside: along, side
+_LEG: cython.Py_ssize_t = 3  # length, direction
 _R: cython.Py_ssize_t = ROW
 _BEFORE: float = 0.35  # metres before and after the place at which an aside is beside its course
 _RAMP: float = 1.2  # metres that it takes to come back, for each metre of a shift
 _HAIR: float = 1e-6
 _CLEAR: float = 2e-3  # metres; who is so much farther off is not met where one sets out
-_MANY: cython.Py_ssize_t = 16  # walks that there is room for at first
+_MORE: cython.Py_ssize_t = 32  # walks that there is room for at first, and more each time
 _HARDLY: float = 0.02  # metres; a shift of no more is none
 _STANDS: float = 1e-6  # m/s; slower than this is standing
 
@@ -79,20 +88,27 @@ class Candidates:
         self.lead = lead
         self.lead_box = lead_box
         self.slowed = slowed
-        self.whole = _length(self.course)
-        none: Numbers = room(0)
-        self.rows = room(_ROW * _MANY)
+        self.legs = room(_LEG * len(course))
+        self.whole = self._measure()
+        self.losses = room(0)
+        self.rows = room(0)
         self.count = 0
         self.tops = room(1)
+        none: Numbers = room(0)
         self.stood = none
         self.ends = none
         nobody: list[cython.Py_ssize_t] = []
         self.near = nobody
         self.row = -1
-        self.loss = -INFINITY
         self.blocker = -1
         self.length = self.top_speed = self.delay = self.side = 0.0
         self.corners = none
+        self.many = 0
+        # What is looked at is drawn up in the same room again and again.
+        self.aside = room(len(self.course) + 8)
+        self.path = room(len(self.course) + 8)
+        self.sketch = room(0)
+        self.bounds = room(4)
         self.table = none
         self.box = none
         self.x = self.y = self.off_x = self.off_y = self.by_x = self.by_y = 0.0
@@ -105,7 +121,6 @@ class Candidates:
         self.count = 0
         self.row = -1
         self.blocker = -1
-        self.loss = -INFINITY
 
     def add(self, loss: float, length: float, top_speed: float, delay: float) -> None:
         """Add the walk along the first `length` metres of the course, which loses `loss` metres.
@@ -151,29 +166,30 @@ class Candidates:
         turn to are left out.
         """
         rows: Doubles = at(self.rows)
+        losses: Doubles = at(self.losses)
         while True:
             best: float = INFINITY
             row: cython.Py_ssize_t = -1
             k: cython.Py_ssize_t
+            # The next in order of loss, and of being added: a heap would cost more than it saves,
+            # as few are ever looked at.
             for k in range(self.count):
-                loss: float = rows[k * _ROW]
-                # The next in order of loss, and of being added: a heap would cost more than it
-                # saves, as few are ever looked at.
-                if loss < best and (loss > self.loss or (loss == self.loss and k > self.row)):
-                    best = loss
+                if losses[k] < best:
+                    best = losses[k]
                     row = k
             if row < 0:
                 return False
+            losses[row] = INFINITY
             self.row = row
-            self.loss = best
-            self.length = rows[row * _ROW + 1]
-            self.top_speed = rows[row * _ROW + 2]
-            self.delay = rows[row * _ROW + 3]
-            self.side = rows[row * _ROW + 5]
+            o: cython.Py_ssize_t = row * _ROW
+            self.length = rows[o]
+            self.top_speed = rows[o + 1]
+            self.delay = rows[o + 2]
+            self.side = rows[o + 4]
             if self.side == 0.0:
-                self.corners = self.course
+                self._go_along()
                 return True
-            self._aside(rows[row * _ROW + 4], self.side)
+            self._go_aside(rows[o + 3], self.side)
             if self._can_turn():
                 return True
 
@@ -182,12 +198,12 @@ class Candidates:
 
         At up to `top_speed` (m/s), and `delay` seconds later, who stands.
         """
-        self.corners = self.course
         self.length = length
         self.top_speed = top_speed
         self.delay = delay
         self.side = 0.0
-        return self._draw(_first(self.corners, self.length))
+        self._go_along()
+        return self._take(self._draw(self._cut()))
 
     def at(self, length: float) -> tuple[float, float, float, float]:
         """Return the place after `length` metres of the course, and its direction just before."""
@@ -231,7 +247,7 @@ class Candidates:
         Of its `length` metres at most, at up to `top_speed` (m/s). Return whether it meets nobody
         `near`, as in `next_free`.
         """
-        self._aside(along, side)
+        self._go_aside(along, side)
         self.length = length
         self.top_speed = top_speed
         self.delay = 0.0
@@ -240,19 +256,18 @@ class Candidates:
 
     def _is_free(self, near: list[cython.Py_ssize_t], throng: Throng, own: float) -> bool:
         """Draw up the walk that is looked at; return whether it meets nobody `near`."""
-        corners: Numbers = _first(self.corners, self.length)
+        count: cython.Py_ssize_t = self._cut()
         self._look_at(near, throng, own)
         # No table is drawn up for what can't be free, whenever they walk there: through somebody
         # who stands, or to where somebody will stand in the end.
-        if (
-            _runs_into(corners, self.stood)
-            or _ends_at(corners, self.ends)
-            or not self._draw(corners)
-        ):
+        if _runs_into(self.path, count, self.stood) or _ends_at(self.path, count, self.ends):
+            return False
+        end: cython.Py_ssize_t = self._draw(count)
+        if end == 0:
             return False
         now: float = self.now
-        table: Numbers = self.table
-        box: Numbers = self.box
+        table: Numbers = self.sketch
+        box: Numbers = self.bounds
         tables: list[Numbers] = throng.tables
         boxes: Numbers = throng.boxes
         radii: Numbers = throng.radii
@@ -266,7 +281,7 @@ class Candidates:
             if met(table, box, tables, boxes, radii, own, now, INFINITY, k) < INFINITY:
                 self.blocker = k
                 return False
-        return True
+        return self._take(end)
 
     def _look_at(self, near: list[cython.Py_ssize_t], throng: Throng, own: float) -> cython.int:
         """Set `stood` to who of those `near` stands for good, and `ends` to where others will.
@@ -306,20 +321,48 @@ class Candidates:
         cut(self.ends, ending)
         return 0
 
-    def _draw(self, corners: Numbers) -> bool:
-        """Set `table` and `box` to those of the walk along `corners` that is to be looked at."""
+    def _cut(self) -> cython.Py_ssize_t:
+        """Set `path` to the first `length` metres of the corners; return how many numbers it is."""
+        corner: Doubles = at(self.corners)
+        place: Doubles = at(self.path)
+        length: float = self.length
+        place[0] = corner[0]
+        place[1] = corner[1]
+        k: cython.Py_ssize_t
+        for k in range(2, self.many, 2):
+            x: float = corner[k - 2]
+            y: float = corner[k - 1]
+            dx: float = corner[k] - x
+            dy: float = corner[k + 1] - y
+            leg: float = sqrt(dx * dx + dy * dy)
+            if leg >= length:
+                if length <= 1e-9:
+                    return k
+                share: float = length / leg
+                place[k] = x + share * dx
+                place[k + 1] = y + share * dy
+                return k + 2
+            place[k] = corner[k]
+            place[k + 1] = corner[k + 1]
+            length -= leg
+        return self.many
+
+    def _draw(self, count: cython.Py_ssize_t) -> cython.Py_ssize_t:
+        """Sketch the walk along the first so many numbers of `path`; return its length, or 0."""
         # Only who stands can set out later.
         if self.delay != 0.0 and self.speed > _STANDS:
-            return False
+            return 0
         if self.slowed is not None:
-            slower = self.slowed(corners, self.top_speed, self.delay)
+            slower = self.slowed(part(self.path, 0, count), self.top_speed, self.delay)
             if slower is None:
-                return False
-            self.table, self.box = slower
-            return True
+                return 0
+            self.sketch, self.bounds = slower
+            return len(self.sketch)
         at(self.tops)[0] = self.top_speed
-        table: Numbers = walk_table(
-            corners,
+        bound(self.path, count, self.lead_box, self.bounds)
+        return draw(
+            self.path,
+            count,
             self.tops,
             self.begin if len(self.lead) > 0 else self.now,
             self.begin + self.delay,
@@ -327,11 +370,15 @@ class Candidates:
             self.max_speed,
             self.acceleration,
             self.lead,
+            self.sketch,
         )
-        if len(table) == 0:
+
+    def _take(self, end: cython.Py_ssize_t) -> bool:
+        """Set `table` and `box` to those of a sketch of this length; False if there is none."""
+        if end == 0:
             return False
-        self.table = table
-        self.box = bounds(corners, self.lead_box)
+        self.table = part(self.sketch, 0, end)
+        self.box = part(self.bounds, 0, 4)
         return True
 
     def _add(
@@ -343,17 +390,19 @@ class Candidates:
         along: float,
         side: float,
     ) -> cython.int:
-        o: cython.Py_ssize_t = _ROW * self.count
-        if o == len(self.rows):
-            self.rows.extend(self.rows)
+        k: cython.Py_ssize_t = self.count
+        if k == len(self.losses):
+            grow(self.losses, k + _MORE)
+            grow(self.rows, _ROW * (k + _MORE))
+        at(self.losses)[k] = loss
         row: Doubles = at(self.rows)
-        row[o] = loss
-        row[o + 1] = length
-        row[o + 2] = top_speed
-        row[o + 3] = delay
-        row[o + 4] = along
-        row[o + 5] = side
-        self.count += 1
+        o: cython.Py_ssize_t = _ROW * k
+        row[o] = length
+        row[o + 1] = top_speed
+        row[o + 2] = delay
+        row[o + 3] = along
+        row[o + 4] = side
+        self.count = k + 1
         return 0
 
     def _can_turn(self) -> bool:
@@ -373,7 +422,13 @@ class Candidates:
         shorter: float = length if length < speed else speed
         return self.speed <= bend_speed(cosine, shorter, self.acceleration)
 
-    def _aside(self, along: float, side: float) -> cython.int:
+    def _go_along(self) -> cython.int:
+        """Set `corners` to the course."""
+        self.corners = self.course
+        self.many = len(self.course)
+        return 0
+
+    def _go_aside(self, along: float, side: float) -> cython.int:
         """Set `corners` to a course that is `side` metres to the left after `along` metres."""
         self._shift(along, side)
         # Where the course goes on after it.
@@ -381,7 +436,8 @@ class Candidates:
         if self.leg >= 0:
             on = 2 * self.leg + 2
         back: cython.Py_ssize_t = 8 if self.leg >= 0 else 6
-        self.corners = room(back + len(self.course) - on)
+        self.corners = self.aside
+        self.many = back + len(self.course) - on
         corner: Doubles = at(self.corners)
         course: Doubles = at(self.course)
         corner[0] = course[0]
@@ -406,13 +462,13 @@ class Candidates:
         total += _apart(self.off_x, self.off_y, self.by_x, self.by_y)
         if self.leg >= 0:
             total += _apart(self.by_x, self.by_y, self.x, self.y)
-            x: float = self.x
-            y: float = self.y
-            k: cython.Py_ssize_t
-            for k in range(2 * self.leg + 2, len(self.course), 2):
-                total += _apart(x, y, course[k], course[k + 1])
-                x = course[k]
-                y = course[k + 1]
+            # The rest of the leg that it comes back to, and all after that.
+            k: cython.Py_ssize_t = 2 * self.leg + 2
+            if k < len(self.course):
+                total += _apart(self.x, self.y, course[k], course[k + 1])
+            leg: Doubles = at(self.legs)
+            for k in range(self.leg + 1, len(self.course) // 2 - 1):
+                total += leg[k * _LEG]
         return total - self.whole
 
     def _shift(self, along: float, side: float) -> cython.int:
@@ -449,39 +505,59 @@ class Candidates:
         Also the direction of that leg. At its end, the leg is one that is not there.
         """
         course: Doubles = at(self.course)
-        count: cython.Py_ssize_t = len(self.course)
-        self.c = 1.0
-        self.s = 0.0
-        k: cython.Py_ssize_t
-        for k in range(0, count - 2, 2):
-            x: float = course[k]
-            y: float = course[k + 1]
-            dx: float = course[k + 2] - x
-            dy: float = course[k + 3] - y
-            leg: float = sqrt(dx * dx + dy * dy)
-            if leg > 1e-9:
-                self.c = dx / leg
-                self.s = dy / leg
-            if leg > length:
-                share: float = max(length, 0.0) / leg
-                self.x = x + share * dx
-                self.y = y + share * dy
-                self.leg = k // 2
-                return 0
-            length -= leg
-        self.x = course[count - 2]
-        self.y = course[count - 1]
-        self.leg = count // 2 - 1
+        leg: Doubles = at(self.legs)
+        last: cython.Py_ssize_t = len(self.course) // 2 - 1
+        k: cython.Py_ssize_t = 0
+        while k < last and leg[k * _LEG] <= length:
+            length -= leg[k * _LEG]
+            k += 1
+        self.leg = k
+        self.x = course[2 * k]
+        self.y = course[2 * k + 1]
+        if k < last:
+            share: float = max(length, 0.0) / leg[k * _LEG]
+            self.x += share * (course[2 * k + 2] - self.x)
+            self.y += share * (course[2 * k + 3] - self.y)
+        elif k > 0:
+            k -= 1
+        self.c = leg[k * _LEG + 1]
+        self.s = leg[k * _LEG + 2]
         return 0
 
+    def _measure(self) -> float:
+        """Note the legs of the course; return its length, metres."""
+        course: Doubles = at(self.course)
+        count: cython.Py_ssize_t = len(self.course) // 2
+        leg: Doubles = at(self.legs)
+        total: float = 0.0
+        c: float = 1.0
+        s: float = 0.0
+        k: cython.Py_ssize_t
+        # A course of one corner leads nowhere, but has a direction.
+        leg[1] = c
+        leg[2] = s
+        for k in range(count - 1):
+            dx: float = course[2 * k + 2] - course[2 * k]
+            dy: float = course[2 * k + 3] - course[2 * k + 1]
+            length: float = sqrt(dx * dx + dy * dy)
+            # Legs that are none have the direction of those before.
+            if length > 1e-9:
+                c = dx / length
+                s = dy / length
+            leg[k * _LEG] = length
+            leg[k * _LEG + 1] = c
+            leg[k * _LEG + 2] = s
+            total += length
+        return total
 
-def _runs_into(corners: Numbers, stood: Numbers) -> bool:
+
+def _runs_into(corners: Numbers, count: cython.Py_ssize_t, stood: Numbers) -> bool:
     """Return whether a polyline comes nearer to any place than is said with it: x, y, metres."""
     corner: Doubles = at(corners)
     disc: Doubles = at(stood)
     i: cython.Py_ssize_t
     k: cython.Py_ssize_t
-    for k in range(0, len(corners) - 2, 2):
+    for k in range(0, count - 2, 2):
         x: float = corner[k]
         y: float = corner[k + 1]
         dx: float = corner[k + 2] - x
@@ -491,23 +567,24 @@ def _runs_into(corners: Numbers, stood: Numbers) -> bool:
             px: float = disc[i] - x
             py: float = disc[i + 1] - y
             least: float = disc[i + 2]
-            share: float = px * dx + py * dy
-            if share > 0.0:
-                # The nearest point of the leg; `share` is along it, times its length squared until
-                # here.
-                share = share / square if share < square else 1.0
-                px -= share * dx
-                py -= share * dy
+            along: float = px * dx + py * dy  # the leg, times its length
+            if 0.0 < along < square:
+                across: float = px * dy - py * dx
+                if across * across < least * least * square:
+                    return True
+                continue
+            if along > 0.0:
+                px -= dx
+                py -= dy
             if px * px + py * py < least * least:
                 return True
     return False
 
 
-def _ends_at(corners: Numbers, ends: Numbers) -> bool:
+def _ends_at(corners: Numbers, count: cython.Py_ssize_t, ends: Numbers) -> bool:
     """Return whether a polyline ends nearer to any place than is said with it: x, y, metres."""
     corner: Doubles = at(corners)
     disc: Doubles = at(ends)
-    count: cython.Py_ssize_t = len(corners)
     x: float = corner[count - 2]
     y: float = corner[count - 1]
     i: cython.Py_ssize_t
@@ -537,61 +614,23 @@ def _apart(ax: float, ay: float, bx: float, by: float) -> float:
     return sqrt(dx * dx + dy * dy)
 
 
-def _length(corners: Numbers) -> float:
-    """Return the length of a polyline, metres."""
-    corner: Doubles = at(corners)
-    total: float = 0.0
-    k: cython.Py_ssize_t
-    for k in range(0, len(corners) - 2, 2):
-        total += _apart(corner[k], corner[k + 1], corner[k + 2], corner[k + 3])
-    return total
+def bound(corners: Numbers, count: cython.Py_ssize_t, more: Numbers, box: Numbers) -> cython.int:
+    """Set `box` to the bounds of so many numbers of `corners`, and of bounds besides.
+
+    Least x and y, greatest x and y.
+    """
+    low: Doubles = at(box)
+    low[0] = low[1] = INFINITY
+    low[2] = low[3] = -INFINITY
+    _widen(low, at(corners), count)
+    _widen(low, at(more), len(more))
+    return 0
 
 
-def _first(corners: Numbers, length: float) -> Numbers:
-    """Return the first `length` metres of a polyline, or all of it."""
-    corner: Doubles = at(corners)
-    kept: Numbers = room(len(corners))
-    place: Doubles = at(kept)
-    place[0] = corner[0]
-    place[1] = corner[1]
-    k: cython.Py_ssize_t
-    for k in range(2, len(corners), 2):
-        x: float = corner[k - 2]
-        y: float = corner[k - 1]
-        dx: float = corner[k] - x
-        dy: float = corner[k + 1] - y
-        leg: float = sqrt(dx * dx + dy * dy)
-        if leg >= length:
-            if length <= 1e-9:
-                cut(kept, k)
-                return kept
-            share: float = length / leg
-            place[k] = x + share * dx
-            place[k + 1] = y + share * dy
-            cut(kept, k + 2)
-            return kept
-        place[k] = corner[k]
-        place[k + 1] = corner[k + 1]
-        length -= leg
-    return kept
-
-
-def bounds(corners: Numbers, more: Numbers) -> Numbers:
-    """Return least x and y and greatest x and y of `corners`, and of bounds besides."""
-    found: Numbers = room(4)
-    box: Doubles = at(found)
-    box[0] = box[1] = INFINITY
-    box[2] = box[3] = -INFINITY
-    _widen(box, corners)
-    _widen(box, more)
-    return found
-
-
-def _widen(box: Doubles, corners: Numbers) -> cython.int:
+def _widen(box: Doubles, corner: Doubles, count: cython.Py_ssize_t) -> cython.int:
     """Widen bounds to those of corners."""
-    corner: Doubles = at(corners)
     k: cython.Py_ssize_t
-    for k in range(0, len(corners), 2):
+    for k in range(0, count, 2):
         box[0] = min(box[0], corner[k])
         box[1] = min(box[1], corner[k + 1])
         box[2] = max(box[2], corner[k])

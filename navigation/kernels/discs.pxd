@@ -6,7 +6,12 @@ cdef double _RESOLUTION
 cdef double _JUST_NOW
 
 cpdef list[Py_ssize_t] within_bounds(
-    Numbers boxes, double low_x, double low_y, double high_x, double high_y
+    Numbers boxes,
+    double low_x,
+    double low_y,
+    double high_x,
+    double high_y,
+    Py_ssize_t but=*,
 )
 cdef int stand(
     Doubles row, Py_ssize_t o, double since, double until, double x, double y

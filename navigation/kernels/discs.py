@@ -2,7 +2,7 @@
 
 A table holds the motion of a centre in rows of ten numbers, one after another: begin and end of a
 piece (seconds), then the coefficients of its cubics of x and y since it began. The last row is the
-final standing, and never ends.
+final standing, and never ends. For what a row of numbers is see `numbers`.
 """
 
 from __future__ import annotations
@@ -34,9 +34,14 @@ _JUST_NOW: float = 1e-3  # seconds; who is too close so soon is so already
 
 
 def within_bounds(
-    boxes: Numbers, low_x: float, low_y: float, high_x: float, high_y: float
+    boxes: Numbers,
+    low_x: float,
+    low_y: float,
+    high_x: float,
+    high_y: float,
+    but: cython.Py_ssize_t = -1,
 ) -> list[cython.Py_ssize_t]:
-    """Return who of those with these bounds may come into some: their indices.
+    """Return who of those with these bounds, `but` one, may come into some: their indices.
 
     `boxes` holds four numbers for each: least x and y, greatest x and y (metres). Those asked
     about are `low_x`, `low_y`, `high_x` and `high_y`.
@@ -50,6 +55,7 @@ def within_bounds(
             and b[4 * k + 2] > low_x
             and b[4 * k + 1] < high_y
             and b[4 * k + 3] > low_y
+            and k != but
         ):
             found.append(k)  # noqa: PERF401
     return found

@@ -41,11 +41,33 @@ cdef class Legs:
     cdef public Numbers bounds
     cpdef bint free(self, double ax, double ay, double bx, double by) except -1
     cpdef Py_ssize_t farthest(self, double x, double y, list route) except -2
+    cpdef Py_ssize_t farthest_round(
+        self, double x, double y, list route, Numbers places, double width
+    ) except -2
+    cdef bint _keeps_off(
+        self,
+        double ax,
+        double ay,
+        double bx,
+        double by,
+        Numbers places,
+        double width,
+    ) except -1
 
 cpdef Numbers legs_of(list course)
 cpdef bint touches(
     Numbers edges, double ax, double ay, double bx, double by, double radius
 ) except -1
+cpdef list come_into(Numbers bounds, list route, double radius)
+cdef bint _comes_into(
+    Doubles bound,
+    Py_ssize_t k,
+    double ax,
+    double ay,
+    double bx,
+    double by,
+    double radius,
+) noexcept
 cpdef bint back_through(
     Numbers line, double ax, double ay, double bx, double by
 ) except -1

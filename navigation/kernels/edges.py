@@ -1,6 +1,6 @@
 """Edges of a floor: whether a disc that is swept along a segment touches one.
 
-Edges are numbers side by side: x and y of both ends of each in turn (metres).
+Edges are rows of numbers (see `numbers`): x and y of both ends of each in turn (metres).
 """
 
 from __future__ import annotations
@@ -232,13 +232,8 @@ class Legs:
             return False
         bound: Doubles = at(self.bounds)
         k: cython.Py_ssize_t
-        for k in range(0, len(self.bounds), 4):
-            if (
-                bound[k] < max(ax, bx) + self.radius
-                and bound[k + 2] > min(ax, bx) - self.radius
-                and bound[k + 1] < max(ay, by) + self.radius
-                and bound[k + 3] > min(ay, by) - self.radius
-            ):
+        for k in range(len(self.bounds) // 4):
+            if _comes_into(bound, k, ax, ay, bx, by, self.radius):
                 return bool(self.ask((ax, ay), (bx, by)))
         return True
 
@@ -253,6 +248,77 @@ class Legs:
             if self.free(x, y, bx, by):
                 return k
         return -1
+
+    def farthest_round(
+        self, x: float, y: float, route: list[Place], places: Numbers, width: float
+    ) -> cython.Py_ssize_t:
+        """Return what `farthest` does where all of the way from there keeps off some `places`.
+
+        By `width` metres; x and y of each in turn, twice. -1 where it doesn't.
+        """
+        k: cython.Py_ssize_t
+        i: cython.Py_ssize_t
+        for k in range(min(len(route), _LOOKED_AT) - 1, -1, -1):
+            bx, by = route[k]
+            if self._keeps_off(x, y, bx, by, places, width):
+                for i in range(k + 1, len(route)):
+                    x, y = bx, by
+                    bx, by = route[i]
+                    if not self._keeps_off(x, y, bx, by, places, width):
+                        return -1
+                return k
+        return -1
+
+    def _keeps_off(
+        self, ax: float, ay: float, bx: float, by: float, places: Numbers, width: float
+    ) -> bool:
+        return not touches(places, ax, ay, bx, by, width) and self.free(ax, ay, bx, by)
+
+
+def come_into(bounds: Numbers, route: list[Place], radius: float) -> list[tuple[int, int]]:
+    """Return which bounds a disc of `radius` metres comes into on which segments of a `route`.
+
+    `bounds` are least x and y and greatest x and y of each; the result has the index of the
+    segment and that of the bounds.
+    """
+    found: list[tuple[int, int]] = []
+    count: cython.Py_ssize_t = len(bounds) // 4
+    bound: Doubles = at(bounds)
+    ax: float
+    ay: float
+    bx: float
+    by: float
+    k: cython.Py_ssize_t
+    i: cython.Py_ssize_t
+    for i in range(len(route) - 1 if count > 0 else 0):
+        ax, ay = route[i]
+        bx, by = route[i + 1]
+        for k in range(count):
+            if _comes_into(bound, k, ax, ay, bx, by, radius):
+                found.append((i, k))  # noqa: PERF401
+    return found
+
+
+def _comes_into(
+    bound: Doubles,
+    k: cython.Py_ssize_t,
+    ax: float,
+    ay: float,
+    bx: float,
+    by: float,
+    radius: float,
+) -> bool:
+    """Return whether a disc comes into the `k`-th of some bounds on the segment from a to b."""
+    low_x: float = bound[4 * k] - radius
+    low_y: float = bound[4 * k + 1] - radius
+    high_x: float = bound[4 * k + 2] + radius
+    high_y: float = bound[4 * k + 3] + radius
+    return (
+        (ax > low_x or bx > low_x)
+        and (ay > low_y or by > low_y)
+        and (ax < high_x or bx < high_x)
+        and (ay < high_y or by < high_y)
+    )
 
 
 def back_through(line: Numbers, ax: float, ay: float, bx: float, by: float) -> bool:

@@ -14,13 +14,13 @@ if not cython.compiled:
 
     from .follower import Follower
     from .gauge import Course, Gauge
-    from .numbers import Numbers, at, longer, room
+    from .numbers import Numbers, at, grow, room
     from .odometer import Figure, Odometer
 else:
     from cython.cimports.libc.math import copysign, cos, sin, sqrt
     from cython.cimports.navigation.kernels.follower import Follower
     from cython.cimports.navigation.kernels.gauge import Course, Gauge
-    from cython.cimports.navigation.kernels.numbers import Numbers, at, longer, room
+    from cython.cimports.navigation.kernels.numbers import Numbers, at, grow, room
     from cython.cimports.navigation.kernels.odometer import Figure, Odometer
 
 _INFINITE: float = float("inf")
@@ -131,7 +131,7 @@ class Encounter:
         # Each of those that are left begins where the one before it ends.
         left: cython.Py_ssize_t = self.left
         if left == len(self.ends):
-            self.ends = longer(self.ends, max(2 * left, _SOME))
+            grow(self.ends, max(2 * left, _SOME))
         at(self.ends)[left] = upper
         self.left = left + 1
         self.upper = middle

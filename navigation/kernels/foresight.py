@@ -197,9 +197,7 @@ class Foresight:
         seen[1] = box[1] - around
         seen[2] = box[2] + around
         seen[3] = box[3] + around
-        self.near = self.throng.near(self.seen, self.radius + self.comfort)
-        if self.me in self.near:
-            self.near.remove(self.me)
+        self.near = self.throng.near(self.seen, self.radius + self.comfort, self.me)
         return 0
 
     def _first_met(self, own: float) -> cython.Py_ssize_t:
@@ -551,7 +549,7 @@ class Foresight:
         walks.add_asides(sides, _WIDEST, usual, _OTHER_SIDE, length, top, along)
         if opposed:
             length = along + _PAST
-            cut(sides, 2)
+            sides = numbers((beside - wide, beside + wide))
             walks.add_asides(sides, _WIDEST, usual, _OTHER_SIDE, length, top, along)
         return 0
 
@@ -590,7 +588,7 @@ class Foresight:
         c: Doubles = at(self.walks.corners)
         k: cython.Py_ssize_t
         # The shift is in the first three legs; all that comes after is the course, which is free.
-        for k in range(0, min(len(self.walks.corners), 8) - 2, 2):
+        for k in range(0, min(self.walks.many, 8) - 2, 2):
             if not self.legs.free(c[k], c[k + 1], c[k + 2], c[k + 3]):
                 return False
         return True

@@ -11,6 +11,9 @@ cdef inline Doubles at(Numbers row) noexcept:
 cdef inline int cut(Numbers row, Py_ssize_t count) except -1:
     return resize(row, count)
 
+cdef inline int grow(Numbers row, Py_ssize_t count) except -1:
+    return resize(row, count) if len(row) < count else 0
+
 cdef inline int put(
     Doubles row, Py_ssize_t o, Doubles other, Py_ssize_t p, Py_ssize_t count
 ) noexcept:
@@ -27,5 +30,4 @@ cdef inline bint are_finite(Doubles row, Py_ssize_t o, Py_ssize_t count) noexcep
 cpdef Numbers room(Py_ssize_t count)
 cpdef Numbers numbers(values)
 cdef Numbers part(Numbers row, Py_ssize_t begin, Py_ssize_t count)
-cdef Numbers longer(Numbers row, Py_ssize_t count)
 cpdef Numbers flat(list places)

@@ -32,6 +32,10 @@ if not cython.compiled:
         """Leave the first so many numbers of a row."""
         del row[count:]
 
+    def grow(row: Numbers, count: int) -> None:
+        """Make a row so long at least; what is new is to be set."""
+        row.extend([0.0] * (count - len(row)))
+
     def put(
         row: Doubles, o: cython.Py_ssize_t, other: Doubles, p: cython.Py_ssize_t, count: int
     ) -> None:
@@ -47,9 +51,9 @@ if not cython.compiled:
         """Return room for so many numbers, which are to be set."""
         return [0.0] * count
 
-    def numbers(values: Iterable[float]) -> Numbers:
-        """Return `values` as numbers that the kernels read."""
-        return [*map(float, values)]
+    def part(row: Numbers, begin: int, count: int) -> Numbers:
+        """Return a copy of so many numbers of a row from `begin` on."""
+        return row[begin : begin + count]
 else:
     from cython.cimports.cpython.array import clone
 
@@ -58,22 +62,15 @@ else:
     def room(count: cython.Py_ssize_t) -> Numbers:
         return clone(_NONE, count, False)
 
-    def numbers(values: Iterable[float]) -> Numbers:
-        return array("d", values)
+    def part(row: Numbers, begin: cython.Py_ssize_t, count: cython.Py_ssize_t) -> Numbers:
+        found: Numbers = room(count)
+        put(at(found), 0, at(row), begin, count)
+        return found
 
 
-def part(row: Numbers, begin: cython.Py_ssize_t, count: cython.Py_ssize_t) -> Numbers:
-    """Return a copy of so many numbers of a row from `begin` on."""
-    found: Numbers = room(count)
-    put(at(found), 0, at(row), begin, count)
-    return found
-
-
-def longer(row: Numbers, count: cython.Py_ssize_t) -> Numbers:
-    """Return a copy of a row with room for so many numbers."""
-    found: Numbers = room(count)
-    put(at(found), 0, at(row), 0, len(row))
-    return found
+def numbers(values: Iterable[float]) -> Numbers:
+    """Return some `values` as the numbers that kernels read: tables, bounds, edges, and discs."""
+    return array("d", values) if cython.compiled else [*map(float, values)]
 
 
 def flat(places: list[Place]) -> Numbers:

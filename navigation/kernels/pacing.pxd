@@ -18,21 +18,33 @@ cpdef Numbers walk_table(
     double acceleration,
     Numbers lead,
 )
+cdef Py_ssize_t draw(
+    Numbers corners,
+    Py_ssize_t count,
+    Numbers tops,
+    double since,
+    double start,
+    double initial_speed,
+    double max_speed,
+    double acceleration,
+    Numbers lead,
+    Numbers table,
+) except -1
 cpdef Numbers turned(Numbers table, double heading)
 cdef double bend_speed(double cosine, double shorter, double acceleration) noexcept
 cdef Py_ssize_t _plan(
-    Numbers corners,
+    Doubles corner,
+    Py_ssize_t count,
     Numbers tops,
     double initial_speed,
     double max_speed,
     double acceleration,
     Doubles leg,
-    Doubles cap,
+    Py_ssize_t i,
 ) noexcept
 cdef Py_ssize_t _walk(
     Doubles row,
     Py_ssize_t o,
-    Doubles leg,
     Py_ssize_t i,
     double u,
     double w,
@@ -41,7 +53,6 @@ cdef Py_ssize_t _walk(
 cdef Py_ssize_t _phase(
     Doubles row,
     Py_ssize_t o,
-    Doubles leg,
     Py_ssize_t i,
     double gone,
     double duration,

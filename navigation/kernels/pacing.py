@@ -23,17 +23,26 @@ if not cython.compiled:
     from math import atan2, inf, sqrt
 
     from .discs import stand
-    from .numbers import Doubles, Numbers, at, cut, put, room
+    from .numbers import Doubles, Numbers, at, cut, grow, put, room
 
     INFINITY = inf
 else:
     from cython.cimports.libc.math import INFINITY, atan2, sqrt
     from cython.cimports.navigation.kernels.discs import stand
-    from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at, cut, put, room
+    from cython.cimports.navigation.kernels.numbers import (
+        Doubles,
+        Numbers,
+        at,
+        cut,
+        grow,
+        put,
+        room,
+    )
 
 _R: cython.Py_ssize_t = ROW
 _PIECE: cython.Py_ssize_t = WIDTH
-_LEG: cython.Py_ssize_t = 6  # numbers of a leg: x and y, direction, length, top speed
+# Numbers of a leg: x and y, direction, length, top speed, the highest speed at its beginning.
+_LEG: cython.Py_ssize_t = 7
 _PHASES: cython.Py_ssize_t = 4  # of a leg, at most
 _SHORT: float = NOWHERE
 _DEVIATION: float = DEVIATION
@@ -58,21 +67,51 @@ def walk_table(
     `lead`, and on standing if they are over `since` before the start. Empty where it can't come to
     rest, or slow down enough for a corner.
     """
-    most: cython.Py_ssize_t = len(corners) // 2
-    legs: Numbers = room(_LEG * most)
-    caps: Numbers = room(most + 1)
-    count: cython.Py_ssize_t = _plan(
-        corners, tops, initial_speed, max_speed, acceleration, at(legs), at(caps)
+    table: Numbers = room(0)
+    end: cython.Py_ssize_t = draw(
+        corners,
+        len(corners),
+        tops,
+        since,
+        start,
+        initial_speed,
+        max_speed,
+        acceleration,
+        lead,
+        table,
     )
-    if count == 0:
-        return room(0)
+    cut(table, end)
+    return table
+
+
+def draw(
+    corners: Numbers,
+    count: cython.Py_ssize_t,
+    tops: Numbers,
+    since: float,
+    start: float,
+    initial_speed: float,
+    max_speed: float,
+    acceleration: float,
+    lead: Numbers,
+    table: Numbers,
+) -> cython.Py_ssize_t:
+    """Draw up a `walk_table` of the first `count` numbers of `corners`; return its length, or 0.
+
+    It is at the beginning of `table`, which is made longer where it is too short.
+    """
     o: cython.Py_ssize_t = len(lead)
-    table: Numbers = room(o + _R * (_PHASES * count + 2))
+    # The legs are noted behind all rows that there may be.
+    plan: cython.Py_ssize_t = o + _R * (_PHASES * (count // 2) + 2)
+    grow(table, plan + _LEG * (count // 2 + 1))
     row: Doubles = at(table)
-    before: Doubles = at(lead)
     corner: Doubles = at(corners)
-    leg: Doubles = at(legs)
-    cap: Doubles = at(caps)
+    legs: cython.Py_ssize_t = _plan(
+        corner, count, tops, initial_speed, max_speed, acceleration, row, plan
+    )
+    if legs == 0:
+        return 0
+    before: Doubles = at(lead)
     k: cython.Py_ssize_t
     for k in range(o):
         row[k] = before[k]
@@ -82,32 +121,27 @@ def walk_table(
     row[o] = start
     u: float = initial_speed
     w: float
-    for k in range(count):
-        i: cython.Py_ssize_t = _LEG * k
+    for k in range(legs):
+        i: cython.Py_ssize_t = plan + _LEG * k
         # Forwards: nor faster than one can have become. Both together are the fastest.
-        w = min(cap[k + 1], sqrt(u * u + 2 * acceleration * leg[i + 4]))
-        o = _walk(row, o, leg, i, u, w, acceleration)
+        w = min(row[i + _LEG + 6], sqrt(u * u + 2 * acceleration * row[i + 4]))
+        o = _walk(row, o, i, u, w, acceleration)
         u = w
-    k = len(corners)
-    stand(row, o, row[o], INFINITY, corner[k - 2], corner[k - 1])
-    cut(table, o + _R)
-    return table
+    stand(row, o, row[o], INFINITY, corner[count - 2], corner[count - 1])
+    return o + _R
 
 
 def _plan(
-    corners: Numbers,
+    corner: Doubles,
+    count: cython.Py_ssize_t,
     tops: Numbers,
     initial_speed: float,
     max_speed: float,
     acceleration: float,
     leg: Doubles,
-    cap: Doubles,
+    i: cython.Py_ssize_t,
 ) -> cython.Py_ssize_t:
-    """Set legs, and the highest speed at which each may begin; return how many there are.
-
-    None where the walk can't be.
-    """
-    corner: Doubles = at(corners)
+    """Note the legs of a walk from `i` on; return how many there are, 0 where it can't be."""
     top_of: Doubles = at(tops)
     each: cython.Py_ssize_t = 1 if len(tops) > 1 else 0
     gain: float = 2 * acceleration
@@ -116,9 +150,9 @@ def _plan(
     s: float = 0.0
     length: float = 0.0
     top: float = INFINITY
-    count: cython.Py_ssize_t = 0
+    first: cython.Py_ssize_t = i
     k: cython.Py_ssize_t
-    for k in range(0, len(corners) - 2, 2):
+    for k in range(0, count - 2, 2):
         dx: float = corner[k + 2] - corner[k]
         dy: float = corner[k + 3] - corner[k + 1]
         before: float = length
@@ -128,32 +162,37 @@ def _plan(
             continue
         dx /= length
         dy /= length
-        if count == 0:
-            cap[0] = initial_speed
-        else:
+        cap: float = initial_speed
+        if i > first:
             # One who sets out too fast for a leg can't be asked for less than what braking leaves
             # there.
             slowed: float = sqrt(max(initial_speed * initial_speed - gain * gone, 0.0))
-            most: float = min(max_speed, max(min(top, top_of[k // 2 * each]), slowed))
+            cap = min(max_speed, max(min(top, top_of[k // 2 * each]), slowed))
             shorter: float = before if before < length else length
-            cap[count] = min(most, bend_speed(c * dx + s * dy, shorter, acceleration))
+            cap = min(cap, bend_speed(c * dx + s * dy, shorter, acceleration))
         c = dx
         s = dy
         top = top_of[k // 2 * each]
         gone += length
-        i: cython.Py_ssize_t = _LEG * count
         leg[i] = corner[k]
         leg[i + 1] = corner[k + 1]
         leg[i + 2] = c
         leg[i + 3] = s
         leg[i + 4] = length
         leg[i + 5] = top
-        count += 1
-    cap[count] = 0.0
+        leg[i + 6] = cap
+        i += _LEG
+    legs: cython.Py_ssize_t = (i - first) // _LEG
+    if legs == 0:
+        return 0
     # Backwards: nowhere faster than what lets one slow down for all that comes.
-    for k in range(count - 1, -1, -1):
-        cap[k] = min(cap[k], sqrt(cap[k + 1] * cap[k + 1] + gain * leg[_LEG * k + 4]))
-    return count if cap[0] >= initial_speed - _HAIR else 0
+    after: float = 0.0
+    leg[i + 6] = after
+    for k in range(legs - 1, -1, -1):
+        i = first + _LEG * k
+        after = min(leg[i + 6], sqrt(after * after + gain * leg[i + 4]))
+        leg[i + 6] = after
+    return legs if after >= initial_speed - _HAIR else 0
 
 
 def turned(table: Numbers, heading: float) -> Numbers:
@@ -196,7 +235,6 @@ def bend_speed(cosine: float, shorter: float, acceleration: float) -> float:
 def _walk(
     row: Doubles,
     o: cython.Py_ssize_t,
-    leg: Doubles,
     i: cython.Py_ssize_t,
     u: float,
     w: float,
@@ -206,13 +244,13 @@ def _walk(
 
     When it begins stands there already, and when it is over then stands there.
     """
-    length: float = leg[i + 4]
-    top: float = leg[i + 5]
+    length: float = row[i + 4]
+    top: float = row[i + 5]
     gone: float = 0.0
     level: float = max(top, w)
     if u > level:  # still slowing down
         duration: float = (u - level) / acceleration
-        o = _phase(row, o, leg, i, gone, duration, u, -acceleration)
+        o = _phase(row, o, i, gone, duration, u, -acceleration)
         gone = duration * (u + level) / 2
         u = level
     if level > top:
@@ -223,19 +261,18 @@ def _walk(
     peak = max(max(min(peak, top), u), w)
     rising: float = (peak - u) / acceleration
     falling: float = (peak - w) / acceleration
-    o = _phase(row, o, leg, i, gone, rising, u, acceleration)
+    o = _phase(row, o, i, gone, rising, u, acceleration)
     gone += rising * (u + peak) / 2
     slowing: float = falling * (peak + w) / 2
     cruise: float = max((length - gone - slowing) / peak, 0.0)
-    o = _phase(row, o, leg, i, gone, cruise, peak, 0.0)
+    o = _phase(row, o, i, gone, cruise, peak, 0.0)
     gone += cruise * peak
-    return _phase(row, o, leg, i, gone, falling, peak, -acceleration)
+    return _phase(row, o, i, gone, falling, peak, -acceleration)
 
 
 def _phase(
     row: Doubles,
     o: cython.Py_ssize_t,
-    leg: Doubles,
     i: cython.Py_ssize_t,
     gone: float,
     duration: float,
@@ -246,15 +283,15 @@ def _phase(
     end: float = row[o] + duration
     if end <= row[o]:
         return o
-    c: float = leg[i + 2]
-    s: float = leg[i + 3]
+    c: float = row[i + 2]
+    s: float = row[i + 3]
     half: float = acceleration / 2
     row[o + 1] = end
-    row[o + 2] = leg[i] + gone * c
+    row[o + 2] = row[i] + gone * c
     row[o + 3] = v * c
     row[o + 4] = half * c
     row[o + 5] = 0.0
-    row[o + 6] = leg[i + 1] + gone * s
+    row[o + 6] = row[i + 1] + gone * s
     row[o + 7] = v * s
     row[o + 8] = half * s
     row[o + 9] = 0.0

@@ -20,6 +20,9 @@ cdef class Retreats:
     cdef double radius
     cdef Numbers none
     cdef Numbers path
+    cdef Numbers corners
+    cdef Numbers sketch
+    cdef Numbers bounds
     cdef Numbers places
     cdef Py_ssize_t k
     cdef Py_ssize_t last
@@ -33,4 +36,4 @@ cdef class Retreats:
     cdef bint _is_taken(self, double x, double y) noexcept
     cdef bint _meets_any(self) noexcept
     cdef bint _meets(self, Py_ssize_t i) noexcept
-    cdef Numbers _path_to(self, double x, double y)
+    cdef int _set_out(self) except -1

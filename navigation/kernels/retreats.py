@@ -21,20 +21,20 @@ from .numbers import Place, flat
 if not cython.compiled:
     from math import inf
 
-    from .candidates import bounds
+    from .candidates import bound
     from .discs import distance, stand
     from .edges import touches
-    from .numbers import Doubles, Numbers, at, room
-    from .pacing import walk_table
+    from .numbers import Doubles, Numbers, at, grow, part, room
+    from .pacing import draw
 
     INFINITY = inf
 else:
     from cython.cimports.libc.math import INFINITY
-    from cython.cimports.navigation.kernels.candidates import bounds
+    from cython.cimports.navigation.kernels.candidates import bound
     from cython.cimports.navigation.kernels.discs import distance, stand
     from cython.cimports.navigation.kernels.edges import touches
-    from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at, room
-    from cython.cimports.navigation.kernels.pacing import walk_table
+    from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at, grow, part, room
+    from cython.cimports.navigation.kernels.pacing import draw
 
 _R: cython.Py_ssize_t = ROW
 _HAIR: float = 1e-6  # metres, for rounding
@@ -76,6 +76,10 @@ class Retreats:
         none: Numbers = room(0)
         self.none = none
         self.path = none
+        # What is looked at is drawn up in the same room again and again.
+        self.corners = room(0)
+        self.sketch = room(0)
+        self.bounds = room(4)
         self.places = none
         self.k = -1
         self.last = -1
@@ -92,6 +96,7 @@ class Retreats:
         stands where all paths begin.
         """
         self.path = flat(path)
+        self._set_out()
         self.places = places
         self.k = -1
         if self.last < 0:
@@ -166,9 +171,14 @@ class Retreats:
                 or self.walls.touched(x, y, px, py, self.radius)
             ):
                 continue
-            corners: Numbers = self._path_to(px, py)
-            table: Numbers = walk_table(
-                corners,
+            count: cython.Py_ssize_t = len(self.path) + 2
+            corner: Doubles = at(self.corners)
+            corner[count - 2] = px
+            corner[count - 1] = py
+            bound(self.corners, count, self.none, self.bounds)
+            end: cython.Py_ssize_t = draw(
+                self.corners,
+                count,
                 self.tops,
                 self.start,
                 self.start,
@@ -176,28 +186,26 @@ class Retreats:
                 self.max_speed,
                 self.acceleration,
                 self.none,
+                self.sketch,
             )
-            if len(table) == 0:
+            if end == 0:
                 continue
-            self.table = table
-            self.box = bounds(corners, self.none)
             # Whoever was in the way of the last one is likely to be in the way of this one.
             if len(self.stood) == 0 or (not self._meets(self.last) and not self._meets_any()):
+                self.table = part(self.sketch, 0, end)
+                self.box = part(self.bounds, 0, 4)
                 return True
         return False
 
-    def _path_to(self, x: float, y: float) -> Numbers:
-        """Return the corners of the path, and of a place after it."""
-        count: cython.Py_ssize_t = len(self.path)
-        found: Numbers = room(count + 2)
-        corner: Doubles = at(found)
+    def _set_out(self) -> cython.int:
+        """Begin the corners with those of the path, with room for one after them."""
+        grow(self.corners, len(self.path) + 2)
+        corner: Doubles = at(self.corners)
         path: Doubles = at(self.path)
         k: cython.Py_ssize_t
-        for k in range(count):
+        for k in range(len(self.path)):
             corner[k] = path[k]
-        corner[count] = x
-        corner[count + 1] = y
-        return found
+        return 0
 
     def _is_taken(self, x: float, y: float) -> bool:
         """Return whether somebody who is moving comes to stand at a place, or too near to it."""
@@ -222,4 +230,4 @@ class Retreats:
 
     def _meets(self, i: cython.Py_ssize_t) -> bool:
         """Return whether the walk meets one who is moving."""
-        return self.movers.met(i, self.table, self.box, self.own) < INFINITY
+        return self.movers.met(i, self.sketch, self.bounds, self.own) < INFINITY

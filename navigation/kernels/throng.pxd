@@ -16,7 +16,7 @@ cdef class Throng:
     cdef double y
     cdef double c
     cdef double s
-    cpdef list[Py_ssize_t] near(self, Numbers box, double around)
+    cpdef list[Py_ssize_t] near(self, Numbers box, double around, Py_ssize_t but=*)
     cdef list[Py_ssize_t] _resting(
         self, Py_ssize_t me, Numbers box, double around, double now
     )

@@ -76,15 +76,17 @@ class Throng:
         onward[2 * k] = x
         onward[2 * k + 1] = y
 
-    def near(self, box: Numbers, around: float) -> list[cython.Py_ssize_t]:
-        """Return who may come so near to bounds with their bodies (metres): their indices.
+    def near(
+        self, box: Numbers, around: float, but: cython.Py_ssize_t = -1
+    ) -> list[cython.Py_ssize_t]:
+        """Return who, `but` one, may come so near to bounds with their bodies (metres): indices.
 
         As wide as the widest there is: bounds are those of centres.
         """
         margin: float = around + self.widest + 2 * self.gap
         b: Doubles = at(box)
         found: list[cython.Py_ssize_t] = within_bounds(
-            self.boxes, b[0] - margin, b[1] - margin, b[2] + margin, b[3] + margin
+            self.boxes, b[0] - margin, b[1] - margin, b[2] + margin, b[3] + margin, but
         )
         return found
 
@@ -117,10 +119,10 @@ class Throng:
     ) -> list[cython.Py_ssize_t]:
         found: list[cython.Py_ssize_t] = []
         i: cython.Py_ssize_t
-        near: list[cython.Py_ssize_t] = self.near(box, around)
+        near: list[cython.Py_ssize_t] = self.near(box, around, me)
         for i in range(len(near)):
             k: cython.Py_ssize_t = near[i]
-            if k != me and self.rests(k) <= now:
+            if self.rests(k) <= now:
                 found.append(k)
         return found
 

@@ -4,5 +4,6 @@ cdef double _DEVIATION
 cdef double _HAIR
 
 cpdef bint is_place(object point) except -1
+cdef bint _apart(tuple a, tuple b, double least) except -1
 cdef bint _straight(tuple a, tuple b, tuple c) except -1
 cpdef double corner_speed(tuple before, tuple corner, tuple after, double acceleration) except? -1

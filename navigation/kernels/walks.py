@@ -76,6 +76,24 @@ def bends(points: list[Corner]) -> list[Corner] | None:
     return corners
 
 
+def distinct(points: list[Corner], least: float) -> list[Corner]:
+    """Return `points` without those within `least` metres of the one before or of the last."""
+    goal: Corner = points[len(points) - 1]
+    kept: list[Corner] = [points[0]]
+    k: cython.Py_ssize_t
+    for k in range(1, len(points) - 1):
+        if _apart(kept[len(kept) - 1], points[k], least) and _apart(points[k], goal, least):
+            kept.append(points[k])
+    kept.append(goal)
+    return kept
+
+
+def _apart(a: Corner, b: Corner, least: float) -> bool:
+    dx: float = b[0] - a[0]
+    dy: float = b[1] - a[1]
+    return sqrt(dx * dx + dy * dy) > least
+
+
 def is_place(point: object) -> TypeGuard[Corner]:
     """Return whether `point` is a tuple of two finite floats, as most places are."""
     if not isinstance(point, tuple) or len(point) != 2:

@@ -263,6 +263,25 @@ def first_change(
     return None if t == _INFINITE else t
 
 
+def first_interval(
+    judge: Judge,
+    person: Numbers,
+    machine: Numbers,
+    begin: float,
+    end: float,
+    resolution: float,
+) -> tuple[float, float] | None:
+    """Return the first interval in which a condition on places and speeds holds, or None."""
+    none: list[Gauge] = []
+    watch: Watch = Watch(judge, Encounter(person, machine, none, 0.0), begin, end, resolution)
+    since = watch.change()
+    if since is None:
+        return None
+    until = watch.change()
+    assert until is not None  # what holds at the end ceases to hold there
+    return since, until
+
+
 def least(
     law: Law | None, encounter: Encounter, begin: float, end: float, tolerance: float
 ) -> tuple[float, float]:

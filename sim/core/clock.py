@@ -95,9 +95,10 @@ class Clock(simpy.Environment):
 
     def at(self, t: float, turn: Turn = Turn.MOTION_ENDS) -> Event:
         """Return an event that happens at `t` (seconds, not before now)."""
-        event = Event(self)
-        event._ok = True
-        event._value = None
+        return self.put(Instant(self, []), t, turn)
+
+    def put(self, event: Event, t: float, turn: Turn) -> Event:
+        """Let an event happen at `t` (seconds, not before now); return it."""
         now = self._now
         # As SimPy's `schedule` does, but with the instant itself: now + (t - now) need not be t.
         entry = (now if now > t else t, _PRIORITY[turn], next(self._eid), event)
@@ -136,6 +137,17 @@ class Clock(simpy.Environment):
         return event
 
 
+class Instant(Event):
+    """An event that is sure to happen, and has no value; its `callbacks` are called then."""
+
+    _ok = True
+    _value = None
+
+    def __init__(self, env: Clock, callbacks: list[Callable[[Event], None]]) -> None:
+        self.env = env
+        self.callbacks = callbacks
+
+
 def then(event: Event, action: Callable[[Event], None]) -> None:
     """Call `action` when `event`, which has not happened yet, does."""
     assert event.callbacks is not None
@@ -149,6 +161,7 @@ class Alarm:
         self._clock = clock
         self._action = action
         self._turn = turn
+        self._calls: list[Callable[[Event], None]] = [self._ring]
         self._pending: Event | None = None
         self._time: float | None = None
 
@@ -164,8 +177,7 @@ class Alarm:
         self._time = t
         self._pending = None
         if t is not None:
-            self._pending = self._clock.at(t, self._turn)
-            then(self._pending, self._ring)
+            self._pending = self._clock.put(Instant(self._clock, self._calls), t, self._turn)
 
     def _ring(self, event: Event) -> None:
         # SimPy can't take an event back: one that was set before is let pass.

@@ -14,14 +14,13 @@ from navigation import (
     Approaching,
     Both,
     Condition,
-    FixedDistance,
     Motion,
     Not,
     TooClose,
+    first_interval,
     first_time,
     required_at,
     required_at_speeds,
-    when,
 )
 
 from ..core.body import PERSON, Body
@@ -86,7 +85,7 @@ class Pair:
 
     def next_interval(self, condition: Condition) -> tuple[float, float] | None:
         """Return the first interval from now on in which `condition` holds, if any."""
-        return next(when(condition, *self.motions, self.clock.now, self.horizon()), None)
+        return first_interval(condition, *self.motions, self.clock.now, self.horizon())
 
     def distance(self) -> float:
         """Return the distance between the two now (metres)."""
@@ -139,18 +138,27 @@ class BesideVehicles:
     def __init__(self, person: Body) -> None:
         self._clock = person.clock
         self._watches: list[tuple[Body, Reconsidering]] = []
+        self._idle = False
+        """Whether nothing counts until a vehicle sets out."""
         person.on_change.append(self._changed)
 
     def add(self, vehicle: Body, watch: Reconsidering) -> None:
         """Let a watch reconsider when the person or the vehicle changes course."""
         self._watches.append((vehicle, watch))
-        vehicle.on_change.append(watch.reconsider)
+        vehicle.on_change += (self._vehicle_changed, watch.reconsider)
+        self._idle = False
+
+    def _vehicle_changed(self) -> None:
+        self._idle = False
 
     def _changed(self) -> None:
-        now = self._clock.now
+        if self._idle:
+            return
+        now, self._idle = self._clock.now, True
         for vehicle, watch in self._watches:
             if vehicle.motion.end >= now or watch.lasts:
                 watch.reconsider()
+                self._idle = False
 
 
 class SeparationWatch:
@@ -270,7 +278,7 @@ class NoticeWatch:
         self._stage: Literal["alert", "closing", "parting"] = "alert"
         self._silent_until = 0.0
         self._nearest = 0.0
-        self._parted, self._nearer = self._around_nearest()
+        self._away = self._off_nearest()
         self._alarm = Alarm(pair.clock, self._ring, Turn.NOTICE)
         self._perceiving = Alarm(pair.clock, self._perceive, Turn.NOTICE)
         self.reconsider()
@@ -284,8 +292,7 @@ class NoticeWatch:
         elif self._stage == "closing":
             self._alarm.set(pair.first_time(self._parting))
         else:
-            parted, nearer = pair.first_time(self._parted), pair.first_time(self._nearer)
-            self._alarm.set(min((t for t in (parted, nearer) if t is not None), default=None))
+            self._alarm.set(pair.first_time(self._away))
 
     def start_over(self) -> None:
         """Begin anew, after `rule.silent` seconds: the person starts, or was put elsewhere."""
@@ -313,18 +320,18 @@ class NoticeWatch:
                 self._perceive()
         elif self._stage == "closing":
             self._nearest = self.pair.distance()
-            self._parted, self._nearer = self._around_nearest()
+            self._away = self._off_nearest()
             self._stage = "parting"
         else:
             has_parted = self.pair.distance() > self._nearest
             self._stage = "alert" if has_parted else "closing"
         self.reconsider()
 
-    def _around_nearest(self) -> tuple[Condition, Condition]:
-        """Return the conditions that the two have parted, and are nearer than at their nearest."""
+    def _off_nearest(self) -> Condition:
+        """Return the condition that the two have parted, or are nearer than at their nearest."""
         # A millimetre less, or rounding at the nearest point would count as nearer.
-        nearer = TooClose(FixedDistance(max(self._nearest - 1e-3, 0.0)))
-        return Apart(self._nearest + self.rule.parting), nearer
+        nearer, parted = max(self._nearest - 1e-3, 0.0), self._nearest + self.rule.parting
+        return Not(Both(Apart(nearer), Not(Apart(parted))))
 
     def _perceive(self) -> None:
         self._noticed(self.pair, self.rule.law)

@@ -8,7 +8,6 @@ import math
 import random
 from collections import Counter
 from collections.abc import Iterator
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -18,7 +17,6 @@ import floorplan
 import navigation
 import sim
 from sim.core.manners import MannersEntry
-from sim.people.steering.waiting import takes_way_round
 
 GO = """
 +human_start <- !next.
@@ -526,24 +524,6 @@ def test_what_is_wrong_with_a_steering_is_said(tmp_path):
         own(tmp_path, "Missing")
     with pytest.raises(sim.TrialError, match=r"line 5, steering: the steering .* is no steering"):
         own(tmp_path, "Empty")
-
-
-def test_who_is_stuck_keeps_their_path_where_a_vehicle_stands_on_the_goal():
-    def blocked(at):
-        raise navigation.PlanningError("goal_blocked", "an AGV")
-
-    ground = SimpleNamespace(detours=SimpleNamespace(path=lambda *question: []), legs=None)
-    outlook = SimpleNamespace(
-        ground=ground,
-        at=(0, 0),
-        course=[(0, 0), (1, 1), (1, 0)],
-        whole=1.0,
-        standing=lambda *places: [],
-        reroute=blocked,
-    )
-    me = SimpleNamespace(goal=(1, 0), route=[(1, 0)], goes_round=True, top_speed=1.0)
-    assert not takes_way_round(me, outlook, 5.0)
-    assert me.route == [(1, 0)] and me.goes_round
 
 
 @pytest.mark.parametrize(

@@ -22,7 +22,6 @@ from navigation import (
     pace,
     stop_walking,
     swath,
-    touches,
     walked,
 )
 
@@ -375,19 +374,11 @@ class Outlook:
         route = me.route
         if me.goes_round and route:
             width = 2 * me.radius + GAP
-            discs = middles(self.standing(width, at, *route))
-
-            def clear(a: Point, b: Point) -> bool:
-                return not touches(discs, *a, *b, width) and self.ground.free(a, b)
-
-            # The farthest that can be seen: a straight line to it is shorter than the bends before
-            # it.
-            for k in range(min(len(route), 4) - 1, -1, -1):
-                if clear(at, route[k]):
-                    # Who has passed a bend must not go back to it because of somebody beyond it.
-                    if all(clear(a, b) for a, b in pairwise(route[k:])):
-                        return route[k:]
-                    break
+            places = middles(self.standing(width, at, *route))
+            # Who has passed a bend must not go back to it because of somebody beyond it.
+            k = self.ground.legs.farthest_round(*at, route, places, width)
+            if k >= 0:
+                return route[k:]
             me.goes_round = False
         k = self.ground.legs.farthest(*at, route)
         return self.reroute(at) if k < 0 else route[k:]

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from floorplan import Point
-from navigation import Motion, PlanningError, Swath
+from navigation import Motion, Swath
 
 from ...core.clock import Alarm
 from .course import length_of
@@ -174,18 +174,7 @@ def takes_way_round(me: Traveller, outlook: Outlook, stood: float) -> bool:
     # Worth it if it is longer by no more than they would have walked while they stood, and in a
     # pause more: the longer they stand, the longer a way round they take.
     if not path or length_of(path) > outlook.whole + me.top_speed * (stood + LONGEST):
-        before = me.route
-        if len(before) == 1 and len(outlook.course) == 2:
-            me.goes_round = False
-            return False  # there is nothing shorter than straight on
-        # The bends of an earlier way round may be left, past others who have walked on since.
-        try:
-            route = outlook.reroute(outlook.at)
-        except PlanningError:  # a vehicle stands on the goal, or before it
-            return False
-        me.goes_round = False
-        outlook.send_by(route)
-        return route != before
+        return False
     me.goes_round = True
     outlook.send_by(path[1:])
     return True

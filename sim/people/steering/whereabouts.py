@@ -93,17 +93,19 @@ class Whereabouts:
 
     def sight(self, me: Traveller, box: Sequence[float]) -> Sight:
         """Return what somebody sees who looks at what comes into bounds."""
-        near = within_bounds(self.boxes, *box)
-        near.remove(self.indices[me])
+        near = self._within(box, me)
         return Sight(box, near, self.changes, max((self.rests[k] for k in near), default=0.0))
 
     def changed(self, me: Traveller, sight: Sight) -> bool:
         """Return whether anybody in sight of `me` has committed themselves to something else."""
         if self.changes == sight.changes:
             return False
-        near = within_bounds(self.boxes, *sight.box)
-        near.remove(self.indices[me])
+        near = self._within(sight.box, me)
         return near != sight.near or any(self._changed[k] > sight.changes for k in near)
+
+    def _within(self, box: Sequence[float], me: Traveller) -> list[int]:
+        low_x, low_y, high_x, high_y = box
+        return within_bounds(self.boxes, low_x, low_y, high_x, high_y, self.indices[me])
 
     def hit(self, k: int, t: float) -> Hit:
         """Return the conflict with the k-th at `t` (seconds)."""
@@ -111,10 +113,7 @@ class Whereabouts:
 
     def others(self, me: Traveller, box: MutableSequence[float], now: float) -> Others:
         """Return the others who may come near bounds that somebody moves in from now on."""
-        near = self.throng.near(box, me.radius + me.manners.comfort)
-        k = self.indices[me]
-        if k in near:
-            near.remove(k)
+        near = self.throng.near(box, me.radius + me.manners.comfort, self.indices[me])
         return Others(self, me, near, now)
 
     def only(self, me: Traveller, other: Traveller, now: float) -> Others:
@@ -134,7 +133,6 @@ class Others(Sequence[Traveller]):
         self.near = near
         self._now = now
         self._own = me.radius + GAP
-        self._when = numbers((math.inf,))
 
     def __len__(self) -> int:
         return len(self.near)
@@ -167,14 +165,15 @@ class Others(Sequence[Traveller]):
 
         Two bodies keep `GAP` between them; those who are closer already come no closer.
         """
-        found = self._first_met(ahead)
-        return None if found < 0 else self.floor.hit(found, self._when[0])
+        when = numbers((math.inf,))
+        found = self._first_met(ahead, when)
+        return None if found < 0 else self.floor.hit(found, when[0])
 
     def free(self, ahead: Swath) -> bool:
         """Return whether a motion of theirs from now on conflicts with none of these."""
-        return self._first_met(ahead) < 0
+        return self._first_met(ahead, numbers((math.inf,))) < 0
 
-    def _first_met(self, ahead: Swath) -> int:
+    def _first_met(self, ahead: Swath, when: MutableSequence[float]) -> int:
         floor = self.floor
         found: int = first_met(
             ahead.table,
@@ -185,6 +184,6 @@ class Others(Sequence[Traveller]):
             floor.radii,
             self._own,
             self._now,
-            self._when,
+            when,
         )
         return found
