@@ -14,13 +14,13 @@ if not cython.compiled:
 
     from .follower import Follower
     from .gauge import Course, Gauge
-    from .numbers import Numbers, at, grow, room
+    from .numbers import Numbers, at, put, room
     from .odometer import Figure, Odometer
 else:
     from cython.cimports.libc.math import copysign, cos, sin, sqrt
     from cython.cimports.navigation.kernels.follower import Follower
     from cython.cimports.navigation.kernels.gauge import Course, Gauge
-    from cython.cimports.navigation.kernels.numbers import Numbers, at, grow, room
+    from cython.cimports.navigation.kernels.numbers import Numbers, at, put, room
     from cython.cimports.navigation.kernels.odometer import Figure, Odometer
 
 _INFINITE: float = float("inf")
@@ -131,7 +131,10 @@ class Encounter:
         # Each of those that are left begins where the one before it ends.
         left: cython.Py_ssize_t = self.left
         if left == len(self.ends):
-            grow(self.ends, max(2 * left, _SOME))
+            # A row of its own: the one to begin with is that of all encounters.
+            ends: Numbers = room(max(2 * left, _SOME))
+            put(at(ends), 0, at(self.ends), 0, left)
+            self.ends = ends
         at(self.ends)[left] = upper
         self.left = left + 1
         self.upper = middle

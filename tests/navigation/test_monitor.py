@@ -23,6 +23,7 @@ from navigation import (
 
 LAW = SeparationLaw(t1=1.0, t2=1.5, stopping=0.0, intrusion=1.0)
 INTEGRAL_LAW = IntegralLaw(t1=1.0, t2=1.5, stopping=0.0, intrusion=1.0)
+TOO_CLOSE = navigation.TooClose(LAW)
 END = 30.0
 
 point = st.tuples(st.floats(-10, 0), st.floats(-6, 6))
@@ -442,6 +443,15 @@ def test_an_instant_is_found_in_however_long_a_span():
     stands = navigation.standing((0.0, 0.0))
     begun = navigation.first_time(Since(1.0), stands, stands, 0.0, 1e300)
     assert begun == pytest.approx(1.0, abs=navigation.RESOLUTION)
+
+
+def test_searches_that_go_on_in_turn_do_not_disturb_each_other():
+    person = navigation.walk([(-9.0, 0.0), (0.0, 0.0), (-9.0, 1.0)], 0.0)
+    machines = [navigation.standing((-7.0, 0.5)), navigation.standing((-3.0, -0.5))]
+    pairs = [(person, machine) for machine in machines]
+    in_turn = zip(*(navigation.when(TOO_CLOSE, *pair, 0.0, END) for pair in pairs), strict=True)
+    alone = [navigation.violations(*pair, LAW, 0.0, END) for pair in pairs]
+    assert [*zip(*in_turn, strict=True)] == [tuple(found) for found in alone]
 
 
 @dataclass(frozen=True)
