@@ -7,6 +7,7 @@ that questions about it ("when do these two get too close?") are solved rather t
 from __future__ import annotations
 
 import math
+from array import array
 from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Iterable, Iterator, MutableSequence, Sequence
 from dataclasses import dataclass
@@ -148,6 +149,10 @@ class Motion:
         x, y, rotations = (list(map(tuple, axis)) for axis in cubics.swapaxes(0, 1).tolist())
         ends = times.tolist()
         return cls(tuple(map(Piece, ends, ends[1:], x, y, rotations)))
+
+    def __reduce__(self) -> tuple[Callable[..., Motion], tuple[array[float], frozenset[float]]]:
+        # Kernels may be compiled where it is read, and not where it was written, or the reverse.
+        return _of_doubles, (array("d", self.table), self.jumps)
 
     def __repr__(self) -> str:
         count = len(self.pieces)
@@ -325,6 +330,10 @@ def motion_of(table: Table, jumps: frozenset[float] = frozenset()) -> Motion:
     kept["pieces"], kept["jumps"], kept["table"] = TablePieces(table), jumps, table
     kept["start"], kept["end"] = table[0], table[1 - WIDTH]
     return motion
+
+
+def _of_doubles(values: array[float], jumps: frozenset[float]) -> Motion:
+    return motion_of(numbers(values), jumps)
 
 
 def standing(at: tuple[float, float], *, heading: float = 0.0, start: float = 0.0) -> Motion:

@@ -1,7 +1,10 @@
 """Motions: continuous, within their limits, and the same however one asks."""
 
+import functools
 import itertools
 import math
+import pickle
+from array import array
 
 import numpy as np
 import pytest
@@ -13,6 +16,7 @@ import floorplan
 import navigation
 from navigation import AxisLimits, AxisState, Motion, Piece, State
 from navigation.kernels.pieces import along_legs
+from navigation.motion import motion_of
 from navigation.profiles import to_position
 
 coordinate = st.floats(-20, 20)
@@ -377,3 +381,13 @@ def test_a_leg_is_ruckigs_profile_without_a_limit_of_jerk(first, share, length, 
     assert speed + 2 * half * duration == pytest.approx(last, abs=1e-6)
     whole = sum(duration for duration, _ in expected)
     assert until == pytest.approx(whole, abs=1e-7)
+
+
+@pytest.mark.parametrize("kept", [list, functools.partial(array, "d")])
+def test_a_motion_is_read_wherever_it_was_written(kept):
+    """Kernels keep tables in lists where they are not compiled, and in arrays where they are."""
+    motion = navigation.walk([(0.0, 0.0), (3.0, 0.0), (3.0, 4.0)], 1.0)
+    again = pickle.loads(pickle.dumps(motion_of(kept(motion.table), frozenset())))
+    assert again == motion and hash(again) == hash(motion)
+    assert again.state(2.0) == motion.state(2.0)
+    assert navigation.minimum_separation(again, motion, 1.0, 4.0) == (1.0, 0.0)
