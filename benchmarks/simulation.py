@@ -29,7 +29,6 @@ import bdi
 import navigation
 import sim
 
-
 ONE = "people: [{name: p, personality: helpful}]\n"
 FIVE = "people:\n" + "".join(
     f"  - {{name: p{k}, personality: {name}, start: {{time: {20 * k}}}}}\n"
