@@ -144,11 +144,13 @@ def times(run, kind):
 
 
 def require_same_goals(across, within):
-    """It goes where it would go within, to the end, as often as its lateness leaves time for."""
+    """It goes where it would go within, to the end; its lateness decides about the last goal."""
     goals, expected = (
         [event["at"] for event in run.events if event["kind"] == "goal"] for run in (across, within)
     )
-    assert goals == expected[: len(goals)]
+    both = min(len(goals), len(expected))
+    assert goals[:both] == expected[:both]
+    assert len(goals) <= len(expected) + 1
     assert times(across, "goal")[-1] > times(within, "goal")[-1] - 30.0
 
 
