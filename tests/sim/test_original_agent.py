@@ -19,7 +19,7 @@ DROPS = 10.0
 LOOKS = 20.0
 """Seconds after its start, after a teleport and after noticing the gantry, till it looks for it."""
 
-SPEED = 20.0
+SPEED = 10.0
 """Of the trial, where a tenth of a second by the wall's clock decides nothing."""
 
 MAKES_READY = 0.5
@@ -144,26 +144,17 @@ def times(run, kind):
 
 
 def require_same_goals(across, within):
-    """It goes where it would go within, to the end; its lateness decides about the last goal."""
+    """It goes where it would go within, to the end, as often as its lateness leaves time for."""
     goals, expected = (
         [event["at"] for event in run.events if event["kind"] == "goal"] for run in (across, within)
     )
-    both = min(len(goals), len(expected))
-    assert goals[:both] == expected[:both]
-    assert len(goals) <= len(expected) + 1
+    assert goals == expected[: len(goals)]
     assert times(across, "goal")[-1] > times(within, "goal")[-1] - 30.0
 
 
-@pytest.mark.parametrize(
-    ("personality", "duration"),
-    [
-        ("indifferent", 40.0),
-        pytest.param("antagonistic", 60.0, marks=pytest.mark.slow),
-        pytest.param("indifferent", 275.0, marks=pytest.mark.slow),
-    ],
-)
-def test_the_original_agent_goes_on_to_the_end(personality, duration):
-    across, within, _ = driven(replace(trial(personality, duration), rules=sim.ARIAC2023))
+@pytest.mark.parametrize("duration", [40.0, pytest.param(275.0, marks=pytest.mark.slow)])
+def test_the_original_agent_goes_on_to_the_end(duration):
+    across, within, _ = driven(replace(trial("indifferent", duration), rules=sim.ARIAC2023))
     require_same_goals(across, within)
     violations = times(across, "violation")
     assert violations
