@@ -22,7 +22,7 @@ if not cython.compiled:
     from math import inf, sqrt
 
     from .discs import distance, met, stand
-    from .numbers import Doubles, Numbers, at, cut, grow, part, room
+    from .numbers import Doubles, Numbers, at, cut, grow, part, put, room
     from .pacing import bend_speed, draw
 
     INFINITY = inf
@@ -36,6 +36,7 @@ else:
         cut,
         grow,
         part,
+        put,
         room,
     )
     from cython.cimports.navigation.kernels.pacing import bend_speed, draw
@@ -449,9 +450,7 @@ class Candidates:
         if self.leg >= 0:
             corner[6] = self.x
             corner[7] = self.y
-        k: cython.Py_ssize_t
-        for k in range(on, len(self.course)):
-            corner[back + k - on] = course[k]
+        put(corner, back, course, on, len(self.course) - on)
         return 0
 
     def _longer(self, along: float, side: float) -> float:

@@ -18,10 +18,10 @@ from .numbers import Place
 if not cython.compiled:
     from math import sqrt
 
-    from .numbers import Doubles, Numbers, at, room
+    from .numbers import Doubles, Numbers, at, put, room
 else:
     from cython.cimports.libc.math import sqrt
-    from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at, room
+    from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at, put, room
 
 _WIDER: float = 1.001  # of a radius: rounding hides no cell beside a sweep
 _LATELY: cython.Py_ssize_t = 16  # numbers of the edges that are remembered
@@ -87,14 +87,8 @@ class Grid:
         last: Numbers = self.lately
         count: cython.Py_ssize_t = min(len(last) + 4, _LATELY)
         self.lately = room(count)
-        edge: Doubles = at(self.lately)
-        new: Doubles = at(edges)
-        old: Doubles = at(last)
-        i: cython.Py_ssize_t
-        for i in range(4):
-            edge[i] = new[k + i]
-        for i in range(4, count):
-            edge[i] = old[i - 4]
+        put(at(self.lately), 0, at(edges), k, 4)
+        put(at(self.lately), 4, at(last), 0, count - 4)
         return 0
 
     def inside(self, x: float, y: float) -> bool:

@@ -22,14 +22,22 @@ if not cython.compiled:
 
     from .discs import first_met, gone
     from .following import followed, speed_behind
-    from .numbers import Doubles, Numbers, at, cut, numbers, room
+    from .numbers import Doubles, Numbers, at, cut, numbers, put, room
 
     INFINITY = inf
 else:
     from cython.cimports.libc.math import INFINITY, ceil
     from cython.cimports.navigation.kernels.discs import first_met, gone
     from cython.cimports.navigation.kernels.following import followed, speed_behind
-    from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at, cut, numbers, room
+    from cython.cimports.navigation.kernels.numbers import (
+        Doubles,
+        Numbers,
+        at,
+        cut,
+        numbers,
+        put,
+        room,
+    )
 
 _STEP: float = 0.25  # metres between the places along a course that are looked at
 _FARTHEST: float = 25.0  # metres; so far a course is looked ahead for the end of a narrow place
@@ -534,14 +542,11 @@ class Foresight:
         count: cython.Py_ssize_t = 4 if past else 0
         sides: Numbers = room(4 + len(widths))
         side: Doubles = at(sides)
-        width: Doubles = at(widths)
         side[0] = beside - wide
         side[1] = beside + wide
         side[2] = beside - needed - _HAIR
         side[3] = beside + needed + _HAIR
-        i: cython.Py_ssize_t
-        for i in range(len(widths)):
-            side[count + i] = width[i]
+        put(side, count, at(widths), 0, len(widths))
         cut(sides, count + len(widths))
         length: float = self.reach + 0.5
         top: float = self.top_speed

@@ -18,13 +18,13 @@ if not cython.compiled:
     from math import inf
 
     from .discs import first_but, met
-    from .numbers import Doubles, Numbers, at, part, room
+    from .numbers import Numbers, at, part, put, room
 
     INFINITY = inf
 else:
     from cython.cimports.libc.math import INFINITY
     from cython.cimports.navigation.kernels.discs import first_but, met
-    from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at, part, room
+    from cython.cimports.navigation.kernels.numbers import Numbers, at, part, put, room
 
 
 class Movers:
@@ -77,11 +77,7 @@ class Movers:
     def change(self, i: cython.Py_ssize_t, table: Numbers, box: Numbers) -> None:
         """Let the i-th of them move so instead."""
         self.tables[i] = table
-        mine: Doubles = at(self.boxes)
-        new: Doubles = at(box)
-        k: cython.Py_ssize_t
-        for k in range(4):
-            mine[4 * i + k] = new[k]
+        put(at(self.boxes), 4 * i, at(box), 0, 4)
 
     def first_hit(self, i: cython.Py_ssize_t) -> cython.Py_ssize_t:
         """Return whom the i-th of them would meet first of all others but these; -1 for nobody."""

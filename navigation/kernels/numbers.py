@@ -50,10 +50,6 @@ if not cython.compiled:
     def room(count: int) -> Numbers:
         """Return room for so many numbers, which are to be set."""
         return [0.0] * count
-
-    def part(row: Numbers, begin: int, count: int) -> Numbers:
-        """Return a copy of so many numbers of a row from `begin` on."""
-        return row[begin : begin + count]
 else:
     from cython.cimports.cpython.array import clone
 
@@ -62,10 +58,12 @@ else:
     def room(count: cython.Py_ssize_t) -> Numbers:
         return clone(_NONE, count, False)
 
-    def part(row: Numbers, begin: cython.Py_ssize_t, count: cython.Py_ssize_t) -> Numbers:
-        found: Numbers = room(count)
-        put(at(found), 0, at(row), begin, count)
-        return found
+
+def part(row: Numbers, begin: cython.Py_ssize_t, count: cython.Py_ssize_t) -> Numbers:
+    """Return a copy of so many numbers of a row from `begin` on."""
+    found: Numbers = room(count)
+    put(at(found), 0, at(row), begin, count)
+    return found
 
 
 def numbers(values: Iterable[float]) -> Numbers:

@@ -111,16 +111,14 @@ def draw(
     )
     if legs == 0:
         return 0
-    before: Doubles = at(lead)
-    k: cython.Py_ssize_t
-    for k in range(o):
-        row[k] = before[k]
+    put(row, 0, at(lead), 0, o)
     if since < start:
         stand(row, o, since, start, corner[0], corner[1])
         o += _R
     row[o] = start
     u: float = initial_speed
     w: float
+    k: cython.Py_ssize_t
     for k in range(legs):
         i: cython.Py_ssize_t = plan + _LEG * k
         # Forwards: nor faster than one can have become. Both together are the fastest.

@@ -24,7 +24,7 @@ if not cython.compiled:
     from .candidates import bound
     from .discs import distance, stand
     from .edges import touches
-    from .numbers import Doubles, Numbers, at, grow, part, room
+    from .numbers import Doubles, Numbers, at, grow, part, put, room
     from .pacing import draw
 
     INFINITY = inf
@@ -33,7 +33,15 @@ else:
     from cython.cimports.navigation.kernels.candidates import bound
     from cython.cimports.navigation.kernels.discs import distance, stand
     from cython.cimports.navigation.kernels.edges import touches
-    from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at, grow, part, room
+    from cython.cimports.navigation.kernels.numbers import (
+        Doubles,
+        Numbers,
+        at,
+        grow,
+        part,
+        put,
+        room,
+    )
     from cython.cimports.navigation.kernels.pacing import draw
 
 _R: cython.Py_ssize_t = ROW
@@ -200,11 +208,7 @@ class Retreats:
     def _set_out(self) -> cython.int:
         """Begin the corners with those of the path, with room for one after them."""
         grow(self.corners, len(self.path) + 2)
-        corner: Doubles = at(self.corners)
-        path: Doubles = at(self.path)
-        k: cython.Py_ssize_t
-        for k in range(len(self.path)):
-            corner[k] = path[k]
+        put(at(self.corners), 0, at(self.path), 0, len(self.path))
         return 0
 
     def _is_taken(self, x: float, y: float) -> bool:

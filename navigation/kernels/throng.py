@@ -19,13 +19,13 @@ if not cython.compiled:
     from math import inf, sqrt
 
     from .discs import within_bounds
-    from .numbers import Doubles, Numbers, at, room
+    from .numbers import Doubles, Numbers, at, numbers, put, room
 
     INFINITY = inf
 else:
     from cython.cimports.libc.math import INFINITY, sqrt
     from cython.cimports.navigation.kernels.discs import within_bounds
-    from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at, room
+    from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at, numbers, put, room
 
 _R: cython.Py_ssize_t = ROW
 _SLOW: float = SLOW
@@ -62,12 +62,8 @@ class Throng:
 
     def commit(self, k: cython.Py_ssize_t, table: Numbers, box: Numbers) -> None:
         """Let the k-th be committed to another motion."""
-        a: Doubles = at(self.boxes)
-        b: Doubles = at(box)
-        i: cython.Py_ssize_t
         self.tables[k] = table
-        for i in range(4):
-            a[4 * k + i] = b[i]
+        put(at(self.boxes), 4 * k, at(box), 0, 4)
 
     def send(self, k: cython.Py_ssize_t, bound: bool, x: float, y: float) -> None:
         """Let the k-th be bound for somewhere or not, by x, y first."""
@@ -132,13 +128,10 @@ class Throng:
         From there a ring grows from neighbour to neighbour through gaps that are too narrow for the
         `me`-th, as far as `around`.
         """
-        ring: Numbers = room(4)  # of each who is to be left: x, y, radius
+        place: Numbers = numbers((x, y, x, y))
+        left: list[cython.Py_ssize_t] = self._resting(me, place, around, now)
+        ring: Numbers = room(3 * len(left) + 3)  # of each who is to be left: x, y, radius
         disc: Doubles = at(ring)
-        disc[0] = disc[2] = x
-        disc[1] = disc[3] = y
-        left: list[cython.Py_ssize_t] = self._resting(me, ring, around, now)
-        ring = room(3 * len(left) + 3)
-        disc = at(ring)
         radii: Doubles = at(self.radii)
         width: float = 2 * (radii[me] + self.gap)
         disc[0] = x

@@ -60,8 +60,7 @@ class TooClose(Judge):
         person: Follower = encounter.person
         machine: Follower = encounter.machine
         if law.steady:
-            half: float = (end - begin) / 2
-            encounter.measure(begin - encounter.since + half, half, 0.0, 0.0)
+            encounter.apart_over(begin, end, 0.0, 0.0)
             person.low = person.high = machine.low = machine.high = 0.0
         else:
             encounter.look(begin, end)
@@ -142,8 +141,7 @@ class Apart(Judge):
         self.metres = metres
 
     def holds(self, encounter: Encounter, begin: float, end: float) -> cython.int:
-        half: float = (end - begin) / 2
-        encounter.measure(begin - encounter.since + half, half, 0.0, 0.0)
+        encounter.apart_over(begin, end, 0.0, 0.0)
         if encounter.far + encounter.slack / 2 < self.metres:
             return 0
         return 1 if encounter.near + encounter.slack >= self.metres else UNDECIDED
@@ -272,8 +270,8 @@ def first_interval(
     resolution: float,
 ) -> tuple[float, float] | None:
     """Return the first interval in which a condition on places and speeds holds, or None."""
-    none: list[Gauge] = []
-    watch: Watch = Watch(judge, Encounter(person, machine, none, 0.0), begin, end, resolution)
+    encounter: Encounter = Encounter(person, machine, _NO_GAUGES, 0.0)
+    watch: Watch = Watch(judge, encounter, begin, end, resolution)
     since = watch.change()
     if since is None:
         return None

@@ -27,7 +27,7 @@ class Detours:
     def __init__(self, world: CollisionWorld, radius: float) -> None:
         self._world = world
         self._radius = radius
-        self._pieces: NDArray[np.object_] | None = None
+        self._pieces: NDArray[np.object_] = np.empty(0, dtype=object)
         self._ways = WaysRound(CELL, AROUND, MOST, self._chunk)
 
     def path(
@@ -50,6 +50,6 @@ class Detours:
         k = np.arange(CHUNK) + 0.5
         x, y = np.meshgrid((i * CHUNK + k) * CELL, (j * CHUNK + k) * CELL)
         free = np.zeros(x.shape, dtype=bool)
-        for piece in self._pieces if self._pieces is not None else ():
+        for piece in self._pieces:
             free |= shapely.intersects_xy(piece, x, y)
         return (~free).astype(np.uint8).tobytes()
