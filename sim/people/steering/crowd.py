@@ -329,7 +329,9 @@ class Crowd:
             party.wait_for(None if hit.other.is_vehicle else self._parties[hit.other])
             party.waits_on = hit.other.body.motion
         assert me.goal is not None
-        if stood >= me.manners.reaction_time and is_beside_goal(me, hit, self._whereabouts, now):
+        # Not at once, or who has just arrived could arrive at the next goal too without a step.
+        under_way = now - me.since >= me.manners.reaction_time
+        if under_way and is_beside_goal(me, hit, self._whereabouts, now):
             party.goes_on(self._clock.now)
             party.arriving.set(now)
             return
