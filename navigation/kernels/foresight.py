@@ -53,12 +53,12 @@ _PACES: Numbers = numbers([0.75, 0.5, 0.25])  # shares of the top speed that are
 # Seconds that who stands waits before setting out.
 _DELAYS: Numbers = numbers([0.5, 1.0, 2.0, 4.0])
 # Parts of the free stretch ahead after which a stop is tried.
-_PARTS: Numbers = numbers([1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2, 0.1])
+_PARTS: Numbers = numbers([1.0, 0.8, 0.6, 0.4, 0.2])
 _SHORTEST: float = 0.5  # metres; nobody who stands sets out for less
 # Share that a stop behind somebody who is about to walk on counts of the metres it loses.
 _PHANTOM: float = 0.3
 # Metres to either side. There somebody who follows looks for room to walk faster beside others.
-_FILES: Numbers = numbers([0.25, 0.5, 0.9, 1.3])
+_FILES: Numbers = numbers([0.25, 0.5, 1.0, 1.5, 2.0, 2.5])
 _FASTER: float = 0.15  # m/s; for less nobody leaves a file
 # Share of the foresight after which somebody who leaves a file is beside it.
 _BESIDE: float = 0.4

@@ -241,6 +241,32 @@ def test_random_people_never_overlap_and_arrive(walks, seed):
     assert arrived(run) == set(run.summary["people"])
 
 
+@pytest.mark.parametrize("abreast", [1, 4, 5])
+def test_who_is_faster_overtakes_all_who_walk_abreast_where_there_is_room(walks, abreast):
+    slow = [(3.0, 4.0 + 0.65 * (k - (abreast - 1) / 2)) for k in range(abreast)]
+    ways = [((1.0, 4.0), [(29.0, 4.0)]), *((at, [(28.0, at[1])]) for at in slow)]
+    run = walks(hall(30, 8), ways, 80.0, speeds=[1.0, *(0.4 for _ in slow)])
+    ends = {event["person"]: event["t"] for event in events(run, "arrived")}
+    assert ends["p0"] < 28.0 / 1.0 + 5.0 < 25.0 / 0.4 < min(ends[f"p{k + 1}"] for k in range(abreast))
+
+
+def test_who_finds_a_goal_taken_has_arrived_as_they_come_to_rest_beside_it(walks):
+    run = walks(hall(12, 8), [((1.0, 4.0), [(8.0, 4.0)]), ((8.0, 4.0), [])], 20.0)
+    (arrival,) = events(run, "arrived", person="p0")
+    comes_to_rest = run.motions["p0"].pieces[-1].begin
+    assert comes_to_rest <= arrival["t"] < comes_to_rest + 0.3
+
+
+def test_time_passes_between_two_goals_in_reach_of_each_other_that_are_both_taken(walks):
+    """Who stands between them is beside each, but sets out for the other first."""
+    goals = [(5.2, 4.0), (6.8, 4.0)]
+    ways = [((6.0, 3.0), goals * 5), *((at, []) for at in goals)]
+    run = walks(hall(12, 8), ways, 60.0, manners=MannersEntry(reaction_time=0.4))
+    arrivals = [event["t"] for event in events(run, "arrived", person="p0")]
+    assert len(arrivals) == 10
+    assert min(np.diff(arrivals)) > 0.39
+
+
 @pytest.mark.parametrize("speed", [0.2, 0.8])
 def test_the_distance_in_a_single_file_grows_with_the_speed(walks, speed):
     """Each takes up 0.36 m and 1.06 s times the speed (Seyfried et al. 2005), within 15 %."""
