@@ -495,8 +495,6 @@ FIGURES: dict[str, SummaryFigure] = {
             meaning="tasks done, without breaks",
             words=words.plain,
             events=(events.TaskDone, {"person": "NAME"}),
-            measure="chief",
-            worst=1,
         ),
         _of_work(
             path=f"{PEOPLE}time_working",
