@@ -357,6 +357,20 @@ def test_without_machines_the_plot_shows_speeds(open_page, recording):
     assert viewer.complaints == still.complaints == []
 
 
+def test_the_summary_has_units_and_names(open_page, recording):
+    trial = "{floorplan: ariac2023, duration: 20, people: [{name: crew, count: 2, at: anywhere}]}"
+    summary = rounded(sim.run(sim.Trial.parse(trial)).summary)
+    page = open_page(replay.render({**recording, "summary": summary})).page
+    terms = "[...document.querySelectorAll('.summary dt')]"
+    shown = dict(
+        page.evaluate(f"{terms}.map(dt => [dt.textContent, dt.nextElementSibling.textContent])")
+    )
+    assert shown["law assumes shorter stops of"] == "gantry, agv1, agv2, agv3, agv4"
+    assert shown["gantry idle time"] == f"{summary['gantry_idle_time']:g} s"
+    assert shown["time lost to others"].endswith(" s")
+    assert "(crew1 and crew2)" in shown["nearest people"]
+
+
 def test_the_noticing_distance_has_a_law_and_a_cap_of_its_own(open_page, recording):
     strict = copy.deepcopy(recording)
     strict["watches"][0] |= {
