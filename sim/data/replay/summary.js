@@ -48,7 +48,8 @@ const isInstant = value => isObject(value) && isNumbers([value.time, value.dista
 function content(name, value, onChoose) {
   if (value === undefined) return "–";
   if (!isInstant(value)) return valueText(name, value);
-  const whose = Array.isArray(value.between) ? ` (${value.between.map(spoken).join(" and ")})` : "";
+  const between = value.between ?? [value.person, value.agv].filter(Boolean);
+  const whose = between.length ? ` (${between.map(spoken).join(" and ")})` : "";
   const text = `${metres(value.distance)}${whose} at ${seconds(value.time)}`;
   const button = element("button", { type: "button", text });
   button.addEventListener("click", () => onChoose(value.time));
