@@ -128,8 +128,7 @@ def _nearest_agv(prefix: str) -> Iterator[SummaryFigure]:
     yield part(
         path=f"{path}.distance",
         label="least distance to AGVs",
-        meaning="the nearest that anybody came to an AGV while it moved, as the rules measure;"
-        " `agv` says which" + ("" if prefix else ", `person` who"),
+        meaning="the nearest that anybody came to an AGV while it moved, as the rules measure",
         unit="m",
         short=True,
         measure="" if prefix else "plain",
