@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .motion import Motion
 from .polynomials import (
@@ -28,6 +29,9 @@ from .polynomials import (
 
 FAR = 1e6
 """Metres. Place of a body that is not there yet, so that it is near to none."""
+
+_LARGEST = 2**16
+"""Cubics between two bodies that are worked on at once: of each there are some hundred numbers."""
 
 
 @dataclass(frozen=True)
@@ -59,10 +63,7 @@ class Courses:
                 raise ValueError(f"can't look from {begin} s to {end} s")
         self._motions = motions
         self._spans = np.array(spans, dtype=np.float64).reshape(-1, 2)
-        cuts = self._cuts()
-        self._begins, self._durations = cuts[:-1], np.diff(cuts)
-        self._there = (self._spans[:, :1] <= self._begins) & (self._begins < self._spans[:, 1:])
-        self._pieces = np.array([motion.cubics(self._begins) for motion in motions])
+        self._begins, self._durations, self._there, self._pieces = _stretches(motions, self._spans)
 
     @cached_property
     def time(self) -> Array:
@@ -121,7 +122,47 @@ class Courses:
         Distances are between centres, less the `radii` (metres) of both bodies if they are given.
         For each distance (metres) of `within` there is also the time that another was so near.
         """
-        return [] if not bodies else _Meetings(self, bodies, within, radii).company()
+        sizes = np.zeros(len(self._motions)) if radii is None else np.asarray(radii, np.float64)
+        total = _Tally(len(bodies), len(within))
+        for meetings in self._meetings(bodies, sizes):
+            meetings.add_to(total, within)
+        return total.companies()
+
+    def _meetings(
+        self, bodies: Sequence[tuple[int, Sequence[int]]], sizes: Array
+    ) -> Iterator[_Meetings]:
+        """Yield who is beside whom, so much at a time as fits into memory."""
+        for most, batch in itertools.groupby(enumerate(bodies), lambda one: len(one[1][1])):
+            longest = max(_LARGEST // max(most, 1), 1)
+            found: list[_Meetings] = []
+            for group, (body, others) in batch:
+                beside = self._beside(group, body, others, sizes)
+                for first in range(0, len(beside.groups), longest):
+                    part = beside.part(first, first + longest)
+                    if sum(len(one.groups) for one in found) + len(part.groups) > longest:
+                        yield _Meetings.of(found)
+                        found = []
+                    found.append(part)
+            if found:
+                yield _Meetings.of(found)
+
+    def _beside(self, group: int, body: int, others: Sequence[int], sizes: Array) -> _Meetings:
+        members = [body, *others]
+        # Cut where one of these changes: among many a cut of all would be one for each of them.
+        motions = [self._motions[member] for member in members]
+        _, durations, there, pieces = _stretches(motions, self._spans[members])
+        present = (there[:1] & there[1:]).T
+        rows = np.flatnonzero(present.any(1))
+        apart = (pieces[1:, rows, :2] - pieces[:1, rows, :2]).swapaxes(0, 1)
+        away = np.zeros(apart.shape[1:])
+        away[:, 0, 0] = FAR
+        return _Meetings(
+            np.full(len(rows), group),
+            durations[rows],
+            present[rows],
+            np.where(present[rows][..., None, None], apart, away),
+            np.broadcast_to(sizes[body] + sizes[list(others)], (len(rows), len(others))),
+        )
 
     @cached_property
     def _rows(self) -> tuple[Index, Index]:
@@ -139,18 +180,6 @@ class Courses:
         return bernstein(
             square(self._velocity[:, :, 0]) + square(self._velocity[:, :, 1]), self._durations
         )
-
-    def _cuts(self) -> Array:
-        ends = [self._spans.min(initial=math.inf), self._spans.max(initial=-math.inf)]
-        if not len(self._spans):
-            return np.zeros(1)
-        times = [self._spans.ravel()]
-        for motion in self._motions:
-            pieces = motion.pieces
-            times.append(np.array([pieces[0].begin, *(piece.end for piece in pieces)]))
-        # Cut wherever any motion changes: between two cuts all of them are one cubic each.
-        cuts = np.unique(np.concatenate(times))
-        return np.asarray(cuts[(ends[0] <= cuts) & (cuts <= ends[1])])
 
     def _integrated(self, vectors: Array) -> Array:
         body, stretch = self._rows
@@ -177,79 +206,109 @@ class Courses:
         return np.asarray((turns * counts).sum(1))
 
 
+@dataclass(frozen=True)
 class _Meetings:
-    """For some bodies, the others beside them: a row for every stretch in which any is there."""
+    """Some bodies and the others beside them: a row for every stretch in which any is there."""
 
-    def __init__(
-        self,
-        courses: Courses,
-        bodies: Sequence[tuple[int, Sequence[int]]],
-        within: Sequence[float],
-        radii: Sequence[float] | None,
-    ) -> None:
-        self.count = len(bodies)
-        self.within = within
-        most = max(len(others) for _, others in bodies)
-        # Bodies with fewer others than the most have their first one several times.
-        # Arrays need as many for each; one that comes twice changes neither least nor most.
-        others = np.array([[*o, *[o[0]] * (most - len(o))] for _, o in bodies])
-        own = np.array([body for body, _ in bodies])
-        there, pieces = courses._there, courses._pieces
-        together = there[own][:, None] & there[others]
-        self.group, stretch = np.nonzero(together.any(1))
-        self.durations = courses._durations[stretch]
-        self.present = together[self.group, :, stretch]
-        mine = pieces[own[self.group], stretch, :2][:, None]
-        self.apart = pieces[others[self.group], stretch[:, None], :2] - mine
-        away = np.zeros_like(self.apart)
-        away[..., 0, 0] = FAR
-        self.apart = np.where(self.present[..., None, None], self.apart, away)
-        sizes = np.zeros(len(there)) if radii is None else np.asarray(radii, dtype=np.float64)
-        self.less = (sizes[own][:, None] + sizes[others])[self.group]
-        squared = square(self.apart[..., 0, :]) + square(self.apart[..., 1, :])
-        self.squared = bernstein(squared, self.durations[:, None])
+    groups: Index
+    """Whose row it is: (M,)."""
+    durations: Array
+    """Seconds: (M,)."""
+    present: NDArray[np.bool_]
+    """Which of the others are there: (M, others)."""
+    apart: Array
+    """From the body to each of the others, as cubics: (M, others, 2, 4)."""
+    less: Array
+    """What is taken off the distances, metres: (M, others)."""
 
-    def company(self) -> list[Company]:
-        time = _totals(self.group, self.durations, self.count)
+    @classmethod
+    def of(cls, parts: Sequence[_Meetings]) -> _Meetings:
+        return cls(*map(np.concatenate, zip(*(part._columns for part in parts), strict=True)))
+
+    def part(self, begin: int, end: int) -> _Meetings:
+        groups, durations, present, apart, less = self._columns
+        rows = slice(begin, end)
+        return _Meetings(groups[rows], durations[rows], present[rows], apart[rows], less[rows])
+
+    def add_to(self, total: _Tally, within: Sequence[float]) -> None:
         x, y = self.apart[..., 0, :], self.apart[..., 1, :]
+        count = len(total.time)
+        total.time += _totals(self.groups, self.durations, count)
         lengths = integral_of_least_length(x, y, self.less, self.durations)
-        sums = _totals(self.group, lengths, self.count)
-        near, far = self._extremes()
-        inside = self._time_within()
-        return [
-            Company(
-                float(time[k]),
-                float(sums[k] / time[k]) if time[k] else 0.0,
-                float(near[k]) if time[k] else 0.0,
-                float(far[k]) if time[k] else 0.0,
-                tuple(float(seconds[k]) for seconds in inside),
-            )
-            for k in range(self.count)
-        ]
+        total.sums += _totals(self.groups, lengths, count)
+        squared = bernstein(square(x) + square(y), self.durations[:, None])
+        near, far = self._extremes(squared, count)
+        np.minimum(total.near, near, out=total.near)
+        np.maximum(total.far, far, out=total.far)
+        for k, distance in enumerate(within):
+            limits = np.maximum(distance + self.less, 0.0)
+            inside = time_negative(squared - (limits**2)[..., None], self.durations)
+            total.inside[k] += _totals(self.groups, inside, count)
 
-    def _extremes(self) -> tuple[Array, Array]:
+    @property
+    def _columns(self) -> tuple[Index, Array, NDArray[np.bool_], Array, Array]:
+        return self.groups, self.durations, self.present, self.apart, self.less
+
+    def _extremes(self, squared: Array, count: int) -> tuple[Array, Array]:
+        """The least and the greatest distance of each body: (count,) of metres."""
         most = self.present.shape[1]
         row, other = np.nonzero(self.present)
-        group = self.group[row] * most + other
-        squared = self.squared[row, other]
-        less = np.zeros(self.count * most)
+        group = self.groups[row] * most + other
+        squared = squared[row, other]
+        less = np.zeros(count * most)
         less[group] = self.less[row, other]
         near = np.sqrt(np.maximum(least(squared, group, len(less)), 0.0)) - less
         farthest = -least(-squared, group, len(less))
         far = np.sqrt(np.maximum(farthest, 0.0)) - less
         far[~np.isfinite(farthest)] = -np.inf
-        shape = (self.count, most)
+        shape = (count, most)
         return near.reshape(shape).min(1), far.reshape(shape).max(1)
 
-    def _time_within(self) -> list[Array]:
-        """For each distance, the seconds of each body."""
-        if not len(self.within):
-            return []
-        limits = np.maximum(np.asarray(self.within)[:, None, None] + self.less, 0.0)
-        excess = (self.squared - (limits**2)[..., None]).reshape(-1, *self.squared.shape[1:])
-        inside = time_negative(excess, np.tile(self.durations, len(self.within)))
-        rows = inside.reshape(len(self.within), -1)
-        return [_totals(self.group, row, self.count) for row in rows]
+
+class _Tally:
+    """What the distances of `count` bodies come to, as more and more is added."""
+
+    def __init__(self, count: int, limits: int) -> None:
+        self.time, self.sums = np.zeros((2, count))
+        self.near, self.far = np.full(count, np.inf), np.full(count, -np.inf)
+        self.inside = np.zeros((limits, count))
+
+    def companies(self) -> list[Company]:
+        return [
+            Company(
+                float(time),
+                float(self.sums[k] / time) if time else 0.0,
+                float(self.near[k]) if time else 0.0,
+                float(self.far[k]) if time else 0.0,
+                tuple(map(float, self.inside[:, k])),
+            )
+            for k, time in enumerate(self.time)
+        ]
+
+
+def _stretches(
+    motions: Sequence[Motion], spans: Array
+) -> tuple[Array, Array, NDArray[np.bool_], Array]:
+    """Return stretches in each of which every motion is one cubic.
+
+    Their begins and durations (S,), which motions are looked at in them (motions, S), and the
+    cubics (motions, S, 3, 4).
+    """
+    cuts = _cuts(motions, spans)
+    begins = cuts[:-1]
+    there = (spans[:, :1] <= begins) & (begins < spans[:, 1:])
+    return begins, np.diff(cuts), there, np.array([motion.cubics(begins) for motion in motions])
+
+
+def _cuts(motions: Sequence[Motion], spans: Array) -> Array:
+    if not len(spans):
+        return np.zeros(1)
+    times = [spans.ravel()]
+    for motion in motions:
+        pieces = motion.pieces
+        times.append(np.array([pieces[0].begin, *(piece.end for piece in pieces)]))
+    cuts = np.unique(np.concatenate(times))
+    return np.asarray(cuts[(spans.min() <= cuts) & (cuts <= spans.max())])
 
 
 def _totals(groups: Index, figures: Array, count: int) -> Array:

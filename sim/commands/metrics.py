@@ -37,9 +37,12 @@ def metrics(
         say(json.dumps(figures, indent=2, ensure_ascii=False))
         return
     console = plain_console()
-    console.print(_movements(figures))
+    bodies = figures["people"] | figures["machines"]
+    console.print(_table_of("How they moved", _MOVEMENTS, bodies))
+    console.print(_table_of("How they got on", _PROGRESS, bodies))
     if figures["people"]:
-        console.print(_distances(figures))
+        title = "How far apart they were, and for how much of the time in whose space"
+        console.print(_table_of(title, _DISTANCES, _distances(figures)))
 
 
 def _radius(text: str) -> tuple[str, float]:
@@ -53,61 +56,55 @@ def _radius(text: str) -> tuple[str, float]:
     return name, radius
 
 
-def _movements(figures: dict[str, Any]) -> Table:
-    """Return the table of motions: a column for each body."""
+def _table_of(title: str, columns: dict[str, str], rows: dict[str, dict[str, Any]]) -> Table:
+    """Return a table of figures: `columns` has the heads by the keys of figures."""
     from rich.table import Table
 
-    bodies = figures["people"] | figures["machines"]
-    table = Table("", title="How they moved", title_justify="left")
-    for name in bodies:
-        table.add_column(name, justify="right")
-    for key, label in _MOVEMENTS.items():
-        table.add_row(label, *(_text(figures.get(key)) for figures in bodies.values()))
+    table = Table("", title=title, title_justify="left")
+    for label in columns.values():
+        table.add_column(label, justify="right", overflow="fold")
+    for name, figures in rows.items():
+        table.add_row(name, *(_text(figures.get(key)) for key in columns))
     return table
 
 
-def _distances(figures: dict[str, Any]) -> Table:
-    """Return the table of distances: a row for each pair, and for the nearest of several people."""
-    from rich.table import Table
-
+def _distances(figures: dict[str, Any]) -> dict[str, dict[str, Any]]:
+    """Return the distances of each pair, of the nearest of several people, and of groups."""
+    people = list(figures["people"])
     rows = {
         f"{name} – {other}": distances
-        for name, person in figures["people"].items()
-        for other, distances in person["distance_to"].items()
+        for k, name in enumerate(people)
+        for other, distances in figures["people"][name]["distance_to"].items()
+        if other not in people[:k]
     }
-    if len(figures["people"]) > 1:
+    if len(people) > 1:
         rows |= {
             f"{name} – nearest": machine["distance_to_people"]
             for name, machine in figures["machines"].items()
         }
-    rows |= {
+    return rows | {
         f"{name} – group of {leader}": distances
         for name, body in (figures["people"] | figures["machines"]).items()
         for leader, distances in body.get("distance_to_groups", {}).items()
     }
-    title = "How far apart they were, and for how much of the time in whose space"
-    table = Table("", title=title, title_justify="left")
-    for label in _DISTANCES.values():
-        table.add_column(label, justify="right")
-    for name, distances in rows.items():
-        table.add_row(name, *(_text(distances[key]) for key in _DISTANCES))
-    return table
 
 
 _MOVEMENTS = {
-    "time": "time, s",
-    "path_length": "path length, m",
-    "cumulative_heading_changes": "heading changes, rad",
-    "time_not_moving": "not moving, s",
-    "maximum_speed": "maximum speed, m/s",
-    "average_speed": "average speed, m/s",
-    "average_acceleration": "average acceleration, m/s²",
-    "average_jerk": "average jerk, m/s³",
-    "social_work": "social work, m/s",
+    "time": "time\ns",
+    "path_length": "path\nm",
+    "cumulative_heading_changes": "turned\nrad",
+    "time_not_moving": "not\nmoving\ns",
+    "maximum_speed": "top\nspeed\nm/s",
+    "average_speed": "mean\nspeed\nm/s",
+    "average_acceleration": "mean\naccel.\nm/s²",
+    "average_jerk": "mean\njerk\nm/s³",
+}
+_PROGRESS = {
     "goals": "goals",
-    "goals_reached": "goals reached",
-    "time_to_goal": "time to goal, s",
-    "final_distance_to_goal": "final distance to goal, m",
+    "goals_reached": "reached",
+    "time_to_goal": "time to goal\ns",
+    "final_distance_to_goal": "left at the end\nm",
+    "social_work": "social work\nm/s",
 }
 _DISTANCES = {
     "average": "mean\nm",

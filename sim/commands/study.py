@@ -117,7 +117,7 @@ def _report(results: StudyResults) -> None:
     named = [measure for measure in compared.spreads if measure.chief or measure.rare]
     measures = [measure for measure in named if compared.constant(measure) != 0.0]
     for measure in measures:
-        table.add_column(measure.label, justify="right")
+        table.add_column(measure.label, justify="right", overflow="fold")
     for k, group in enumerate(compared.groups):
         spreads = [compared.spreads[measure][k] for measure in measures]
         means = [figure(spread.mean) if spread else "–" for spread in spreads]

@@ -137,6 +137,12 @@ def may_be_robot(entry: MachineEntry) -> bool:
     return kind is None or kind.category != "vehicle"
 
 
+def may_be_vehicle(entry: MachineEntry) -> bool:
+    """Return True if a machine may be a vehicle; code of the user's own is not run to find out."""
+    kind = entry.kind if isinstance(entry.kind, type) else KINDS.get(entry.kind)
+    return kind is None or kind.category == "vehicle"
+
+
 def kind_name(entry: MachineEntry) -> str:
     """Return the name of a machine's kind: of one's own, that of its class in small letters."""
     kind = entry.kind if isinstance(entry.kind, str) else entry.kind.__name__

@@ -10,7 +10,7 @@ from typing import Any, Literal
 
 from ..core import events
 from ..core.scenario import Scenario
-from ..machines.kinds import may_be_robot
+from ..machines.kinds import may_be_robot, may_be_vehicle
 from ..machines.law_audit import short_laws
 from . import words
 from .finished import CAUSES
@@ -64,7 +64,14 @@ def _has_orders(trial: Scenario) -> bool:
     return trial.workload is not None and trial.floorplan.gantry is not None
 
 
+def _has_vehicles(trial: Scenario) -> bool:
+    """Return True if there may be vehicles that set out: moved by the trial, or with orders."""
+    ordered = trial.workload is not None and bool(trial.floorplan.lanes)
+    return ordered or any((*trial.agvs.values(), *map(may_be_vehicle, trial.machines.values())))
+
+
 _of_orders = partial(SummaryFigure, only=_has_orders)
+_of_vehicles = partial(SummaryFigure, only=_has_vehicles)
 _of_faulty_parts = partial(
     SummaryFigure, only=lambda trial: _has_orders(trial) and trial.has_faulty_parts
 )
@@ -109,6 +116,24 @@ def _separation(prefix: str) -> Iterator[SummaryFigure]:
         worst=1,
     )
     part = partial(SummaryFigure, null=_no_robot, instant="time")
+    yield part(path=f"{path}.time", meaning="when that was", unit="s")
+    meaning = "the distance that the law required then"
+    yield part(path=f"{path}.required", meaning=meaning, unit="m")
+
+
+def _nearest_agv(prefix: str) -> Iterator[SummaryFigure]:
+    """Yield the parts of the least distance to a vehicle that moves: of all people, or of one."""
+    path = f"{prefix}nearest_agv"
+    part = partial(_of_vehicles, instant="time")
+    yield part(
+        path=f"{path}.distance",
+        label="least distance to AGVs",
+        meaning="the nearest that anybody came to an AGV while it moved, as the rules measure",
+        unit="m",
+        short=True,
+        measure="" if prefix else "plain",
+        worst=0 if prefix else 1,
+    )
     yield part(path=f"{path}.time", meaning="when that was", unit="s")
     meaning = "the distance that the law required then"
     yield part(path=f"{path}.required", meaning=meaning, unit="m")
@@ -349,6 +374,14 @@ FIGURES: dict[str, SummaryFigure] = {
             path="machines.NAME", form="parts", label="NAME", words=words.machine, column=False
         ),
         *_separation(""),
+        _of_vehicles(
+            path="nearest_agv",
+            form="parts",
+            of=lambda run: run.nearest_agv,
+            label="nearest to an AGV",
+            words=words.nearest_agv,
+        ),
+        *_nearest_agv(""),
         _of_several(
             path="nearest_people",
             form="parts",
@@ -495,8 +528,6 @@ FIGURES: dict[str, SummaryFigure] = {
             meaning="tasks done, without breaks",
             words=words.plain,
             events=(events.TaskDone, {"person": "NAME"}),
-            measure="chief",
-            worst=1,
         ),
         _of_work(
             path=f"{PEOPLE}time_working",
@@ -528,6 +559,12 @@ FIGURES: dict[str, SummaryFigure] = {
             of=lambda run, person: run.nearest.get(person.name),
         ),
         *_separation(PEOPLE),
+        _of_vehicles(
+            path=f"{PEOPLE}nearest_agv",
+            form="parts",
+            of=lambda run, person: run.nearest_vehicles.get(person.name),
+        ),
+        *_nearest_agv(PEOPLE),
         SummaryFigure(
             path="cpu_seconds", form="text", meaning="what the run cost", unit="s", column=False
         ),

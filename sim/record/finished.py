@@ -87,6 +87,57 @@ class Finished:
         return min(self.nearest.values(), key=lambda found: found["distance"], default=None)
 
     @cached_property
+    def nearest_vehicles(self) -> dict[str, dict[str, Any]]:
+        """The least distance (m) of each person to a vehicle while it moved, as the rules measure.
+
+        With its `time` (s), the distance `required` then (m) and which `agv` it was.
+        """
+        floor = {p.name: (p.started_at, p.left_at) for p in self.people}
+        found: dict[str, dict[str, Any]] = {}
+        for watch in self.referee.watches:
+            person, machine = watch.pair.person.name, watch.pair.machine
+            started, left = floor[person]
+            if machine.shape.category != "vehicle" or started is None:
+                continue
+            end = self.duration if left is None else left
+            one, other = self.motions[person], self.motions[machine.name]
+            measured = other.translated(*self.trial.rules.measured_at(machine.shape))
+            for since, until in self._drives[machine.name]:
+                begin, last = max(since, started), min(until, end)
+                if begin >= last:
+                    continue
+                time, distance = minimum_separation(one, measured, begin, last)
+                if person not in found or distance < found[person]["distance"]:
+                    required = watch.required_before(time, one, other)
+                    figures = {"distance": distance, "time": time, "required": required}
+                    found[person] = {**figures, "agv": machine.name}
+        return found
+
+    @property
+    def nearest_agv(self) -> dict[str, Any] | None:
+        """The least of the distances in `nearest_vehicles` and whose it is, None without any."""
+        nearest = self.nearest_vehicles.items()
+        name, found = min(nearest, key=lambda one: one[1]["distance"], default=("", None))
+        return None if found is None else {**found, "person": name}
+
+    @cached_property
+    def _drives(self) -> dict[str, list[tuple[float, float]]]:
+        """From when to when each vehicle drives, without a stop (s)."""
+        found: dict[str, list[tuple[float, float]]] = {}
+        for name, machine in self.machines.items():
+            drives = found.setdefault(name, [])
+            if machine.shape.category != "vehicle":
+                continue
+            for piece in self.motions[name].pieces:
+                if not piece.moves:
+                    continue
+                if drives and drives[-1][1] == piece.begin:
+                    drives[-1] = (drives[-1][0], piece.end)
+                else:
+                    drives.append((piece.begin, piece.end))
+        return found
+
+    @cached_property
     def among_people(self) -> Nearest:
         """The nearest that two of several people came to each other."""
         found = nearest_pair(

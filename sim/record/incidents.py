@@ -36,9 +36,10 @@ class Incident:
     """A time in which a `person` was nearer to a `machine` than the rules required.
 
     From `begin` to `end` (seconds). The person was `at` a place, so far away (`distance`, metres)
-    when so much was `required`; the least margin of the whole time is `margin`, and `severity` the
-    highest speed of the two relative to each other (m/s). `cause` says who moved at the beginning,
-    `zones` where it was, and `led_to` in words what followed from it.
+    when so much was `required`; the least margin of the whole time is `margin`, at the instant
+    `worst_at` (seconds), and `severity` the highest speed of the two relative to each other (m/s).
+    `cause` says who moved at the beginning, `zones` where it was, and `led_to` in words what
+    followed from it.
     """
 
     person: str
@@ -50,6 +51,7 @@ class Incident:
     distance: float
     required: float
     margin: float
+    worst_at: float
     severity: float
     zones: tuple[str, ...] = ()
     led_to: tuple[str, ...] = ()
@@ -146,13 +148,15 @@ def _incident(run: Outcome, log: _Log, person: str, machine: str, span: Span) ->
     # At the instant of a violation the person may be put elsewhere: what counts is before.
     human, robot = (run.motions[name].state_before(begin) for name in (person, machine))
     times = _moments(span)
-    margins = run.margin(person, machine, times)
+    worst_at, margin = _least_margin(run, person, machine, span, times)
     events = list(log.of(person, machine, span))
     violation = next((event for event in events if event["kind"] == "violation"), None)
     if violation is None:  # of a run that was broken off
         distance, required, cause = math.nan, math.nan, ""
     else:
         distance, required, cause = (violation[key] for key in ("distance", "required", "cause"))
+    if distance - required <= margin:
+        worst_at, margin = begin, distance - required
     apart = (a - b for a, b in zip(human.velocity[:2], robot.velocity[:2], strict=True))
     speeds = relative_speeds(run, person, machine, times)
     return Incident(
@@ -164,9 +168,8 @@ def _incident(run: Outcome, log: _Log, person: str, machine: str, span: Span) ->
         at=human.at,
         distance=distance,
         required=required,
-        margin=float(
-            np.nanmin([_least_margin(run, person, machine, span, margins), distance - required])
-        ),
+        margin=margin,
+        worst_at=worst_at,
         severity=max(math.hypot(*apart), float(speeds.max())),
         zones=tuple(
             zone.name for zone in run.floorplan.zones if shapely.intersects_xy(zone.area, *human.at)
@@ -183,13 +186,20 @@ def _moments(span: Span) -> Array:
     return np.linspace(begin, max(begin, np.nextafter(end, begin)), count)
 
 
-def _least_margin(run: Outcome, person: str, machine: str, span: Span, sampled: Array) -> float:
-    """Return the least margin in an interval (metres); solved for where the law allows it."""
+def _least_margin(
+    run: Outcome, person: str, machine: str, span: Span, times: Array
+) -> tuple[float, float]:
+    """Return when in an interval the margin is least, and that margin: (seconds, metres).
+
+    Solved for where the law allows it, and else the least at `times`.
+    """
     begin, end = span
     shape = run.scene.machine(machine)
     law = run.scene.rules.law_of(shape)
     if not is_plain(law) or begin == end:
-        return float(sampled.min())
+        margins = run.margin(person, machine, times)
+        least = int(np.argmin(margins))
+        return float(times[least]), float(margins[least])
     measured = run.motions[machine].translated(*run.scene.rules.measured_at(shape))
     last = float(np.nextafter(end, begin))
-    return minimum_margin(run.motions[person], measured, law, begin, last)[1]
+    return minimum_margin(run.motions[person], measured, law, begin, last)

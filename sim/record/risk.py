@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from typing import Any, Literal
 
 import numpy as np
+
+from floorplan import Point
 
 from .cells import Array, cells_of, spread
 from .outcome import Outcome
@@ -50,6 +52,9 @@ def least_margins(run: Outcome) -> Array:
                 margin = np.minimum(margin, _margins(run, person.name, machine, times))
         cells = np.full(least.shape, math.inf)
         np.minimum.at(cells, _cells(run, person.name, times), margin)
+        # A violation whose person is put elsewhere at once falls between two moments.
+        for at, margin_then in _begins(run, person.name):
+            cells[_cell(run, at)] = min(cells[_cell(run, at)], margin_then)
         least = np.minimum(least, spread(cells, CELL, person.radius, np.minimum, math.inf))
     return least
 
@@ -122,10 +127,29 @@ def _margins(run: Outcome, person: str, machine: str, times: Array) -> Array:
     return margins
 
 
+def _begins(run: Outcome, person: str) -> Iterator[tuple[Point, float]]:
+    """Yield where a person was as each of their violations began, and the margin then (metres)."""
+    for event in run.events:
+        if event["kind"] == "violation" and event["person"] == person:
+            at = run.motions[person].state_before(event["t"]).at
+            yield at, event["distance"] - event["required"]
+
+
+def _cell(run: Outcome, at: Point) -> tuple[int, int]:
+    """Return the row and column of the cell of a place."""
+    row, column = _cells_at(run, np.array([at]))
+    return int(row[0]), int(column[0])
+
+
 def _cells(run: Outcome, person: str, times: Array) -> tuple[Any, Any]:
     """Return the row and column of the cell in which a person's centre is at each instant."""
+    return _cells_at(run, run.motions[person].position(times).reshape(-1, 2))
+
+
+def _cells_at(run: Outcome, places: Array) -> tuple[Any, Any]:
+    """Return the rows and columns of the cells of places (N, 2)."""
     west, south, *_ = run.floorplan.boundary.bounds
     rows, columns = cells_of(run.floorplan, CELL)
-    x, y = run.motions[person].position(times).reshape(-1, 2).T
+    x, y = places.T
     row = np.clip(((y - south) / CELL).astype(int), 0, rows - 1)
     return row, np.clip(((x - west) / CELL).astype(int), 0, columns - 1)

@@ -40,16 +40,18 @@ NOTHING = ("0", "0.0 s", "0.0 m", "none")
 """Figures in words that are left out where there are many people."""
 
 
-def figures_in_words(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
+def figures_in_words(summary: Mapping[str, Any], *, in_short: bool = True) -> list[tuple[str, str]]:
     """Return the figures of a summary that people look at first: names, and how much each is.
 
-    Those are left out that a summary lacks because it was recorded by another version, or changed.
+    Many people have a line each, if `in_short`, and else a line for each figure. Those are left
+    out that a summary lacks because it was recorded by another version, or changed.
     """
     found = []
     shown = [figure for figure in FIGURES.values() if figure.words]
     for above, figures in itertools.groupby(shown, lambda f: f.path.rpartition("NAME")[0]):
         together, owners = list(figures), [*_owners(summary, above)]
-        if above == PEOPLE.rpartition("NAME")[0] and len(owners) > MOST_AT_LENGTH:
+        many = above == PEOPLE.rpartition("NAME")[0] and len(owners) > MOST_AT_LENGTH
+        if in_short and many:
             found += [(name, _in_short(together, beside)) for name, beside in owners[:MOST_PEOPLE]]
             more = len(owners) - MOST_PEOPLE
             found += [("others", f"{more} people, in the summary")] if more > 0 else []

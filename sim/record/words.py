@@ -101,6 +101,15 @@ def nearest(value: Any, beside: Mapping[str, Any]) -> str:
     return f"{distance} m at {value['time']:.1f} s ({required} m required)"
 
 
+def nearest_agv(value: Any, beside: Mapping[str, Any]) -> str:
+    """Return a distance to an AGV, whose and to which, when it was, and what was required then."""
+    if value is None:
+        return ""
+    distance, required = told_apart(value["distance"], value["required"])
+    between = f"{value['person']} and {value['agv']}"
+    return f"{distance} m ({between}) at {value['time']:.1f} s ({required} m required)"
+
+
 def short_laws(value: Any, beside: Mapping[str, Any]) -> str:
     """Return the machines that may take longer to stop than their law counts on."""
     agvs = sum(short["law"] == "agv_law" for short in value)

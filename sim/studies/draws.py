@@ -77,7 +77,7 @@ class Normal:
     high: float
 
     def __str__(self) -> str:
-        return f"normal, {self.mean} ± {self.sd}, from {self.low} to {self.high}"
+        return f"normal, {self.mean:g} ± {self.sd:g}, from {self.low:g} to {self.high:g}"
 
     @property
     def extremes(self) -> Sequence[Value]:

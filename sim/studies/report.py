@@ -76,11 +76,9 @@ def figure(value: float | None, digits: int | None = None) -> str:
     """A number as people read it: three or four digits that count, or `digits` after the point."""
     if value is None or value != value:
         return "–"
-    if digits is not None:
-        return minus(f"{value:,.{digits}f}")
-    if value == round(value):
-        return minus(f"{value:,.0f}")
-    return minus(f"{value:,.{_after_the_point(abs(value))}f}")
+    if digits is None:
+        digits = 0 if value == round(value) else _after_the_point(abs(value))
+    return minus(f"{round(value, digits) + 0.0:,.{digits}f}")  # no negative zero
 
 
 def _after_the_point(size: float) -> int:

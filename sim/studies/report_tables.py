@@ -51,9 +51,9 @@ def _means(compared: Comparison, measures: Sequence[Measure], place: int) -> Ite
 
 def _mean(one: Spread, digits: int | None = None) -> str:
     """Return a mean, and below it its interval, where it has a width."""
-    if one.low == one.high:
-        return figure(one.mean, digits)
     low, high = figure(one.low, digits), figure(one.high, digits)
+    if low == high:
+        return figure(one.mean, digits)
     return _above(figure(one.mean, digits), f"{low} … {high}")
 
 

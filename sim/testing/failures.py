@@ -96,7 +96,8 @@ def _outline(run: Run) -> list[str]:
             f" {distance} m apart, {required} m required"
         )
     if len(violations) > _MOST_VIOLATIONS:
-        lines.append(f"and {len(violations) - _MOST_VIOLATIONS} violations more")
+        more = len(violations) - _MOST_VIOLATIONS
+        lines.append(f"and {more} more violation{'s' * (more > 1)}")
     return lines + run.unmet
 
 

@@ -2,6 +2,7 @@
 
 import itertools
 import math
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -202,3 +203,34 @@ def test_cut_or_whole_the_figures_add_up():
         assert getattr(whole, name) == pytest.approx(total, abs=1e-8)
     mean = sum(p.company([(0, [1])])[0].mean * p.time[0] for p in parts) / 14.0
     assert whole.company([(0, [1])])[0].mean == pytest.approx(mean, abs=1e-8)
+
+
+@settings(max_examples=20)
+@given(st.lists(motions(), min_size=3, max_size=5), st.floats(0, 4), st.integers(1, 40))
+def test_asked_together_or_one_by_one(bodies, begin, largest):
+    courses = Courses(bodies, [(begin, END), *[(0.0, END)] * (len(bodies) - 1)])
+    asked = [(a, [b]) for a, b in itertools.combinations(range(len(bodies)), 2)]
+    asked.append((0, range(1, len(bodies))))
+    whole = [courses.company([one], [1.0, 3.0])[0] for one in asked]
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(navigation.courses, "_LARGEST", largest)
+        for one, other in zip(courses.company(asked, [1.0, 3.0]), whole, strict=True):
+            assert (one.time, *one.within) == pytest.approx((other.time, *other.within))
+            assert one.mean == pytest.approx(other.mean, abs=1e-9)
+            assert one.minimum == pytest.approx(other.minimum, abs=1e-6)
+            assert one.maximum == pytest.approx(other.maximum, abs=1e-6)
+
+
+def test_a_crowd_fits_into_memory():
+    """Each pair once stood beside everybody, over the cuts of all: gigabytes, for fifty people."""
+    crowd = [
+        navigation.walk([(x, k + x % 2 / 2) for x in range(9)], max_speed=1.0 + k / 100)
+        for k in range(24)
+    ]
+    courses = Courses(crowd, [(0.0, 20.0)] * len(crowd))
+    pairs = [(a, [b]) for a, b in itertools.combinations(range(len(crowd)), 2)]
+    tracemalloc.start()
+    courses.company([*pairs, (0, range(1, len(crowd)))], [1.0])
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 100e6

@@ -357,6 +357,20 @@ def test_without_machines_the_plot_shows_speeds(open_page, recording):
     assert viewer.complaints == still.complaints == []
 
 
+def test_the_summary_has_units_and_names(open_page, recording):
+    trial = "{floorplan: ariac2023, duration: 20, people: [{name: crew, count: 2, at: anywhere}]}"
+    summary = rounded(sim.run(sim.Trial.parse(trial)).summary)
+    page = open_page(replay.render({**recording, "summary": summary})).page
+    terms = "[...document.querySelectorAll('.summary dt')]"
+    shown = dict(
+        page.evaluate(f"{terms}.map(dt => [dt.textContent, dt.nextElementSibling.textContent])")
+    )
+    assert shown["law assumes shorter stops of"] == "gantry, agv1, agv2, agv3, agv4"
+    assert shown["gantry idle time"] == f"{summary['gantry_idle_time']:g} s"
+    assert shown["time lost to others"].endswith(" s")
+    assert "(crew1 and crew2)" in shown["nearest people"]
+
+
 def test_the_noticing_distance_has_a_law_and_a_cap_of_its_own(open_page, recording):
     strict = copy.deepcopy(recording)
     strict["watches"][0] |= {
@@ -707,6 +721,41 @@ def test_words_on_the_floor_are_whole_and_cover_no_station(open_page, recording,
                 across = min(right, place[1]) - max(left, place[0])
                 down = min(bottom, place[3]) - max(top, place[2])
                 assert across <= 0 or down <= 0, (t, text, name)
+
+
+LISTEN_TO_PLATES = """
+() => {
+  const plain = drawPlate;
+  window.plates = [];
+  window.drawPlate = (context, text, x, y, ...how) => {
+    const half = plateWidth(context, text) / 2;
+    window.plates.push([text, x - half, x + half, y - 10, y + 10]);
+    plain(context, text, x, y, ...how);
+  };
+}
+"""
+
+
+@pytest.mark.parametrize("space", [False, True])
+def test_distances_of_a_crowd_do_not_cover_each_other(open_page, space):
+    crowd = sim.Trial.parse(
+        "{floorplan: ariac2023, duration: 4, rules: observe,"
+        " people: [{name: crew, count: 40, at: anywhere}]}"
+    )
+    viewer = open_page(replay.render(rounded(replay_data(sim.run(crowd)))))
+    if space:
+        viewer.page.keyboard.press("3")
+    viewer.settle()
+    viewer.page.evaluate(LISTEN_TO_PLATES)
+    viewer.seek(3.0)
+    viewer.settle()
+    plates = set(map(tuple, viewer.page.evaluate("window.plates")))
+    own = viewer.page.locator("[data-shows=distance]").inner_text().removesuffix(" m")
+    others = [box for text, *box in plates if own not in text]
+    assert 0 < len(others) < len(plates)
+    for a, b in itertools.combinations(others, 2):
+        wide, high = min(a[1], b[1]) - max(a[0], b[0]), min(a[3], b[3]) - max(a[2], b[2])
+        assert max(wide, 0) * max(high, 0) <= 5 * max(a[1] - a[0], b[1] - b[0])
 
 
 WATCH_CANVASES = """

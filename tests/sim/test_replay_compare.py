@@ -57,6 +57,16 @@ def test_both_show_the_same_instant(compared, recording, other):
     assert compared.complaints == []
 
 
+def test_two_fit_on_a_phone(open_page, recording, other):
+    titles = ("cell · ariac2023", "a night shift · warehouse")
+    one, two = ({**r, "title": t} for r, t in zip((recording, other), titles, strict=True))
+    viewer = open_page(
+        replay.render(one, two), viewport={"width": 390, "height": 844}, has_touch=True
+    )
+    viewer.settle()
+    assert viewer.page.evaluate("document.documentElement.scrollWidth") <= 390
+
+
 def test_a_page_can_hold_two_from_the_start(open_page, recording, other):
     viewer = open_page(replay.render(recording, other))
     assert viewer.page.locator(".view .title").all_inner_texts() == [

@@ -79,6 +79,20 @@ def test_risk_maps_show_the_least_margin_and_the_time_without_it(run):
         plots.risk_map(alone)
 
 
+def test_the_least_margin_is_that_of_a_violation_over_at_once():
+    """Somebody beside an AGV that sets out is put home in the same instant."""
+    trial = sim.Trial.parse(
+        "{floorplan: ariac2023, duration: 3, rules: {based_on: paper, agv_law: {fixed: 3.0}},"
+        " people: [{name: eve, at: [-4.0, 3.5], personality: external}],"
+        " agvs: {agv1: [{time: 1, to: assembly_front}]}}"
+    )
+    run = sim.run(trial)
+    margins = [e["distance"] - e["required"] for e in run.events if e["kind"] == "violation"]
+    assert min(margins) < -0.1
+    image = plots.risk_map(run).axes[0].images[0].get_array()
+    assert image.min() == pytest.approx(min(margins), abs=0.001)
+
+
 def test_zones_and_doors_are_drawn(run):
     plan = run.floorplan
     door = floorplan.Door("gate", ((5.0, 0.0), (5.0, 2.0)), is_open=False)

@@ -60,6 +60,9 @@ def test_incidents_have_the_least_margin_and_the_highest_speed(run):
         t = np.linspace(one.begin, one.end, 4001)[:-1]
         apart = run.distance(one.person, one.machine, t)
         assert one.margin == pytest.approx((apart - 3.0).min(), abs=1e-5) and one.margin < 0
+        assert one.begin <= one.worst_at <= one.end
+        at_worst = run.distance(one.person, one.machine, one.worst_at) - 3.0
+        assert one.margin == pytest.approx(at_worst, abs=1e-6)
         v = run.motions["gantry"].velocity(t) - run.motions["eve"].velocity(t)
         assert one.severity == pytest.approx(np.hypot(*v.T).max(), abs=0.03)
         assert one.at == pytest.approx(run.motions["eve"].position(one.begin))
@@ -92,6 +95,22 @@ def test_a_report_has_every_violation_and_what_was_assumed(run, page):
     assert "There is no source given for floorplan, rules" in page
     assert "S = 3 m" in page and "middle" in page and 'class="met">met' in page
     assert "http" not in re.sub(r'xmlns(:\w+)?="[^"]*"|<!--.*?-->', "", page)
+
+
+def test_figures_of_many_people_stand_in_columns(tmp_path):
+    many = sim.Trial.parse(
+        "{floorplan: ariac2023, duration: 1, people: [{name: crew, count: 24, at: anywhere}]}"
+    )
+    run = sim.run(many)
+    sim.safety_report(run, tmp_path / "many.html")
+    page = (tmp_path / "many.html").read_text(encoding="utf-8")
+    table = page.partition(">People</")[2].partition(">People</")[2].partition("</table>")[0]
+    rows = re.findall(r"<tr>(.*?)</tr>", table, re.DOTALL)
+    heads, *lines = (re.findall(r"<t[hd][^>]*>(.*?)</t[hd]>", row, re.DOTALL) for row in rows)
+    walked = heads.index("walked")
+    assert {line[0]: line[walked] for line in lines} == {
+        name: f"{one['distance_walked']:.1f} m" for name, one in run.summary["people"].items()
+    }
 
 
 @pytest.mark.slow

@@ -136,6 +136,17 @@ def test_the_command_says_the_same_of_a_recording(run, figures, tmp_path, floorw
         assert "expected BODY=METRES" in done.stderr
 
 
+def test_tables_have_room_for_many_people(tmp_path, floorwalker):
+    trial = tmp_path / "crew.trial.yaml"
+    trial.write_text(
+        "{floorplan: ariac2023, duration: 1, people: [{name: crew, count: 9, at: anywhere}]}"
+    )
+    table = floorwalker("metrics", trial).stdout
+    assert "…" not in table and max(map(len, table.splitlines())) <= 80
+    assert "crew2 – crew7" in table and "crew7 – crew2" not in table
+    assert "crew7 – agv1" in table
+
+
 def test_social_work_is_the_integral_of_the_forces(run, figures):
     """Against a sum over samples of the formula as HuNavSim's evaluator has it."""
     t = np.arange(0.0, run.duration, 0.002)

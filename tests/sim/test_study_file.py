@@ -227,6 +227,7 @@ def test_draws_follow_their_distributions():
     normal = [Normal(1.0, 0.2, 0.4, 1.6).draw(seed, BUSY) for seed in range(4000)]
     assert statistics.mean(normal) == pytest.approx(1.0, abs=0.02)
     assert statistics.stdev(normal) == pytest.approx(0.2, abs=0.01)
+    assert str(Normal(1.2, 0.2, 1.2 - 3 * 0.2, 1.8)) == "normal, 1.2 ± 0.2, from 0.6 to 1.8"
     uniform = [Uniform(0.0, 1.0).draw(seed, BUSY) for seed in range(4000)]
     assert statistics.mean(uniform) == pytest.approx(0.5, abs=0.02)
     assert statistics.stdev(uniform) == pytest.approx(12**-0.5, abs=0.01)

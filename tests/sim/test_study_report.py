@@ -191,7 +191,8 @@ def test_measures_are_columns_of_the_results(results):
 @pytest.mark.parametrize(
     ("value", "shown"),
     [(0.0, "0"), (3.0, "3"), (0.1234, "0.123"), (12.345, "12.35"), (123.45, "123.5"),
-     (12345.6, "12,346"), (None, "–"), (math.nan, "–"), (-2.5, "−2.50")],
+     (12345.6, "12,346"), (None, "–"), (math.nan, "–"), (-2.5, "−2.50"),
+     (-0.0, "0"), (-6e-8, "0.000")],
 )  # fmt: skip
 def test_numbers_are_shown_with_the_digits_that_count(value, shown):
     assert figure(value) == shown

@@ -96,8 +96,8 @@ function drawFigure(pen, watch, t, isChosen) {
   if (!seen.length) return;
   const text = violated ? comparison(distance, required) : metres(distance);
   const aside = seen.flatMap(([x, y]) => [[x, y - 26], [x, y + 26]]);
-  const [px, py] = takePlace(pen, [...seen, ...aside], plateWidth(context, text), 20);
-  drawPlate(context, text, px, py, palette, violated ? "danger-ink" : "text");
+  const place = takePlace(pen, [...seen, ...aside], plateWidth(context, text), 20, isChosen ? Infinity : COVERING);
+  if (place) drawPlate(context, text, ...place, palette, violated ? "danger-ink" : "text");
 }
 
 /** The violations so far, the latest of many: a mark each. */

@@ -7,6 +7,7 @@ const GLIMPSE = 0.5;         // or, if that is longer, so many of the viewer's t
 const FILMED = 1.5;          // the same of a film's time
 const BODY_SIZE = 18;        // pixels round a body that no figure should cover
 const CROWDED = 0.2;         // of a vehicle's name, from which it is left out where more is covered
+const COVERING = 0.25;       // of a figure, from which it is left out where it covers more of others
 const SLIGHT_COST = 1e-6;    // square pixels: rounding
 const AWAY = 900;            // metres: so far only those jump who come in or leave
 const MOST_MARKS = 200;      // of the violations so far, the latest are marked on the floor
@@ -114,10 +115,11 @@ function drawSeparation(pen, watch, t, isChosen) {
   const noticed = notice !== null && distance < notice;
   const figure = violated ? comparison(distance, required) : metres(distance);
   drawDistanceLine(pen, watch.person.motion.at(t), watch.other.motion.at(t), violated ? "danger" : "muted",
-    violated || noticed, isChosen || violated || noticed ? figure : null);
+    violated || noticed, isChosen || violated || noticed ? figure : null, isChosen ? Infinity : COVERING);
 }
 
-function drawDistanceLine(pen, from, to, color, strong, text) {
+/** A line between two places, with a text, if any, where it covers no more than a `share` of itself. */
+function drawDistanceLine(pen, from, to, color, strong, text, share = COVERING) {
   const { context, camera, palette } = pen;
   context.strokeStyle = palette[color];
   context.lineWidth = strong ? 2 : 1;
@@ -125,12 +127,12 @@ function drawDistanceLine(pen, from, to, color, strong, text) {
   strokePath(context, camera, [[from.x, from.y], [to.x, to.y]]);
   context.setLineDash([]);
   if (!text) return;
-  const [x, y] = placeOfFigure(pen, camera.toScreen(from.x, from.y), camera.toScreen(to.x, to.y), text);
-  drawPlate(context, text, x, y, palette, color === "danger" ? "danger-ink" : "text");
+  const place = placeOfFigure(pen, camera.toScreen(from.x, from.y), camera.toScreen(to.x, to.y), text, share);
+  if (place) drawPlate(context, text, ...place, palette, color === "danger" ? "danger-ink" : "text");
 }
 
 /** The place of a figure at the line from a to b where it covers least: on the line, or beside it. */
-function placeOfFigure(pen, [ax, ay], [bx, by], text) {
+function placeOfFigure(pen, [ax, ay], [bx, by], text, share) {
   const on = share => [ax + share * (bx - ax), ay + share * (by - ay)];
   const [mx, my] = on(0.5);
   const places = [...[0.5, 0.38, 0.62, 0.26, 0.74].map(on),
@@ -140,7 +142,7 @@ function placeOfFigure(pen, [ax, ay], [bx, by], text) {
   const { left, right, top, bottom } = pen.camera.screen;
   const kept = places.map(([x, y]) => [
     Math.max(left + wide / 2 + 2, Math.min(x, right - wide / 2 - 2)), Math.max(top + 12, Math.min(y, bottom - 12))]);
-  return takePlace(pen, kept, wide, 20);
+  return takePlace(pen, kept, wide, 20, share);
 }
 
 /**

@@ -1,8 +1,8 @@
 /* The summaries of the runs, beside each other. */
 
-const UNITS = {
-  duration: "s", gantry_disabled_time: "s", protective_stop_time: "s", started: "s", time_standing: "s", distance_walked: "m",
-};
+const UNITS = { duration: "s", started: "s", distance_walked: "m", throughput: "1/h" };
+const IS_TIME = /^time_|_time$/;
+const LABELS = { law_audit: "law assumes shorter stops of" };
 const TRIAL_FIELDS = ["trial", "floorplan", "rules", "seed", "duration", "interrupted"];
 
 /** Shows summaries as recorded: figures first, then people, then the trial. */
@@ -29,7 +29,7 @@ function fieldList(columns, onChoose) {
   for (const name of new Set(flat.flatMap(fields => [...fields.keys()]))) {
     const values = flat.map(fields => fields.get(name));
     const differ = new Set(values.map(value => JSON.stringify(value))).size > 1;
-    list.append(element("dt", { text: spoken(name) }), ...values.map(value => (
+    list.append(element("dt", { text: LABELS[name] ?? spoken(name) }), ...values.map(value => (
       element("dd", { className: differ ? "different" : "" }, content(name, value, onChoose)))));
   }
   return list;
@@ -48,7 +48,9 @@ const isInstant = value => isObject(value) && isNumbers([value.time, value.dista
 function content(name, value, onChoose) {
   if (value === undefined) return "–";
   if (!isInstant(value)) return valueText(name, value);
-  const text = `${metres(value.distance)} at ${seconds(value.time)}`;
+  const between = value.between ?? [value.person, value.agv].filter(Boolean);
+  const whose = between.length ? ` (${between.map(spoken).join(" and ")})` : "";
+  const text = `${metres(value.distance)}${whose} at ${seconds(value.time)}`;
   const button = element("button", { type: "button", text });
   button.addEventListener("click", () => onChoose(value.time));
   return button;
@@ -58,16 +60,19 @@ function valueText(name, value) {
   if (Array.isArray(value)) return counted(value);
   if (typeof value !== "number") return String(value);
   const figure = Number.isInteger(value) ? String(value) : fixed(value, 2);
-  return UNITS[name] ? `${figure} ${UNITS[name]}` : figure;
+  const key = name.split(" ").at(-1);
+  const unit = UNITS[key] ?? (IS_TIME.test(key) ? "s" : "");
+  return unit ? `${figure} ${unit}` : figure;
 }
 
-/** A value of a list; an object by its fields. */
+/** A value of a list; an object by its fields, a finding about a machine by the machine's name. */
 const inWords = value => (isObject(value)
-  ? Object.entries(value).map(([name, inner]) => `${spoken(name)} ${spoken(inner)}`).join(", ") : String(value));
+  ? value.machine ?? Object.entries(value).map(([name, inner]) => `${spoken(name)} ${spoken(inner)}`).join(", ") : String(value));
 
 /** The count of each value in a list, in order of first appearance. */
 function counted(values) {
   const counts = new Map();
   for (const value of values.map(inWords)) counts.set(value, (counts.get(value) ?? 0) + 1);
-  return [...counts].map(([value, n]) => `${spoken(value)} ${n}×`).join(", ") || "none";
+  const times = values.some(isObject) ? () => "" : n => ` ${n}×`;
+  return [...counts].map(([value, n]) => spoken(value) + times(n)).join(", ") || "none";
 }

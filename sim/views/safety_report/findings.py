@@ -22,7 +22,7 @@ def incidents_table(
     heads = (
         *(("row",) if numbered else ()),
         *("from, s", "for, s", "who", "machine", "moved", "at, m", "zone"),
-        *("distance at first, m", "required at first, m", "least margin, m"),
+        *("distance at first, m", "required at first, m", "least margin, m", "least at, s"),
         *("relative speed, m/s", "led to"),
     )
     lines = [
@@ -30,13 +30,18 @@ def incidents_table(
             *((str(rows[k]),) if rows is not None else ()),
             *(f"{one.begin:.3f}", f"{one.seconds:.3f}", one.person, one.machine, one.cause or "–"),
             *(place(*one.at), ", ".join(one.zones) or "–"),
-            *(f"{one.distance:.3f}", f"{one.required:.3f}", metres(one.margin)),
+            *(
+                f"{one.distance:.3f}",
+                f"{one.required:.3f}",
+                metres(one.margin),
+                f"{one.worst_at:.3f}",
+            ),
             *(f"{one.severity:.2f}", "; ".join(one.led_to) or "nothing"),
         )
         for k, one in enumerate(found)
     ]
     first = 1 if numbered else 0
-    figures = frozenset({*range(first), *(first + k for k in (0, 1, 7, 8, 9, 10))})
+    figures = frozenset({*range(first), *(first + k for k in (0, 1, 7, 8, 9, 10, 11))})
     words = "By how much the distance fell short, the most first."
     if count > len(found):
         words += f" These are {len(found)} of {count:,}."

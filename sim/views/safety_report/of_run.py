@@ -109,7 +109,7 @@ def _summary(run: Outcome) -> Iterator[Table]:
     people = [person.name for person in run.scene.people]
     of_people: dict[str, dict[str, str]] = {name: {} for name in people}
     others = []
-    for line, amount in figures_in_words(run.summary):
+    for line, amount in figures_in_words(run.summary, in_short=False):
         name, _, label = line.partition(": ")
         if name not in of_people:
             others.append((line, amount))

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from ...core.machine import MachineShape
 
 INSTANTS = 3
-"""The worst violations are shown at the instant they begin."""
+"""So many of the worst violations are shown at the instant of their least margin."""
 
 MOST_PANELS = 4
 """Distances of so many people are drawn over time."""
@@ -142,14 +142,22 @@ def _instants(run: Outcome, worst: Sequence[Incident]) -> Iterator[Part]:
         return
     film = Film(run, width=FRAME, mark=_MARKED)
     for one in worst:
-        title = f"{one.person} and {one.machine} at {clock(one.begin)}"
-        distance, required = told_apart(one.distance, one.required)
-        words = (
-            f"As the violation at t = {one.begin:.2f} s begins: {distance} m apart where"
-            f" {required} m are required."
-        )
+        title = f"{one.person} and {one.machine} at {clock(one.worst_at)}"
         # An instant before, since a person may be put elsewhere at once.
-        before = max(0.0, one.begin - 1e-6)
+        before = max(0.0, one.worst_at - 1e-6)
+        if one.worst_at - one.begin < 1e-6:
+            distance, required = told_apart(one.distance, one.required)
+            words = (
+                f"As the violation at t = {one.begin:.2f} s begins: {distance} m apart where"
+                f" {required} m are required."
+            )
+        else:
+            apart = float(run.distance(one.person, one.machine, before))
+            words = (
+                f"The violation from t = {one.begin:.2f} s on at its worst, at t ="
+                f" {one.worst_at:.2f} s: {apart:.2f} m apart, {-one.margin:.2f} m less than"
+                " required."
+            )
         yield Picture(title, words, picture_element(film.at(before), f"{title}. {words}"))
 
 
