@@ -1,12 +1,14 @@
 """How fast crowds run, beside JuPedSim: CPU seconds of one process, one after the other.
 
     python benchmarks/people.py [--people 10 50 100] [--duration 275] [--repetitions 3]
+                                [--in-reach 1.25]
 
 Everybody is on patrol on the ARIAC floor: from station to station in the trial's order, from the
 same starts in both. JuPedSim (`pip install jupedsim`) runs its collision-free speed model at 0.05 s
-with bodies and top speeds of the floor's people; one of its people has reached a station within
-`IN_REACH` metres. Both do one run before the first that counts, so that what depends on the floor
-alone is worked out. Minds, the separation monitor and the record are in ours. Medians of several.
+with bodies and top speeds of the floor's people; one of its people has reached a station once
+they are `--in-reach` metres from it. Both do one run before the first that counts, so that what
+depends on the floor alone is worked out. Minds, the separation monitor and the record are in ours.
+Medians of several.
 """
 
 from __future__ import annotations
@@ -23,7 +25,7 @@ import floorplan
 import sim
 
 IN_REACH = 1.25
-"""Metres. Our people who are kept from a station by others have arrived so near to it."""
+"""Metres. So near to a station our people, who else stop at it, have arrived if it is taken."""
 
 STEP = 0.05
 """Seconds. JuPedSim's step."""
@@ -53,12 +55,12 @@ def ours(given: sim.Trial) -> tuple[int, list[Start]]:
     return sum(len(person["visits"]) for person in run.summary["people"].values()), starts
 
 
-def jupedsims(starts: Sequence[Start], duration: float) -> int:
+def jupedsims(starts: Sequence[Start], duration: float, in_reach: float) -> int:
     """Run the same patrol in JuPedSim; return the legs that were finished."""
     human = PLAN.human
     floor = max(shapely.get_parts(PLAN.free(0.0, human.height)), key=lambda part: part.area)
     world = jupedsim.Simulation(model=jupedsim.CollisionFreeSpeedModel(), geometry=floor, dt=STEP)
-    stages = [world.add_waypoint_stage(station.position, IN_REACH) for station in PLAN.patrolled]
+    stages = [world.add_waypoint_stage(station.position, in_reach) for station in PLAN.patrolled]
     journey = jupedsim.JourneyDescription(stages)
     for stage, following in zip(stages, [*stages[1:], stages[0]], strict=True):
         journey.set_transition_for_stage(
@@ -104,6 +106,7 @@ def main() -> None:
     parser.add_argument("--people", type=int, nargs="+", default=[10, 50, 100])
     parser.add_argument("--duration", type=float, default=275.0)
     parser.add_argument("--repetitions", type=int, default=3)
+    parser.add_argument("--in-reach", type=float, default=IN_REACH, help="metres")
     asked = parser.parse_args()
     ours(trial(2, 10.0))
     print("| people | | × real time | legs per person and minute | legs per CPU second |")
@@ -111,10 +114,10 @@ def main() -> None:
     for people in asked.people:
         given = trial(people, asked.duration)
         _, starts = ours(trial(people, 0.1))
-        jupedsims(starts, 1.0)
+        jupedsims(starts, 1.0, asked.in_reach)
         for name, run in (
             ("Floorwalker", lambda given=given: ours(given)[0]),
-            ("JuPedSim", lambda starts=starts: jupedsims(starts, asked.duration)),
+            ("JuPedSim", lambda starts=starts: jupedsims(starts, asked.duration, asked.in_reach)),
         ):
             seconds, legs = timed(run, asked.repetitions)
             each = legs / people / asked.duration * 60
