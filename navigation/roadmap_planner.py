@@ -125,6 +125,8 @@ class RoadmapSearch:
         met = links.met(points) if straight else []
         if straight and not met and self._granted(points):
             return points
+        if start == goal:  # no way round leads to where one is already
+            return None
         world = links.world
         # To link the bends of a large floor takes longer than this proof.
         if world.roadmap(links.radius, self._step).large and self._apart():

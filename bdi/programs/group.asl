@@ -8,11 +8,15 @@ behind(together, together).
 
 +human_start : leader(_) <- !walk_to(together).
 
-// The leader may not be on the floor yet.
+// The leader may not be on the floor yet, or there is no path to them: then they try again.
 +!walk_to(_) : leader(Who) <- -+bound_for(together); walk_with(Who).
--!walk_to(_) : leader(_) <- .wait(1000); !!walk_to(together).
+-!walk_to(_) : leader(_) & .desire(rejoin).
+-!walk_to(_) : leader(_) <- !!rejoin.
 
-+path_blocked(_) : leader(_) <- !walk_to(together).
++path_blocked(_) : leader(_) & .desire(rejoin).
++path_blocked(_) : leader(_) <- !!rejoin.
+
++!rejoin <- .wait(1000); !!walk_to(together).
 
 // Without their leader they leave as well, or walk on alone.
 +has_left(Who, _) : leader(Who) & exit(X, Y)

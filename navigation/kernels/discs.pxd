@@ -71,6 +71,18 @@ cdef double _within(
     double duration,
     double least,
 ) noexcept
+cdef double _parting(
+    double x0,
+    double x1,
+    double x2,
+    double x3,
+    double y0,
+    double y1,
+    double y2,
+    double y3,
+    double since,
+    double width,
+) noexcept
 cdef double _entered(
     double x, double vx, double y, double vy, double duration, double least
 ) noexcept

@@ -380,7 +380,8 @@ def _within(
     About the middle of a stretch the position is r + v u + (a/2) u² + (j/6) u³. The distance along
     the straight line r + v u is convex, and the rest can't be longer than (a/2) h² + (j/6) h³
     (as in `Encounter`); a stretch that this leaves undecided is halved. Stretches are `width` long,
-    and the one to look at is the k-th of that width.
+    and the one to look at is the k-th of that width. The shortest are a conflict, unless the two
+    part in them: who stands as near as may be, and walks away, is undecided however short it is.
     """
     curved: cython.bint = x2 != 0.0 or y2 != 0.0 or x3 != 0.0 or y3 != 0.0
     width: float = duration
@@ -406,6 +407,8 @@ def _within(
             ay: float = y2 + 3 * y3 * m
             bend: float = sqrt(ax * ax + ay * ay) + half * sqrt(x3 * x3 + y3 * y3)
             near -= half * half * bend
+            if near < least and width <= _RESOLUTION:
+                near = _parting(x0, x1, x2, x3, y0, y1, y2, y3, since, width)
         if near >= least:
             k += 1
             # The next stretch to the right of the halving: as wide as it may be again.
@@ -422,6 +425,41 @@ def _within(
         else:
             k *= 2
             width = half
+
+
+def _parting(
+    x0: float,
+    x1: float,
+    x2: float,
+    x3: float,
+    y0: float,
+    y1: float,
+    y2: float,
+    y3: float,
+    since: float,
+    width: float,
+) -> float:
+    """Return a bound on how near x, y is to 0, 0 for `width` seconds, which is exact if it parts.
+
+    Along the direction from 0, 0 to where it is at the beginning, `since`, a cubic stays between
+    its control points.
+    """
+    u: float = since
+    x: float = x0 + u * (x1 + u * (x2 + u * x3))
+    y: float = y0 + u * (y1 + u * (y2 + u * y3))
+    away: float = sqrt(x * x + y * y)
+    if away == 0.0:
+        return 0.0
+    nx: float = x / away
+    ny: float = y / away
+    # Its derivatives along that direction, each over its factorial, times the width's power.
+    one: float = width * (
+        nx * (x1 + u * (2 * x2 + u * 3 * x3)) + ny * (y1 + u * (2 * y2 + u * 3 * y3))
+    )
+    two: float = width * width * (nx * (x2 + u * 3 * x3) + ny * (y2 + u * 3 * y3))
+    three: float = width * width * width * (nx * x3 + ny * y3)
+    nearer: float = min(one / 3, min((2 * one + two) / 3, one + two + three))
+    return away + min(nearer, 0.0)
 
 
 def _entered(x: float, vx: float, y: float, vy: float, duration: float, least: float) -> float:

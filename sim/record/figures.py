@@ -517,7 +517,7 @@ FIGURES: dict[str, SummaryFigure] = {
             path=f"{PEOPLE}time_lost_to_others",
             of=lambda run, person: person.walker.traveller.time_lost(run.duration),
             label="kept from walking by others",
-            meaning="stood because of other people, on the way to a goal",
+            meaning="waited for other people on the way to a goal, steps aside included",
             unit="s",
             measure="rare",
         ),

@@ -1,5 +1,6 @@
 """Discs that meet, walks in closed form, and walls, beside ways to tell that know no tables."""
 
+import math
 import random
 
 import numpy as np
@@ -44,6 +45,26 @@ def test_conflicts_are_those_that_the_monitor_sees():
             assert t == pytest.approx(found[0][0], abs=2e-4)
         else:  # no more than rounding
             assert navigation.minimum_separation(one, other, 3.0, end)[1] < least + 1e-3
+
+
+def test_who_stands_as_near_as_may_be_can_walk_away():
+    """To any side of the line across, at once, and however hard; but not the other way."""
+    rng = random.Random(7)
+    for _ in range(200):
+        at, to_other = places(rng, 1)[0], rng.uniform(-math.pi, math.pi)
+        other = (at[0] + 0.606 * math.cos(to_other), at[1] + 0.606 * math.sin(to_other))
+        theirs = navigation.swath(navigation.standing(other), 0.0)
+        for turned, meets in ((rng.uniform(0.5, 1.5), False), (rng.uniform(-0.45, 0.45), True)):
+            heading = to_other + turned * math.pi
+            walk = navigation.walk(
+                [at, (at[0] + math.cos(heading), at[1] + math.sin(heading))],
+                0.0,
+                max_speed=1.0,
+                max_acceleration=rng.uniform(0.5, 8.0),
+            )
+            least = math.dist(at, other) - 1e-9
+            found = navigation.first_conflict(navigation.swath(walk, 0.0), theirs, least, 0.0)
+            assert (found is not None) == meets
 
 
 def test_walks_keep_their_limits_and_are_what_their_swaths_are():

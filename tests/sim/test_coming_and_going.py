@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
+import math
 import sqlite3
 import statistics
 
@@ -232,3 +233,28 @@ def test_a_group_waits_for_a_leader_who_comes_later():
     assert all(came <= e["t"] < came + 2 for e in walked[:2])
     assert run.summary["overlaps"] == 0 and run.summary["left"] == 3
     assert events(run, "left")[0]["person"] == "guide1"
+
+
+SHUT = """floorplan:
+  boundary: [[0, 0], [14, 0], [14, 8], [0, 8]]
+  stations: {west: [2, 4], east: [12, 4]}
+  safe_zone: {at: [2, 2]}
+  obstacles:
+    south: {x: [6.9, 7.1], y: [0, 3.5], z: [0, 2.5]}
+    north: {x: [6.9, 7.1], y: [4.5, 8], z: [0, 2.5]}
+  doors: {gate: {between: [[7, 3.5], [7, 4.5]]}}
+duration: 60
+doors: {gate: {closed: [[4, 20]]}}
+people:
+  - {name: guide, group: tour, at: [5, 4], beliefs: ["bound_for(east)"]}
+  - {name: tourist, group: tour, at: [1, 4]}
+"""
+
+
+def test_a_door_that_parts_a_group_holds_it_up_until_it_opens():
+    """Who has no way to their leader tries again once a second, and joins them in the end."""
+    run = sim.run(sim.Trial.parse(SHUT))
+    tried = [e["t"] for e in events(run, "path_blocked") if e["person"] == "tourist"]
+    assert 8 < len(tried) < 20 and all(4 <= t < 20 for t in tried)
+    apart = [math.dist(*(run.motions[n].position(t) for n in run.motions)) for t in (35, 45, 55)]
+    assert max(apart) < 5.0

@@ -116,3 +116,18 @@ def test_home_is_the_safe_zone_wherever_one_starts(run):
     assert found.motions["p"].position(1.0) == pytest.approx((2, 6))
     believed = run("personality: tell.asl, home: [2, 6]")
     assert [e["text"] for e in believed.events if e["kind"] == "said"] == ["home26"]
+
+
+def test_who_wants_to_stay_where_something_was_put_down_finds_the_goal_blocked():
+    """A search for a way round what stands on start and goal alike went on for ever."""
+    text = """
+floorplan: {boundary: [[0, 0], [10, 0], [10, 6], [0, 6]], stations: {a: [5, 3]}}
+duration: 12
+obstacles: {pallet: {x: [4.5, 5.5], y: [2, 4], z: [0, 1], there: [[3]]}}
+people:
+  - {name: ada, at: [5, 3]}
+  - {name: ben, at: [2, 1], personality: external}
+"""
+    run = sim.run(sim.Trial.parse(text))
+    blocked = [e for e in run.events if e["kind"] == "path_blocked" and e["t"] >= 3]
+    assert any("inside pallet" in e.get("message", "") for e in blocked)
