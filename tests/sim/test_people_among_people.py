@@ -196,6 +196,20 @@ def test_nobody_shivers(walks):
     assert turns_in_a_second(walks(floor, ways)) <= 4  # two courses, each with a bend
 
 
+def test_nobody_changes_course_more_than_twice_in_a_second(walks):
+    """Not even who has just given way, and may go on as soon as the one in the way does."""
+    run = walks(*rooms(7, 10, 0.8, 0.2), 20.0)
+    again = sim.Simulation(run.trial)
+    changes: dict[str, list[float]] = {person.name: [] for person in again.people}
+    for person in again.people:
+        times = changes[person.name]
+        person.body.on_change.append(lambda times=times: times.append(again.clock.now))
+    again.advance(20.0)
+    assert sum(map(len, changes.values())) > 100
+    for times in changes.values():
+        assert all(third - first >= 1.0 - 1e-9 for first, third in zip(times, times[2:]))
+
+
 def scene(seed: int) -> tuple[str, list[tuple[Place, list[Place]]]]:
     """A random floor with random people; each place can be reached by one alone."""
     rng = random.Random(seed)

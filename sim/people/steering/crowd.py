@@ -418,8 +418,9 @@ class Crowd:
             self._again(other, now + EARLY, sooner=True)
 
     def _again(self, party: Party, t: float, *, sooner: bool = False) -> None:
-        t = max(t, party.looked + APART if sooner else party.me.decided + APART)
-        t = max(t, self._clock.now + EARLY)
+        if sooner:
+            t = max(t, party.looked + APART)
+        t = max(t, party.me.decided + APART, self._clock.now + EARLY)
         if sooner and party.deciding.time is not None:
             t = min(t, party.deciding.time)
         party.deciding.set(t)
