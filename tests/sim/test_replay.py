@@ -727,13 +727,30 @@ LISTEN_TO_PLATES = """
 () => {
   const plain = drawPlate;
   window.plates = [];
+  window.colours = [];
   window.drawPlate = (context, text, x, y, ...how) => {
+    const [palette, color] = how;
+    window.colours.push(palette.card, palette[color]);
     const half = plateWidth(context, text) / 2;
     window.plates.push([text, x - half, x + half, y - 10, y + 10]);
     plain(context, text, x, y, ...how);
   };
 }
 """
+
+
+@pytest.mark.parametrize("space", [False, True])
+def test_a_distance_stands_on_a_plate_in_the_colours_of_the_page(open_page, space):
+    pair = "{floorplan: ariac2023, duration: 4, people: [{name: a}, {name: b, at: [-5, -3]}]}"
+    viewer = open_page(replay.render(rounded(replay_data(sim.run(sim.Trial.parse(pair))))))
+    if space:
+        viewer.page.keyboard.press("3")
+    viewer.settle()
+    viewer.page.evaluate(LISTEN_TO_PLATES)
+    viewer.seek(3.0)
+    viewer.settle()
+    colours = viewer.page.evaluate("window.colours")
+    assert colours and all(colours)
 
 
 @pytest.mark.parametrize("space", [False, True])

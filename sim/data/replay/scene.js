@@ -153,11 +153,11 @@ function takePlace({ taken, camera }, places, wide, high, share = Infinity) {
   const { screen } = camera;
   let [best, bestBox, least] = [null, null, Infinity];
   for (const place of places) {
-    const [x, y] = place;
+    const [x, y] = place; // and in three dimensions how far away
     const box = { left: x - wide / 2, right: x + wide / 2, top: y - high / 2, bottom: y + high / 2 };
     let cost = wide * high - common(box, screen);
     for (const other of taken) cost += common(box, other);
-    if (cost < least) [best, bestBox, least] = [place, box, cost];
+    if (cost < least) [best, bestBox, least] = [[x, y], box, cost];
     if (least < SLIGHT_COST) break;        // most are free at once
   }
   if (least > share * wide * high) return null;
