@@ -100,6 +100,11 @@ def timed(run: Callable[[], int], repetitions: int) -> tuple[float, int]:
     return statistics.median(seconds), legs
 
 
+def _three(figure: float) -> str:
+    """Return a figure by the three digits that count."""
+    return f"{float(f'{figure:.3g}'):,.10g}"
+
+
 def main() -> None:
     """Measure, and print the table of `docs/performance.md`."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -122,8 +127,8 @@ def main() -> None:
             seconds, legs = timed(run, asked.repetitions)
             each = legs / people / asked.duration * 60
             print(
-                f"| {people} | {name} | {asked.duration / seconds:.3g} | {each:.2f}"
-                f" | {legs / seconds:.3g} |",
+                f"| {people} | {name} | {_three(asked.duration / seconds)} | {each:.2f}"
+                f" | {_three(legs / seconds)} |",
                 flush=True,
             )
 
