@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from functools import lru_cache
+from itertools import accumulate, count, islice
 from pathlib import Path
 from random import Random
 from typing import Any, Literal
@@ -88,8 +90,16 @@ class Source:
 
     def time(self, seed: int) -> float:
         """Return the instant at which they want to come in, of a trial with this seed."""
-        random = Random(seed_of(seed, f"source {self.stream}"))
-        return self.start + sum(random.expovariate(self.rate) for _ in range(self.number))
+        known, others = _stream(seed, self.stream, self.rate)
+        known.extend(islice(others, max(self.number - len(known), 0)))
+        return self.start + known[self.number - 1]
+
+
+@lru_cache
+def _stream(seed: int, name: str, rate: float) -> tuple[list[float], Iterator[float]]:
+    """Return when the people of a stream come (seconds from its start), as far as was asked."""
+    random = Random(seed_of(seed, f"source {name}"))
+    return [], accumulate(random.expovariate(rate) for _ in count())
 
 
 @dataclass(frozen=True)

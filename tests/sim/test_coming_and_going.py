@@ -258,3 +258,16 @@ def test_a_door_that_parts_a_group_holds_it_up_until_it_opens():
     assert 8 < len(tried) < 20 and all(4 <= t < 20 for t in tried)
     apart = [math.dist(*(run.motions[n].position(t) for n in run.motions)) for t in (35, 45, 55)]
     assert max(apart) < 5.0
+
+
+def test_who_comes_when_depends_on_their_number_alone():
+    """However many come, and in whatever order they are asked; each waits for those before."""
+    arrivals = [sim.Source("station1", 0.5, 3.0, "visitor", k).time(7) for k in range(400, 0, -1)]
+    assert arrivals == sorted(arrivals, reverse=True) and arrivals[-1] > 3.0
+    assert [sim.Source("station1", 0.5, 3.0, "visitor", k).time(7) for k in (1, 400)] == [
+        arrivals[-1],
+        arrivals[0],
+    ]
+    gaps = [a - b for a, b in itertools.pairwise(arrivals)]
+    assert statistics.mean(gaps) == pytest.approx(2.0, rel=0.15)  # 1 / rate
+    assert statistics.stdev(gaps) == pytest.approx(2.0, rel=0.15)  # as an exponential has it
