@@ -12,7 +12,7 @@ from pydantic import ValidationError
 
 from floorplan import Fault, Floorplan, Gantry, field_name, misfits, shown, suggestion
 
-from ..core.machine import Machine, MachineShape
+from ..core.machine import Category, Machine, MachineShape
 from ..core.machine_model import MachineEntry, MachineModel
 from ..core.own_code import import_own
 from ..core.own_source import REFUSED, Kind, OwnCodeError, Source, find_source, is_derived
@@ -131,16 +131,10 @@ def keys_of(entry: MachineEntry, scenario: Scenario) -> list[str] | None:
     return [field.alias or name for name, field in kind.key_schema.model_fields.items()]
 
 
-def may_be_robot(entry: MachineEntry) -> bool:
-    """Return True if a machine may be a robot; code of the user's own is not run to find out."""
+def may_be(category: Category, entry: MachineEntry) -> bool:
+    """Return True if a machine may be of a category; no code of the user's own is run for that."""
     kind = entry.kind if isinstance(entry.kind, type) else KINDS.get(entry.kind)
-    return kind is None or kind.category != "vehicle"
-
-
-def may_be_vehicle(entry: MachineEntry) -> bool:
-    """Return True if a machine may be a vehicle; code of the user's own is not run to find out."""
-    kind = entry.kind if isinstance(entry.kind, type) else KINDS.get(entry.kind)
-    return kind is None or kind.category == "vehicle"
+    return kind is None or kind.category == category
 
 
 def kind_name(entry: MachineEntry) -> str:

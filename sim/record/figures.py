@@ -10,7 +10,7 @@ from typing import Any, Literal
 
 from ..core import events
 from ..core.scenario import Scenario
-from ..machines.kinds import may_be_robot, may_be_vehicle
+from ..machines.kinds import may_be
 from ..machines.law_audit import short_laws
 from . import words
 from .finished import CAUSES
@@ -56,7 +56,8 @@ class SummaryFigure:
 
 def _no_robot(trial: Scenario) -> bool:
     """Return True if no machine can be a robot."""
-    return trial.floorplan.gantry is None and not any(map(may_be_robot, trial.machines.values()))
+    machines = trial.machines.values()
+    return trial.floorplan.gantry is None and not any(may_be("robot", one) for one in machines)
 
 
 def _has_orders(trial: Scenario) -> bool:
@@ -67,7 +68,8 @@ def _has_orders(trial: Scenario) -> bool:
 def _has_vehicles(trial: Scenario) -> bool:
     """Return True if there may be vehicles that set out: moved by the trial, or with orders."""
     ordered = trial.workload is not None and bool(trial.floorplan.lanes)
-    return ordered or any((*trial.agvs.values(), *map(may_be_vehicle, trial.machines.values())))
+    own = any(may_be("vehicle", one) for one in trial.machines.values())
+    return ordered or own or any(trial.agvs.values())
 
 
 _of_orders = partial(SummaryFigure, only=_has_orders)
@@ -103,37 +105,34 @@ def _violations(prefix: str, fields: Mapping[str, Any]) -> Iterator[SummaryFigur
 
 def _separation(prefix: str) -> Iterator[SummaryFigure]:
     """Yield the parts of the least separation: of all people, or of one."""
-    path = f"{prefix}minimum_separation"
-    yield SummaryFigure(
-        path=f"{path}.distance",
+    yield from _nearest(
+        f"{prefix}minimum_separation",
+        partial(SummaryFigure, null=_no_robot),
         label="least separation",
         meaning="the nearest that anybody came to the gantry's centre",
-        unit="m",
-        short=True,
-        null=_no_robot,
-        instant="time",
         measure="" if prefix else "chief",
         worst=1,
     )
-    part = partial(SummaryFigure, null=_no_robot, instant="time")
-    yield part(path=f"{path}.time", meaning="when that was", unit="s")
-    meaning = "the distance that the law required then"
-    yield part(path=f"{path}.required", meaning=meaning, unit="m")
 
 
 def _nearest_agv(prefix: str) -> Iterator[SummaryFigure]:
     """Yield the parts of the least distance to a vehicle that moves: of all people, or of one."""
-    path = f"{prefix}nearest_agv"
-    part = partial(_of_vehicles, instant="time")
-    yield part(
-        path=f"{path}.distance",
+    yield from _nearest(
+        f"{prefix}nearest_agv",
+        _of_vehicles,
         label="least distance to AGVs",
         meaning="the nearest that anybody came to an AGV while it moved, as the rules measure",
-        unit="m",
-        short=True,
         measure="" if prefix else "plain",
         worst=0 if prefix else 1,
     )
+
+
+def _nearest(
+    path: str, figure: Callable[..., SummaryFigure], **distance: Any
+) -> Iterator[SummaryFigure]:
+    """Yield the parts of a least distance: how much it is, when that was, and what was required."""
+    part = partial(figure, instant="time")
+    yield part(path=f"{path}.distance", unit="m", short=True, **distance)
     yield part(path=f"{path}.time", meaning="when that was", unit="s")
     meaning = "the distance that the law required then"
     yield part(path=f"{path}.required", meaning=meaning, unit="m")

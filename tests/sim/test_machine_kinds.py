@@ -13,7 +13,7 @@ from run_events import record
 import floorplan
 import navigation
 import sim
-from sim.machines.kinds import KINDS, machines_on, may_be_robot
+from sim.machines.kinds import KINDS, machines_on, may_be
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 TWO_GANTRIES = """
@@ -315,8 +315,12 @@ def test_a_kind_says_what_its_machines_are_before_there_is_one():
 
         def make(self, name, stage): ...
 
-    assert may_be_robot(sim.MachineEntry("gantry")) and not may_be_robot(sim.MachineEntry("agv"))
-    assert may_be_robot(sim.MachineEntry("own:Cart")) and not may_be_robot(sim.MachineEntry(Cart))
+    assert may_be("robot", sim.MachineEntry("gantry")) and not may_be(
+        "robot", sim.MachineEntry("agv")
+    )
+    assert may_be("robot", sim.MachineEntry("own:Cart")) and not may_be(
+        "robot", sim.MachineEntry(Cart)
+    )
 
 
 def test_a_trial_adds_an_agv_and_a_law_of_its_own():

@@ -739,33 +739,33 @@ LISTEN_TO_PLATES = """
 """
 
 
-@pytest.mark.parametrize("space", [False, True])
-def test_a_distance_stands_on_a_plate_in_the_colours_of_the_page(open_page, space):
-    pair = "{floorplan: ariac2023, duration: 4, people: [{name: a}, {name: b, at: [-5, -3]}]}"
-    viewer = open_page(replay.render(rounded(replay_data(sim.run(sim.Trial.parse(pair))))))
+def listening_to_plates(open_page, trial: str, space: bool):
+    """The page of a trial at 3 s, from above or in space, with the plates drawn for that."""
+    viewer = open_page(replay.render(rounded(replay_data(sim.run(sim.Trial.parse(trial))))))
     if space:
         viewer.page.keyboard.press("3")
     viewer.settle()
     viewer.page.evaluate(LISTEN_TO_PLATES)
     viewer.seek(3.0)
     viewer.settle()
+    return viewer
+
+
+@pytest.mark.parametrize("space", [False, True])
+def test_a_distance_stands_on_a_plate_in_the_colours_of_the_page(open_page, space):
+    pair = "{floorplan: ariac2023, duration: 4, people: [{name: a}, {name: b, at: [-5, -3]}]}"
+    viewer = listening_to_plates(open_page, pair, space)
     colours = viewer.page.evaluate("window.colours")
     assert colours and all(colours)
 
 
 @pytest.mark.parametrize("space", [False, True])
 def test_distances_of_a_crowd_do_not_cover_each_other(open_page, space):
-    crowd = sim.Trial.parse(
+    crowd = (
         "{floorplan: ariac2023, duration: 4, rules: observe,"
         " people: [{name: crew, count: 40, at: anywhere}]}"
     )
-    viewer = open_page(replay.render(rounded(replay_data(sim.run(crowd)))))
-    if space:
-        viewer.page.keyboard.press("3")
-    viewer.settle()
-    viewer.page.evaluate(LISTEN_TO_PLATES)
-    viewer.seek(3.0)
-    viewer.settle()
+    viewer = listening_to_plates(open_page, crowd, space)
     plates = set(map(tuple, viewer.page.evaluate("window.plates")))
     own = viewer.page.locator("[data-shows=distance]").inner_text().removesuffix(" m")
     others = [box for text, *box in plates if own not in text]
