@@ -13,6 +13,7 @@ from .conditions import (
     Condition,
     Moving,
     Not,
+    Overlapping,
     TooClose,
 )
 from .courses import Company, Courses
@@ -129,6 +130,7 @@ __all__ = [
     "Nearest",
     "Not",
     "Odometer",
+    "Overlapping",
     "Passage",
     "Path",
     "PathPlanner",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Protocol
@@ -9,6 +10,7 @@ from typing import Any, Protocol
 from .encounter import Encounter
 from .kernels import watch as kernel
 from .separation import AnyLaw, is_of_speeds, kernel_of, require_sense
+from .surfaces import Box
 
 STANDING_SPEED = 0.01
 """m/s. A machine that is no faster counts as standing where a rule asks for one that moves."""
@@ -66,6 +68,23 @@ class Apart(_OfTheKernel):
 
 
 @dataclass(frozen=True)
+class Overlapping(_OfTheKernel):
+    """The boxes of two bodies overlap by more than `depth` metres, along the floor.
+
+    `one` turns with the first body and `other` with the second. They never do if one is above the
+    other. `ValueError` for a depth below 0.
+    """
+
+    one: Box
+    other: Box
+    depth: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not self.depth >= 0.0:
+            raise ValueError(f"boxes can't overlap by more than {self.depth} m")
+
+
+@dataclass(frozen=True)
 class Not(_OfTheKernel):
     """The other condition does not hold."""
 
@@ -108,9 +127,20 @@ _JUDGES: dict[type, Callable[[Any], kernel.Judge]] = {
     Moving: lambda given: kernel.Faster(given.speed),
     Approaching: lambda given: kernel.Approaching(),
     Apart: lambda given: kernel.Apart(given.metres),
+    Overlapping: lambda given: _overlapping(given),
     Not: lambda given: kernel.Not(judge_of(given.condition)),
     Both: lambda given: kernel.Both(judge_of(given.first), judge_of(given.second)),
 }
+
+
+def _overlapping(given: Overlapping) -> kernel.Judge:
+    one, other = given.one, given.other
+    # Boxes above each other overlap by nothing, however near they are along the floor.
+    never = one.top <= other.bottom or other.top <= one.bottom
+    depth = math.inf if never else given.depth
+    return kernel.Overlapping(
+        one.length / 2, one.width / 2, other.length / 2, other.width / 2, depth
+    )
 
 
 def _keeps_nothing(condition: Condition) -> bool:
@@ -125,4 +155,4 @@ def _keeps_nothing(condition: Condition) -> bool:
             return _keeps_nothing(other)
         case Both(first, second):
             return _keeps_nothing(first) and _keeps_nothing(second)
-    return isinstance(condition, Moving | Approaching | Apart)
+    return isinstance(condition, Moving | Approaching | Apart | Overlapping)

@@ -37,6 +37,7 @@ from .people.tracks.walks import RecordedWalk, recorded_walks
 from .record.finished import Finished
 from .record.summary import summarise
 from .runs.run import Run
+from .safety.collisions import Collisions
 from .safety.own_law import own_laws
 from .safety.referee import Referee
 from .safety.requirement_curve import requirement_curve
@@ -100,6 +101,7 @@ class Simulation:
         self.commands: list[Command] = [*trial.commands]
         self._company = Company(self._stage, people, self.referee, self._listener, walks)
         self.people = self._stage.people = self._company.people
+        self._collisions = Collisions(self._stage, self.machines.values())
         self.clock.most = MOST_AT_ONCE + MOST_AT_ONCE_EACH * len(self.bodies)
         self.scene = self._scene()
 
@@ -218,6 +220,7 @@ class Simulation:
                 referee=self.referee,
                 motions=motions,
                 work=self.dispatcher.figures if self.dispatcher else {},
+                collisions=self._collisions.count,
                 deadlocks=self._company.deadlocks,
                 people_too_near=distancing.count if distancing else 0,
                 people_too_near_time=distancing.time if distancing else 0.0,

@@ -1,10 +1,12 @@
 from navigation.kernels.encounter cimport Encounter
+from navigation.kernels.follower cimport Follower
 from navigation.kernels.gauge cimport Gauge
 from navigation.kernels.laws cimport Law
 
 cdef double _INFINITE
 cdef list[Gauge] _NO_GAUGES
 cdef int UNDECIDED
+cdef double _SURE
 
 cdef class Judge:
     cdef int holds(self, Encounter encounter, double begin, double end) except -2
@@ -27,6 +29,16 @@ cdef class Approaching(Judge):
 cdef class Apart(Judge):
     cdef double metres
     cdef int holds(self, Encounter encounter, double begin, double end) except -2
+
+cdef class Overlapping(Judge):
+    cdef double along
+    cdef double across
+    cdef double other_along
+    cdef double other_across
+    cdef double depth
+    cdef int holds(self, Encounter encounter, double begin, double end) except -2
+
+cdef double turned(Follower body, double u, double half) noexcept
 
 cdef class Not(Judge):
     cdef Judge other

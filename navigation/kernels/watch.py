@@ -13,6 +13,8 @@ else:
     from . import uncompiled as cython
 
 if not cython.compiled:
+    from math import cos, sin, sqrt
+
     from .encounter import Encounter
     from .follower import Follower
     from .gauge import Gauge
@@ -20,6 +22,7 @@ if not cython.compiled:
     from .numbers import Numbers
     from .odometer import Figure
 else:
+    from cython.cimports.libc.math import cos, sin, sqrt
     from cython.cimports.navigation.kernels.encounter import Encounter
     from cython.cimports.navigation.kernels.follower import Follower
     from cython.cimports.navigation.kernels.gauge import Gauge
@@ -32,6 +35,8 @@ _INFINITE: float = float("inf")
 _NO_GAUGES: list[Gauge] = []
 
 UNDECIDED: cython.int = -1
+
+_SURE: float = 1e-12  # metres; so that rounding can't leave a tie undecided
 
 
 class Judge:
@@ -145,6 +150,95 @@ class Apart(Judge):
         if encounter.far + encounter.slack / 2 < self.metres:
             return 0
         return 1 if encounter.near + encounter.slack >= self.metres else UNDECIDED
+
+
+class Overlapping(Judge):
+    """Two rectangles that turn with the bodies overlap by more than `depth` metres.
+
+    So they do if they overlap by as much along each normal of their sides: the separating axes of
+    S. Gottschalk, M. C. Lin and D. Manocha ("OBBTree", 1996). `along` and `across` are half the
+    length along its heading and half the width of the one that is in the person's place,
+    `other_along` and `other_across` those of the other, all in metres.
+    """
+
+    def __init__(
+        self,
+        along: float,
+        across: float,
+        other_along: float,
+        other_across: float,
+        depth: float,
+    ) -> None:
+        self.along = along
+        self.across = across
+        self.other_along = other_along
+        self.other_across = other_across
+        self.depth = depth
+
+    def holds(self, encounter: Encounter, begin: float, end: float) -> cython.int:
+        one: Follower = encounter.person
+        other: Follower = encounter.machine
+        half: float = (end - begin) / 2
+        u: float = begin - encounter.since + half
+        x2: float = encounter.x2
+        x3: float = encounter.x3
+        y2: float = encounter.y2
+        y3: float = encounter.y3
+        # About the middle, the other's place from the one, and its velocity; the terms of second
+        # and third order are the accelerations (halved) and the jerks (a sixth).
+        x: float = encounter.x0 + u * (encounter.x1 + u * (x2 + u * x3))
+        y: float = encounter.y0 + u * (encounter.y1 + u * (y2 + u * y3))
+        vx: float = encounter.x1 + u * (2 * x2 + u * 3 * x3)
+        vy: float = encounter.y1 + u * (2 * y2 + u * 3 * y3)
+        ax: float = x2 + 3 * x3 * u
+        ay: float = y2 + 3 * y3 * u
+        swing: float = turned(one, u, half)
+        other_swing: float = turned(other, u, half)
+        turn: float = one.r0 + u * (one.r1 + u * (one.r2 + u * one.r3))
+        other_turn: float = other.r0 + u * (other.r1 + u * (other.r2 + u * other.r3))
+        c: float = cos(turn)
+        s: float = sin(turn)
+        other_c: float = cos(other_turn)
+        other_s: float = sin(other_turn)
+        reach: float = sqrt(self.along * self.along + self.across * self.across)
+        other_reach: float = sqrt(
+            self.other_along * self.other_along + self.other_across * self.other_across
+        )
+        # How far apart they are at least throughout, and at most, along the best of the normals.
+        low: float = -_INFINITE
+        high: float = -_INFINITE
+        normal: cython.Py_ssize_t
+        for normal in range(4):
+            nx: float = c if normal < 2 else other_c
+            ny: float = s if normal < 2 else other_s
+            if normal % 2:
+                nx, ny = -ny, nx
+            apart: float = abs(nx * x + ny * y)
+            apart -= self.along * abs(nx * c + ny * s) + self.across * abs(ny * c - nx * s)
+            apart -= self.other_along * abs(nx * other_c + ny * other_s)
+            apart -= self.other_across * abs(ny * other_c - nx * other_s)
+            moved: float = half * (
+                abs(nx * vx + ny * vy)
+                + half * (abs(nx * ax + ny * ay) + half * abs(nx * x3 + ny * y3))
+            )
+            low = max(low, apart - moved)
+            high = max(high, apart + moved)
+        # The normals of the least stay where they are while the corners turn.
+        low -= reach * swing + other_reach * other_swing
+        if low >= -self.depth - _SURE:
+            return 0
+        # Those of the most turn with the bodies, which are no farther from each other than this.
+        if swing > 0.0 or other_swing > 0.0:
+            away: float = sqrt(x * x + y * y) + half * sqrt(vx * vx + vy * vy)
+            away += half * half * (sqrt(ax * ax + ay * ay) + half * sqrt(x3 * x3 + y3 * y3))
+            high += (away + reach + other_reach) * (swing + other_swing)
+        return 1 if high < -self.depth - _SURE / 2 else UNDECIDED
+
+
+def turned(body: Follower, u: float, half: float) -> float:
+    """Bound the angle by which a body turns within `half` seconds of `u`, from that at `u`."""
+    rate: float = abs(body.r1 + u * (2 * body.r2 + u * 3 * body.r3))
+    return half * (rate + half * (abs(body.r2 + 3 * body.r3 * u) + half * abs(body.r3)))
 
 
 class Not(Judge):

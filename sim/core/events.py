@@ -351,6 +351,14 @@ class AgvBlocked(EventKind):
     at: float
 
 
+class Collision(EventKind):
+    """The boxes of two machines begin to overlap; `speed` (m/s) is that of each from the other."""
+
+    machine: _Machine
+    with_: _Machine
+    speed: float
+
+
 class BlackoutBegan(EventKind):
     """A machine does not see people from now on."""
 

@@ -6,6 +6,7 @@ import re
 from functools import lru_cache, partial
 
 import bdi
+from navigation import Apart, FixedDistance, TooClose
 
 from ..core.body import Body
 from ..core.stage import Stage
@@ -13,11 +14,11 @@ from ..safety.nearness import NearWatch
 from .minds import Mind, Outside
 from .percepts import Senses
 
-NEAR = 3.6
-"""Metres between the centres. Somebody nearer is near: Hall's social space ends there."""
+NEAR = TooClose(FixedDistance(3.6))
+"""So near is who counts as near: within 3.6 m of centres, where Hall's social space ends."""
 
-PARTING = 0.5
-"""Metres beyond `NEAR` to which two have to part before one is gone."""
+GONE = Apart(4.1)
+"""So far has to go who is gone: 0.5 m more between centres, in metres."""
 
 NEARNESS = ("person_near", "person_gone")
 """Percepts that need a watch on every other person."""
@@ -62,7 +63,7 @@ class Regard:
                     self._stage,
                     (self._body, one.body),
                     NEAR,
-                    PARTING,
+                    GONE,
                     partial(self._nearness, one.name),
                 )
                 for one in self._stage.people

@@ -72,8 +72,14 @@ def _has_vehicles(trial: Scenario) -> bool:
     return ordered or own or any(trial.agvs.values())
 
 
+def _may_collide(trial: Scenario) -> bool:
+    """Return True if there may be machines that come into each other's way."""
+    return _has_vehicles(trial) or bool(trial.machines)
+
+
 _of_orders = partial(SummaryFigure, only=_has_orders)
 _of_vehicles = partial(SummaryFigure, only=_has_vehicles)
+_of_machines = partial(SummaryFigure, only=_may_collide)
 _of_faulty_parts = partial(
     SummaryFigure, only=lambda trial: _has_orders(trial) and trial.has_faulty_parts
 )
@@ -237,6 +243,16 @@ FIGURES: dict[str, SummaryFigure] = {
             unit="s",
             events=(events.ProtectiveStop, {}),
             measure="rare",
+        ),
+        _of_machines(
+            path="collisions",
+            of=lambda run: run.collisions,
+            label="collisions of machines",
+            meaning="times that two machines ran into each other",
+            words=words.some,
+            events=(events.Collision, {}),
+            measure="rare",
+            worst=-1,
         ),
         SummaryFigure(
             path="gantry_disabled_time",

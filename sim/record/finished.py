@@ -40,6 +40,7 @@ class Finished:
     referee: Referee
     motions: Mapping[str, Motion]
     work: Mapping[str, Any]
+    collisions: int = 0
     deadlocks: int = 0
     people_too_near: int = 0
     people_too_near_time: float = 0.0

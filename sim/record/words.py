@@ -16,6 +16,11 @@ def plain(value: Any, beside: Mapping[str, Any]) -> str:
     return str(value)
 
 
+def some(value: Any, beside: Mapping[str, Any]) -> str:
+    """Return a number that is told only where it is not 0."""
+    return str(value) if value else ""
+
+
 def seconds(value: Any, beside: Mapping[str, Any]) -> str:
     """Return a time."""
     return f"{value:.1f} s"

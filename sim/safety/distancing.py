@@ -7,6 +7,8 @@ from collections.abc import Sequence
 from functools import partial
 from itertools import combinations
 
+from navigation import Apart, FixedDistance, TooClose
+
 from ..core.events import PeopleTooNear
 from ..core.stage import Bystander, Stage
 from .nearness import NearWatch
@@ -29,8 +31,13 @@ class Distancing:
         self._since: dict[tuple[Bystander, Bystander], float] = {}
         for (one, mine), (other, theirs) in combinations(zip(people, radii, strict=True), 2):
             near = required + mine + theirs
-            notify = partial(self._changed, one, other, near)
-            NearWatch(stage, (one.body, other.body), near, PARTED, notify)
+            NearWatch(
+                stage,
+                (one.body, other.body),
+                TooClose(FixedDistance(near)),
+                Apart(near + PARTED),
+                partial(self._changed, one, other, near),
+            )
 
     @property
     def time(self) -> float:

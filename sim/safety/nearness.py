@@ -1,10 +1,10 @@
-"""Nearness of two people: when they come nearer to each other than a distance, and part again."""
+"""Nearness of two bodies: when a condition on them begins to hold, and when they have parted."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
-from navigation import Apart, FixedDistance, TooClose, first_time
+from navigation import Condition, first_time
 
 from ..core.body import Body
 from ..core.clock import Alarm, Turn
@@ -12,24 +12,21 @@ from ..core.stage import Stage
 
 
 class NearWatch:
-    """Calls `notify` as two bodies come within `near` metres (True), and as they have parted.
-
-    That is once they are `parting` metres further apart. Distances are between centres.
-    """
+    """Calls `notify` as two bodies come so near that `near` holds (True), and as `parted` does."""
 
     def __init__(
         self,
         stage: Stage,
         bodies: tuple[Body, Body],
-        near: float,
-        parting: float,
+        near: Condition,
+        parted: Condition,
         notify: Callable[[bool], None],
     ) -> None:
         self.is_near = False
         self._stage = stage
         self._bodies = bodies
-        self._apart = Apart(near + parting)
-        self._close = TooClose(FixedDistance(near))
+        self._near = near
+        self._parted = parted
         self._notify = notify
         self._alarm = Alarm(stage.clock, self._ring, Turn.NOTICE)
         for body in bodies:
@@ -37,11 +34,11 @@ class NearWatch:
         self._reconsider()
 
     def _reconsider(self) -> None:
-        mine, theirs = (body.motion for body in self._bodies)
+        one, other = (body.motion for body in self._bodies)
         now = self._stage.clock.now
-        end = max(now, min(max(mine.end, theirs.end), self._stage.end))
-        awaited = self._apart if self.is_near else self._close
-        self._alarm.set(first_time(awaited, mine, theirs, now, end))
+        end = max(now, min(max(one.end, other.end), self._stage.end))
+        awaited = self._parted if self.is_near else self._near
+        self._alarm.set(first_time(awaited, one, other, now, end))
 
     def _ring(self) -> None:
         self.is_near = not self.is_near

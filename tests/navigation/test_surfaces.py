@@ -278,6 +278,66 @@ def test_conditions_measure_between_surfaces_too():
     assert t == pytest.approx(10.2 - 2.825, abs=1e-6)
 
 
+def corners_at(box, motion, ts):
+    """The corners of a box that turns with its body, at many instants."""
+    corners = np.array(box.corners)
+    c, s = np.cos(motion.rotation(ts)), np.sin(motion.rotation(ts))
+    turn = np.stack([np.stack([c, s], -1), np.stack([-s, c], -1)], -2)
+    return corners @ turn + motion.position(ts)[:, None]
+
+
+def overlap(one, other):
+    """By how much two rectangles overlap, from their corners; less than 0 if they are apart.
+
+    That is how far it is from 0 to the border of the differences of all their points.
+    """
+    differences = shapely.MultiPoint((one[:, None] - other[None]).reshape(-1, 2)).convex_hull
+    away = shapely.Point(0.0, 0.0).distance(differences.exterior)
+    return away if differences.contains(shapely.Point(0.0, 0.0)) else -away
+
+
+boxes = st.builds(Box, length=st.floats(0.2, 3), width=st.floats(0.2, 3), top=st.just(1.0))
+
+
+@settings(max_examples=60)
+@given(gantry_motions, gantry_motions, boxes, boxes, st.sampled_from([0.0, 1e-3, 0.1]))
+def test_boxes_overlap_when_their_corners_say_so(one, other, box, others, depth):
+    found = navigation.when(navigation.Overlapping(box, others, depth), one, other, 0.0, END)
+    ts = np.linspace(0.0, END, 400)
+    both = zip(corners_at(box, one, ts), corners_at(others, other, ts), strict=True)
+    margins = np.array([depth - overlap(mine, theirs) for mine, theirs in both])
+    assert_negative_within(list(found), ts, margins, END)
+
+
+def test_boxes_that_cross_overlap_as_long_as_their_lengths_say():
+    """At 1 m/s each, at a right angle: from 1 m before the crossing to 1 m after it."""
+    box = Box(length=1.2, width=0.8, top=1.0)
+    across = navigation.gantry_move((-5.0, 0.0, 0.0), (5.0, 0.0, 0.0), 0.0)
+    along = navigation.gantry_move((0.0, -5.0, math.pi / 2), (0.0, 5.0, math.pi / 2), 0.0)
+    ((begin, end),) = navigation.when(navigation.Overlapping(box, box), across, along, 0.0, 20.0)
+    assert across.position(begin) == pytest.approx((-1.0, 0.0), abs=1e-6)
+    assert across.position(end) == pytest.approx((1.0, 0.0), abs=1e-6)
+    above = Box(length=9.0, width=9.0, bottom=1.0, top=2.0)
+    over = navigation.Overlapping(box, above)
+    assert navigation.first_time(over, across, along, 0.0, 20.0) is None
+
+
+@pytest.mark.parametrize("width", [0.8, 0.1, 1 / 3])
+def test_boxes_that_slide_along_each_other_are_settled_at_once(width):
+    """Side by side they only touch, or overlap by exactly what is allowed."""
+    box = Box(length=1.2, width=width, top=1.0)
+    away, back = ((-5.0, 0.0, 0.0), (5.0, 0.0, 0.0)), ((5.0, width, 0.0), (-5.0, width, 0.0))
+    one, other = navigation.gantry_move(*away, 0.0), navigation.gantry_move(*back, 0.0)
+    for depth in (0.0, 1e-3):
+        closer = other.translated(0.0, -depth)
+        condition = navigation.Overlapping(box, box, depth)
+        assert list(navigation.when(condition, one, closer, 0.0, 20.0)) == []
+        deeper = other.translated(0.0, -depth - 1e-6)
+        assert len(list(navigation.when(condition, one, deeper, 0.0, 20.0))) == 1
+    with pytest.raises(ValueError, match="can't overlap by more than -1"):
+        navigation.Overlapping(box, box, -1.0)
+
+
 def test_shapes_are_values():
     assert Shapes(machine=TORSO.machine) == TORSO != ARM
     distance_at(navigation.standing((5, 5)), navigation.standing((0, 0)), TORSO, 0.0)

@@ -1,0 +1,75 @@
+"""Machines that run into each other: found, recorded and counted, and they go on."""
+
+import pytest
+from run_events import events
+from small_floors import on_floor
+
+import sim
+
+FLOOR = """\
+boundary: [[0, 0], [20, 0], [20, 20], [0, 20]]
+stations: {a: [1, 1], b: [19, 1]}
+agvs:
+  size: [1.2, 0.8]
+  height: 1.0
+  max_speed: 1.0
+  max_acceleration: 1.0
+  limits: [0, 16]
+  locations: {start: 0, end: 16}
+  start: start
+  lanes:
+    east: {origin: [2, 10]}
+    north: {origin: [10, 2], heading: 1.5707963267948966}
+"""
+MOVES = """
+duration: 60
+people: [{name: ada, at: [1, 18]}]
+agvs:
+  east: [{time: 1, to: end}, {time: 30, to: start}]
+  north: [{time: 1, to: end}]
+"""
+
+
+def test_agvs_that_cross_collide_once_for_each_time():
+    """Both are at the crossing at once on the way there, and one is gone on the way back."""
+    trial = sim.Trial.parse(on_floor(FLOOR, MOVES + "expect: {collisions: 0}\n"))
+    run = sim.run(trial)
+    (collision,) = events(run, "collision", machine="east", **{"with": "north"})
+    # 1 s and 0.5 m until at full speed, and the crossing is 8 m away: half a length and half a
+    # width before it, less the millimetre for which they only touch.
+    assert collision["t"] == pytest.approx(1.0 + 0.5 + (8.0 - 1.0 + 0.001), abs=1e-6)
+    assert collision["speed"] == pytest.approx(2**0.5)
+    assert run.summary["collisions"] == 1
+    assert [(verdict.met, verdict.time) for verdict in run.verdicts] == [(False, collision["t"])]
+
+
+def test_agvs_that_stand_in_each_other_collide_once_at_the_start():
+    inside = FLOOR.replace("[10, 2]", "[2.5, 9.5]")
+    run = sim.run(sim.Trial.parse(on_floor(inside, MOVES)))
+    assert [event["t"] for event in events(run, "collision")] == [0.0]
+
+
+def test_gantries_collide_where_their_torsos_do_and_with_nothing_below():
+    text = """
+floorplan: ariac2023
+duration: 60
+people: [{name: ada, at: [-19, 0]}]
+gantry: {controller: parked, at: [-6.0, 4.8, 0.0]}
+agvs: {agv1: [{time: 1, to: assembly_back}]}
+machines:
+  other:
+    kind: gantry
+    x: [-14.0, -1.0]
+    at: [-12.0, 4.8, 0.4]
+    controller: oblivious
+    jobs: [{move: [-2.0, 4.0, 0.4]}]
+"""
+    run = sim.run(sim.Trial.parse(text))
+    (collision,) = events(run, "collision")
+    assert (collision["machine"], collision["with"]) == ("gantry", "other")
+    assert run.summary["collisions"] == 1
+
+
+def test_machines_that_never_move_have_no_such_figure():
+    run = sim.run(sim.Trial.parse("{floorplan: ariac2023, duration: 5, people: [{name: ada}]}"))
+    assert "collisions" not in run.summary
