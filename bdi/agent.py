@@ -218,6 +218,13 @@ class Agent:
 
     # ---- its mind
 
+    def problem(self, message: str) -> Problem:
+        """Return a problem, said in `message`, at the step that it carries out just now.
+
+        So `act` can say where in the program an action stands that makes no sense.
+        """
+        return self._cycle.problem(message)
+
     @property
     def intentions(self) -> list[Intention]:
         """Its intentions: each a stack of plans, the one being carried out last."""

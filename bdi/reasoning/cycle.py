@@ -64,11 +64,29 @@ class ReasoningCycle:
                 percepts.take()
             self._run_instant()
         except RecursionError:
-            raise EndlessProgramError([self._problem("a term is nested too deeply")]) from None
+            raise EndlessProgramError([self.problem("a term is nested too deeply")]) from None
         except TooDeepError as error:
-            raise EndlessProgramError([self._problem(str(error))]) from None
+            raise EndlessProgramError([self.problem(str(error))]) from None
         finally:
             percepts.at_once = False
+
+    def problem(self, message: str) -> Problem:
+        """Return a problem of the plan that is being carried out or looked for."""
+        state, circumstance = self._state, self._state.circumstance
+        selected, event = circumstance.selected, circumstance.selected_event
+        if selected is not None and selected.stack:
+            intentions, events = [selected], []
+        elif event is not None:
+            intentions, events = [], [event]
+        else:
+            intentions, events = list(circumstance.intentions()), circumstance.all_events()
+        if intentions:
+            means = intentions[0].top
+            return means.place.problem(f"{means.plan.plan.trigger}: {message}")
+        for event in events:
+            for plan in state.plans.candidates(event.sort, event.literal):
+                return plan.plan.place.problem(f"{plan.plan.trigger}: {message}")
+        return Problem(state.program.source, 0, 0, message)
 
     def _run_until(self, clock: int) -> None:
         """Run all that is due before a time (ns), each at its own."""
@@ -139,7 +157,7 @@ class ReasoningCycle:
                 clear(state, intention)
         if self._goes_on():
             limit = f"more than {self._max_cycles} cycles at {state.now:g} s"
-            raise EndlessProgramError([self._problem(f"{limit}: this plan does not end")])
+            raise EndlessProgramError([self.problem(f"{limit}: this plan does not end")])
 
     def _goes_on(self) -> bool:
         """Return True if there is work, or a plan may be called because there is none."""
@@ -212,21 +230,3 @@ class ReasoningCycle:
             else:
                 fail(state, intention, error_annots("action_failed", ""))
             return
-
-    def _problem(self, message: str) -> Problem:
-        """Return a problem of the plan that is being carried out or looked for."""
-        state, circumstance = self._state, self._state.circumstance
-        selected, event = circumstance.selected, circumstance.selected_event
-        if selected is not None and selected.stack:
-            intentions, events = [selected], []
-        elif event is not None:
-            intentions, events = [], [event]
-        else:
-            intentions, events = list(circumstance.intentions()), circumstance.all_events()
-        if intentions:
-            means = intentions[0].top
-            return means.place.problem(f"{means.plan.plan.trigger}: {message}")
-        for event in events:
-            for plan in state.plans.candidates(event.sort, event.literal):
-                return plan.plan.place.problem(f"{plan.plan.trigger}: {message}")
-        return Problem(state.program.source, 0, 0, message)

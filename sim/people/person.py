@@ -308,9 +308,17 @@ class Person:
         self._errand.floor_changed(came)
 
     def act(self, action: bdi.Literal) -> bool:
-        """Carry out an external action of the agent; return True if it could be."""
-        self._count_at_once()
-        return not self.away and self._actions.perform(action)
+        """Carry out an external action of the agent; return True if it could be.
+
+        `MindError`, with its place in the program, if it makes no sense.
+        """
+        try:
+            self._count_at_once()
+            return not self.away and self._actions.perform(action)
+        except MindError as why:
+            if isinstance(self.mind, bdi.Agent):
+                raise MindError(self.mind.problem(str(why))) from None
+            raise
 
     def send(self, to: Point) -> bool:
         """Walk to a place, or near it, as if they had decided to; return whether they set out.

@@ -256,9 +256,9 @@ agvs: {{agv2: [{{time: 60.0, to: as1}}, {{time: 120.0, to: kitting}}]}}
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("!go. +!go <- jump(3).", "there is no action 'jump'"),
-        ("!go. +!go <- move(1).", r"should be move\(x, y, z\)"),
-        ("!go. +!go <- move(here, there).", r"should be move\(x, y, z\)"),
+        ("!go. +!go <- jump(3).", r"mine.asl:1:\d+: .*there is no action 'jump'"),
+        ("!go.\n+!go <- X = 1;\n move(X).", r"mine.asl:3:\d+: .*should be move\(x, y, z\)"),
+        ("!go. +!go <- move(here, there).", r"mine.asl:1:\d+: .*should be move\(x, y, z\)"),
         ("!go(a). +!go(X) <- !go(f(X)).", "mine.asl"),
     ],
 )
