@@ -567,6 +567,31 @@ def test_every_kind_of_event_has_a_look_and_words(viewer):
         assert set(viewer.page.evaluate(f"Object.keys({table})")) >= set(EVENT_KINDS)
 
 
+def test_every_kind_of_event_has_a_mark_that_is_seen(viewer):
+    """On the timeline and in the list; 12 pixels wide, so that it has some 144 at most."""
+    marks = viewer.page.evaluate("""() => Object.entries(LOOKS).map(([kind, look]) => {
+        const canvas = document.createElement("canvas");
+        [canvas.width, canvas.height] = [24, 24];
+        const context = canvas.getContext("2d");
+        drawGlyph(context, look, 12, 12, { halo: "#ffffff", [look.color]: "#000000" });
+        const { data } = context.getImageData(0, 0, 24, 24);
+        const dark = data.filter((value, k) => k % 4 === 3 && value > 128 && data[k - 1] < 128);
+
+        const svg = glyphElement(look);
+        document.body.append(svg);
+        const path = svg.firstElementChild;
+        let inside = 0;
+        for (let x = -6; x <= 6; x++) for (let y = -6; y <= 6; y++) {
+            const at = new DOMPoint(x, y);
+            const filled = path.getAttribute("fill") !== "none" && path.isPointInFill(at);
+            inside += filled || path.hasAttribute("stroke") && path.isPointInStroke(at);
+        }
+        svg.remove();
+        return [kind, dark.length, inside];
+    })""")
+    assert [kind for kind, dark, inside in marks if dark < 16 or inside < 12] == []
+
+
 def test_the_current_event_is_kept_in_view(viewer):
     viewer.page.mouse.move(10, 10)
     viewer.seek(200.0)

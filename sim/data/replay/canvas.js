@@ -111,10 +111,14 @@ function drawGlyph(context, { shape, hollow, color }, x, y, palette, size = 1) {
   context.save();
   context.translate(x, y);
   context.scale(size, size);
-  context.lineWidth = hollow ? 1.8 : 2;
-  context.strokeStyle = hollow ? palette[color] : palette.halo;
-  context.stroke(path);
-  if (!hollow) {
+  if (hollow || LINES.includes(shape)) {
+    context.lineWidth = hollow ? THIN : BOLD;
+    context.strokeStyle = palette[color];
+    context.stroke(path);
+  } else {
+    context.lineWidth = 2;
+    context.strokeStyle = palette.halo;
+    context.stroke(path);
     context.fillStyle = palette[color];
     context.fill(path);
   }

@@ -1,16 +1,18 @@
 /* The kinds of events: looks and words. */
 
-/** Shapes in a box from -6 to 6; `hollow` ones are stroked. */
+/** Shapes in a box from -6 to 6; `hollow` ones are stroked. The last two are lines: bold, or thin. */
 const SHAPES = {
   disc: "M-4 0a4 4 0 1 0 8 0a4 4 0 1 0-8 0z",
   triangle: "M0-5L5.2 4.2H-5.2z",
   arrow: "M-3.5-4.5L4.5 0L-3.5 4.5z",
   diamond: "M0-5.2L5.2 0L0 5.2L-5.2 0z",
   square: "M-4-4H4V4H-4z",
-  cross: "M-4-4L4 4M4-4L-4 4",
   bar: "M-1.8-5H1.8V5H-1.8z",
+  cross: "M-4-4L4 4M4-4L-4 4",
   turn: "M4-1.5A4.2 4.2 0 1 0 3 3M4.5-5V-1.2H.8",
 };
+const LINES = ["cross", "turn"];
+const THIN = 1.8, BOLD = 3;  // pixels
 
 const ROWS = ["people", "robots", "safety"];
 const LONG = 600;            // seconds from which an instant is written as minutes and hours
@@ -228,6 +230,7 @@ function glyphElement({ shape, hollow, color }) {
   const svg = stamp("glyph");
   const path = svg.firstElementChild;
   path.setAttribute("d", SHAPES[shape]);
-  path.setAttribute(hollow ? "stroke" : "fill", `var(--${color})`);
+  path.setAttribute(hollow || LINES.includes(shape) ? "stroke" : "fill", `var(--${color})`);
+  path.setAttribute("stroke-width", hollow ? THIN : BOLD);
   return svg;
 }
