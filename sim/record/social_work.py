@@ -20,6 +20,9 @@ Array = NDArray[np.float64]
 FACTOR, LAMBDA, GAMMA, N, N_PRIME = 2.1, 2.0, 0.35, 2.0, 3.0
 """Metres per square second, and figures without unit."""
 
+STRAIGHT = 1e-9
+"""Radians. Where D is no further from the line between two bodies, there is no turning."""
+
 LONGEST = 0.25
 """Seconds. Stretches are halved until they are no longer than this."""
 
@@ -40,12 +43,13 @@ def social_force(at: Array, velocity: Array, other: Array, others_velocity: Arra
     length = np.maximum(np.hypot(*towards.T), 1e-9)
     along = towards / length[:, None]
     left = np.column_stack([-along[:, 1], along[:, 0]])
-    angle = np.arctan2(
-        along[:, 0] * direction[:, 1] - along[:, 1] * direction[:, 0], (along * direction).sum(1)
-    )
+    across = along[:, 0] * direction[:, 1] - along[:, 1] * direction[:, 0]
+    angle = np.arctan2(across, (along * direction).sum(1))
+    # Towards either side, if D is along e or against it: rounding must not say which.
+    side = np.where(np.abs(across) > STRAIGHT, np.sign(across), 0.0)
     width = GAMMA * length
     slowing = -np.exp(-distance / width - (N_PRIME * width * angle) ** 2)
-    turning = -np.sign(angle) * np.exp(-distance / width - (N * width * angle) ** 2)
+    turning = -side * np.exp(-distance / width - (N * width * angle) ** 2)
     return np.asarray(FACTOR * (slowing[:, None] * along + turning[:, None] * left))
 
 
