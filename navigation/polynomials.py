@@ -87,7 +87,7 @@ def time_negative(polynomials: Array, durations: Array) -> Array:
         # are not.
         decided = inside | (polynomials.min(-1) >= NEGATIVE).all(-1)
         short = ~decided & (width <= SHORTEST)
-        inside |= short & (polynomials.mean(-1) < 0.0).any(-1)
+        inside[short] = (polynomials[short].mean(-1) < 0.0).any(-1)
         np.add.at(total, rows[inside], width[inside])
         open_ = ~decided & ~short
         rows, width = np.repeat(rows[open_], _PARTS), np.repeat(width[open_] / _PARTS, _PARTS)
@@ -123,11 +123,13 @@ def integral_of_least_length(x: Array, y: Array, less: Array, durations: Array) 
     total = np.zeros(len(durations))
     rows = np.arange(len(durations))
     begin, width = np.zeros(len(durations)), durations
+    # Rows last, as there are far more of them than of anything else: numpy is quick along them.
+    x, y, less = (np.ascontiguousarray(each.T) for each in (x, y, less))
 
     def quadrature(begin: Array, width: Array) -> Array:
-        u = (begin[:, None] + width[:, None] * ((1 + _NODES) / 2))[:, None, :]
-        lengths = np.hypot(_horner(x[rows], u), _horner(y[rows], u)) - less[rows][..., None]
-        return np.asarray(lengths.min(1) @ _WEIGHTS * width / 2)
+        u = (begin + width * ((1 + _NODES) / 2)[:, None])[:, None]
+        lengths = np.hypot(_horner(x[..., rows], u), _horner(y[..., rows], u)) - less[:, rows]
+        return np.asarray((lengths.min(1) * _WEIGHTS[:, None]).sum(0) * width / 2)
 
     whole = quadrature(begin, width)
     while len(rows):
@@ -145,10 +147,11 @@ def integral_of_least_length(x: Array, y: Array, less: Array, durations: Array) 
 
 
 def _horner(coefficients: Array, u: Array) -> Array:
-    value = np.zeros(np.broadcast_shapes(coefficients.shape[:-1], u.shape[:-1]) + u.shape[-1:])
-    for k in range(coefficients.shape[-1] - 1, -1, -1):
-        value = value * u + coefficients[..., k : k + 1]
-    return value
+    """Return polynomials (n, A, M), lowest coefficient first, at places u (K, 1, M): (K, A, M)."""
+    *rest, value = coefficients
+    for c in reversed(rest):
+        value = value * u + c
+    return np.asarray(value)
 
 
 def _split(polynomials: Array) -> Array:
