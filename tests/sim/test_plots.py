@@ -24,7 +24,9 @@ from navigation import CollisionWorld, PathPlanner, join, standing, walk
 from sim.views import plots
 from sim.views.plots.curves import instants
 from sim.views.plots.density_map import profiles_of
+from sim.views.plots.floor import draw_floor, floor_figure
 from sim.views.plots.heat_map import CELL, time_covered
+from sim.views.plots.names import draw_names
 
 matplotlib = pytest.importorskip("matplotlib")
 
@@ -423,6 +425,35 @@ def test_names_of_places_cover_nothing(name, width):
 def outline(axes, text):
     """Where a text stands on the floor, metres."""
     return box(*text.get_window_extent().transformed(axes.transData.inverted()).extents)
+
+
+def test_names_of_stations_keep_off_the_marks_of_violations():
+    plan = floorplan.load("ariac2023")
+    stations = {station.name for station in plan.stations}
+
+    def names(marked):
+        _, axes = floor_figure(plan, "double")
+        draw_floor(axes, plan)
+        draw_names(axes, plan, marked=marked)
+        found = {text.get_text(): outline(axes, text) for text in axes.texts}
+        return {name: found[name] for name in stations}
+
+    marks = {name: area.centroid for name, area in names([]).items()}
+    for name, area in names([(at.x, at.y) for at in marks.values()]).items():
+        assert not area.contains(marks[name])
+
+
+def test_many_people_have_thin_lines():
+    few, many = (
+        sim.run(sim.Trial.parse(CREW.replace("15", "1").replace("9", count)))
+        for count in ("12", "13")
+    )
+    for name in ("trails", "space_time"):
+        widths = [
+            max(line.get_linewidth() for line in axes.lines if "crew" in line.get_label())
+            for axes in (getattr(one.plot, name)().axes[0] for one in (few, many))
+        ]
+        assert widths[1] < widths[0]
 
 
 def test_a_floor_names_every_obstacle_and_location():
