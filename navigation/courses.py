@@ -11,6 +11,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,7 +64,6 @@ class Courses:
                 raise ValueError(f"can't look from {begin} s to {end} s")
         self._motions = motions
         self._spans = np.array(spans, dtype=np.float64).reshape(-1, 2)
-        self._begins, self._durations, self._there, self._pieces = _stretches(motions, self._spans)
 
     @cached_property
     def time(self) -> Array:
@@ -84,32 +84,26 @@ class Courses:
     def jerk(self) -> Array:
         """∫ |j| dt, m/s²; steps of the acceleration are left out."""
         third = derivative(derivative(self._velocity))[..., 0]
-        return self._summed(np.hypot(third[:, :, 0], third[:, :, 1]) * self._durations)
+        return self._summed(np.hypot(third[:, 0], third[:, 1]) * self._stretches.durations)
 
     @cached_property
     def top_speed(self) -> Array:
         """The highest speed, m/s."""
-        body, stretch = self._rows
-        squares = self._speed_squared[body, stretch]
-        fastest = -least(-squares, body, len(self._motions))
+        fastest = -least(-self._speed_squared, self._stretches.body, len(self._motions))
         return np.sqrt(np.where(np.isfinite(fastest), np.maximum(fastest, 0.0), 0.0))
 
     @cached_property
     def turning(self) -> Array:
         """The angle turned by, in either direction, radians: ∫ |ω| dt and turns on the spot."""
-        rotation = self._pieces[:, :, 2]
-        return self._summed(_variation(rotation, self._durations)) + self._sudden_turns()
+        rotation = self._stretches.pieces[:, 2]
+        return self._summed(_variation(rotation, self._stretches.durations)) + self._sudden_turns()
 
     def time_not_moving(self, speed: float, turning: float) -> Array:
         """Return the seconds with less than `speed` (m/s) and less than `turning` (rad/s)."""
-        body, stretch = self._rows
-        durations = self._durations[stretch]
-        spin = bernstein(square(derivative(self._pieces[body, stretch, 2])), durations)
-        excess = np.stack(
-            [speed**2 - self._speed_squared[body, stretch], turning**2 - spin], axis=1
-        )
-        moving = time_negative(excess, durations)
-        return _totals(body, durations - moving, len(self._motions))
+        durations = self._stretches.durations
+        spin = bernstein(square(derivative(self._stretches.pieces[:, 2])), durations)
+        excess = np.stack([speed**2 - self._speed_squared, turning**2 - spin], axis=1)
+        return self._summed(durations - time_negative(excess, durations))
 
     def company(
         self,
@@ -150,7 +144,7 @@ class Courses:
         members = [body, *others]
         # Cut where one of these changes: among many a cut of all would be one for each of them.
         motions = [self._motions[member] for member in members]
-        _, durations, there, pieces = _stretches(motions, self._spans[members])
+        durations, there, pieces = _common_stretches(motions, self._spans[members])
         present = (there[:1] & there[1:]).T
         rows = np.flatnonzero(present.any(1))
         apart = (pieces[1:, rows, :2] - pieces[:1, rows, :2]).swapaxes(0, 1)
@@ -165,45 +159,62 @@ class Courses:
         )
 
     @cached_property
-    def _rows(self) -> tuple[Index, Index]:
-        """The body and the stretch of each stretch in which a body is looked at."""
-        body, stretch = np.nonzero(self._there)
-        return body, stretch
+    def _stretches(self) -> _Stretches:
+        """The stretches of all motions, one motion's after another's."""
+        cuts = [
+            _cuts([one], span[None]) for one, span in zip(self._motions, self._spans, strict=True)
+        ]
+        begins = list(zip(self._motions, (times[:-1] for times in cuts), strict=True))
+        return _Stretches(
+            np.repeat(np.arange(len(cuts)), [len(times) for _, times in begins]),
+            np.concatenate([np.empty(0), *map(np.diff, cuts)]),
+            np.concatenate([np.empty(0, bool), *(np.isin(t, list(m.jumps)) for m, t in begins)]),
+            np.concatenate([np.empty((0, 3, 4)), *(m.cubics(t) for m, t in begins)]),
+        )
 
     @cached_property
     def _velocity(self) -> Array:
-        """(bodies, stretches, 2, 3)"""
-        return derivative(self._pieces[:, :, :2])
+        """Along x and y in each stretch: (S, 2, 3)."""
+        return derivative(self._stretches.pieces[:, :2])
 
     @cached_property
     def _speed_squared(self) -> Array:
-        return bernstein(
-            square(self._velocity[:, :, 0]) + square(self._velocity[:, :, 1]), self._durations
-        )
+        x, y = self._velocity.swapaxes(0, 1)
+        return bernstein(square(x) + square(y), self._stretches.durations)
 
     def _integrated(self, vectors: Array) -> Array:
-        body, stretch = self._rows
-        x, y = vectors[body, stretch, 0][:, None], vectors[body, stretch, 1][:, None]
-        nothing = np.zeros((len(body), 1))
-        lengths = integral_of_least_length(x, y, nothing, self._durations[stretch])
-        return _totals(body, lengths, len(self._motions))
+        """Return ∫ |vectors| dt of each motion; they are polynomials, (S, 2, n)."""
+        x, y = vectors[:, :1], vectors[:, 1:]
+        nothing = np.zeros((len(vectors), 1))
+        return self._summed(integral_of_least_length(x, y, nothing, self._stretches.durations))
 
     def _summed(self, figures: Array) -> Array:
-        return np.asarray((figures * self._there).sum(1))
+        """Return the sum of the figures (S,) of each motion's stretches."""
+        return _totals(self._stretches.body, figures, len(self._motions))
 
     def _sudden_turns(self) -> Array:
         """The angles by which the bodies turn on the spot, together (radians)."""
-        rotation, u = self._pieces[:, :, 2], self._durations
-        ends = rotation[..., 0] + u * (
-            rotation[..., 1] + u * (rotation[..., 2] + u * rotation[..., 3])
-        )
-        turns = rotation[:, 1:, 0] - ends[:, :-1]
+        body, durations, jumped, pieces = self._stretches
+        rotation, u = pieces[:, 2], durations
+        ends = rotation[:, 0] + u * (rotation[:, 1] + u * (rotation[:, 2] + u * rotation[:, 3]))
+        turns = rotation[1:, 0] - ends[:-1]
         # The short way round: headings that differ by a whole turn are the same.
         turns = np.abs(turns - math.tau * np.round(turns / math.tau))
-        counts = self._there[:, 1:] & self._there[:, :-1]
-        for k, motion in enumerate(self._motions):
-            counts[k, np.isin(self._begins[1:], list(motion.jumps))] = False
-        return np.asarray((turns * counts).sum(1))
+        counts = (body[1:] == body[:-1]) & ~jumped[1:]
+        return _totals(body[1:], turns * counts, len(self._motions))
+
+
+class _Stretches(NamedTuple):
+    """Stretches of several motions, in each of which that motion is one cubic."""
+
+    body: Index
+    """Whose it is: (S,)."""
+    durations: Array
+    """Seconds: (S,)."""
+    jumped: NDArray[np.bool_]
+    """True where the body was put elsewhere at its begin: (S,)."""
+    pieces: Array
+    """x, y and rotation from its begin on: (S, 3, 4)."""
 
 
 @dataclass(frozen=True)
@@ -286,18 +297,18 @@ class _Tally:
         ]
 
 
-def _stretches(
+def _common_stretches(
     motions: Sequence[Motion], spans: Array
-) -> tuple[Array, Array, NDArray[np.bool_], Array]:
+) -> tuple[Array, NDArray[np.bool_], Array]:
     """Return stretches in each of which every motion is one cubic.
 
-    Their begins and durations (S,), which motions are looked at in them (motions, S), and the
-    cubics (motions, S, 3, 4).
+    Their durations (S,), which motions are looked at in them (motions, S), and the cubics
+    (motions, S, 3, 4).
     """
     cuts = _cuts(motions, spans)
     begins = cuts[:-1]
     there = (spans[:, :1] <= begins) & (begins < spans[:, 1:])
-    return begins, np.diff(cuts), there, np.array([motion.cubics(begins) for motion in motions])
+    return np.diff(cuts), there, np.array([motion.cubics(begins) for motion in motions])
 
 
 def _cuts(motions: Sequence[Motion], spans: Array) -> Array:

@@ -1,4 +1,4 @@
-"""Gauss and Legendre's places and weights on -1 … 1, by which an integral is a sum.
+"""Gauss, Legendre and Lobatto's places and weights on -1 … 1, by which an integral is a sum.
 
 They are written out: worked out by `numpy.polynomial` their last bits depend on its LAPACK.
 """
@@ -42,3 +42,25 @@ WEIGHTS_8 = (
     0.10122853629037706,
 )
 """Of 8 places; exact for polynomials up to the degree 15."""
+
+LOBATTO_NODES_8 = (
+    -1.0,
+    -0.8717401485096066,
+    -0.5917001814331423,
+    -0.20929921790247888,
+    0.20929921790247888,
+    0.5917001814331423,
+    0.8717401485096066,
+    1.0,
+)
+LOBATTO_WEIGHTS_8 = (
+    0.03571428571428571,
+    0.21070422714350603,
+    0.34112269248350435,
+    0.4124587946587039,
+    0.4124587946587039,
+    0.34112269248350435,
+    0.21070422714350603,
+    0.03571428571428571,
+)
+"""Lobatto's 8 places, both ends among them; exact for polynomials up to the degree 13."""

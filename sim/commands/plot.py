@@ -111,7 +111,12 @@ def spacetime(
 def separation(
     source: Source,
     out: Out,
-    person: Annotated[str | None, typer.Option(help="Everybody if not given.")] = None,
+    person: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="May be repeated; if not given everybody, or of many those with the least margin."
+        ),
+    ] = None,
     machine: Annotated[
         str | None, typer.Option(help="gantry, or an AGV by name; the first there is if not given.")
     ] = None,
@@ -122,8 +127,10 @@ def separation(
 ) -> None:
     """Distance and required distance over time, violations shaded."""
     run = _run(source, out, own_code=not no_own_code)
-    figure = run.plot.separation(person, machine, within=_within(begin, end), width=width)
+    figure = run.plot.separation(person or None, machine, within=_within(begin, end), width=width)
     _save(figure, out)
+    if note := figure.get_supxlabel():
+        say(note.replace("\n", " "), err=True)
 
 
 @app.command()

@@ -10,6 +10,7 @@ import numpy as np
 
 from floorplan import Point
 
+from ..core.recorder import rounded
 from .cells import Array, cells_of, spread
 from .outcome import Outcome
 from .zone_exposure import moments, within
@@ -129,9 +130,17 @@ def _margins(run: Outcome, person: str, machine: str, times: Array) -> Array:
 
 def _begins(run: Outcome, person: str) -> Iterator[tuple[Point, float]]:
     """Yield where a person was as each of their violations began, and the margin then (metres)."""
+    # Events have rounded times: by such a one the person may be elsewhere already.
+    begins = {
+        (machine, rounded(begin)): begin
+        for machine, intervals in run.violations_of(person).items()
+        for begin, _ in intervals
+    }
     for event in run.events:
         if event["kind"] == "violation" and event["person"] == person:
-            at = run.motions[person].state_before(event["t"]).at
+            known = (event["with"], event["t"])
+            t = begins[known] if known in begins else event["t"]
+            at = run.motions[person].state_before(t).at
             yield at, event["distance"] - event["required"]
 
 

@@ -8,6 +8,7 @@ the motions themselves, not from samples.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Protocol
@@ -206,14 +207,14 @@ def _social_work(
     run: _Run, spans: Mapping[str, tuple[float, float]], people: Sequence[str]
 ) -> dict[str, float]:
     """Return the social work of each body beside people: m/s."""
-    return {
-        name: social_work(
-            run.motions[name],
-            [(run.motions[other], spans[other]) for other in people if other != name],
-            span,
-        )
-        for name, span in spans.items()
-    }
+    crowd = [(run.motions[name], spans[name]) for name in people]
+    pairs = list(itertools.combinations(range(len(people)), 2))
+    work = dict(zip(people, social_work(crowd, pairs).tolist(), strict=True))
+    beside = [(0, k + 1) for k in range(len(people))]
+    for name, span in spans.items():
+        if name not in work:
+            work[name] = float(social_work([(run.motions[name], span), *crowd], beside)[0])
+    return work
 
 
 def _distances(company: Company) -> dict[str, Any]:

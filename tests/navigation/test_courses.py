@@ -83,6 +83,18 @@ def test_figures_of_a_motion_are_those_of_dense_sampling(motion):
     assert courses.time_not_moving(0.4, 0.3)[0] == pytest.approx(slow.mean() * END, abs=0.1)
 
 
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_turning_back_close_to_an_end_is_seen(mirrored):
+    """So close that no place of a quadrature rule lies between: it goes back first, then on."""
+    turn, end, nothing = 0.001, 0.4, (0.0, 0.0, 0.0, 0.0)
+    y = (0.0, -2.0 * turn, 1.0, 0.0)
+    if mirrored:
+        y = (0.0, 2.0 * (end - turn), -1.0, 0.0)
+    motion = Motion((Piece(0.0, end, nothing, y, nothing),))
+    (way,) = Courses([motion], [(0.0, end)]).length
+    assert way == pytest.approx(turn**2 + (end - turn) ** 2, abs=1e-11)
+
+
 @given(motions(), st.floats(0, 6), st.floats(0, 6))
 def test_the_way_is_that_of_the_odometer(motion, begin, more):
     odometer, end = Odometer(motion), begin + more

@@ -24,7 +24,9 @@ from navigation import CollisionWorld, PathPlanner, join, standing, walk
 from sim.views import plots
 from sim.views.plots.curves import instants
 from sim.views.plots.density_map import profiles_of
+from sim.views.plots.floor import draw_floor, floor_figure
 from sim.views.plots.heat_map import CELL, time_covered
+from sim.views.plots.names import draw_names
 
 matplotlib = pytest.importorskip("matplotlib")
 
@@ -184,6 +186,63 @@ def test_of_several_vehicles_the_one_is_shown_that_came_too_close(run):
         for one in (alone, close)
     ]
     assert titles == [["ada and agv1", "ben and agv1"], ["ada and agv1", "ben and agv3"]]
+
+
+CREW = """
+floorplan: ariac2023
+duration: 15
+rules: {gantry_law: {fixed: 3.0}, machine: none, person: none}
+gantry: {at: [-10, -3, 0]}
+people: [{name: crew, count: 9, at: anywhere}]
+"""
+
+
+def shown(figure):
+    """The names of the people who have a panel, in their order."""
+    return [axes.get_title(loc="left").split()[0] for axes in figure.axes]
+
+
+def test_of_many_people_those_with_the_least_margin_are_shown():
+    run = sim.run(sim.Trial.parse(CREW))
+    everybody = [person.name for person in run.scene.people]
+    for within in ((0.0, 15.0), (0.0, 2.0)):
+        t = np.linspace(*within, 20_000)
+        least = {name: run.margin(name, "gantry", t).min() for name in everybody}
+        figure = run.plot.separation(within=within)
+        assert shown(figure) == sorted(everybody, key=least.__getitem__)[:6]
+        assert "6 of 9" in figure.get_supxlabel()
+    assert shown(run.plot.separation(everybody)) == everybody
+    assert shown(run.plot.separation(["crew8", "crew2"])) == ["crew2", "crew8"]
+    assert run.plot.separation(everybody).get_supxlabel() == ""
+
+
+def test_where_violations_end_at_once_those_with_the_most_come_first():
+    trial = CREW.replace("{gantry_law: {fixed: 3.0}, machine: none, person: none}", "paper")
+    run = sim.run(sim.Trial.parse(trial.replace("duration: 15", "duration: 60")))
+    counts = [len(run.violations[name, "gantry"]) for name in shown(run.plot.separation())]
+    most = sorted((len(some) for pair, some in run.violations.items() if "gantry" in pair))[:-7:-1]
+    assert counts == most and most[0] > most[-1]
+
+
+def test_few_people_are_all_shown(run):
+    few = sim.run(sim.Trial.parse(CREW.replace("count: 9", "count: 6")))
+    figure = few.plot.separation()
+    assert shown(figure) == [person.name for person in few.scene.people]
+    assert figure.get_supxlabel() == ""
+
+
+def test_the_command_says_who_is_left_out(tmp_path, floorwalker):
+    (tmp_path / "crew.trial.yaml").write_text(CREW.replace("15", "2"))
+    command = ("plot", "separation", "crew.trial.yaml", "--out", "s.svg")
+    done = floorwalker(*command, cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (0, "s.svg\n")
+    picture = (tmp_path / "s.svg").read_text()
+    hint = re.search(r"--person (\w+)", done.stderr)
+    assert hint and hint[0] in picture and f"{hint[1]} and gantry" not in picture
+    done = floorwalker(*command, "--person", hint[1], "--person", "crew1", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    picture = (tmp_path / "s.svg").read_text()
+    assert f"{hint[1]} and gantry" in picture and "crew1 and gantry" in picture
 
 
 def test_nothing_is_required_of_an_agv_that_stands(run):
@@ -366,6 +425,35 @@ def test_names_of_places_cover_nothing(name, width):
 def outline(axes, text):
     """Where a text stands on the floor, metres."""
     return box(*text.get_window_extent().transformed(axes.transData.inverted()).extents)
+
+
+def test_names_of_stations_keep_off_the_marks_of_violations():
+    plan = floorplan.load("ariac2023")
+    stations = {station.name for station in plan.stations}
+
+    def names(marked):
+        _, axes = floor_figure(plan, "double")
+        draw_floor(axes, plan)
+        draw_names(axes, plan, marked=marked)
+        found = {text.get_text(): outline(axes, text) for text in axes.texts}
+        return {name: found[name] for name in stations}
+
+    marks = {name: area.centroid for name, area in names([]).items()}
+    for name, area in names([(at.x, at.y) for at in marks.values()]).items():
+        assert not area.contains(marks[name])
+
+
+def test_many_people_have_thin_lines():
+    few, many = (
+        sim.run(sim.Trial.parse(CREW.replace("15", "1").replace("9", count)))
+        for count in ("12", "13")
+    )
+    for name in ("trails", "space_time"):
+        widths = [
+            max(line.get_linewidth() for line in axes.lines if "crew" in line.get_label())
+            for axes in (getattr(one.plot, name)().axes[0] for one in (few, many))
+        ]
+        assert widths[1] < widths[0]
 
 
 def test_a_floor_names_every_obstacle_and_location():

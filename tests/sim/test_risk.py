@@ -93,6 +93,18 @@ def test_the_least_margin_is_that_of_a_violation_over_at_once():
     assert image.min() == pytest.approx(min(margins), abs=0.001)
 
 
+def test_margins_are_where_people_were_before_they_were_put_elsewhere():
+    trial = "{floorplan: ariac2023, duration: 60, rules: paper, people: [{name: eve, count: 4}]}"
+    run = sim.run(sim.Trial.parse(trial))
+    assert sum(len(spans) for spans in run.violations.values()) > 4
+    image = plots.risk_map(run).axes[0].images[0].get_array()
+    west, south, *_ = run.floorplan.boundary.bounds
+    row, column = np.nonzero(image.filled(np.inf) < 0.5)
+    places = np.column_stack([west + 0.1 * (column + 0.5), south + 0.1 * (row + 0.5)])
+    nearest = np.hypot(*(places - run.motions["gantry"].state(0.0).at).T)
+    assert len(places) and nearest.max() < 3.5 + 0.5 + 0.5
+
+
 def test_zones_and_doors_are_drawn(run):
     plan = run.floorplan
     door = floorplan.Door("gate", ((5.0, 0.0), (5.0, 2.0)), is_open=False)

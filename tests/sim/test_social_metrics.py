@@ -8,6 +8,7 @@ import pytest
 from run_events import record
 
 import sim
+from navigation import standing
 
 TRIAL = """
 floorplan: ariac2023
@@ -171,6 +172,17 @@ def test_social_work_is_the_integral_of_the_forces(run, figures):
         sums = abs(sum(force(name, o) for o in others)) + sum(abs(force(o, name)) for o in others)
         found = figures["machines" if name == "gantry" else "people"][name]["social_work"]
         assert found == pytest.approx(float(sums.sum()) * 0.002, rel=5e-3) and found > 0
+
+
+def test_social_work_of_two_who_stand_is_the_same_in_every_direction(run):
+    started = tuple({"t": 0.0, "kind": "human_started", "person": name} for name in ("ada", "ben"))
+    for angle in np.linspace(0.0, 6.0, 25):
+        ben = standing((0.7 * np.cos(angle), 0.7 * np.sin(angle)))
+        motions = {"ada": standing((0.0, 0.0)), "ben": ben}
+        stood = replace(run, duration=10.0, motions=motions, events=started)
+        found = sim.metrics(stood)["people"]["ada"]["social_work"]
+        # Neither has a side to turn to: they slow each other down alone.
+        assert found == pytest.approx(2 * 2.1 * np.exp(-0.7 / 0.35) * 10.0)
 
 
 def test_a_group_has_a_middle_that_others_keep_away_from():

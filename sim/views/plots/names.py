@@ -49,16 +49,17 @@ def draw_names(
     plan: Floorplan,
     *,
     paths: Sequence[Array] = (),
+    marked: Sequence[Point] = (),
     machines: Mapping[str, Polygon] | None = None,
     all_names: bool = False,
 ) -> None:
     """Write the names of stations and the safe zone, and of obstacles in which there is room.
 
-    Those of places keep off obstacles, AGVs at their start, and the `paths` (N, 2), metres, that
-    are drawn; `machines` (by name the outlines that are drawn) have theirs in or beside them. With
-    `all_names` obstacles without room have theirs beside them, and so have the locations of lanes,
-    unless it would cover too much. All else has to be drawn by then: how much room there is depends
-    on it.
+    Those of places keep off obstacles, AGVs at their start, and the `paths` (N, 2) and `marked`
+    places that are drawn, metres; `machines` (by name the outlines that are drawn) have theirs in
+    or beside them. With `all_names` obstacles without room have theirs beside them, and so have the
+    locations of lanes, unless it would cover too much. All else has to be drawn by then: how much
+    room there is depends on it.
     """
     outlines = machines or {}
     point = _metres_per_point(axes)
@@ -68,7 +69,7 @@ def draw_names(
     starts = {lane.name: lane.footprint(lane.locations[lane.start]) for lane in plan.lanes}
     lanes = [LineString([lane.position(q) for q in lane.limits]) for lane in plan.lanes]
     taken = [obstacle.footprint for obstacle in plan.obstacles] + list(starts.values())
-    taken += [Spot(at).buffer(_MARK * point) for _, at, _ in marks]
+    taken += [Spot(at).buffer(_MARK * point) for at in (*(at for _, at, _ in marks), *marked)]
     taken += [lane.buffer(_LANE / 2 * point) for lane in lanes]
     taken += outlines.values()
     taken += [line.buffer(_PATH / 2 * point) for path in paths for line in _unbroken(path)]

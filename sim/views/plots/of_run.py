@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from matplotlib.figure import Figure
 
 from ...record.outcome import Outcome
@@ -28,13 +30,17 @@ class RunPlots:
 
     def separation(
         self,
-        person: str | None = None,
+        person: str | Sequence[str] | None = None,
         machine: str | None = None,
         *,
         within: Span | None = None,
         width: Width = "double",
     ) -> Figure:
-        """The distance of people to a machine over time, and the required distance."""
+        """The distance of people to a machine over time, and the required distance.
+
+        Of many people those with the least margin, unless they are named: `person` is a name, or
+        several.
+        """
         return separation(self._run, person, machine, within=within, width=width)
 
     def space_time(self, *, within: Span | None = None, width: Width = "double") -> Figure:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import partial
 
 import numpy as np
@@ -28,8 +29,14 @@ DENSEST = 12
 MARKS = 60
 """Of a long run's violations, no more marks than this stand above the plot."""
 
+MOST = 6
+"""So many pairs are drawn, a page of them, where there are more and nobody was named."""
+
 _PANEL = 1.9
 """Inches. The height of one pair's panel."""
+
+_ALIKE = 3
+"""Decimals. Margins (metres) that are the same to so many count as equal."""
 
 Pair = tuple[str, str]
 
@@ -37,7 +44,7 @@ Pair = tuple[str, str]
 @styled()
 def separation(
     run: Outcome,
-    person: str | None = None,
+    person: str | Sequence[str] | None = None,
     machine: str | None = None,
     *,
     within: Span | None = None,
@@ -45,32 +52,46 @@ def separation(
 ) -> Figure:
     """Draw the distance over time, the required one, and the time in which it was not kept.
 
-    One panel for each person (or the one called `person`) beside `machine`: by default the first
+    One panel for each person (or the ones called `person`) beside `machine`: by default the first
     robot, or where there is none, the vehicle that they were too close to for longest, or that
-    drives first. Nothing is required of a vehicle that stands. `ValueError` if there is no such
-    pair.
+    drives first. Of more than `MOST` people who were not named, those with the least margin to the
+    required distance are drawn, the least first, and a line below says so. Nothing is required of a
+    vehicle that stands. `ValueError` if there is no such pair.
     """
     begin, end = span_of(run, within)
-    pairs = _pairs(run, person, machine)
+    named = [person] if isinstance(person, str) else person
+    everybody = _pairs(run, named, machine)
+    pairs = everybody if named is not None else _nearest(run, everybody, (begin, end))
     figure = new_figure(width, _PANEL * len(pairs) + 0.3)
     panels = figure.subplots(len(pairs), 1, sharex=True, squeeze=False)[:, 0]
     for axes, pair in zip(panels, pairs, strict=True):
         _draw_pair(axes, run, pair, (begin, end))
     panels[-1].set_xlim(begin, end)
     label_time(panels[-1], end - begin)
+    if len(pairs) < len(everybody):
+        other = next(name for name, body in everybody if (name, body) not in pairs)
+        lines = (
+            f"The {len(pairs)} of {len(everybody)} people with the least margin.",
+            f"Others are drawn by name (--person {other}).",
+        )
+        note = (" " if width == "double" else "\n").join(lines)
+        figure.supxlabel(note, fontsize=7, color=GREY)
     explain(figure, panels, width)
     return figure
 
 
-def _pairs(run: Outcome, person: str | None, machine: str | None) -> list[Pair]:
+def _pairs(run: Outcome, named: Sequence[str] | None, machine: str | None) -> list[Pair]:
     people = [one.name for one in run.scene.people]
     machines = [machine.name for machine in run.scene.machines]
     if not (people and machines):
         raise ValueError("a separation needs a person and a machine; this run has no such pair")
-    for name, known, what in ((person, people, "person"), (machine, machines, "machine")):
-        if name is not None and name not in known:
+    asked = [(name, people, "person") for name in named or ()]
+    asked += [(name, machines, "machine") for name in (machine,) if name is not None]
+    for name, known, what in asked:
+        if name not in known:
             raise ValueError(f"no {what} is called {name!r} (there are: {', '.join(known)})")
-    pairs = [[(name, body) for body in machines] for name in people if person in (None, name)]
+    chosen = [name for name in people if named is None or name in named]
+    pairs = [[(name, body) for body in machines] for name in chosen]
     if machine is not None:
         return [pair for one in pairs for pair in one if pair[1] == machine]
     return [min(one, key=partial(_order, run)) for one in pairs]
@@ -85,11 +106,40 @@ def _order(run: Outcome, pair: Pair) -> tuple[bool, float, float]:
     return (not is_robot, 0.0 if is_robot else -close, float(sets_out))
 
 
+def _nearest(run: Outcome, pairs: list[Pair], span: Span) -> list[Pair]:
+    """Return all pairs if they are few, else those with the least margin, the least first.
+
+    Of equal margins that with more violations comes first, as where each puts the person elsewhere,
+    and then the nearer one.
+    """
+    if len(pairs) <= MOST:
+        return pairs
+    # A person who is put elsewhere as they appear was never seen where the violation was.
+    violations: dict[Pair, list[float]] = {pair: [] for pair in pairs}
+    for event in run.events:
+        if event["kind"] == "violation" and span[0] <= event["t"] <= span[1]:
+            found = violations.get((event["person"], event["with"]), [])
+            found.append(event["distance"] - event["required"])
+
+    def order(pair: Pair) -> tuple[float, int, float]:
+        _, distance, required = _curves(run, pair, span)
+        nearest, margin = (
+            np.fmin.reduce(d, initial=np.inf) for d in (distance, distance - required)
+        )
+        least = min([*violations[pair], float(margin)])
+        return round(least, _ALIKE), -len(violations[pair]), float(nearest)
+
+    return sorted(pairs, key=order)[:MOST]
+
+
+def _curves(run: Outcome, pair: Pair, span: Span) -> tuple[Array, Array, Array]:
+    """Return instants (s), distances and required distances (m): (N,), NaN where none is."""
+    t = instants([run.motions[name] for name in pair], *span)
+    return t, run.distance(*pair, t), _required(run, pair, t)
+
+
 def _draw_pair(axes: Axes, run: Outcome, pair: Pair, span: Span) -> None:
-    human, robot = (run.motions[name] for name in pair)
-    t = instants([human, robot], *span)
-    distance = run.distance(*pair, t)
-    required = _required(run, pair, t)
+    t, distance, required = _curves(run, pair, span)
     close = distance < required
     highest = SHOWN * float(np.nanmax(required)) if np.isfinite(required).any() else np.inf
     if len(t) > COLUMNS * DENSEST:

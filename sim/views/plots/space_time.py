@@ -15,7 +15,18 @@ from ...record.outcome import Outcome
 from ..colours import GREY
 from .curves import Array, Span, instants, span_of, while_present
 from .incidents import breaches, mark_breaches
-from .style import MACHINES, Width, explain, new_figure, person_colour, person_label, styled
+from .style import (
+    MACHINES,
+    OF_MANY,
+    Width,
+    are_few,
+    explain,
+    label_time,
+    new_figure,
+    person_colour,
+    person_label,
+    styled,
+)
 
 _PANEL = 2.3
 """Inches. The height of one axis's panel."""
@@ -38,8 +49,8 @@ def space_time(run: Outcome, *, within: Span | None = None, width: Width = "doub
         mark_breaches(axes, [(t, at[axis]) for t, at in breaches(run, span)])
         axes.set_ylabel(f"{'xy'[axis]} (m)")
         axes.margins(y=0.04)
-    panels[1].set_xlabel("time (s)")
     panels[1].set_xlim(*span)
+    label_time(panels[1], span[1] - span[0])
     explain(figure, [panels[0]], width)
     return figure
 
@@ -73,8 +84,9 @@ def _draw_body(axes: Axes, run: Outcome, body: str, axis: int, span: Span) -> No
         colour = MACHINES[machine.category]
         # Vehicles, of which there may be many, have their names at their bands.
         label = body if machine.category == "robot" else f"_{body}"
-    axes.fill_between(t, at - half, at + half, facecolor=colour, alpha=0.3, linewidth=0)
-    axes.plot(t, at, color=colour, linewidth=0.9, label=label)
+    line, shade = (0.9, 0.3) if body not in people or are_few(len(people)) else (OF_MANY, 0.15)
+    axes.fill_between(t, at - half, at + half, facecolor=colour, alpha=shade, linewidth=0)
+    axes.plot(t, at, color=colour, linewidth=line, label=label)
     if label != body and body not in people and axis == 1:
         axes.annotate(body, (there[0], at[0]), (2, 2), textcoords="offset points", size=6)
 

@@ -40,6 +40,9 @@ HANDY = (600.0, 900.0, 1800.0, 3600.0, 7200.0, 14400.0, 43200.0, 86400.0)
 MOST_NAMED = 12
 """So many people have their names in a legend: the colours of more would say nothing."""
 
+OF_MANY = 0.5
+"""Points. The line of each of more people than have their names."""
+
 _LINE = 0.15
 """Inches. The height of a line of a legend."""
 

@@ -16,7 +16,7 @@ from .curves import Array, Span, instants, span_of, while_present
 from .floor import draw_floor, fill_area, floor_figure
 from .incidents import breaches, mark_breaches
 from .names import draw_names
-from .style import MACHINES, Width, are_few, explain, person_colour, person_label, styled
+from .style import MACHINES, OF_MANY, Width, are_few, explain, person_colour, person_label, styled
 
 _THIN = 1.0
 """Points. The line of the person who is drawn last."""
@@ -46,10 +46,11 @@ def trails(run: Outcome, *, within: Span | None = None, width: Width = "double")
     figure, axes = floor_figure(run.floorplan, width)
     draw_floor(axes, run.floorplan, run.scene.machines)
     paths = [_draw_path(axes, run, body, (begin, end)) for body in run.motions]
-    mark_breaches(axes, [at for _, at in breaches(run, (begin, end))])
+    places = [at for _, at in breaches(run, (begin, end))]
+    mark_breaches(axes, places)
     explain(figure, [axes], width)
     outlines = {machine.name: _outline(run, machine.name, end) for machine in run.scene.machines}
-    draw_names(axes, run.floorplan, paths=paths, machines=outlines)
+    draw_names(axes, run.floorplan, paths=paths, marked=places, machines=outlines)
     return figure
 
 
@@ -70,8 +71,9 @@ def _draw_path(axes: Axes, run: Outcome, body: str, span: Span) -> Array:
     if body in people:
         index = people.index(body)
         later = len(people) - 1 - index
-        edges = min(_EDGES, (_WIDEST - _THIN) / len(people)) if are_few(len(people)) else 0.0
-        width = _THIN + later * edges
+        few = are_few(len(people))
+        edges = min(_EDGES, (_WIDEST - _THIN) / len(people)) if few else 0.0
+        width = (_THIN if few else OF_MANY) + later * edges
         axes.plot(
             *path.T,
             color=person_colour(index),
