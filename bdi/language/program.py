@@ -248,7 +248,7 @@ class Belief(Clause):
     belief: Literal
     place: Place = field(default=NOWHERE, compare=False)
 
-    @cached_property
+    @property
     def functions(self) -> frozenset[str]:
         """Names of the arithmetic functions that the belief calls: mostly none, of plain terms."""
         belief = self.belief
@@ -407,7 +407,7 @@ def with_run_functions(
     """Return clauses with the functions of one run, as `math.random`, bound to `functions`.
 
     Clauses are shared by the agents that run them, so each binds its own where they call any;
-    where none does, they are returned as they are.
+    those that call none are returned as they are.
     """
 
     def bind(part: Any) -> Any:
@@ -419,8 +419,6 @@ def with_run_functions(
             return Function(part.functor, args, functions[part.functor])
         return None
 
-    if all(clause.functions.isdisjoint(functions) for clause in clauses):
-        return clauses
     return tuple(
         clause if clause.functions.isdisjoint(functions) else transformed(clause, bind)
         for clause in clauses

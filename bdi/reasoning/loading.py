@@ -29,11 +29,10 @@ def start(agent: AgentState, beliefs: Sequence[Belief] = ()) -> None:
     """
     program = agent.program
     check_actions(program, {**agent.actions, **agent.functions})
-    plans = with_run_functions(program.plans, agent.functions)
-    if plans is program.plans:
+    if _functions_of_plans(program).isdisjoint(agent.functions):
         agent.plans.take(_library(program))
     else:
-        _file(plans, agent.plans)
+        _file(with_run_functions(program.plans, agent.functions), agent.plans)
     _note_plans(agent)
     _begin(agent, program, beliefs)
 
@@ -69,6 +68,12 @@ def learn(agent: AgentState, program: Program) -> None:
     if program.source not in agent.known_programs:
         agent.known_programs.add(program.source)
         add_program(agent, program)
+
+
+@made_once
+def _functions_of_plans(program: Program) -> frozenset[str]:
+    """Return the names of the arithmetic functions that the plans of a program call."""
+    return frozenset[str]().union(*(plan.functions for plan in program.plans))
 
 
 @made_once
