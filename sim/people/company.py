@@ -20,7 +20,7 @@ from .mind_inspector import STEPS, MindInspector
 from .minds import Mind, Mindless, Outside, kept_beliefs, live_beliefs, make_agent
 from .person import Person
 from .planners import find_planner, planner_of
-from .programs import EXTERNAL, with_programs
+from .programs import EXTERNAL, Programs
 from .steering.crowd import Crowd
 from .steering.manners import drawn
 from .steering.own_steering import find_steering
@@ -72,6 +72,7 @@ class Company:
         self._scenario = scenario
         self._listener = listener
         self._planners: dict[tuple[CollisionWorld, float, PlannerChoice], PathPlanner] = {}
+        self._programs = Programs(scenario)
         self._society = _Society()
         self._inspectors: dict[str, MindInspector] = {}
         board = WorkBoard(scenario, stage.clock) if scenario.has_work else None
@@ -82,7 +83,7 @@ class Company:
         starts = starting_places(scenario, stage.world, crowd)
         scenario = replace(scenario, people=with_homes(scenario, starts))
         for index, named in enumerate(scenario.people):
-            entry = with_programs(named, scenario)
+            entry = self._programs.with_changes(named)
             walk = walks.get(entry.name)
             human = _human(entry, stage.floorplan.human, walk)
             if led := scenario.led_by(entry):
@@ -172,6 +173,7 @@ class Company:
         return make_agent(
             entry,
             self._scenario,
+            self._programs,
             act=person.act,
             print=lambda text: record(Said(person=entry.name, text=text)),
             on_event=lambda happening: self._note(entry.name, happening),
