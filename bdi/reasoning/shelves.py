@@ -89,7 +89,7 @@ class Shelf:
         key: object
         if isinstance(clause, Rule):
             # Rules may be equal and still be two; a belief is kept once, under its arguments.
-            key = (None, rank)
+            key = rank
             self.rules += 1
         else:
             key = clause.args

@@ -226,7 +226,7 @@ def _human(entry: PersonEntry, usual: Human, walk: RecordedWalk | None = None) -
         for name in ("radius", "max_speed", "max_acceleration")
         if getattr(entry, name) is not None
     }
-    human = replace(usual, **given)
+    human = replace(usual, **given) if given else usual
     if walk is None:
         return human
     return replace(human, max_speed=max(human.max_speed, walk.top_speed))

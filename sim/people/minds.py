@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Collection, Sequence
+from functools import lru_cache
 from typing import Protocol
 
 import bdi
@@ -199,6 +200,7 @@ def first_beliefs(
     return [*beliefs, *entry.beliefs]
 
 
+@lru_cache(maxsize=4096)
 def as_term(name: str) -> bdi.Term:
     """Return a name as an AgentSpeak term: an atom where it can be one, else a string."""
     return bdi.Literal(name) if re.fullmatch(r"[a-z][A-Za-z0-9_]*", name) else name
