@@ -105,7 +105,7 @@ class BeliefBase:
             return
         self._bases.clear()
         for shelf in self._read:
-            shelf.answers, shelf.readers = None, []
+            shelf.answers, shelf.readers = None, ()
         self._read.clear()
 
     def _shelf(self, key: Key) -> Shelf:

@@ -161,7 +161,7 @@ class Alarm:
         self._clock = clock
         self._action = action
         self._turn = turn
-        self._calls: list[Callable[[Event], None]] = []
+        self._calls: list[Callable[[Event], None]] | None = None
         self._pending: Event | None = None
         self._time: float | None = None
 

@@ -63,15 +63,16 @@ class Pair:
         self.end = stage.end
         self._one, self._other = person.body, machine.body
         self._offset = offset
-        self._translated = (machine.body.motion, machine.body.motion.translated(*offset))
+        self._translated = machine.body.motion
+        self._measured = self._translated.translated(*offset)
 
     @property
     def motions(self) -> tuple[Motion, Motion]:
         """Motions of the person and of the measured point of the machine from now on."""
         motion = self._other.motion
-        if self._translated[0] is not motion:
-            self._translated = (motion, motion.translated(*self._offset))
-        return self._one.motion, self._translated[1]
+        if self._translated is not motion:
+            self._translated, self._measured = motion, motion.translated(*self._offset)
+        return self._one.motion, self._measured
 
     def first_time(self, condition: Condition, since: float = 0.0) -> float | None:
         """Return the first instant from now and `since` (seconds) on at which `condition` holds.
