@@ -75,6 +75,8 @@ class Company:
         self._programs = Programs(scenario)
         self._society = _Society()
         self._inspectors: dict[str, MindInspector] = {}
+        self._attentive: list[Person] | None = None
+        """Those whose minds heed that somebody has left, once it has been asked for."""
         board = WorkBoard(scenario, stage.clock) if scenario.has_work else None
         self._board = board
         self.people: list[Person] = []
@@ -136,7 +138,9 @@ class Company:
         self._named[gave_way["person"]].perceive("wants_to_pass", gave_way["to"])
 
     def _perceive_leaving(self, left: Event) -> None:
-        for person in self.people:
+        if self._attentive is None:
+            self._attentive = [person for person in self.people if person.heeds("has_left")]
+        for person in self._attentive:
             if person.name != left["person"]:
                 person.perceive("has_left", left["person"])
 
@@ -163,6 +167,7 @@ class Company:
         return known
 
     def _make_mind(self, person: Person, entry: PersonEntry, before: Mind | None) -> Mind:
+        self._attentive = None
         if person.is_recorded:
             return Mindless()
         if entry.personality == EXTERNAL:

@@ -298,6 +298,10 @@ class Person:
             self._reason = "gantry" if is_robot else "agv"
             self._enforcing.set(self._clock.now)
 
+    def heeds(self, percept: str) -> bool:
+        """Return whether the mind heeds a percept about another person."""
+        return self._regard.heeds(percept)
+
     def perceive(self, percept: str, who: str) -> None:
         """Perceive something about another person, if the mind heeds it."""
         self._regard.perceive(percept, who)
