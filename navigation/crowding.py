@@ -15,7 +15,7 @@ from .clearance import swath
 from .kernels.crowding import nearer_between, nearest_seen, see
 from .kernels.discs import meeting
 from .monitor import minimum_separation
-from .motion import Motion
+from .motion import Motion, join, standing
 
 STEP = 0.1
 """Seconds between the instants at which all pairs are looked at first."""
@@ -61,7 +61,7 @@ def nearest_pair(
     count = max(math.ceil((end - begin) / STEP), 1)
     t = np.linspace(begin, end, count + 1)
     times = t.tolist()
-    tables = [swath(motion, begin).table for motion in motions]
+    tables = [swath(_reaching_back(motion, begin), begin).table for motion in motions]
     sizes = [*map(float, radii)]
     steps = [float(speed * (t[1] - t[0])) for speed in top_speeds]
     jumps = [_intervals(t, sorted(motion.jumps)) for motion in motions]
@@ -91,6 +91,14 @@ def nearest_pair(
             overlapping.add((i, j))
         best = min(best, (centres - least, when, (i, j)))
     return Nearest(*best, len(overlapping))
+
+
+def _reaching_back(motion: Motion, begin: float) -> Motion:
+    """Return a motion that stands from `begin` (seconds) until it starts, as kernels need it."""
+    if motion.start <= begin:
+        return motion
+    x, y, heading = motion.state(begin).position
+    return join([standing((x, y), heading=heading, start=begin), motion])
 
 
 def _windows(tables: list[MutableSequence[float]], times: list[float]) -> Iterator[_Window]:
