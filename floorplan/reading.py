@@ -136,8 +136,11 @@ def _megabytes(size: int) -> str:
 
 @contextmanager
 def no_garbage() -> Iterator[None]:
-    """Pause the garbage collector: a long document's many parts are all alive, and looking them
-    over again and again takes as long as all the rest."""
+    """Pause the garbage collector while something large is made, such as a long document.
+
+    Its many parts are all alive, and looking them over again and again takes as long as all the
+    rest.
+    """
     looking = gc.isenabled()
     gc.disable()
     try:

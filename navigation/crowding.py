@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from array import array
-from collections.abc import Sequence
-from typing import NamedTuple
+from collections.abc import Iterator, MutableSequence, Sequence
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,12 +15,18 @@ from .clearance import swath
 from .kernels.crowding import nearer_between, nearest_seen, see
 from .kernels.discs import meeting
 from .monitor import minimum_separation
-from .motion import Motion
+from .motion import Motion, join, standing
 
 STEP = 0.1
 """Seconds between the instants at which all pairs are looked at first."""
 
+WINDOW = 512
+"""Number of instants that are looked at together: who is far from others all through is left out,
+and a long run takes no more memory than a short one."""
+
 _HAIR = 1e-9
+
+_Window: TypeAlias = "tuple[int, list[float], tuple[array[float], array[float], array[float]]]"
 
 
 class Nearest(NamedTuple):
@@ -54,24 +61,28 @@ def nearest_pair(
     count = max(math.ceil((end - begin) / STEP), 1)
     t = np.linspace(begin, end, count + 1)
     times = t.tolist()
-    tables = [swath(motion, begin).table for motion in motions]
-    xs, ys = (array("d", bytes(8 * len(times) * len(motions))) for _ in range(2))
-    see(tables, times, xs, ys)
-    seen = (
-        xs,
-        ys,
-        [*map(float, radii)],
-        [float(speed * (t[1] - t[0])) for speed in top_speeds],
-        [_intervals(t, sorted(motion.jumps)) for motion in motions],
-    )
+    tables = [swath(_reaching_back(motion, begin), begin).table for motion in motions]
+    sizes = [*map(float, radii)]
+    steps = [float(speed * (t[1] - t[0])) for speed in top_speeds]
+    jumps = [_intervals(t, sorted(motion.jumps)) for motion in motions]
+    of_discs = (sizes, steps, jumps)
     # First a good upper bound: the nearest that any pair is at an instant that is looked at.
-    i, j, k = nearest_seen(*seen)
-    one, other = i * len(times) + k, j * len(times) + k
-    apart = math.hypot(xs[one] - xs[other], ys[one] - ys[other]) - (radii[i] + radii[j])
+    nearest = math.inf
+    for first, window, seen in _windows(tables, times):
+        one, other, at, metres = nearest_seen(*seen, first, *of_discs, nearest)
+        if metres < nearest:
+            nearest, i, j, k = metres, one, other, at
+            xs, ys, _ = seen
+            one, other = (n * len(window) + k - first for n in (i, j))
+            apart = math.hypot(xs[one] - xs[other], ys[one] - ys[other]) - (radii[i] + radii[j])
     best = (apart, times[k], (i, j))
     overlapping: set[tuple[int, int]] = set()
-    nearer = iter(nearer_between(*seen, times, tables, max(apart, 0.0)))
-    for i, j, k in zip(nearer, nearer, nearer, strict=True):
+    found = [
+        nearer_between(*seen, first, *of_discs, window, tables, max(apart, 0.0))
+        for first, window, seen in _windows(tables, times)
+    ]
+    nearer = itertools.chain.from_iterable(found)
+    for i, j, k in sorted(zip(nearer, nearer, nearer, strict=True)):
         least, since, until = radii[i] + radii[j], times[k], times[k + 1]
         if meeting(tables[i], tables[j], least + max(best[0], 0.0) - _HAIR, since, until) > until:
             continue
@@ -80,6 +91,31 @@ def nearest_pair(
             overlapping.add((i, j))
         best = min(best, (centres - least, when, (i, j)))
     return Nearest(*best, len(overlapping))
+
+
+def _reaching_back(motion: Motion, begin: float) -> Motion:
+    """Return a motion that stands from `begin` (seconds) until it starts, as kernels need it."""
+    if motion.start <= begin:
+        return motion
+    x, y, heading = motion.state(begin).position
+    return join([standing((x, y), heading=heading, start=begin), motion])
+
+
+def _windows(tables: list[MutableSequence[float]], times: list[float]) -> Iterator[_Window]:
+    """Yield the number of the first instant of each window, its instants, and what is seen then.
+
+    Two windows that follow each other share an instant, and the room for what is seen.
+    """
+    rows = array("q", bytes(8 * len(tables)))
+    boxes = array("d", bytes(32 * len(tables)))
+    xs = ys = array("d")
+    for first in range(0, len(times) - 1, WINDOW):
+        window = times[first : first + WINDOW + 1]
+        size = len(window) * len(tables)
+        if len(xs) != size:
+            xs, ys = (array("d", bytes(8 * size)) for _ in range(2))
+        see(tables, window, rows, xs, ys, boxes)
+        yield first, window, (xs, ys, boxes)
 
 
 def _intervals(t: NDArray[np.float64], instants: Sequence[float]) -> list[float]:

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from itertools import takewhile
 
-from floorplan import refuse, require, suggestion
+from floorplan import no_garbage, refuse, require, suggestion
 from navigation import CollisionWorld
 
 from .core.body import Body
@@ -62,6 +62,7 @@ class Simulation:
     """
 
     @supervised()
+    @no_garbage()
     def __init__(self, trial: Trial, *listeners: Listener) -> None:
         self._cpu_begin = time.process_time()
         require(trial, Trial, "sim.Trial.load")

@@ -10,7 +10,10 @@ from .terms import Var, parts, rebuilt
 
 
 def transformed(part: Any, change: Callable[[Any], Any]) -> Any:
-    """Return a part of a program with everything replaced for which `change` returns not None."""
+    """Return a part of a program with everything replaced for which `change` returns not None.
+
+    Its place in the file stays, as all that does not count when parts are compared.
+    """
     changed = change(part)
     if changed is not None:
         return changed
@@ -21,7 +24,8 @@ def transformed(part: Any, change: Callable[[Any], Any]) -> Any:
     if isinstance(part, tuple):
         return tuple(map(inside, part))
     if is_dataclass(part) and not isinstance(part, type):
-        return replace(part, **{f.name: inside(getattr(part, f.name)) for f in fields(part)})
+        counted = [field.name for field in fields(part) if field.compare]
+        return replace(part, **{name: inside(getattr(part, name)) for name in counted})
     return rebuilt(part, inside)
 
 

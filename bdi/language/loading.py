@@ -30,7 +30,8 @@ PARTS = ("group.asl", "patrol.asl")
 
 def programs() -> dict[str, Path]:
     """Return the built-in personalities: their names and files."""
-    return {path.stem: path for name, path in _built_in().items() if name not in PARTS}
+    found = _built_in().items()
+    return {name.removesuffix(".asl"): path for name, path in found if name not in PARTS}
 
 
 @cache

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
-from functools import cached_property, wraps
+from functools import cached_property, partial, wraps
 from pathlib import Path
 from typing import Any, TypeAlias, TypeVar
 
@@ -248,7 +248,7 @@ class Belief(Clause):
     belief: Literal
     place: Place = field(default=NOWHERE, compare=False)
 
-    @cached_property
+    @property
     def functions(self) -> frozenset[str]:
         """Names of the arithmetic functions that the belief calls: mostly none, of plain terms."""
         belief = self.belief
@@ -406,8 +406,8 @@ def with_run_functions(
 ) -> tuple[_Clause, ...]:
     """Return clauses with the functions of one run, as `math.random`, bound to `functions`.
 
-    Clauses are shared by the agents that run them, so each binds its own where they call any;
-    where none does, they are returned as they are.
+    Clauses are shared by the agents that run them, so each binds its own where they call any,
+    those of rules once they are asked; clauses that call none are returned as they are.
     """
 
     def bind(part: Any) -> Any:
@@ -419,9 +419,22 @@ def with_run_functions(
             return Function(part.functor, args, functions[part.functor])
         return None
 
-    if all(clause.functions.isdisjoint(functions) for clause in clauses):
-        return clauses
-    return tuple(
-        clause if clause.functions.isdisjoint(functions) else transformed(clause, bind)
-        for clause in clauses
-    )
+    def bound(clause: Any) -> Any:
+        return _RuleOfRun(clause, bind) if isinstance(clause, Rule) else transformed(clause, bind)
+
+    return tuple([one if one.functions.isdisjoint(functions) else bound(one) for one in clauses])
+
+
+class _RuleOfRun(Rule):
+    """Rule that calls functions of one run: `bind` puts them into its body once it is asked."""
+
+    _bound: Callable[[], Term]
+
+    def __init__(self, rule: Rule, bind: Callable[[Any], Any]) -> None:
+        bound = partial(transformed, rule.body, bind)
+        vars(self).update(head=transformed(rule.head, bind), place=rule.place, _bound=bound)
+
+    @cached_property
+    def body(self) -> Term:
+        """The formula from which it follows."""
+        return self._bound()

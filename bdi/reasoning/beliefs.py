@@ -38,7 +38,7 @@ def with_source(literal: Literal) -> Literal:
     """Return the literal with a source: its own, or else the agent itself."""
     if not literal.annots:
         return literal.with_annots(ONLY_SELF)
-    if has_source(literal):
+    if literal.annots is ONLY_SELF or has_source(literal):
         return literal
     return with_more_annots(literal, FROM_SELF)
 
@@ -86,7 +86,7 @@ class BeliefBase:
 
     def add_rule(self, rule: Rule, *, at_end: bool = False) -> None:
         """Add a rule before the clauses of its functor and arity, or after them."""
-        self.shelves.setdefault(rule.head.key, Shelf()).add(rule, at_end=at_end)
+        self._shelf(rule.head.key).add(rule, at_end=at_end)
         self._find_out_anew()
 
     def has_plain_rules(self, key: Key) -> bool:
@@ -105,7 +105,7 @@ class BeliefBase:
             return
         self._bases.clear()
         for shelf in self._read:
-            shelf.answers, shelf.readers = None, []
+            shelf.answers, shelf.readers = None, ()
         self._read.clear()
 
     def _shelf(self, key: Key) -> Shelf:

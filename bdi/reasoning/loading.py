@@ -29,11 +29,10 @@ def start(agent: AgentState, beliefs: Sequence[Belief] = ()) -> None:
     """
     program = agent.program
     check_actions(program, {**agent.actions, **agent.functions})
-    plans = with_run_functions(program.plans, agent.functions)
-    if plans is program.plans:
+    if _functions_of_plans(program).isdisjoint(agent.functions):
         agent.plans.take(_library(program))
     else:
-        _file(plans, agent.plans)
+        _file(with_run_functions(program.plans, agent.functions), agent.plans)
     _note_plans(agent)
     _begin(agent, program, beliefs)
 
@@ -72,6 +71,12 @@ def learn(agent: AgentState, program: Program) -> None:
 
 
 @made_once
+def _functions_of_plans(program: Program) -> frozenset[str]:
+    """Return the names of the arithmetic functions that the plans of a program call."""
+    return frozenset[str]().union(*(plan.functions for plan in program.plans))
+
+
+@made_once
 def _library(program: Program) -> PlanLibrary:
     """Return the plans of a program, compiled and filed."""
     library = PlanLibrary()
@@ -87,6 +92,15 @@ def _file(plans: Sequence[Plan], library: PlanLibrary) -> None:
             raise ProgramError([plan.place.problem(str(error))]) from None
 
 
+@made_once
+def _believed(program: Program) -> tuple[Belief | Rule, ...]:
+    """Return the beliefs of a program, and its rules as agents believe them: with a source."""
+    return tuple(
+        Rule(with_source(one.head), one.body, one.place) if isinstance(one, Rule) else one
+        for one in program.beliefs
+    )
+
+
 def _note_plans(agent: AgentState) -> None:
     """Take notice of the kinds of plans there are now."""
     if agent.plans.has_states and agent.circumstance.states is None:
@@ -95,7 +109,7 @@ def _note_plans(agent: AgentState) -> None:
 
 def _begin(agent: AgentState, program: Program, beliefs: Sequence[Belief] = ()) -> None:
     """Believe what a program believes, and adopt its goals."""
-    clauses = with_run_functions((*beliefs, *program.beliefs), agent.functions)
+    clauses = with_run_functions((*beliefs, *_believed(program)), agent.functions)
     # Each belief goes to the front, so that the first of them stands first in the end.
     for clause in reversed(clauses):
         _believe(agent, clause)
@@ -106,7 +120,7 @@ def _begin(agent: AgentState, program: Program, beliefs: Sequence[Belief] = ()) 
 
 def _believe(agent: AgentState, clause: Belief | Rule) -> None:
     if isinstance(clause, Rule):
-        agent.beliefs.add_rule(_believed(clause))
+        agent.beliefs.add_rule(clause)
         return
     literal = clause.belief
     if not literal.ground:
@@ -115,9 +129,3 @@ def _believe(agent: AgentState, clause: Belief | Rule) -> None:
         agent.believe(literal)
     else:
         agent.beliefs.add_rule(Rule(with_source(literal), TRUE, clause.place))
-
-
-@made_once
-def _believed(rule: Rule) -> Rule:
-    """Return a rule as agents believe it, with a source."""
-    return Rule(with_source(rule.head), rule.body, rule.place)

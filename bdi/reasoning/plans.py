@@ -117,6 +117,7 @@ class PlanLibrary:
         self._for_any: dict[str, list[LoadedPlan]] = {sort: [] for sort in _SORTS}
         self._by_label: dict[str, LoadedPlan] = {}
         self._made_labels = 0
+        self._shares = False
 
     def __iter__(self) -> Iterator[LoadedPlan]:
         return iter(self._plans)
@@ -125,19 +126,29 @@ class PlanLibrary:
         return len(self._plans)
 
     def take(self, other: PlanLibrary) -> None:
-        """Take the plans of another library, while there are none here."""
+        """Have the plans of another library, which stays as it is, until some come or go here."""
         self.has_inner = other.has_inner
         self.has_states = other.has_states
         self.has_sleep = other.has_sleep
         self.has_protocol = other.has_protocol
         self.has_inner_updates = other.has_inner_updates
         self.has_special = other.has_special
-        self._plans = other._plans.copy()
-        for sort, filed in other._by_trigger.items():
-            self._by_trigger[sort] = {key: plans.copy() for key, plans in filed.items()}
-            self._for_any[sort] = other._for_any[sort].copy()
-        self._by_label = other._by_label.copy()
+        self._plans, self._by_label = other._plans, other._by_label
+        self._by_trigger, self._for_any = other._by_trigger, other._for_any
         self._made_labels = other._made_labels
+        self._shares = True
+
+    def _stop_sharing(self) -> None:
+        """Have lists of its own: some plan comes or goes."""
+        if not self._shares:
+            return
+        self._shares = False
+        self._plans, self._by_label = self._plans.copy(), self._by_label.copy()
+        self._for_any = {sort: plans.copy() for sort, plans in self._for_any.items()}
+        self._by_trigger = {
+            sort: {key: plans.copy() for key, plans in filed.items()}
+            for sort, filed in self._by_trigger.items()
+        }
 
     def add(self, plan: Plan, source: Literal = FROM_SELF, *, first: bool = False) -> LoadedPlan:
         """Add a plan, or only another source to a plan that is there already.
@@ -145,6 +156,7 @@ class PlanLibrary:
         Raises:
             ValueError: another plan has its label.
         """
+        self._stop_sharing()
         for known in self.candidates(plan.trigger.sort, plan.trigger.literal):
             if known.plan.is_same(plan) and (not plan.name or plan.name == known.label.functor):
                 annots = sorted_annots((*known.label.annots, source))
@@ -222,6 +234,7 @@ class PlanLibrary:
 
     def remove(self, label: str, source: Literal = FROM_SELF) -> None:
         """Take a source off the plan with a label, and remove the plan if it was the last."""
+        self._stop_sharing()
         plan = self._by_label.get(label)
         if plan is None or source not in plan.label.annots:
             return

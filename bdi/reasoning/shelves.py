@@ -43,7 +43,7 @@ class Shelf:
         """Lists of all answers to a query of these names, with the goals they took, as they are."""
         self.answers: dict[Question, KeptAnswers] | None = None
         """Answers of the rules to queries with these values, where they last; None: not kept."""
-        self.readers: list[Shelf] = []
+        self.readers: tuple[Shelf, ...] = ()
         """Shelves with rules of which the answers follow from what is here."""
 
     def collect(self, names: tuple[str, ...], answers: Term, goals: int) -> tuple[Term, int]:
@@ -57,7 +57,7 @@ class Shelf:
         """Keep the answers of the rules until something on the shelves of their `basis` changes."""
         self.answers = {}
         for shelf in basis:
-            shelf.readers.append(self)
+            shelf.readers += (self,)
 
     def _changed(self) -> None:
         """Forget what followed from what was here."""
@@ -89,7 +89,7 @@ class Shelf:
         key: object
         if isinstance(clause, Rule):
             # Rules may be equal and still be two; a belief is kept once, under its arguments.
-            key = (None, rank)
+            key = rank
             self.rules += 1
         else:
             key = clause.args

@@ -6,6 +6,7 @@ import logging
 import math
 from collections import deque
 from collections.abc import Callable, Collection, Mapping
+from functools import cached_property
 from itertools import count
 from random import Random
 from typing import Protocol, TypeAlias
@@ -74,7 +75,6 @@ class AgentState:
         sleeps: True if it has nothing to do and its plans for that have been called.
         alarms: tasks for later times.
         tasks: tasks for the beginning of the next cycle.
-        random: its random numbers.
         clock: time (ns).
         now: the same time (s), as the caller gave it.
         max_depth: largest number of plans in an intention.
@@ -118,7 +118,7 @@ class AgentState:
         self.sleeps = False
         self.alarms = Alarms()
         self.tasks: deque[Callable[[], None]] = deque()
-        self.random = Random(seed)
+        self._seed = seed
         self.clock = nanoseconds(start)
         self.now = float(start)
         self.max_depth = max_depth
@@ -139,6 +139,11 @@ class AgentState:
         self._action_numbers = count(1)
         if "ended" in self._noted:
             self.circumstance.on_end = self._note_end
+
+    @cached_property
+    def random(self) -> Random:
+        """Its random numbers, of which most agents draw none."""
+        return Random(self._seed)
 
     # ---- beliefs
 

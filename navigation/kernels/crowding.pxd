@@ -5,18 +5,28 @@ cdef double _SHARE
 cdef double _HAIR
 
 cpdef int see(
-    list[Numbers] tables, list[double] times, double[::1] xs, double[::1] ys
+    list[Numbers] tables,
+    list[double] times,
+    long long[::1] rows,
+    double[::1] xs,
+    double[::1] ys,
+    double[::1] boxes,
 ) except -1
 cpdef tuple nearest_seen(
     const double[::1] xs,
     const double[::1] ys,
+    const double[::1] boxes,
+    Py_ssize_t first,
     list[double] radii,
     list[double] steps,
     list[list[double]] jumps,
+    double best,
 )
 cpdef list nearer_between(
     const double[::1] xs,
     const double[::1] ys,
+    const double[::1] boxes,
+    Py_ssize_t first,
     list[double] radii,
     list[double] steps,
     list[list[double]] jumps,
@@ -24,6 +34,7 @@ cpdef list nearer_between(
     list[Numbers] tables,
     double best,
 )
+cdef double _between(const double[::1] boxes, Py_ssize_t i, Py_ssize_t j) noexcept
 cdef double _distance(
     const double[::1] xs,
     const double[::1] ys,

@@ -161,7 +161,7 @@ class Alarm:
         self._clock = clock
         self._action = action
         self._turn = turn
-        self._calls: list[Callable[[Event], None]] = [self._ring]
+        self._calls: list[Callable[[Event], None]] | None = None
         self._pending: Event | None = None
         self._time: float | None = None
 
@@ -177,7 +177,9 @@ class Alarm:
         self._time = t
         self._pending = None
         if t is not None:
-            self._pending = self._clock.put(Instant(self._clock, self._calls), t, self._turn)
+            # Most alarms are never set, and those that are, again and again.
+            calls = self._calls = self._calls or [self._ring]
+            self._pending = self._clock.put(Instant(self._clock, calls), t, self._turn)
 
     def _ring(self, event: Event) -> None:
         # SimPy can't take an event back: one that was set before is let pass.

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Literal, get_args
 
 from shapely.geometry import Polygon
@@ -51,7 +52,7 @@ class MachineShape:
             known = " or ".join(get_args(Category))
             raise ValueError(f"the category of a machine is {known}, not {self.category!r}")
 
-    @property
+    @cached_property
     def box(self) -> Box:
         """The solid around its axis."""
         return Box(length=self.length, width=self.width, bottom=self.bottom, top=self.top)

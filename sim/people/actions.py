@@ -6,7 +6,6 @@ import inspect
 import math
 from collections.abc import Callable
 from functools import cache
-from types import MethodType
 
 import bdi
 from floorplan import Point, SafeZone
@@ -64,11 +63,6 @@ class Actions:
         self._home = home
         self._crowd = crowd
         self._worker = worker
-        self._actions: dict[str, Callable[..., bool]] = {
-            name: MethodType(action, self) for name, action in ACTIONS.items()
-        }
-        if worker is not None:
-            self._actions |= {name: MethodType(one, worker) for name, one in WORK.items()}
 
     def perform(self, action: bdi.Literal) -> bool:
         """Carry out an external action; return True if it could be.
@@ -77,19 +71,20 @@ class Actions:
         """
         if action.functor not in BESIDE_WORK:
             self._leave()
-        perform = self._actions.get(action.functor)
+        works = self._worker is not None and action.functor in WORK
+        perform = (WORK if works else ACTIONS).get(action.functor)
         name = self._walker.body.name
         if perform is None:
-            known = ", ".join(self._actions)
+            known = ", ".join(ACTIONS if self._worker is None else ACTIONS | WORK)
             raise MindError(f"{name}: there is no action {action.functor!r} (there are: {known})")
         arguments = [*map(_value, action.args)]
-        least, parameters = _takes(perform.__func__)  # type: ignore[attr-defined]
+        least, parameters = _takes(perform)
         kinds = [value.__class__.__name__ for value in arguments]
         if len(kinds) < least or kinds != [kind for _, kind in parameters[: len(kinds)]]:
             takes = ", ".join(parameter for parameter, _ in parameters)
             raise MindError(f"{name}: the action {action} should be {action.functor}({takes})")
         try:
-            return perform(*arguments)
+            return perform(self._worker if works else self, *arguments)
         except NobodyError as why:
             raise MindError(f"{name}: the action {action}: {why}") from None
 

@@ -20,7 +20,7 @@ from .mind_inspector import STEPS, MindInspector
 from .minds import Mind, Mindless, Outside, kept_beliefs, live_beliefs, make_agent
 from .person import Person
 from .planners import find_planner, planner_of
-from .programs import EXTERNAL, with_programs
+from .programs import EXTERNAL, Programs
 from .steering.crowd import Crowd
 from .steering.manners import drawn
 from .steering.own_steering import find_steering
@@ -72,8 +72,11 @@ class Company:
         self._scenario = scenario
         self._listener = listener
         self._planners: dict[tuple[CollisionWorld, float, PlannerChoice], PathPlanner] = {}
+        self._programs = Programs(scenario)
         self._society = _Society()
         self._inspectors: dict[str, MindInspector] = {}
+        self._attentive: list[Person] | None = None
+        """Those whose minds heed that somebody has left, once it has been asked for."""
         board = WorkBoard(scenario, stage.clock) if scenario.has_work else None
         self._board = board
         self.people: list[Person] = []
@@ -82,7 +85,7 @@ class Company:
         starts = starting_places(scenario, stage.world, crowd)
         scenario = replace(scenario, people=with_homes(scenario, starts))
         for index, named in enumerate(scenario.people):
-            entry = with_programs(named, scenario)
+            entry = self._programs.with_changes(named)
             walk = walks.get(entry.name)
             human = _human(entry, stage.floorplan.human, walk)
             if led := scenario.led_by(entry):
@@ -135,7 +138,9 @@ class Company:
         self._named[gave_way["person"]].perceive("wants_to_pass", gave_way["to"])
 
     def _perceive_leaving(self, left: Event) -> None:
-        for person in self.people:
+        if self._attentive is None:
+            self._attentive = [person for person in self.people if person.heeds("has_left")]
+        for person in self._attentive:
             if person.name != left["person"]:
                 person.perceive("has_left", left["person"])
 
@@ -162,6 +167,7 @@ class Company:
         return known
 
     def _make_mind(self, person: Person, entry: PersonEntry, before: Mind | None) -> Mind:
+        self._attentive = None
         if person.is_recorded:
             return Mindless()
         if entry.personality == EXTERNAL:
@@ -172,6 +178,7 @@ class Company:
         return make_agent(
             entry,
             self._scenario,
+            self._programs,
             act=person.act,
             print=lambda text: record(Said(person=entry.name, text=text)),
             on_event=lambda happening: self._note(entry.name, happening),
@@ -224,7 +231,7 @@ def _human(entry: PersonEntry, usual: Human, walk: RecordedWalk | None = None) -
         for name in ("radius", "max_speed", "max_acceleration")
         if getattr(entry, name) is not None
     }
-    human = replace(usual, **given)
+    human = replace(usual, **given) if given else usual
     if walk is None:
         return human
     return replace(human, max_speed=max(human.max_speed, walk.top_speed))

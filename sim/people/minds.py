@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Collection, Sequence
+from functools import lru_cache
 from typing import Protocol
 
 import bdi
@@ -14,8 +15,7 @@ from ..core.rules import RuleSet
 from ..core.scenario import PersonEntry, Scenario
 from ..core.seeds import seed_of
 from ..core.stage import Stage
-from .own_actions import import_actions, modules_of, sources_of
-from .programs import in_group, load_program
+from .programs import Programs
 
 MOST_CYCLES = 200_000
 """Number of reasoning cycles that a person may take at one instant; a handful is usual."""
@@ -101,6 +101,7 @@ class Mindless:
 def make_agent(
     entry: PersonEntry,
     trial: Scenario,
+    programs: Programs | None = None,
     *,
     act: Callable[[bdi.Literal], bool],
     print: Callable[[str], None],
@@ -114,20 +115,14 @@ def make_agent(
     """Return the agent that runs the program of a trial's person, with their first beliefs.
 
     It begins at `start` (seconds), believes what is `kept` from a mind before it, and always what
-    is `live` (see `live_beliefs`). `on_event` takes entries of these `kinds`.
+    is `live` (see `live_beliefs`). `on_event` takes entries of these `kinds`. Where there are more
+    minds, `programs` are those of all people of the trial.
     """
-    own_code, folder = trial.own_code, trial.folder
-    modules = modules_of(entry.actions, trial.actions)
-    program = load_program(entry.personality, folder, modules, own_code=own_code)
-    if program is None:
-        raise ValueError(f"{entry.name} runs no program")
+    program, actions = (programs or Programs(trial)).of(entry)
     leader = trial.leader(entry)
-    if leader is not None:
-        program = in_group(program)
-    own = sources_of(program, modules, folder, own_code=own_code)
     return bdi.Agent(
         program,
-        actions=import_actions(own) if own else None,
+        actions=actions,
         beliefs=[*first_beliefs(entry, trial.floorplan, trial.rules, leader), *kept],
         act=act,
         name=entry.name,
@@ -205,6 +200,7 @@ def first_beliefs(
     return [*beliefs, *entry.beliefs]
 
 
+@lru_cache(maxsize=4096)
 def as_term(name: str) -> bdi.Term:
     """Return a name as an AgentSpeak term: an atom where it can be one, else a string."""
     return bdi.Literal(name) if re.fullmatch(r"[a-z][A-Za-z0-9_]*", name) else name

@@ -145,11 +145,10 @@ class Person:
         self._regard.belong_to(self.mind)
         for machine in stage.machines.values():
             referee.watch(self, machine)
-        beside = BesideVehicles(self.body)
+        beside, let_pass = BesideVehicles(self.body), self._errand.let_pass
         for machine in stage.vehicles:
             machine.look_out_for(self.body, human.max_speed)
-            crossing = CrossingWatch(Pair(stage, self, machine), human, self._errand.let_pass)
-            beside.add(machine.body, crossing)
+            beside.add(machine.body, CrossingWatch(Pair(stage, self, machine), human, let_pass))
 
     def begin(self) -> None:
         """Wait for what lets them start, and for what changes their personality."""
@@ -298,6 +297,10 @@ class Person:
         if percept != "gantry_detected" and not self.is_recorded:
             self._reason = "gantry" if is_robot else "agv"
             self._enforcing.set(self._clock.now)
+
+    def heeds(self, percept: str) -> bool:
+        """Return whether the mind heeds a percept about another person."""
+        return self._regard.heeds(percept)
 
     def perceive(self, percept: str, who: str) -> None:
         """Perceive something about another person, if the mind heeds it."""

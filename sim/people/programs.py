@@ -5,14 +5,14 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import lru_cache
+from functools import cache, lru_cache
 from pathlib import Path
 
 import bdi
 from floorplan import Problem, is_file, is_there, suggestion
 
 from ..core.scenario import PersonEntry, Scenario, TrialError
-from .own_actions import modules_of, names_of, sources_of
+from .own_actions import import_actions, modules_of, names_of, sources_of
 
 EXTERNAL = "external"
 """The personality of a person who runs no program, but is commanded from outside; likewise the
@@ -68,20 +68,44 @@ def in_group(program: bdi.Program) -> bdi.Program:
     )
 
 
-def with_programs(entry: PersonEntry, scenario: Scenario) -> PersonEntry:
-    """Return the person with the programs themselves of the personalities that come later.
+class Programs:
+    """Programs that the people of a scenario run: each is loaded once, whoever runs it.
 
-    Raises what `load_program` does.
+    Its methods raise what `load_program` does, and `OwnCodeError` if actions can't be imported.
     """
-    modules = modules_of(entry.actions, scenario.actions)
-    changes = []
-    for change in entry.changes:
-        program = load_program(
-            change.personality, scenario.folder, modules, own_code=scenario.own_code
-        )
-        assert program is not None  # nobody changes to somebody outside: it was checked
-        changes.append(replace(change, personality=program))
-    return replace(entry, changes=tuple(changes))
+
+    def __init__(self, scenario: Scenario) -> None:
+        self._scenario = scenario
+        self._load = cache(self._loaded)
+
+    def of(self, entry: PersonEntry) -> tuple[bdi.Program, bdi.InternalActions | None]:
+        """Return the program of a person, and the actions of the user's own that it may use.
+
+        `ValueError` for somebody who runs none.
+        """
+        is_led = self._scenario.leader(entry) is not None
+        return self._load(entry.personality, entry.actions, is_led)
+
+    def with_changes(self, entry: PersonEntry) -> PersonEntry:
+        """Return the person with the programs themselves of the personalities that come later."""
+        if not entry.changes:
+            return entry
+        changes = [
+            replace(change, personality=self._load(change.personality, entry.actions, False)[0])
+            for change in entry.changes
+        ]
+        return replace(entry, changes=tuple(changes))
+
+    def _loaded(
+        self, personality: str | bdi.Program, actions: str | None, is_led: bool
+    ) -> tuple[bdi.Program, bdi.InternalActions | None]:
+        folder, own_code = self._scenario.folder, self._scenario.own_code
+        modules = modules_of(actions, self._scenario.actions)
+        program = load_program(personality, folder, modules, own_code=own_code)
+        if program is None:
+            raise ValueError(f"who is {personality!r} runs no program")
+        own = sources_of(program, modules, folder, own_code=own_code)
+        return in_group(program) if is_led else program, import_actions(own) if own else None
 
 
 def written_personality(personality: str | bdi.Program, folder: Path) -> str:

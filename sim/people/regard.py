@@ -51,9 +51,13 @@ class Regard:
         self._started = True
         self._look_round()
 
+    def heeds(self, percept: str) -> bool:
+        """Return whether the mind heeds a percept about another person."""
+        return percept in self._heeded
+
     def perceive(self, percept: str, who: str) -> None:
         """Perceive something about `who`, if the mind heeds such percepts."""
-        if self._started and percept in self._heeded:
+        if self._started and self.heeds(percept):
             self._senses.count(percept, who)
 
     def _look_round(self) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from functools import partial
+from functools import cache, partial
 
 from navigation import AnyLaw
 
@@ -12,7 +12,7 @@ from ..core.clock import Alarm, Turn
 from ..core.events import GantryDetected, Penalty, ProtectiveStop, ProtectiveStopEnded, Violation
 from ..core.machine import Machine
 from ..core.stage import Bystander, Stage
-from .watches import BesideVehicles, Cause, Hold, NoticeWatch, Pair, SeparationWatch
+from .watches import BesideVehicles, Cause, Hold, NoticeWatch, Noticing, Pair, SeparationWatch
 
 PEOPLE = "people"
 """The reason for which a machine is held in a protective stop."""
@@ -35,6 +35,9 @@ class Referee:
         self.protective_stop_time = 0.0
         """Seconds, of all machines together; those that still last count from `close` on."""
         self.watches: list[SeparationWatch] = []
+        self._condition_of = cache(lambda machine: stage.rules.condition_of(machine.shape))
+        """The condition of a violation by a machine, the same for all people."""
+        self._noticing = Noticing(stage.rules.notice)
         self._stage = stage
         self._clock = stage.clock
         self._record = stage.record
@@ -49,7 +52,8 @@ class Referee:
         """From now on, watch a person beside a machine."""
         offset = self.rules.measured_at(machine.shape)
         pair = Pair(self._stage, person, machine, offset)
-        watch = SeparationWatch(pair, self.rules, self._violated)
+        law = self.rules.law_of(machine.shape)
+        watch = SeparationWatch(pair, law, self._condition_of(machine), self._violated)
         self.watches.append(watch)
         if self.rules.machine == "stop":
             stop = Hold(pair, watch.law, machine.shape.top_speed, self._stop_for)
@@ -65,7 +69,7 @@ class Referee:
                 body.on_change.append(self._stops[watch].reconsider)
         if machine.shape.category == "robot":
             self._sanctions.setdefault(machine, _Sanction(self, machine))
-            notice = NoticeWatch(pair, self.rules.notice, self._notice)
+            notice = NoticeWatch(pair, self._noticing, self._notice)
             self._notices.setdefault(person, []).append(notice)
             person.body.on_jump.append(notice.start_over)
             for body in (person.body, machine.body):

@@ -27,7 +27,7 @@ from ..core.body import PERSON, Body
 from ..core.clock import Alarm, Turn
 from ..core.machine import Machine
 from ..core.plans import Plans
-from ..core.rules import Notice, RuleSet
+from ..core.rules import Notice
 from ..core.stage import Bystander, Stage
 from .requirement_curve import is_plain
 
@@ -63,15 +63,16 @@ class Pair:
         self.end = stage.end
         self._one, self._other = person.body, machine.body
         self._offset = offset
-        self._translated = (machine.body.motion, machine.body.motion.translated(*offset))
+        self._translated = machine.body.motion
+        self._measured = self._translated.translated(*offset)
 
     @property
     def motions(self) -> tuple[Motion, Motion]:
         """Motions of the person and of the measured point of the machine from now on."""
         motion = self._other.motion
-        if self._translated[0] is not motion:
-            self._translated = (motion, motion.translated(*self._offset))
-        return self._one.motion, self._translated[1]
+        if self._translated is not motion:
+            self._translated, self._measured = motion, motion.translated(*self._offset)
+        return self._one.motion, self._measured
 
     def first_time(self, condition: Condition, since: float = 0.0) -> float | None:
         """Return the first instant from now and `since` (seconds) on at which `condition` holds.
@@ -164,19 +165,19 @@ class BesideVehicles:
 class SeparationWatch:
     """Notifies when a person and a machine get closer than a law requires, and when it is over.
 
-    `violated` is called as they get too close; each interval in which they are stays in
-    `intervals`.
+    They are while `condition` holds, which follows from the law. `violated` is called as they get
+    too close; each interval in which they are stays in `intervals`.
     """
 
     def __init__(
         self,
         pair: Pair,
-        rules: RuleSet,
+        law: AnyLaw,
+        condition: Condition,
         violated: Callable[[SeparationWatch], None],
     ) -> None:
-        shape = pair.machine.shape
         self.pair = pair
-        self.law = law = rules.law_of(shape)
+        self.law = law
         self.intervals: list[tuple[float, float]] = []
         self.lasts = False
         """Whether they are too close now."""
@@ -185,8 +186,8 @@ class SeparationWatch:
         self._violated = violated
         self._since: float | None = None
         self._notified_at = -math.inf
-        self._condition = rules.condition_of(shape)
-        self._needs_motion = shape.category == "vehicle"
+        self._condition = condition
+        self._needs_motion = pair.machine.shape.category == "vehicle"
         self._alarm = Alarm(pair.clock, self._ring, Turn.VIOLATION)
         self.reconsider()
 
@@ -250,6 +251,16 @@ class SeparationWatch:
         self._violated(self)
 
 
+class Noticing:
+    """A rule of noticing and its conditions, which all people share."""
+
+    def __init__(self, rule: Notice) -> None:
+        self.rule = rule
+        self.near = TooClose(rule.law)
+        self.closing_in = Both(self.near, Approaching())
+        self.parting = Not(Approaching())
+
+
 class NoticeWatch:
     """Lets a person notice the gantry once per approach: inside the noticing distance and closing.
 
@@ -267,18 +278,20 @@ class NoticeWatch:
     # therefore notified once: the distance has to grow by `parting` in between, which no
     # rounding at the threshold brings about. `rule.every` replaces the last two stages by a time.
 
-    def __init__(self, pair: Pair, rule: Notice, noticed: Callable[[Pair, AnyLaw], None]) -> None:
+    _away: Condition
+    """The two have parted, or are nearer than at their nearest; known from there on."""
+
+    def __init__(
+        self, pair: Pair, noticing: Noticing, noticed: Callable[[Pair, AnyLaw], None]
+    ) -> None:
         self.pair = pair
-        self.rule = rule
+        self.rule = noticing.rule
+        self._conditions = noticing
         self._noticed = noticed
-        self._close = TooClose(rule.law)
-        self._closing_in = Both(self._close, Approaching())
-        self._parting = Not(Approaching())
         self._hidden = False
         self._stage: Literal["alert", "closing", "parting"] = "alert"
         self._silent_until = 0.0
         self._nearest = 0.0
-        self._away = self._off_nearest()
         self._alarm = Alarm(pair.clock, self._ring, Turn.NOTICE)
         self._perceiving = Alarm(pair.clock, self._perceive, Turn.NOTICE)
         self.reconsider()
@@ -287,10 +300,11 @@ class NoticeWatch:
         """Compute the next instant of change anew; called whenever a motion changes."""
         pair = self.pair
         if self._stage == "alert":
-            condition = self._close if self._hidden else self._closing_in
+            of = self._conditions
+            condition = of.near if self._hidden else of.closing_in
             self._alarm.set(pair.first_time(condition, self._silent_until))
         elif self._stage == "closing":
-            self._alarm.set(pair.first_time(self._parting))
+            self._alarm.set(pair.first_time(self._conditions.parting))
         else:
             self._alarm.set(pair.first_time(self._away))
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections import Counter
 from collections.abc import Collection, Iterable, Iterator
 from typing import get_args
 
@@ -222,11 +223,12 @@ def _person_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:
 def _overlaps(trial: Scenario) -> Iterator[Fault]:
     """Yield the places at which somebody would start on somebody else."""
     usual = trial.floorplan.human.radius
-    places = [person.place_on(trial.floorplan) for person in trial.people]
-    for k, (person, place) in enumerate(zip(trial.people, places, strict=True)):
-        for other, there in zip(trial.people[:k], places[:k], strict=True):
-            if place is None or there is None:
-                continue
+    placed: list[tuple[PersonEntry, Point]] = []
+    for k, person in enumerate(trial.people):
+        place = person.place_on(trial.floorplan)
+        if place is None:
+            continue
+        for other, there in placed:
             needed = (person.radius or usual) + (other.radius or usual)
             apart = math.dist(place, there)
             if apart < needed:
@@ -237,6 +239,7 @@ def _overlaps(trial: Scenario) -> Iterator[Fault]:
                 if place == there:
                     message += "; leave at out, or give anywhere, for a place of their own"
                 yield message, ("people", k, "at")
+        placed.append((person, place))
 
 
 def _coming_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:
@@ -275,12 +278,11 @@ def _spot_faults(
 def _group_faults(trial: Scenario) -> Iterator[Fault]:
     """Yield the groups that are too small or too large."""
     groups = [person.group for person in trial.people]
-    for k, group in enumerate(groups):
-        count = groups.count(group)
-        if group is not None and k == groups.index(group) and count not in GROUPS:
+    for group, count in Counter(groups).items():
+        if group is not None and count not in GROUPS:
             least, most = min(GROUPS), max(GROUPS)
             message = f"a group has from {least} to {most} people, and {group!r} has {count}"
-            yield message, ("people", k, "group")
+            yield message, ("people", groups.index(group), "group")
 
 
 _LEAST_MANNERS = {"comfort": 0, "time_gap": 0, "foresight": 0.5, "reaction_time": 0, "patience": 0}
@@ -304,9 +306,12 @@ def _crowding(trial: Scenario) -> Iterator[Fault]:
     if len(there) < 2:
         return
     plan = trial.floorplan
-    bodies = sum(math.pi * (one.radius or plan.human.radius) ** 2 for one in there)
+    needed = sum(math.pi * (one.radius or plan.human.radius) ** 2 for one in there) / DENSEST
+    blocked = plan.blocked(0.0, plan.human.height)
+    if needed <= plan.boundary.area - sum(footprint.area for footprint in blocked):
+        return  # obstacles may overlap, so there is room for more
     room = plan.free(0.0, plan.human.height).area
-    if bodies > DENSEST * room:
+    if needed > room:
         message = f"{len(there)} people don't fit on the {room:.0f} m² that are free"
         yield message, ("people",)
 

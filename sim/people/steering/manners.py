@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from random import Random
 
-from ...core.manners import MannersEntry, Side
+from ...core.manners import AS_USUAL, MannersEntry, Side
 from ...core.seeds import seed_of
 
 
@@ -40,11 +40,17 @@ class Manners:
     steps_aside: bool = True
 
 
+USUAL = Manners()
+"""Manners of somebody of whom nothing is given."""
+
+
 def drawn(entry: MannersEntry, seed: int, name: str) -> Manners:
     """Return the manners of somebody: what is given as a spread is drawn evenly from it.
 
     From the trial's `seed` and their `name` alone, whoever else is there.
     """
+    if entry == AS_USUAL:
+        return USUAL
     random = Random(seed_of(seed, f"manners {name}"))
     given = {}
     for field in fields(entry):

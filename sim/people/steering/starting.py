@@ -34,34 +34,38 @@ def starting_places(trial: Scenario, world: CollisionWorld, crowd: Crowd | None)
     First come those with places of their own, then the others in their order. `TrialError` says
     for whom there is no room.
     """
-    usual = trial.floorplan.human.radius
-    radii = [entry.radius or usual for entry in trial.people]
-    places = [entry.place_on(trial.floorplan) for entry in trial.people]
+    plan = trial.floorplan
+    radii = [entry.radius or plan.human.radius for entry in trial.people]
+    places = [entry.place_on(plan) for entry in trial.people]
+    taken = [(at, radius) for at, radius in zip(places, radii, strict=True) if at is not None]
     for k, entry in enumerate(trial.people):
-        taken = [(at, radii[j]) for j, at in enumerate(places) if at is not None]
         if places[k] is not None:
             continue
-        leader = trial.leader(entry)
         if entry.source is not None:
-            places[k] = wings(trial.floorplan, k)
-        elif entry.anywhere and crowd is not None and _is_there(leader):
+            places[k] = wings(plan, k)
+            continue
+        leader = trial.leader(entry)
+        at: Point | None
+        if entry.anywhere and crowd is not None and _is_there(leader):
             beside = places[trial.people.index(leader)]
             assert beside is not None  # leaders come before those whom they lead
-            places[k] = crowd.room(beside, radii[k], taken=taken)
+            at = crowd.room(beside, radii[k], taken=taken)
         elif entry.anywhere:
-            places[k] = _anywhere(entry, trial.seed, world, radii[k], taken)
+            at = _anywhere(entry, trial.seed, world, radii[k], taken)
         else:
-            home = entry.home_on(trial.floorplan)
+            home = entry.home_on(plan)
             assert home is not None  # else the trial is refused
-            places[k] = home.position
+            at = home.position
             if crowd is not None:
-                places[k] = crowd.room(home.position, radii[k], taken=taken)
+                at = crowd.room(home.position, radii[k], taken=taken)
             elif world.hits(home.position, home.position, radii[k]):
-                places[k] = next(iter(world.exits(home.position, radii[k])), home.position)
-        if places[k] is None:
+                at = next(iter(world.exits(home.position, radii[k])), home.position)
+        if at is None:
             found = "on the floor" if entry.anywhere else "at home; give at: [x, y]"
             message = f"people[{k}]: there is no room for {entry.name} {found}"
             raise TrialError(f"trial {trial.name!r}", [Problem(message)])
+        places[k] = at
+        taken.append((at, radii[k]))
     return [place for place in places if place is not None]
 
 
