@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,9 +29,9 @@ Floats = NDArray[np.float64]
 class Measure:
     """One figure by which rows are compared, and the columns that it is summed up from.
 
-    `NAME` in a column stands for everybody: a figure of all people is the sum of theirs. A `rare`
-    one is left out where it is 0 in every row. The rows with the least (1) or the most (-1) of it
-    are the `worst`, if any are.
+    `NAME` in a column stands for everybody: a figure of all people is the sum of theirs. With
+    `NAME` in the title there is one `of_each` instead. A `rare` one is left out where it is 0 in
+    every row. The rows with the least (1) or the most (-1) of it are the `worst`, if any are.
     """
 
     title: str
@@ -52,10 +52,23 @@ class Measure:
         """Title inside a sentence."""
         return self.title if self.title[:2].isupper() else self.title[:1].lower() + self.title[1:]
 
+    def of_each(self, columns: Columns) -> Iterator[Measure]:
+        """Yield the measure itself, or, where its title has a name in it, that of each name."""
+        if "NAME" not in self.title:
+            yield self
+            return
+        for key in columns:
+            if match := self._pattern.fullmatch(key):
+                title = self.title.replace("NAME", match[1])
+                yield replace(self, title=title, column=key)
+
+    @property
+    def _pattern(self) -> re.Pattern[str]:
+        return re.compile(re.escape(self.column).replace("NAME", r"([^.]+)"))
+
     def values(self, columns: Columns) -> Floats | None:
         """The figure of every row (NaN where there is none), or None where it is left out."""
-        pattern = re.compile(re.escape(self.column).replace("NAME", r"[^.]+"))
-        found = [column for key, column in columns.items() if pattern.fullmatch(key)]
+        found = [column for key, column in columns.items() if self._pattern.fullmatch(key)]
         if not found:
             return None
         if any(isinstance(value, str) for column in found for value in column):
@@ -186,7 +199,8 @@ def compare(columns: Columns, factors: Sequence[str]) -> Comparison:
         Group(key, np.array([k for k, other in enumerate(keys) if other == key]))
         for key in dict.fromkeys(keys)
     )
-    compared = (*measures(), *of_machines(columns))
+    named = (one for measure in measures() for one in measure.of_each(columns))
+    compared = (*named, *of_machines(columns))
     found = {measure: measure.values(columns) for measure in compared}
     values = {measure: figures for measure, figures in found.items() if figures is not None}
     spreads = {

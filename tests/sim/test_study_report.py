@@ -167,6 +167,20 @@ def test_figures_of_all_people_are_added_up():
     assert Measure("", "people.NAME.replans").values(columns) is None
 
 
+def test_figures_of_zones_are_compared_zone_by_zone():
+    columns = {
+        "row": [0, 1],
+        "zones.aisle.entries": [1, 2],
+        "zones.dock.entries": [10, 20],
+        "zones.lab.entries": [0, 0],
+    }
+    values = compare(columns, []).values
+    assert {measure.title: list(of_rows) for measure, of_rows in values.items()} == {
+        "Entries into aisle": [1.0, 2.0],
+        "Entries into dock": [10.0, 20.0],
+    }
+
+
 def test_figures_of_machines_that_a_trial_adds_are_compared():
     columns = {
         "row": [0, 1],
