@@ -8,6 +8,8 @@ from collections import Counter
 from collections.abc import Collection, Iterable, Iterator
 from typing import get_args
 
+import shapely
+
 import bdi
 from floorplan import (
     LARGEST,
@@ -273,6 +275,11 @@ def _spot_faults(
         yield from _name_faults(str(given), "station or door", known, *place)
     elif fault := starting_fault(plan, at, person.radius):
         yield fault, place
+    else:
+        (x, y), here, radius = at, shapely.Point(at), person.radius or plan.human.radius
+        for zone in plan.zones:
+            if zone.forbidden and zone.is_about(person.name) and zone.area.distance(here) < radius:
+                yield f"({x:g}, {y:g}) is in the zone {zone.name!r}, forbidden to them", place
 
 
 def _group_faults(trial: Scenario) -> Iterator[Fault]:

@@ -78,10 +78,6 @@ def closed_place_faults(trial: Scenario) -> Iterator[Fault]:
         for one in there:
             if one.overlaps(0.0, height) and one.footprint.distance(at) < radius:
                 yield f"{place} is in {one.name}, which is there then", ("people", k, "at")
-        for zone in plan.zones:
-            if zone.forbidden and zone.is_about(person.name) and zone.area.distance(at) < radius:
-                message = f"{place} is in the zone {zone.name!r}, forbidden to {person.name}"
-                yield message, ("people", k, "at")
     for lane in plan.lanes:
         at_q = lane.locations.get(lane.start, 0.0)
         for k, move in enumerate(trial.agvs.get(lane.name, ())):

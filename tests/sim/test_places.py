@@ -128,6 +128,19 @@ def test_a_zone_is_closed_to_whom_it_is_forbidden(run, people):
     assert "wall cuts it off" in events(shut, "path_blocked")[0]["message"]
 
 
+@pytest.mark.parametrize(
+    "key", ["at: [5, 2]", "home: [5, 2]", "sink: [5, 2]", "source: {at: [5, 2], rate: 1, count: 2}"]
+)
+def test_nobody_is_to_start_or_leave_in_a_zone_that_is_forbidden_to_them(run, key):
+    cell = "zones: {cell: {x: [4, 6], y: [0, 5], forbidden: true, concerns: ['e*']}}\n"
+    place = key.split(":")[0] + (".at" if "source" in key else "")
+    with pytest.raises(sim.TrialError, match="zone 'cell'") as told:
+        run(f"duration: 5\npeople: [{{name: eve, {key}}}]\n", TWO_ROOMS + cell)
+    (problem,) = told.value.problems
+    assert problem.field == f"people[0].{place}"
+    run(f"duration: 5\npeople: [{{name: ann, {key}}}]\n", TWO_ROOMS + cell)
+
+
 def speeds_within(motion, area, step=0.005):
     times = np.arange(motion.start, motion.end, step)
     inside = shapely.contains_xy(area, *motion.position(times).T)
