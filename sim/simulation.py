@@ -41,7 +41,7 @@ from .safety.collisions import Collisions
 from .safety.own_law import own_laws
 from .safety.referee import Referee
 from .safety.requirement_curve import requirement_curve
-from .trials.checks import check
+from .trials.checks import check, check_own_events
 from .trials.command_checks import command_faults
 from .trials.trial import Trial
 
@@ -96,6 +96,7 @@ class Simulation:
         self.machines = self._stage.machines
         for name, model in models_of(trial).items():
             self.machines[name] = made_by(model, name, self._stage)
+        check_own_events(trial)
         self.referee = Referee(self._stage)
         self.dispatcher = self._make_dispatcher()
         self._commander = Commander(self._stage)

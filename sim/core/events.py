@@ -99,7 +99,7 @@ class EventKind:
 
     def __init_subclass__(cls) -> None:
         """Make the subclass a frozen dataclass, and register it."""
-        kind = re.sub(r"(?<!^)(?=[A-Z])", "_", cls.__name__).lower()
+        kind = kind_of(cls.__name__)
         known = EVENT_KINDS.get(kind, cls)
         if known.__module__ == __name__ != cls.__module__:
             raise TypeError(f"there is a kind of event {kind!r} already; take another name")
@@ -172,6 +172,11 @@ class EventKind:
             for name, here in self._here.items()
             if values[here] is not None or name not in optional
         }
+
+
+def kind_of(class_name: str) -> str:
+    """Return the name in recordings of the kind of event that a class of that name is."""
+    return re.sub(r"(?<!^)(?=[A-Z])", "_", class_name).lower()
 
 
 _PLAIN: dict[Any, Form] = {

@@ -26,7 +26,6 @@ from floorplan import (
 )
 from navigation import PlannerChoice, PlannerError
 
-from ..core.events import EVENT_KINDS
 from ..core.manners import MannersEntry, Side
 from ..core.noticing import Drawn
 from ..core.own_source import OwnCodeError
@@ -52,6 +51,7 @@ from ..people.tracks.walks import track_faults
 from .command_checks import command_faults
 from .expectations import expectation_problems
 from .names import agvs, checked_name, machines, orders, parts, people, stations
+from .own_events import event_kinds, own_event_kinds
 from .place_checks import closed_place_faults, door_faults, obstacle_faults
 from .work_checks import list_faults, person_faults
 
@@ -78,6 +78,13 @@ def check(trial: Scenario) -> None:
     """`TrialError` with everything about `trial` that can't be; `TypeError` for a wrong type."""
     require_fields(trial)
     refuse(f"trial {trial.name!r}", faults(trial), TrialError)
+
+
+def check_own_events(trial: Scenario) -> None:
+    """`TrialError` if `trial` expects of events of its own code, imported now, what can't be."""
+    if own_event_kinds(trial):
+        problems = _below(expectation_problems(trial), "expect")
+        refuse(f"trial {trial.name!r}", problems, TrialError)
 
 
 def faults(trial: Scenario) -> Iterator[Fault]:
@@ -219,7 +226,9 @@ def _person_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:
         try:
             bdi.parse_literal(belief)
         except bdi.ProgramError as why:
-            yield f"is not a belief: {why}", ("beliefs", k)
+            problem = why.problems[0]
+            at = f"column {problem.column}: " if problem.column else ""
+            yield f"is not a belief: {at}{problem.message}", ("beliefs", k)
 
 
 def _overlaps(trial: Scenario) -> Iterator[Fault]:
@@ -351,7 +360,8 @@ def _start_faults(start: Start, trial: Scenario, *place: str | int) -> Iterator[
     if start.count < 1:
         yield f"must be 1 or more, not {start.count!r}", (*place, "count")
     if start.event is not None:
-        yield from _name_faults(start.event, "kind of event", EVENT_KINDS, *place, "event")
+        known_events = event_kinds(trial, start.event)
+        yield from _name_faults(start.event, "kind of event", known_events, *place, "event")
     if start.person is not None:
         yield from _name_faults(start.person, "person", people(trial), *place, "person")
     if start.order_submitted is not None:

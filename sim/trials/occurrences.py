@@ -15,6 +15,7 @@ from ..core.scenario import Scenario
 from ..record.outcome import Outcome
 from .comparison import Comparison, in_words, is_number
 from .names import checked_name, known_names, machines, people
+from .own_events import event_kinds
 
 Interval = tuple[float, float]
 """From when to when, seconds."""
@@ -102,7 +103,10 @@ def read_event(written: Any, trial: Scenario) -> EventPattern:
         written = {"kind": written}
     if not isinstance(written, Mapping) or "kind" not in written:
         raise ValueError(f"expected a kind of event, or keys with kind among them: {written!r}")
-    kind = checked_name(str(written["kind"]), "kind of event", EVENT_KINDS)
+    named = str(written["kind"])
+    kind = checked_name(named, "kind of event", event_kinds(trial, named))
+    if kind not in EVENT_KINDS:  # its fields are read once it is defined, as the run begins
+        return EventPattern(kind)
     forms = EVENT_KINDS[kind].forms
     fields = []
     for key, wanted in written.items():

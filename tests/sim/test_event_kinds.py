@@ -82,3 +82,55 @@ def test_fields_that_no_recording_could_hold_are_refused(annotations):
     with pytest.raises(TypeError, match=next(iter(annotations))):
         type("Odd", (sim.EventKind,), {"__module__": __name__, "__annotations__": annotations})
     assert "odd" not in EVENT_KINDS
+
+
+OWN = """\
+import sim
+
+
+class {name}(sim.EventKind):
+    kilos: float
+
+
+def lift(gantry):
+    yield gantry.wait(2.0)
+    gantry.record({name}(kilos=120.0))
+"""
+
+
+def lifting(tmp_path, name, expected):
+    """Return a trial file beside a controller that defines the kind of event `name`."""
+    (tmp_path / "crane.py").write_text(OWN.format(name=name))
+    path = tmp_path / "lifting.trial.yaml"
+    path.write_text(f"floorplan: ariac2023\nduration: 10\nexpect: {{timeline: [{expected}]}}\n")
+    with path.open("a") as file:
+        file.write('gantry: {controller: "crane:lift"}\n')
+        file.write("people: [{name: ada, start: {event: pallet_lifted}}]\n")
+    return path
+
+
+def test_a_file_expects_events_that_its_controller_defines(tmp_path):
+    met = '{eventually: {kind: pallet_lifted, kilos: ">= 100"}, within: 3}'
+    unmet = '{never: {kind: pallet_lifted, kilos: "< 130"}}'
+    path = lifting(tmp_path, "PalletLifted", f"{met}, {unmet}")
+    EVENT_KINDS.pop("pallet_lifted", None)
+    trial = sim.Trial.load(path)
+    assert "pallet_lifted" not in EVENT_KINDS  # nothing was run
+    run = sim.run(trial)
+    assert [verdict.met for verdict in run.verdicts] == [True, False]
+    assert {e["person"]: e["t"] for e in run.events if e["kind"] == "human_started"} == {"ada": 2.0}
+
+
+def test_fields_of_events_that_a_controller_defines_are_checked_as_the_run_begins(tmp_path):
+    path = lifting(tmp_path, "PalletLifted", "{never: {kind: pallet_lifted, kilo: 3}}")
+    EVENT_KINDS.pop("pallet_lifted", None)
+    trial = sim.Trial.load(path)
+    with pytest.raises(sim.TrialError, match="kilos"):
+        sim.run(trial)
+
+
+def test_other_classes_beside_a_controller_are_no_kinds_of_events(tmp_path):
+    path = lifting(tmp_path, "PalletStacked", "{never: pallet_lifted}")
+    EVENT_KINDS.pop("pallet_lifted", None)
+    with pytest.raises(sim.TrialError, match="pallet_stacked"):
+        sim.Trial.load(path)
