@@ -289,10 +289,12 @@ def _problems(trial: Scenario, document: Document) -> Iterator[Problem]:
 
 
 def _in_file(place: Place, data: Any) -> Place:
-    """Return the place in the file: moves may have a key, and an entry be many people."""
+    """Return the place in the file: moves and tasks may have a key, and an entry be many people."""
     match place:
         case ("agvs", name, int(k), key) if not isinstance(data["agvs"][name], list):
             return ("agvs", name, "moves", k, key)
+        case ("work", name, "tasks", *key) if isinstance(data["work"][name], list):
+            return ("work", name, *key)
         case ("people", int(k), *key) if isinstance(data.get("people"), list):
             counts = [
                 entry.get("count") or (entry.get("source") or {}).get("count") or 1
