@@ -9,7 +9,7 @@ from typing import NamedTuple
 import bdi
 from floorplan import InputError, read_lines
 
-from ..trials.comparison import is_number
+from ..core.numbers import is_number
 
 
 class Change(NamedTuple):

@@ -24,6 +24,8 @@ from typing_extensions import dataclass_transform
 
 from floorplan import Point
 
+from .numbers import is_number
+
 Named = Literal[
     "person",
     "machine",
@@ -91,6 +93,9 @@ class EventKind:
     optional: ClassVar[frozenset[str]]
     """The fields that may be missing, by their names in recordings."""
 
+    _own: ClassVar[bool]
+    """True for a kind that is not the library's."""
+
     _here: ClassVar[Mapping[str, str]]
     """The name of each field in Python, by its name in recordings."""
 
@@ -111,9 +116,10 @@ class EventKind:
         for name in reserved.intersection(field.name for field in declared):
             raise TypeError(f"{kind}: no field of an event can be called {name!r}")
         cls.kind = kind
+        cls._own = cls.__module__ != __name__
         cls._here = {field.name.removesuffix("_"): field.name for field in declared}
         cls.forms = cast(Any, _Forms())
-        if cls.__module__ != __name__:
+        if cls._own:
             cls.forms  # noqa: B018 - refuses what is no form
         cls._given = {
             field.name: field.default
@@ -172,6 +178,17 @@ class EventKind:
             for name, here in self._here.items()
             if values[here] is not None or name not in optional
         }
+
+
+def has_form(value: object, form: Form) -> bool:
+    """Return whether a field holds what it should, as recorded; names and numbers may be None."""
+    if form == "point":
+        return isinstance(value, list) and len(value) == 2 and all(map(is_number, value))
+    if form == "number":
+        return value is None or is_number(value)
+    if form in ("flag", "list"):
+        return isinstance(value, bool if form == "flag" else list)
+    return value is None or isinstance(value, str) or (form == "location" and is_number(value))
 
 
 def kind_of(class_name: str) -> str:

@@ -11,7 +11,7 @@ from typing import Any
 from navigation import Motion
 
 from .body import Body
-from .events import EventKind
+from .events import EventKind, has_form
 from .scene import Scene
 
 DECIMALS = 9
@@ -92,9 +92,18 @@ def recording_to(listener: Listener, now: Callable[[], float]) -> Record:
         recorded: Event = {"t": rounded(now()), "kind": event.kind}
         for name, value in event.fields.items():
             recorded[name] = value if value.__class__ is str else rounded(value)
+        if event._own:
+            _require_forms(event, recorded)
         listener.event(recorded)
 
     return record
+
+
+def _require_forms(event: EventKind, recorded: Event) -> None:
+    """`ValueError` if a field of an event of the user's own is not what its class declares."""
+    for name, form in event.forms.items():
+        if name in recorded and not has_form(recorded[name], form):
+            raise ValueError(f"{name} of {event.kind} is a {form}, not {recorded[name]!r}"[:200])
 
 
 _AS_IT_IS = frozenset((str, int, bool, type(None)))

@@ -12,14 +12,13 @@ from pydantic import BaseModel, Field, FiniteFloat, ValidationError, model_valid
 from floorplan import LARGEST_RECORDED, InputError, Problem, read_lines, read_text
 from navigation import Motion, Piece, join, standing, when
 
-from ..core.events import EVENT_KINDS, Form
+from ..core.events import EVENT_KINDS, Form, has_form
 from ..core.plans import Plans
 from ..core.recorder import Event, Thought
 from ..core.scene import Pose, Scene
 from ..record.scene_file import ForeignLaw, SceneError, read_scene
 from ..record.strict_json import LARGEST, parse_json
 from ..safety.requirement_curve import Curve, is_plain, requirement_curve
-from ..trials.comparison import is_number
 from .run import Recorded
 
 Violations = dict[tuple[str, str], tuple[tuple[float, float], ...]]
@@ -46,7 +45,7 @@ class _Event(BaseModel, extra="allow", defer_build=True):
     def _fields_of_its_kind(self) -> _Event:
         forms: Mapping[str, Form] = getattr(EVENT_KINDS.get(self.kind), "forms", {})
         for name, value in (self.model_extra or {}).items():
-            if name in forms and not _has_form(value, forms[name]):
+            if name in forms and not has_form(value, forms[name]):
                 raise ValueError(f"{name} of {self.kind} can't be {str(value)[:60]!r}")
         return self
 
@@ -174,17 +173,6 @@ def _summary(path: Path, reading: _Reading) -> dict[str, Any] | None:
 
 def _events(path: Path, reading: _Reading) -> tuple[Event, ...]:
     return tuple(event.model_dump() for _, event in _lines(path, _Event, reading))
-
-
-def _has_form(value: object, form: Form) -> bool:
-    """Return whether a field of an event holds what it should; names and numbers may be None."""
-    if form == "point":
-        return isinstance(value, list) and len(value) == 2 and all(map(is_number, value))
-    if form == "number":
-        return value is None or is_number(value)
-    if form in ("flag", "list"):
-        return isinstance(value, bool if form == "flag" else list)
-    return value is None or isinstance(value, str) or (form == "location" and is_number(value))
 
 
 def _thoughts(path: Path, reading: _Reading) -> tuple[Thought, ...]:

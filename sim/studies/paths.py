@@ -9,8 +9,8 @@ from typing import Any
 from floorplan import check, require_fields, suggestion
 
 from ..core.machine_model import MachineEntry
+from ..core.numbers import is_number
 from ..machines.kinds import keys_of
-from ..trials.comparison import is_number
 from ..trials.trial import Trial
 
 ROOTS = ("rules", "people", "gantry", "machines", "floorplan")

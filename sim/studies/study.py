@@ -22,8 +22,8 @@ from floorplan import (
     whole,
 )
 
+from ..core.numbers import is_number
 from ..trials.checks import LARGEST_SEED, faults, name_fault
-from ..trials.comparison import is_number
 from ..trials.trial import Trial
 from .definition import Design, StudyError
 from .draws import SIGMAS, Choice, Distribution, Normal, Shuffled, Uniform

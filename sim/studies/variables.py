@@ -11,11 +11,11 @@ from typing import Any
 from floorplan import is_file, suggestion
 from navigation import PlannerChoice
 
+from ..core.numbers import is_number
 from ..core.scenario import Job, PersonEntry
 from ..core.start import Start
 from ..machines.gantry.controllers import controller_source
 from ..people.planners import planner_source
-from ..trials.comparison import is_number
 from ..trials.rules_file import find_rules
 from ..trials.shortening import lasting
 from ..trials.trial import Trial

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import operator
 import re
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from decimal import Decimal
 from typing import Any
+
+from ..core.numbers import is_number
 
 _NUMBER = r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?"
 _BOUND = rf"\s*(<=|>=|==|!=|<|>)\s*({_NUMBER})\s*"
@@ -81,9 +82,3 @@ class Verdict:
 def in_words(value: Any) -> str:
     """Return a value as files have it: true and false, and all digits of numbers."""
     return str(value).lower() if isinstance(value, bool) else str(value)
-
-
-def is_number(value: Any) -> bool:
-    """Return whether `value` is a finite number, and not true or false."""
-    number = isinstance(value, int | float) and not isinstance(value, bool)
-    return number and abs(value) <= sys.float_info.max

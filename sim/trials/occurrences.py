@@ -10,10 +10,11 @@ from floorplan import suggestion
 from navigation import FixedDistance, Motion, Moving, TooClose, standing, when
 
 from ..core.events import EVENT_KINDS, Form
+from ..core.numbers import is_number
 from ..core.recorder import Event
 from ..core.scenario import Scenario
 from ..record.outcome import Outcome
-from .comparison import Comparison, in_words, is_number
+from .comparison import Comparison, in_words
 from .names import checked_name, known_names, machines, people
 from .own_events import event_kinds
 

@@ -14,9 +14,10 @@ from typing import Any, Literal
 
 from floorplan import suggestion
 
+from ..core.numbers import is_number
 from ..core.scenario import Scenario
 from ..record.outcome import Outcome
-from .comparison import Comparison, Verdict, is_number
+from .comparison import Comparison, Verdict
 from .occurrences import (
     EventPattern,
     Occurrence,

@@ -1,5 +1,6 @@
 """Kinds of events are classes: what is known about a kind follows from its declaration."""
 
+import math
 from dataclasses import replace
 from typing import Annotated
 
@@ -134,3 +135,15 @@ def test_other_classes_beside_a_controller_are_no_kinds_of_events(tmp_path):
     EVENT_KINDS.pop("pallet_lifted", None)
     with pytest.raises(sim.TrialError, match="pallet_stacked"):
         sim.Trial.load(path)
+
+
+@pytest.mark.parametrize("litres", ["many", math.nan, [1.0]])
+def test_an_own_event_that_is_not_as_declared_is_refused_where_it_is_recorded(own_kind, litres):
+    def refuelling(gantry):
+        yield gantry.wait(2.0)
+        gantry.record(own_kind(from_="station2", litres=litres))
+
+    trial = sim.Trial.parse("{floorplan: ariac2023, duration: 5}")
+    with pytest.raises(sim.ControllerError, match="litres of tank_filled") as told:
+        sim.run(replace(trial, gantry=sim.GantryEntry(refuelling)))
+    assert "t = 2 s" in str(told.value)
