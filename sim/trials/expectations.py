@@ -12,6 +12,7 @@ from typing import Any
 
 from floorplan import Place, suggestion
 
+from ..core.numbers import is_number
 from ..core.scenario import Scenario
 from ..record.outcome import Outcome
 from . import names
@@ -81,6 +82,9 @@ def _field_check(
 ) -> Check:
     field = fields.get(key) or machine_field(key, trial)
     if field is None:
+        group, _, rest = key.partition(".")
+        if group == "machines" and rest:
+            names.checked_name(rest.partition(".")[0], "machine", names.machines(trial))
         raise ValueError(f"a run has no such figure; {_hint(key, fields)}")
     if field.figure.form == "visits":
         return _visits(key, wanted, field, trial)
@@ -114,7 +118,7 @@ class _FigureCheck:
         found = self.field.value(run)
         if found is None:
             meaning = self.field.figure.meaning
-            nothing = f"there is none ({meaning})" if meaning else "there is no such figure"
+            nothing = f"there is none ({meaning})" if meaning else self._unknown(run)
             return Verdict(f"{self.key} {self.wanted}", nothing, False)
         instants = self.field.instants(run)
         when = f" (t = {_listed(instants)})" if instants else ""
@@ -124,6 +128,14 @@ class _FigureCheck:
             self.passes(found),
             instants[-1] if instants else None,
         )
+
+    def _unknown(self, run: Outcome) -> str:
+        """Return that there is no such figure, with a hint at which it was meant to be."""
+        *above, last = self.field.path
+        beside = replace(self.field, path=tuple(above)).value(run)
+        figures = [key for key, value in (beside or {}).items() if is_number(value)]
+        hint = f"; {suggestion(last, figures)}" if figures else ""
+        return f"there is no such figure{hint}"
 
 
 def _visits(key: str, wanted: Any, field: SummaryField, trial: Scenario) -> Check:

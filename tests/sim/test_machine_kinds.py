@@ -59,6 +59,10 @@ def test_an_unknown_kind_is_watched_judged_and_expected(recorded):
     assert [verdict.time for verdict in sim.run(one).verdicts] == [violations[-1]["t"]]
     few = replace(run.trial, expect={"machines.train.rounds": "< 7", "machines.train.wheels": 4})
     assert [verdict.met for verdict in sim.run(few).verdicts] == [False, False]
+    slip = replace(run.trial, expect={"machines.train.round": 7})
+    assert "'rounds'" in sim.run(slip).verdicts[0].found
+    with pytest.raises(sim.TrialError, match="'train'"):
+        sim.run(replace(run.trial, expect={"machines.trian.rounds": 7}))
     wrong = replace(run.trial, expect={"timeline": [{"never": {"kind": "violation", "by": "x"}}]})
     with pytest.raises(sim.TrialError, match="no field 'by'"):
         sim.run(wrong)

@@ -11,6 +11,8 @@ from typing import Any, Literal
 from simpy.events import Event, Process
 from simpy.exceptions import Interrupt
 
+from floorplan import suggestion
+
 from ...core.clock import Clock
 from .drive import Steps
 
@@ -47,7 +49,8 @@ class Interrupts:
     def ask_for(self, reason: str, distance: float) -> None:
         """Interrupt for this reason from now on; see `GantryRobot.interrupt_on`."""
         if reason not in REASONS:
-            raise ValueError(f"nothing called {reason!r} interrupts a controller")
+            hint = suggestion(str(reason), REASONS)
+            raise ValueError(f"nothing called {reason!r} interrupts a controller; {hint}")
         if reason == "person_close":
             if not 0 < distance < math.inf:
                 raise ValueError(f"give the distance for person_close in metres, not {distance}")
