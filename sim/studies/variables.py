@@ -195,8 +195,9 @@ def reordered(jobs: tuple[Job, ...], arrange: Callable[[list[int]], list[int]]) 
 def _people(trial: Trial, whose: str, change: Callable[[PersonEntry], PersonEntry]) -> Trial:
     if not trial.people:
         raise ValueError("there is no person in it")
-    if whose not in ("", *(person.name for person in trial.people)):
-        raise ValueError(f"no person in it is called {whose!r}")
+    names = [person.name for person in trial.people]
+    if whose not in ("", *names):
+        raise ValueError(f"no person in it is called {whose!r}; {suggestion(whose, names)}")
     people = tuple(
         change(person) if whose in ("", person.name) else person for person in trial.people
     )
