@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -18,6 +19,9 @@ if TYPE_CHECKING:
 
 WIDTH = 120
 """Characters in a line of the table where no terminal says how many there are."""
+
+BESIDE = 3
+"""Characters in a line that a column takes beside its text: blanks and a rule."""
 
 
 def study(
@@ -103,8 +107,16 @@ def carried_out(chosen: Study, folder: Path, jobs: int | None, backend: str) -> 
         )
 
 
+def _width(texts: Iterable[str]) -> int:
+    """Return the characters that a column of these texts takes, with the line beside it."""
+    return max(map(len, texts), default=0) + BESIDE
+
+
 def _report(results: StudyResults) -> None:
-    """Print the means of every combination as a table, and the path of the report."""
+    """Print the means of every combination as a table, and the path of the report.
+
+    The table has as many measures as fit beside each other, and says which it leaves to the report.
+    """
     from rich.table import Table
 
     from sim.studies import figure
@@ -116,14 +128,28 @@ def _report(results: StudyResults) -> None:
     table.add_column("Runs", justify="right")
     named = [measure for measure in compared.spreads if measure.chief or measure.rare]
     measures = [measure for measure in named if compared.constant(measure) != 0.0]
-    for measure in measures:
-        table.add_column(measure.label, justify="right", overflow="fold")
-    for k, group in enumerate(compared.groups):
-        spreads = [compared.spreads[measure][k] for measure in measures]
-        means = [figure(spread.mean) if spread else "–" for spread in spreads]
-        table.add_row(*group.values, f"{len(group.rows):,}", *means)
     console = plain_console(WIDTH)
+    groups = compared.groups
+    keys = zip(compared.factors, *(group.values for group in groups), strict=True)
+    room = console.width - 1 - sum(_width(key) for key in (*keys, ("Runs",)))
+    shown: list[list[str]] = []
+    left_out = []
+    for measure in measures:
+        spreads = compared.spreads[measure]
+        means = [figure(spread.mean) if spread else "–" for spread in spreads]
+        width = _width((*measure.label.split(), *means))
+        if shown and width > room:
+            left_out.append(measure.words)
+            continue
+        room -= width
+        shown.append(means)
+        # Of columns without a width the widest are narrowed first, even where that breaks words.
+        table.add_column(measure.label, justify="right", overflow="fold", width=width - BESIDE)
+    for k, group in enumerate(groups):
+        table.add_row(*group.values, f"{len(group.rows):,}", *(means[k] for means in shown))
     console.print(table)
+    if left_out:
+        console.print(f"in the report: {', '.join(left_out)}", highlight=False)
     if nowhere := [measure.words for measure in named if measure not in measures]:
         console.print(f"0 in every row: {', '.join(nowhere)}", highlight=False)
     console.print(f"{results.folder / 'report.html'} shows it", highlight=False, soft_wrap=True)

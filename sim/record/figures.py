@@ -353,7 +353,7 @@ FIGURES: dict[str, SummaryFigure] = {
             label="time in NAME",
             meaning="that people were in the zone, all together",
             unit="s",
-            measure="rare",
+            measure="plain",
         ),
         _of_zones(
             path="zones.NAME.time_too_close",
@@ -367,7 +367,7 @@ FIGURES: dict[str, SummaryFigure] = {
             path="zones.NAME.entries",
             label="entries into NAME",
             meaning="times that somebody came into the zone",
-            measure="rare",
+            measure="plain",
         ),
         SummaryFigure(
             path="law_audit",

@@ -274,6 +274,28 @@ def test_tables_have_names_as_they_are(tmp_path, floorwalker):
     assert "studies/a-b [red]/report.html shows it" in done.stdout
 
 
+def test_a_table_of_a_study_breaks_no_word_and_names_what_it_leaves_out(tmp_path, floorwalker):
+    (tmp_path / "t.trial.yaml").write_text(
+        "floorplan: ariac2023\nduration: 40\nagvs: {agv1: [{time: 1, to: assembly_front}]}\n"
+        "people: [{name: ada, personality: worker, work: line, count: 3}]\n"
+        "work: {line: [{at: station4, duration: 2, every: 5}]}\n"
+        "gantry: {controller: oblivious, jobs: [{move: [-2.5, 0.5, 0.0]}, {wait: 1}]}\n"
+    )
+    manners = (f"  people.*.manners.{key}: [1, 2]\n" for key in ("foresight", "patience"))
+    grid = "  people.*.noticing.reaction_time: [1, 2]\n" + "".join(manners)
+    (tmp_path / "s.study.yaml").write_text(f"trials: [t.trial.yaml]\ngrid:\n{grid}")
+    done = floorwalker("study", "s.study.yaml", "--jobs", "1", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    study = sim.Study.load(tmp_path / "s.study.yaml")
+    results = sim.run_study(study, tmp_path / "studies" / "s", jobs=1)
+    labels = [measure.label for measure in results.comparison.spreads]
+    known = {word for label in (*labels, *results.comparison.factors) for word in label.split()}
+    heading = [line for line in done.stdout.splitlines() if line.startswith("┃")]
+    assert {*" ".join(heading).replace("┃", " ").split()} <= known | {"Runs"}
+    left_out = done.stdout.partition("in the report: ")[2].partition("\n0 in every row")[0]
+    assert "throughput" in left_out.replace("\n", " ").split(", ")
+
+
 def test_a_folder_called_like_a_personality_is_in_nobodys_way(tmp_path, floorwalker):
     (tmp_path / "helpful").mkdir()
     for name, code in (("helpful", 0), ("x" * 300, 1)):

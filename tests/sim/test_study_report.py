@@ -178,6 +178,7 @@ def test_figures_of_zones_are_compared_zone_by_zone():
     assert {measure.title: list(of_rows) for measure, of_rows in values.items()} == {
         "Entries into aisle": [1.0, 2.0],
         "Entries into dock": [10.0, 20.0],
+        "Entries into lab": [0.0, 0.0],
     }
 
 
