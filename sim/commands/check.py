@@ -19,10 +19,6 @@ if TYPE_CHECKING:
     from sim import Trial
 
 
-MOST_NAMED = 12
-"""Most people whom a trial names as it is checked."""
-
-
 def check(
     files: Annotated[
         list[str],
@@ -119,14 +115,12 @@ def _program(file: str) -> str:
 
 def _trial(trial: Trial, file: str) -> str:
     from sim.people.doubts import doubts_in
+    from sim.trials.names import in_words
 
     print_notices(trial)
     _warn_of_short_laws(trial, file)
     _print_doubts(doubts_in(trial))
-    names = [f"{p.name} ({Path(p.personality_name).stem})" for p in trial.people[:MOST_NAMED]]
-    if len(trial.people) > MOST_NAMED:
-        names.append(f"{len(trial.people) - MOST_NAMED} more")
-    people = ", ".join(names) or "nobody"
+    people = in_words(trial)
     work = f" and {_number(len(trial.workload.orders), 'order')}" if trial.workload else ""
     upto = "up to " if trial.until_submitted else ""
     return f"a trial of {upto}{trial.duration:g} s on {trial.floorplan.name} with {people}{work}"

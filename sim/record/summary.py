@@ -61,6 +61,13 @@ def figures_in_words(summary: Mapping[str, Any], *, in_short: bool = True) -> li
     return [(line, amount) for line, amount in found if amount]
 
 
+def trial_figures_in_words(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Return those figures that are about the whole trial and are not nothing."""
+    shown = [one for one in FIGURES.values() if one.words and "NAME" not in one.path]
+    found = [(one.label, _amount(one, summary)) for one in shown]
+    return [(label, amount) for label, amount in found if amount and amount not in NOTHING]
+
+
 def _in_short(figures: Iterable[SummaryFigure], beside: Any) -> str:
     """Return the figures of one of many people in a line, without those that are nothing."""
     personality, *amounts = ((one.label, _amount(one, beside)) for one in figures)

@@ -10,9 +10,11 @@ import pytest
 
 from ..core.output import write_whole
 from ..core.own_source import is_ours
+from ..record.summary import trial_figures_in_words
 from ..record.words import told_apart
 from ..runs.run import Run
 from ..simulation import Simulation
+from ..trials.names import in_words
 from ..trials.trial import Trial
 from ..views.replay import render
 from ..views.replay_data import replay_data
@@ -80,13 +82,12 @@ def replay_folder(config: pytest.Config) -> Path | None:
 def _outline(run: Run) -> list[str]:
     """A run in a few lines: who was there, what it came to, and what was not met."""
     trial, summary = run.trial, run.summary
-    names = [f"{p.name} ({Path(p.personality_name).stem})" for p in trial.people]
-    people = ", ".join(names) or "no people"
     gantry = f"gantry {trial.gantry.controller_name}; " if trial.floorplan.gantry else ""
+    figures = [f"{figure} {amount}" for figure, amount in trial_figures_in_words(summary)]
     lines = [
-        f"{trial.name} on {trial.floorplan.name}, {run.duration:g} s: {people};"
+        f"{trial.name} on {trial.floorplan.name}, {run.duration:g} s: {in_words(trial)};"
         f" {gantry}rules {trial.rules.name}; seed {trial.seed}",
-        f"penalties {summary['penalties']}, jobs done {summary['jobs_done']}",
+        *filter(None, ["; ".join(figures)]),
     ]
     violations = [event for event in run.events if event["kind"] == "violation"]
     for event in violations[:_MOST_VIOLATIONS]:

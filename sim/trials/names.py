@@ -15,6 +15,16 @@ from ..core.scenario import Scenario
 from ..machines.gantry.worksites import fixed_places
 from ..machines.kinds import KINDS, kind_name, on_floor
 
+MOST_NAMED = 12
+"""People whose names a line of text has."""
+
+
+def in_words(trial: Scenario) -> str:
+    """Return the first people of a trial with their personalities, and how many more there are."""
+    some = [f"{p.name} ({Path(p.personality_name).stem})" for p in trial.people[:MOST_NAMED]]
+    more = len(trial.people) - MOST_NAMED
+    return ", ".join([*some, f"{more} more"] if more > 0 else some) or "nobody"
+
 
 def people(trial: Scenario) -> list[str]:
     """Return the names of the people."""

@@ -346,6 +346,25 @@ def test_it(run_trial):
     assert len(list((pytester.path / "pages").iterdir())) == 1
 
 
+def test_a_failed_test_of_many_people_says_how_they_fared_and_names_the_first(pytester, run_pytest):
+    write(
+        pytester,
+        crowd__trial__yaml="""
+floorplan: ariac2023
+duration: 5
+people: [{name: crew, count: 15, at: anywhere}]
+""",
+        test_crowd__py="""
+def test_it(run_trial):
+    assert run_trial("crowd.trial.yaml").summary["overlaps"] == 1
+""",
+    )
+    result = run_pytest("--floorwalker-replays", "pages")
+    result.assert_outcomes(failed=1)
+    result.stdout.fnmatch_lines(["crowd on *crew12 (indifferent), 3 more; *"])
+    result.stdout.fnmatch_lines(["*nearest to each other * m (crew* and crew*) at *"])
+
+
 @pytest.mark.slow
 def test_the_example_project_passes_on_several_processes(pytester, run_pytest_alone):
     shutil.copytree(EXAMPLE, pytester.path, dirs_exist_ok=True)
