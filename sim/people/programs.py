@@ -33,9 +33,10 @@ def find_program(personality: str, folder: Path) -> str | Path:
         path = path / f"{path.name}.asl"
     if is_file(path):
         return path
-    known = (*bdi.programs(), EXTERNAL)
+    beside = sorted(path.parent.glob("*.asl")) if is_there(path.parent) else ()
+    known = (*bdi.programs(), EXTERNAL, *(one.name for one in beside))
     message = f"no personality and no .asl file is called {personality!r};"
-    raise TrialError("personality", [Problem(f"{message} {suggestion(personality, known)}")])
+    raise TrialError("personality", [Problem(f"{message} {suggestion(path.name, known)}")])
 
 
 def load_program(

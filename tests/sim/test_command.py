@@ -305,6 +305,14 @@ def test_a_folder_called_like_a_personality_is_in_nobodys_way(tmp_path, floorwal
     assert "no personality and no .asl file is called" in done.stderr
 
 
+def test_a_program_that_is_not_there_is_looked_for_among_those_beside_it(tmp_path, floorwalker):
+    (tmp_path / "sweeper.asl").write_text("+human_start.\n")
+    text = "floorplan: ariac2023\npeople: [{name: ada, personality: sweper.asl}]\n"
+    (tmp_path / "t.trial.yaml").write_text(text)
+    done = floorwalker("check", "t.trial.yaml", cwd=tmp_path)
+    assert done.returncode == 1 and "'sweeper.asl'" in done.stderr
+
+
 def test_jobs_that_nothing_does_are_reported(tmp_path, floorwalker):
     text = "floorplan: ariac2023\nduration: 1\ngantry: {jobs: [{wait: 0.5}]}\n"
     (tmp_path / "t.trial.yaml").write_text(text)
