@@ -95,3 +95,9 @@ def test_a_question_without_a_path_so_far_is_infinitely_long():
     assert curve.seconds.tolist() == [1.0, 2.0, 4.0]
     assert np.array_equal(curve.value, [math.inf, 3.0, 3.0])
     assert len(cost_over_time([attempt(0, 0, [])]).seconds) == 0
+
+
+def test_a_question_that_no_path_answers_has_no_cost():
+    without = [attempt(k, 0, [], shortest=math.inf) for k in (2, 3)]
+    curve = cost_over_time([attempt(0, 0, [(1.0, 20.0)]), *without])
+    assert (curve.seconds.tolist(), curve.value.tolist()) == ([1.0], [2.0])
