@@ -36,6 +36,8 @@ LAYERED = {".dxf": load_dxf, ".geojson": load_geojson, ".json": load_geojson}
 """Formats of drawings with layers, by suffix."""
 DRAWINGS = {**LAYERED, ".wkt": load_wkt, ".map": load_drawn_map}
 """Formats whose unit may be left open, by suffix."""
+IMAGES = (".pgm", ".png", ".bmp")
+"""Suffixes that the image of a ROS map usually has."""
 
 
 def builtin() -> tuple[str, ...]:
@@ -84,7 +86,11 @@ def _read(path: Path, drawn: Drawn, above: tuple[Path, ...]) -> Floorplan:
         return DRAWINGS[suffix](path, drawn)
     if is_there(path):
         known = ", ".join((*YAML_SUFFIXES, *DRAWINGS))
-        raise FloorplanError.of(path, f"the name of a floorplan's file ends in one of {known}")
+        message = f"the name of a floorplan's file ends in one of {known}"
+        beside = path.with_suffix(".yaml")
+        if suffix in IMAGES and is_there(beside):
+            message += f"; of a ROS map it is that of its settings: {beside}"
+        raise FloorplanError.of(path, message)
     hint = suggestion(str(path), builtin())
     raise FloorplanError.of(path, f"no such file, nor a built-in floorplan; {hint}")
 

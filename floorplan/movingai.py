@@ -66,7 +66,7 @@ def load_movingai(path: Path, cell: float = CELL) -> Floorplan:
     def in_metres(cells: NDArray[np.float64]) -> NDArray[np.float64]:
         return np.column_stack([cells[:, 0], height - cells[:, 1]]) * cell
 
-    taken = [one for piece in shapely.get_parts(whole.difference(floor)) for one in _solid(piece)]
+    taken = [one for piece in _whole_cells(whole.difference(floor)) for one in _solid(piece)]
     pieces = shapely.transform(taken, in_metres)
     return Floorplan(
         name=path.stem,
@@ -77,6 +77,18 @@ def load_movingai(path: Path, cell: float = CELL) -> Floorplan:
             for k, piece in enumerate(pieces, start=1)
         ],
     )
+
+
+def _whole_cells(taken: shapely.Geometry) -> Iterator[shapely.Polygon]:
+    """Yield the pieces of `taken` (cells), with all their corners on those of cells.
+
+    The outline keeps an eighth of a cell from corners at which two cells of floor touch, and so
+    what is taken is joined there. Put back on the corner, it touches itself or another piece at a
+    point, through which no body comes.
+    """
+    for piece in shapely.get_parts(shapely.transform(taken, np.round)):
+        whole = piece if shapely.is_valid(piece) else shapely.make_valid(piece)
+        yield from (part for part in shapely.get_parts(whole) if part.geom_type == "Polygon")
 
 
 def _solid(piece: shapely.Polygon) -> Iterator[shapely.Polygon]:

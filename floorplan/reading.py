@@ -69,8 +69,11 @@ def read_bytes(path: Path, error: type[InputError], most: int = LARGEST_DOCUMENT
 
 
 def read_text(path: Path, error: type[InputError], most: int = LARGEST_DOCUMENT) -> str:
-    """The text of the UTF-8 file at `path`, at most `most` bytes; `error` as for `read_bytes`."""
-    text = _decoded(read_bytes(path, error, most), path, error)
+    """The text of the UTF-8 file at `path`, at most `most` bytes; `error` as for `read_bytes`.
+
+    A byte order mark, with which spreadsheets begin their CSV, is left out.
+    """
+    text = _decoded(read_bytes(path, error, most), path, error).removeprefix("\ufeff")
     return text.replace("\r\n", "\n").replace("\r", "\n") if "\r" in text else text
 
 

@@ -69,6 +69,8 @@ def planner_info(name: str) -> PlannerInfo:
     known = {info.name: info for info in planners()}
     if name == SPACE_TIME:
         raise ValueError(f"{name} plans in space and time; navigation.plan_among answers for that")
+    if ":" in name:
+        raise ValueError(f"the planner {name} is code of your own: import it, and give its class")
     if name not in known:
         raise ValueError(f"no planner is called {name!r}; {suggestion(name, known)}")
     return known[name]

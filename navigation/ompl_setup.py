@@ -101,6 +101,8 @@ class OmplSetup:
         self._setup: Any = og.SimpleSetup(self.information)
         self._setup.setStartAndGoalStates(self.state(question.start), self.state(question.goal))
         self.planner: Any = None
+        self.solved = False
+        """True once the planner has said that it solved the problem."""
 
     def use(self, planner: Any) -> None:
         """Let `planner`, OMPL's, answer."""
@@ -110,7 +112,7 @@ class OmplSetup:
 
     def solve(self, until: Any) -> Any:
         """Return the exact path that the planner finds before `until`, OMPL's, or None."""
-        self._setup.solve(until)
+        self.solved = self._setup.solve(until).getStatus() == ob.PlannerStatus.EXACT_SOLUTION
         return self._setup.getSolutionPath() if self._setup.haveExactSolutionPath() else None
 
     def points(self, path: Any) -> list[Point]:

@@ -13,6 +13,7 @@ import math
 import traceback
 from collections.abc import Mapping
 from contextlib import suppress
+from numbers import Integral
 from pathlib import Path
 from typing import Any
 
@@ -50,7 +51,7 @@ def sample_path(
     `ValueError` names a parameter that it does not have or a value that does not fit.
     """
     choice.check()
-    if not 0 <= seed < 2**32 - 1:
+    if not (isinstance(seed, Integral) and 0 <= seed < 2**32 - 1):
         raise ValueError(f"a seed must be a whole number from 0 to 4294967294, found {seed}")
     if choice.name in _LOST_IF_STRAIGHT and question.free(question.start, question.goal):
         return [question.start, question.goal]
@@ -60,7 +61,7 @@ def sample_path(
     simplify = fit("simplify", settings.pop("simplify", True), True)
     # OMPL takes this as the first seed of all that follows only if it is not 0.
     with no_log():
-        ou.RNG.setSeed(seed + 1)
+        ou.RNG.setSeed(int(seed) + 1)
         search = _Search(question, iterations, watch or Watch())
         try:
             return search.run(choice, settings, simplify)
@@ -104,6 +105,11 @@ class _Search:
             return points and self._finished(self._setup.path(points), simplify)
         path = self._setup.solve(self._budget())
         if path is None:
+            if choice.kind is not None and self._setup.solved:
+                raise PlannerError(
+                    f"the planner {choice.name} returned EXACT_SOLUTION, but added no path to its"
+                    " problem definition that leads to the goal"
+                )
             return None
         if choice.kind is not None:
             self._require_answer(choice, path)

@@ -38,6 +38,8 @@ class Asked:
     """Metres of the shortest path; infinite where there is none, NaN where nobody knows."""
     listed: float
     """Metres that a scenario lists, over cells; NaN where there is none."""
+    longest: float = math.inf
+    """A path of more than so many times the shortest is a wrong answer."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,11 +91,15 @@ class Attempt:
     def first_seconds(self) -> float:
         """Seconds of CPU until there was a first path, simplified or not; infinite without one.
 
-        Until there was the proof, where there is rightly none.
+        Until there was the proof, where there is rightly none. A path that is longer than allowed
+        is none yet; where there is such a limit, a path counts from when its length is known.
         """
         if not self.solved:
             return self.cpu_seconds if self.right else math.inf
-        return min([self.planning_seconds, *(one.cpu_seconds for one in self.progress[:1])])
+        limit = self.asked.longest * self.asked.shortest
+        allowed = [one.cpu_seconds for one in self.progress if not one.length > limit]
+        planned = [] if math.isfinite(limit) else [self.planning_seconds]
+        return min([*planned, *allowed[:1]], default=self.cpu_seconds)
 
     @property
     def right(self) -> bool:
@@ -125,8 +131,6 @@ class Judge:
 
     world: CollisionWorld
     radius: float
-    longest: float = math.inf
-    """A path of more than so many times the shortest is a wrong answer."""
 
     def attempt(self, asked: Asked, answer: Answer, spent: Spent) -> Attempt:
         """Return `answer`, which took what it `spent`, measured and judged."""
@@ -166,7 +170,7 @@ class Judge:
             return "elsewhere"
         if figures.clearance < self.radius - TOUCHES:
             return "touches"
-        return "too long" if figures.length > self.longest * asked.shortest else ""
+        return "too long" if figures.length > asked.longest * asked.shortest else ""
 
 
 @dataclass(frozen=True)

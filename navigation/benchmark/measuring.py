@@ -52,8 +52,9 @@ def benchmark(
         if count is not None and count < 1:
             raise ValueError(f"{name} must be 1 or more, found {count}")
     for name, figure in (("radius", radius), ("seconds", seconds), ("longest", longest)):
-        if figure is not None and not 0 < figure < math.inf:
-            raise ValueError(f"{name} must be above 0 and finite, found {figure:g}")
+        least = 1 if name == "longest" else 0
+        if figure is not None and not least < figure < math.inf:
+            raise ValueError(f"{name} must be above {least} and finite, found {figure:g}")
     names = [plan.name for plan in plans]
     if twice := [name for name in names if names.count(name) > 1]:
         raise ValueError(f"two floors are called {twice[0]!r}: their answers would be mixed up")
@@ -100,7 +101,7 @@ class _Terms:
         """Yield the answers of `planner`, which tables call `name`, to all questions."""
         world = CollisionWorld(self.plan)
         contender = self._contender(planner, world)
-        judge = Judge(world, self.radius, self.longest)
+        judge = Judge(world, self.radius)
         number = 0
         for scene in self.scenes:
             for agv, at in scene.agvs:
@@ -134,6 +135,7 @@ class _Terms:
             agvs=scene.agvs,
             shortest=scene.shortest[k],
             listed=scene.listed[k] if scene.listed else math.nan,
+            longest=self.longest,
         )
 
 

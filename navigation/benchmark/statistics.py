@@ -108,8 +108,9 @@ def cost_over_time(attempts: Sequence[Attempt]) -> Curve:
 
     A question without a path so far counts as infinitely long, so that no planner gains by
     answering only the easy ones: J. D. Gammell, M. P. Strub and V. N. Hartmann, Planner Developer
-    Tools (PDT), 2022.
+    Tools (PDT), 2022. Those that no path answers are left out.
     """
+    attempts = [attempt for attempt in attempts if attempt.asked.shortest != math.inf]
     seconds = _instants(one.cpu_seconds for a in attempts for one in a.progress)
     if not len(seconds):
         return _curve(seconds, [])

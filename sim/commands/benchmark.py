@@ -143,17 +143,22 @@ def benchmark(
 
 def _planner(text: str) -> str | PlannerChoice:
     """Return the peer, or the choice of a planner; one of the user's own is imported from here."""
-    from navigation import PlannerChoice
+    from navigation import PlannerChoice, planners
     from navigation.benchmark import PEERS
     from sim.people.planners import find_planner
 
     peers = [peer.name for peer in PEERS]
     if text in peers:
         return text
+    choice = None
     try:
-        return find_planner(PlannerChoice.of(text), Path.cwd())
+        choice = PlannerChoice.of(text)
+        return find_planner(choice, Path.cwd())
     except ValueError as why:
-        raise ValueError(f"--planner {text}: {why} (peers: {', '.join(peers)})") from None
+        known = [info.name for info in planners()]
+        unknown = choice is not None and not choice.is_own and choice.name not in known
+        others = f" (peers: {', '.join(peers)})" if unknown else ""
+        raise ValueError(f"--planner {text}: {why}{others}") from None
 
 
 def _floors(
@@ -196,9 +201,10 @@ def _print_tables(rows: Sequence[Row]) -> None:
     """Print a table for each floor."""
     from rich.table import Table
 
+    with_listed = any(not math.isnan(row.listed_ratio.value) for row in rows)
     for floor in dict.fromkeys(row.floorplan for row in rows):
         table = Table(title=floor)
-        table.add_column("planner")
+        table.add_column("planner", overflow="fold")
         for title in (
             "solved\n95 %",
             "wrong",
@@ -207,17 +213,18 @@ def _print_tables(rows: Sequence[Row]) -> None:
             "checks\nmedian",
             "length ÷\nshortest",
             "\nat most",
+            *(["÷ listed\nmedian"] if with_listed else []),
             "clear\nm, least",
             "turning\nrad",
         ):
             table.add_column(title, justify="right", no_wrap=True)
         for row in rows:
             if row.floorplan == floor:
-                table.add_row(*_cells(row))
+                table.add_row(*_cells(row, with_listed))
         plain_console(120).print(table)
 
 
-def _cells(row: Row) -> list[str]:
+def _cells(row: Row, with_listed: bool) -> list[str]:
     return [
         row.planner,
         f"{row.solved.value:.0%}\n{row.solved.low:.0%}–{row.solved.high:.0%}",
@@ -225,11 +232,16 @@ def _cells(row: Row) -> list[str]:
         f"{row.cpu.value:.2f}{_spread(row)}",
         f"{row.cpu_99:.2f}",
         f"{row.checks:.0f}",
-        f"{row.ratio.value:.4f}",
-        f"{row.ratio_most:.4f}",
-        f"{row.clearance_least:.4f}",
-        f"{row.turning:.2f}",
+        _figure(row.ratio.value, 4),
+        _figure(row.ratio_most, 4),
+        *([_figure(row.listed_ratio.value, 4)] if with_listed else []),
+        _figure(row.clearance_least, 4),
+        _figure(row.turning, 2),
     ]
+
+
+def _figure(value: float, digits: int) -> str:
+    return f"{value:.{digits}f}" if math.isfinite(value) else "–"
 
 
 def _spread(row: Row) -> str:

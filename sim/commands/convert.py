@@ -33,8 +33,18 @@ def convert(
 
     plan = floorplan.load(source)
     print_floor_notices(plan)
+    suffix = ".pgm" if resolution is not None else target.suffix.lower()
+    written = _files_of(target) if suffix == ".pgm" else [target]
+    if Path(source).exists():
+        for one in written:
+            if one.exists() and one.samefile(source):
+                raise ValueError(f"{target}: {one} would take the place of IN; give another name")
     plan.save(target, resolution=resolution)
-    lost = floorplan.lost(plan, ".pgm" if resolution is not None else target.suffix.lower())
-    if lost:
+    if lost := floorplan.lost(plan, suffix):
         say(f"{target} has no room for: {', '.join(lost)}", err=True)
-    say(f"Wrote {target}")
+    say(f"Wrote {' and '.join(map(str, written))}")
+
+
+def _files_of(target: Path) -> list[Path]:
+    """Return the two files of a ROS map, `target` first."""
+    return [target, target.with_suffix(".yaml" if target.suffix.lower() == ".pgm" else ".pgm")]

@@ -24,9 +24,20 @@ def test_cells_become_metres_with_the_top_row_above(tmp_path):
     assert blocked.covers(shapely.box(0, 0, 3, 1))
     ring = floorplan.load(written(tmp_path / "ring.map", ["@@@@@", "@..@@", "@@@.@", "@@@@@"]))
     assert not any(one.footprint.interiors for one in ring.obstacles)
-    assert ring.boundary.area - ring.free(0, 1).area == pytest.approx(17, abs=0.4)
+    assert ring.boundary.area - ring.free(0, 1).area == 17
     half = floorplan.load_movingai(tmp_path / "hall.map", 0.5)
     assert half.boundary.bounds == (0, 0, 2, 1.5)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_what_is_taken_is_whole_cells(tmp_path, seed):
+    """Also where cells touch at a corner only."""
+    free = np.random.default_rng(seed).random((9, 11)) < 0.62
+    rows = ["".join(".@"[not cell] for cell in row) for row in free]
+    plan = floorplan.load(written(tmp_path / "m.map", rows))
+    cells = [shapely.box(c, 8 - r, c + 1, 9 - r) for r, c in zip(*np.nonzero(~free), strict=True)]
+    taken = shapely.union_all([one.footprint for one in plan.obstacles])
+    assert taken.symmetric_difference(shapely.union_all(cells)).area == 0
 
 
 @pytest.mark.parametrize("seed", range(6))

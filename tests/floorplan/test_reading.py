@@ -91,6 +91,11 @@ def test_a_file_is_read_up_to_its_limit(tmp_path):
         list(read_lines(path, InputError))
 
 
+def test_a_byte_order_mark_is_no_part_of_a_text(tmp_path):
+    (tmp_path / "questions.csv").write_bytes(b"\xef\xbb\xbfx0,y0\r\n")
+    assert read_text(tmp_path / "questions.csv", InputError) == "x0,y0\n"
+
+
 def test_lines_come_one_by_one_and_a_torn_one_can_be_left_out(tmp_path):
     path = tmp_path / "lines"
     path.write_bytes(b"one\n\ntwo\nthr\xc3")

@@ -56,6 +56,13 @@ def test_cells_become_metres(load):
     assert thing.footprint.bounds == pytest.approx((0.5, 4.0, 1.5, 5.0))
 
 
+def test_whoever_gives_the_image_is_pointed_to_the_settings(load, tmp_path):
+    load(room())
+    with pytest.raises(floorplan.FloorplanError, match="ROS map") as wrong:
+        floorplan.load(tmp_path / "map.pgm")
+    assert str(tmp_path / "map.yaml") in str(wrong.value)
+
+
 def test_turned_origin(load):
     straight = load(room())
     text = YAML.replace("2.0, 0.0]", "2.0, 0.5235987755982988]")

@@ -267,6 +267,7 @@ def test_budgets_and_parameters_reach_the_planner():
         ({"seconds": 0.0}, "seconds must be above 0 and finite, found 0"),
         ({"seconds": math.nan}, "seconds must be above 0 and finite, found nan"),
         ({"radius": math.nan}, "radius must be above 0 and finite, found nan"),
+        ({"longest": 0.5}, "longest must be above 1 and finite, found 0.5"),
         ({"runs": 0}, "runs must be 1 or more"),
         ({"plans": [BARRED, BARRED]}, "two floors are called 'barred'"),
     ],
@@ -278,8 +279,8 @@ def test_senseless_terms_are_refused(options, words):
 
 
 def test_wrong_answers_are_noticed():
-    asked = Asked("barred", "somebody", 0, 0, 0, (1, 2), (9, 2), (), 14.0, math.nan)
-    judge = Judge(CollisionWorld(BARRED), 0.3, longest=1.5)
+    asked = Asked("barred", "somebody", 0, 0, 0, (1, 2), (9, 2), (), 14.0, math.nan, 1.5)
+    judge = Judge(CollisionWorld(BARRED), 0.3)
 
     def fault(points, reason="", **other):
         line = None if points is None else np.array(points, dtype=float)

@@ -46,9 +46,9 @@ def test_few_values_bound_no_median():
     assert math.isnan(median([]).value)
 
 
-def attempt(query, run, progress, shortest=10.0):
+def attempt(query, run, progress, shortest=10.0, longest=math.inf):
     """An answer that became ever shorter, or none."""
-    asked = Asked("f", "p", query, run, 0, (0, 0), (1, 1), (), shortest, math.nan)
+    asked = Asked("f", "p", query, run, 0, (0, 0), (1, 1), (), shortest, math.nan, longest)
     times = {"planning_seconds": 9.0, "simplification_seconds": 0.0, "scene_seconds": 0.0}
     figures = dict.fromkeys(
         ("memory", "length", "clearance", "turning", "ompl_clearance", "ompl_smoothness"), 0.0
@@ -84,8 +84,20 @@ def test_success_over_time_counts_each_question_once():
     assert (curve.value <= curve.high).all()
 
 
+def test_a_path_that_is_too_long_is_no_success_yet():
+    found = [(1.0, 20.0), (4.0, 15.0), (5.0, 10.0)]
+    curve = success_over_time([attempt(0, 0, found, longest=1.5)])
+    assert (curve.seconds.tolist(), curve.value.tolist()) == ([4.0], [1.0])
+
+
 def test_a_question_without_a_path_so_far_is_infinitely_long():
     curve = cost_over_time([a for a in ANSWERS if a.asked.run == 0] + [attempt(2, 0, [])])
     assert curve.seconds.tolist() == [1.0, 2.0, 4.0]
     assert np.array_equal(curve.value, [math.inf, 3.0, 3.0])
     assert len(cost_over_time([attempt(0, 0, [])]).seconds) == 0
+
+
+def test_a_question_that_no_path_answers_has_no_cost():
+    without = [attempt(k, 0, [], shortest=math.inf) for k in (2, 3)]
+    curve = cost_over_time([attempt(0, 0, [(1.0, 20.0)]), *without])
+    assert (curve.seconds.tolist(), curve.value.tolist()) == ([1.0], [2.0])

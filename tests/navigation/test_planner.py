@@ -381,6 +381,12 @@ def test_parameters_by_name(world):
         ask(iterations=0)
     with pytest.raises(ValueError, match="a seed must be a whole number"):
         planner.plan((-15, -10), (-19, 0), planner="RRT", seed=-1)
+    with pytest.raises(ValueError, match="a seed must be a whole number"):
+        planner.plan((-15, -10), (-19, 0), planner="RRT", seed=1.5)
+    one, other = (
+        planner.plan((-15, -10), (-19, 0), planner="RRT", seed=seed) for seed in (3, np.int64(3))
+    )
+    assert one.points.tolist() == other.points.tolist()
 
 
 def test_nothing_is_printed_at_exit():

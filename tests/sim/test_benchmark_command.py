@@ -32,6 +32,7 @@ def test_a_scenario_is_asked_and_everything_written(hall, floorwalker):
     )
     assert done.returncode == 0, done.stderr
     assert "BITstar:" in done.stdout
+    assert "÷ listed" in done.stdout
     assert done.stderr.count("\n") == 1
     with (hall / "out" / "benchmark.csv").open() as file:
         answers = list(csv.DictReader(file))
@@ -75,6 +76,21 @@ def test_senseless_options_are_one_message(floorwalker):
 
 
 @pytest.mark.slow
+def test_what_no_planner_found_has_no_length(hall, floorwalker):
+    terms = ("--questions", hall / "hall.map.scen", "--planner", "PRM", "--iterations", 1)
+    done = floorwalker("benchmark", *terms)
+    assert done.returncode == 0, done.stderr
+    assert "nan" not in done.stdout
+    assert "–" in done.stdout
+
+
+def test_peers_are_named_only_to_those_who_ask_for_an_unknown_planner(hall, floorwalker):
+    for planner, named in (("Dijkstra", True), ("RRT: {rang: 1}", False), ("mine:Own", False)):
+        done = floorwalker("benchmark", "--floorplan", hall / "hall.map", "--planner", planner)
+        assert done.returncode == 1
+        assert ("(peers: JuPedSim" in done.stderr) == named
+
+
 def test_the_report_shows_every_planner_and_can_be_read(tmp_path, open_address):
     """Also a planner that found nothing: in light and dark, wide and narrow."""
     plan = floorplan.load("machine_shop")

@@ -415,6 +415,20 @@ def test_convert_says_what_there_is_no_room_for(tmp_path, floorwalker):
     assert floorplan.load(tmp_path / "hall.yaml") == floorplan.load(tmp_path / "hall.wkt")
 
 
+@pytest.mark.parametrize("options", [["hall.pgm"], ["hall.yaml", "--resolution", 0.5]])
+def test_convert_does_not_write_over_the_floor_that_it_reads(tmp_path, floorwalker, options):
+    """A ROS map has two files, of which one may have the name of the floor."""
+    floorplan.load("warehouse").save(tmp_path / "hall.yaml")
+    before = (tmp_path / "hall.yaml").read_bytes()
+    done = floorwalker("convert", tmp_path / "hall.yaml", tmp_path / options[0], *options[1:])
+    assert (done.returncode, done.stdout) == (1, "")
+    assert "hall.yaml would take the place of IN" in done.stderr
+    assert [file.name for file in tmp_path.iterdir()] == ["hall.yaml"]
+    assert (tmp_path / "hall.yaml").read_bytes() == before
+    done = floorwalker("convert", tmp_path / "hall.yaml", tmp_path / "map.pgm")
+    assert done.stdout == f"Wrote {tmp_path / 'map.pgm'} and {tmp_path / 'map.yaml'}\n"
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="pseudo-terminals are POSIX's")
 @pytest.mark.parametrize(
     ("on_a_terminal", "options", "environ", "opens"),

@@ -43,6 +43,11 @@ class Empty(Straight):
         return ob.PlannerStatus(ob.PlannerStatus.EXACT_SOLUTION)
 
 
+class Claiming(Straight):
+    def solve(self, until):
+        return ob.PlannerStatus(ob.PlannerStatus.EXACT_SOLUTION)
+
+
 class Bare(Straight):
     def solve(self, until):
         return ob.PlannerStatus.EXACT_SOLUTION
@@ -124,6 +129,7 @@ def test_a_planner_of_ones_own_with_parameters(tmp_path):
         ("mine:Wrong", r"mine:Wrong failed \(mine.py, line \d+\): ZeroDivisionError"),
         ("mine:Empty", r"mine:Empty found a path without any place"),
         ("mine:Bare", r"Bare failed \(mine.py, line \d+\): as OMPL asked it; it must .*bad_cast"),
+        ("mine:Claiming", r"mine:Claiming returned EXACT_SOLUTION, but added no path"),
         ("mine:Elsewhere", r"starts at \(1.000, 1.500\), not at \(1.000, 5.000\)"),
         ("mine:Straight", r"not free from \(1.000, 5.000\) to \(5.000, 5.000\)"),
         ("{name: 'mine:Straight', detour: x}", r"mine:Straight failed \(mine.py, line \d+\)"),
