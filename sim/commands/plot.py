@@ -129,8 +129,6 @@ def separation(
     run = _run(source, out, own_code=not no_own_code)
     figure = run.plot.separation(person or None, machine, within=_within(begin, end), width=width)
     _save(figure, out)
-    if note := figure.get_supxlabel():
-        say(note.replace("\n", " "), err=True)
 
 
 @app.command()
@@ -206,4 +204,6 @@ def _save(figure: Figure, out: Path) -> None:
     from sim.views import plots
 
     plots.save(figure, out)
+    if note := figure.get_supxlabel():
+        say(note.replace("\n", " "), err=True)
     say(str(out))

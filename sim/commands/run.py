@@ -260,6 +260,9 @@ def _report(run: Run, folder: Path) -> None:
     trial, floor = summary["trial"], summary["floorplan"]
     say(trial if trial == floor else f"{trial} on {floor}")
     figures = figures_in_words(summary)
+    if (verdicts := run.verdicts) and not summary["interrupted"]:
+        met = sum(verdict.met for verdict in verdicts)
+        figures.append(("expectations met", f"{met} of {len(verdicts)}"))
     widest = max(len(name) for name, _ in figures)
     for name, value in figures:
         say(f"  {name:{widest}}  {value}")

@@ -167,6 +167,7 @@ def test_an_expectation_that_is_not_met_is_reported_and_exits_1(tmp_path, floorw
     )
     done = floorwalker("run", path, cwd=tmp_path)
     assert done.returncode == 1
+    assert "expectations met" in done.stdout and "0 of 2" in done.stdout
     assert "expected penalties = 0, but it is 1" in done.stderr
     assert "expected visits to begin with station1, but they were station4, station2" in done.stderr
     assert (tmp_path / "runs" / "t" / "replay.html").exists()

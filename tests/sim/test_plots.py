@@ -211,6 +211,11 @@ def test_of_many_people_those_with_the_least_margin_are_shown():
         figure = run.plot.separation(within=within)
         assert shown(figure) == sorted(everybody, key=least.__getitem__)[:6]
         assert "6 of 9" in figure.get_supxlabel()
+    # Nothing is required of an AGV that stands: then the nearest are shown.
+    nearest = {name: run.distance(name, "agv1", t).min() for name in everybody}
+    figure = run.plot.separation(machine="agv1", within=within)
+    assert shown(figure) == sorted(everybody, key=nearest.__getitem__)[:6]
+    assert "nearest" in figure.get_supxlabel()
     assert shown(run.plot.separation(everybody)) == everybody
     assert shown(run.plot.separation(["crew8", "crew2"])) == ["crew2", "crew8"]
     assert run.plot.separation(everybody).get_supxlabel() == ""
@@ -532,7 +537,7 @@ def folder(tmp_path_factory):
         ("spacetime", "FOLDER", "--width", "single"),
         ("separation", "FOLDER", "--person", "ben", "--machine", "agv1"),
         ("heatmap", "FOLDER", "FOLDER"),
-        ("riskmap", "FOLDER", "FOLDER", "--of", "time"),
+        ("riskmap", "FOLDER", "FOLDER"),
         ("density", "FOLDER", "FOLDER", "--of", "speed"),
     ],
     ids=str,
@@ -542,6 +547,14 @@ def test_the_command_draws(words, folder, tmp_path, floorwalker):
     done = floorwalker("plot", *(folder if w == "FOLDER" else w for w in words), "--out", out)
     assert (done.returncode, done.stdout, done.stderr) == (0, f"{out}\n", "")
     assert out.read_text().startswith("<?xml")
+
+
+def test_what_a_picture_says_of_itself_is_on_the_terminal_too(folder, tmp_path, floorwalker):
+    """Under the rules of ARIAC violations put people elsewhere: no time goes by in them."""
+    out = tmp_path / "picture.svg"
+    done = floorwalker("plot", "riskmap", folder, "--of", "time", "--out", out)
+    assert (done.returncode, done.stdout) == (0, f"{out}\n")
+    assert "ended at once" in done.stderr and done.stderr.strip() in out.read_text()
 
 
 @pytest.mark.parametrize(

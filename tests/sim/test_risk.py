@@ -58,6 +58,15 @@ def test_exposure_in_zones_is_the_time_in_them(run):
     }
 
 
+def test_a_risk_map_with_nothing_on_it_says_why(run):
+    away = "{floorplan: ariac2023, duration: 5, people: [{name: a, at: [-19, 0]}]}"
+    far = sim.run(sim.Trial.parse(away))
+    for of in ("time", "severity"):
+        assert "Nobody was nearer than required" in plots.risk_map(far, of=of).get_supxlabel()
+        assert plots.risk_map(run, of=of).get_supxlabel() == ""
+    assert plots.risk_map(far).get_supxlabel() == ""
+
+
 def test_risk_maps_show_the_least_margin_and_the_time_without_it(run):
     image = plots.risk_map(run).axes[0].images[0].get_array()
     apart = [run.summary["people"][name]["minimum_separation"] for name in ("eve", "max")]

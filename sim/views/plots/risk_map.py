@@ -13,12 +13,15 @@ from floorplan import Floorplan
 from ...core.machine import MachineShape
 from ...record.outcome import Outcome
 from ...record.risk import CELL, Risk, risk, risk_of_all
+from ..colours import GREY
 from .cells import draw_cells, on_one_floor
 from .curves import Array
 from .style import Width, styled
 
 _BAR = 0.7
 """Inches. The width of the bar of colours."""
+
+_NEVER = "Nobody was nearer than required for any time: violations, if any, ended at once."
 
 
 def risk_map(
@@ -63,7 +66,7 @@ def drawn_risk(
         else:
             label, norm = "relative speed while nearer than required (m/s)", Normalize(0.0, most)
         colours = "inferno_r"
-    return draw_cells(
+    figure = draw_cells(
         plan,
         machines,
         shown,
@@ -74,3 +77,6 @@ def drawn_risk(
         width=width,
         beside=_BAR,
     )
+    if of != "margin" and not shown.count():
+        figure.supxlabel(_NEVER, fontsize=7, color=GREY)
+    return figure

@@ -61,17 +61,19 @@ def separation(
     begin, end = span_of(run, within)
     named = [person] if isinstance(person, str) else person
     everybody = _pairs(run, named, machine)
-    pairs = everybody if named is not None else _nearest(run, everybody, (begin, end))
+    pairs, who = everybody, ""
+    if named is None and len(everybody) > MOST:
+        pairs, who = _nearest(run, everybody, (begin, end))
     figure = new_figure(width, _PANEL * len(pairs) + 0.3)
     panels = figure.subplots(len(pairs), 1, sharex=True, squeeze=False)[:, 0]
     for axes, pair in zip(panels, pairs, strict=True):
         _draw_pair(axes, run, pair, (begin, end))
     panels[-1].set_xlim(begin, end)
     label_time(panels[-1], end - begin)
-    if len(pairs) < len(everybody):
+    if who:
         other = next(name for name, body in everybody if (name, body) not in pairs)
         lines = (
-            f"The {len(pairs)} of {len(everybody)} people with the least margin.",
+            f"The {len(pairs)} of {len(everybody)} people {who}.",
             f"Others are drawn by name (--person {other}).",
         )
         note = (" " if width == "double" else "\n").join(lines)
@@ -106,14 +108,12 @@ def _order(run: Outcome, pair: Pair) -> tuple[bool, float, float]:
     return (not is_robot, 0.0 if is_robot else -close, float(sets_out))
 
 
-def _nearest(run: Outcome, pairs: list[Pair], span: Span) -> list[Pair]:
-    """Return all pairs if they are few, else those with the least margin, the least first.
+def _nearest(run: Outcome, pairs: list[Pair], span: Span) -> tuple[list[Pair], str]:
+    """Return the pairs with the least margin, the least first, and what they are, in words.
 
     Of equal margins that with more violations comes first, as where each puts the person elsewhere,
-    and then the nearer one.
+    and then the nearer one; where nothing was required of any, that is all.
     """
-    if len(pairs) <= MOST:
-        return pairs
     # A person who is put elsewhere as they appear was never seen where the violation was.
     violations: dict[Pair, list[float]] = {pair: [] for pair in pairs}
     for event in run.events:
@@ -129,7 +129,10 @@ def _nearest(run: Outcome, pairs: list[Pair], span: Span) -> list[Pair]:
         least = min([*violations[pair], float(margin)])
         return round(least, _ALIKE), -len(violations[pair]), float(nearest)
 
-    return sorted(pairs, key=order)[:MOST]
+    keys = {pair: order(pair) for pair in pairs}
+    chosen = sorted(pairs, key=keys.__getitem__)[:MOST]
+    is_required = any(keys[pair][0] < np.inf for pair in chosen)
+    return chosen, "with the least margin" if is_required else "who came nearest"
 
 
 def _curves(run: Outcome, pair: Pair, span: Span) -> tuple[Array, Array, Array]:
