@@ -68,6 +68,8 @@ def variable(name: str) -> Variable:
         return Variable(name, _PARTS[group][last], "" if whose == EVERYBODY else whose)
     if rest and group in ROOTS:
         return Variable(name, "path", name)
+    if name == "seed":
+        raise ValueError("seeds are not varied: each of the runs of `repeat: N` has one of its own")
     known = [*KINDS, *(f"{g}.NAME.{last}" for g, parts in _PARTS.items() for last in parts)]
     raise ValueError(f"nothing is called {name!r} to vary; {suggestion(name, known)}")
 

@@ -85,6 +85,7 @@ STUDIES = {
     "  rules.grace: [true]": "expected a number",
     "  gantry.max_speed: [0]": "must be more than 0",
     "  wheels.size: [1]": "nothing is called 'wheels.size' to vary",
+    "  seed: [1, 2]": "each of the runs of `repeat: N` has one of its own",
 }
 
 
