@@ -65,21 +65,21 @@ class Finished:
 
     @cached_property
     def nearest(self) -> dict[str, dict[str, float]]:
-        """The least distance (m) of each person who started to the gantry's centre.
+        """The least distance (m) of each person who started to the centre of a gantry or robot.
 
         With its `time` (s), and the distance `required` then (m).
         """
-        started = {person.name: person.started_at for person in self.people}
-        found = {}
+        found: dict[str, dict[str, float]] = {}
         for watch in self.referee.watches:
             person, machine = watch.pair.person.name, watch.pair.machine
-            if machine.shape.category != "robot" or (begin := started[person]) is None:
+            if machine.shape.category != "robot" or (stay := self._stays[person]) is None:
                 continue
             tracks = (self.motions[person], self.motions[machine.name])
-            time, distance = minimum_separation(*tracks, begin, self.duration)
-            # A violation ends in a jump: what counts is the plan until then.
-            required = watch.required_before(time, *tracks)
-            found[person] = {"distance": distance, "time": time, "required": required}
+            time, distance = minimum_separation(*tracks, *stay)
+            if person not in found or distance < found[person]["distance"]:
+                # A violation ends in a jump: what counts is the plan until then.
+                required = watch.required_before(time, *tracks)
+                found[person] = {"distance": distance, "time": time, "required": required}
         return found
 
     @property
@@ -93,14 +93,12 @@ class Finished:
 
         With its `time` (s), the distance `required` then (m) and which `agv` it was.
         """
-        floor = {p.name: (p.started_at, p.left_at) for p in self.people}
         found: dict[str, dict[str, Any]] = {}
         for watch in self.referee.watches:
             person, machine = watch.pair.person.name, watch.pair.machine
-            started, left = floor[person]
-            if machine.shape.category != "vehicle" or started is None:
+            if machine.shape.category != "vehicle" or (stay := self._stays[person]) is None:
                 continue
-            end = self.duration if left is None else left
+            started, end = stay
             one, other = self.motions[person], self.motions[machine.name]
             measured = other.translated(*self.trial.rules.measured_at(machine.shape))
             for since, until in self._drives[machine.name]:
@@ -120,6 +118,13 @@ class Finished:
         nearest = self.nearest_vehicles.items()
         name, found = min(nearest, key=lambda one: one[1]["distance"], default=("", None))
         return None if found is None else {**found, "person": name}
+
+    @cached_property
+    def _stays(self) -> dict[str, tuple[float, float] | None]:
+        """From when to when (s) each person was on the floor; None for who never started."""
+        ends = {p.name: self.duration if p.left_at is None else p.left_at for p in self.people}
+        begins = {person.name: person.started_at for person in self.people}
+        return {who: None if t is None else (t, ends[who]) for who, t in begins.items()}
 
     @cached_property
     def _drives(self) -> dict[str, list[tuple[float, float]]]:

@@ -307,6 +307,17 @@ def test_several_gantries_work_on_one_floor(rules):
     assert disabled == pytest.approx(sum(machines[m]["disabled_time"] for m in ("gantry", "north")))
 
 
+def test_the_least_distance_is_that_to_the_nearest_of_several_gantries():
+    """The one that comes first is near them, and the other is far away."""
+    text = TWO_GANTRIES.format(rules="observe").replace("{name: ada", "{name: ada, at: [-3, 0]")
+    run = sim.run(sim.Trial.parse(text.replace("duration: 60", "duration: 3")))
+    t = np.linspace(0.0, 3.0, 3001)
+    least = min(run.distance("ada", name, t).min() for name in ("gantry", "north"))
+    found = run.summary["people"]["ada"]["minimum_separation"]
+    assert found["distance"] == pytest.approx(least, abs=1e-3)
+    assert run.summary["minimum_separation"] == found
+
+
 def test_a_kind_says_what_its_machines_are_before_there_is_one():
     for shape in machines_on(floorplan.load("ariac2023")):
         assert KINDS[shape.kind].category == shape.category
