@@ -77,9 +77,15 @@ def _may_collide(trial: Scenario) -> bool:
     return _has_vehicles(trial) or bool(trial.machines)
 
 
+def _may_touch(trial: Scenario) -> bool:
+    """Return True if there are people, and machines that may come to where they are."""
+    return bool(trial.people) and (not _no_robot(trial) or _has_vehicles(trial))
+
+
 _of_orders = partial(SummaryFigure, only=_has_orders)
 _of_vehicles = partial(SummaryFigure, only=_has_vehicles)
 _of_machines = partial(SummaryFigure, only=_may_collide)
+_of_bodies = partial(SummaryFigure, only=_may_touch)
 _of_faulty_parts = partial(
     SummaryFigure, only=lambda trial: _has_orders(trial) and trial.has_faulty_parts
 )
@@ -243,6 +249,15 @@ FIGURES: dict[str, SummaryFigure] = {
             unit="s",
             events=(events.ProtectiveStop, {}),
             measure="rare",
+        ),
+        _of_bodies(
+            path="contacts",
+            of=lambda run: run.contacts,
+            label="contacts with machines",
+            meaning="times that the box of a robot, or of a vehicle that drove, touched a person",
+            words=words.some,
+            measure="rare",
+            worst=-1,
         ),
         _of_machines(
             path="collisions",

@@ -10,11 +10,15 @@ from functools import cached_property
 from typing import Any
 
 from navigation import (
+    Cylinder,
+    FixedDistance,
     Motion,
     Nearest,
     Odometer,
+    Shapes,
     minimum_separation,
     nearest_pair,
+    violations,
     walked_and_stood,
 )
 
@@ -26,6 +30,9 @@ from .zone_exposure import Stay, zone_exposures
 
 CAUSES = ("gantry", "person")
 """Causes of a violation with a gantry: which of the two moved."""
+
+TOUCH = FixedDistance(1e-6)
+"""Surfaces that are no farther from each other than a micrometre touch."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -118,6 +125,26 @@ class Finished:
         nearest = self.nearest_vehicles.items()
         name, found = min(nearest, key=lambda one: one[1]["distance"], default=("", None))
         return None if found is None else {**found, "person": name}
+
+    @property
+    def contacts(self) -> int:
+        """Number of times that the box of a machine that counts as moving touched a person."""
+        humans = {person.name: person.walker.human for person in self.people}
+        count = 0
+        for watch in self.referee.watches:
+            person, machine = watch.pair.person.name, watch.pair.machine
+            if (stay := self._stays[person]) is None:
+                continue
+            human, box = humans[person], machine.shape.box
+            tracks = (self.motions[person], self.motions[machine.name])
+            reach = human.radius + math.hypot(box.length, box.width) / 2
+            shapes = Shapes(person=Cylinder(radius=human.radius, top=human.height), machine=(box,))
+            robot = machine.shape.category == "robot"
+            for since, until in [stay] if robot else self._drives[machine.name]:
+                begin, end = max(since, stay[0]), min(until, stay[1])
+                if begin < end and minimum_separation(*tracks, begin, end)[1] < reach:
+                    count += len(violations(*tracks, TOUCH, begin, end, shapes=shapes))
+        return count
 
     @cached_property
     def _stays(self) -> dict[str, tuple[float, float] | None]:

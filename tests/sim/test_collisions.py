@@ -1,9 +1,12 @@
-"""Machines that run into each other: found, recorded and counted, and they go on."""
+"""Machines that run into each other, or touch somebody: found and counted, and they go on."""
+
+from dataclasses import replace
 
 import pytest
 from run_events import events
 from small_floors import on_floor
 
+import navigation
 import sim
 
 FLOOR = """\
@@ -73,3 +76,30 @@ machines:
 def test_machines_that_never_move_have_no_such_figure():
     run = sim.run(sim.Trial.parse("{floorplan: ariac2023, duration: 5, people: [{name: ada}]}"))
     assert "collisions" not in run.summary
+
+
+def contacts(trial, at, floor=None):
+    """Number of contacts with somebody who was measured, whom nothing moves, and who stands."""
+    track = navigation.Motion.from_samples(t=[0.0, 60.0], xy=[at, at])
+    people = (sim.PersonEntry("ada", recorded=track),)
+    run = sim.run(replace(trial, people=people, floorplan=floor or trial.floorplan))
+    return run.summary["contacts"]
+
+
+def test_who_is_touched_by_a_machine_is_counted():
+    """On the lane, beside it by less than their radius and half a width, or by a hair more."""
+    trial = sim.Trial.parse(on_floor(FLOOR, MOVES + "rules: observe\n"))
+    assert [contacts(trial, (6.0, y)) for y in (10.0, 10.699, 10.701)] == [2, 2, 0]
+
+
+def test_the_torso_of_a_gantry_touches_who_is_tall_enough():
+    trial = sim.Trial.parse("""
+floorplan: ariac2023
+duration: 20
+rules: observe
+gantry: {controller: oblivious, at: [-9.0, 0.0, 0.0], jobs: [{move: [-3.0, 0.0, 0.0]}]}
+""")
+    plan = trial.floorplan
+    small = replace(plan, human=replace(plan.human, height=1.2))
+    assert contacts(trial, (-6.0, 0.0)) == 1
+    assert contacts(trial, (-6.0, 0.0), small) == contacts(trial, (-6.0, 2.0)) == 0
