@@ -16,6 +16,7 @@ from .document import Document, parse_yaml, read_yaml, refuse
 from .fields import Angle, Flag, NotNegative, Number, Pair, Positive, Range, Strictly, whole
 from .kinds import require, require_fields
 from .loading import build, builtin, load, parse
+from .map_writing import map_files
 from .model import (
     EVERYBODY,
     LEFT_OUT_IF_EMPTY,
@@ -100,6 +101,7 @@ __all__ = [
     "load",
     "load_movingai",
     "lost",
+    "map_files",
     "misfits",
     "no_garbage",
     "obstacle_keys",

@@ -43,7 +43,7 @@ def write_map(plan: Floor, path: Path, resolution: float) -> None:
         )
     corner = (west - _MARGIN * resolution, south - _MARGIN * resolution)
     free = free_cells(area, corner, resolution, rows, columns)
-    image = path.with_suffix(".pgm")
+    text, image = map_files(path)
     settings = {
         "image": image.name,
         "resolution": float(resolution),
@@ -54,8 +54,13 @@ def write_map(plan: Floor, path: Path, resolution: float) -> None:
     }
     grey = np.where(free[::-1], FREE, OCCUPIED).astype(np.uint8)
     image.write_bytes(b"P5\n%d %d\n255\n" % (columns, rows) + grey.tobytes())
-    text = path if path.suffix.lower() in (".yaml", ".yml") else path.with_suffix(".yaml")
     text.write_text(yaml_text(settings), encoding="utf-8", newline="\n")
+
+
+def map_files(path: Path) -> tuple[Path, Path]:
+    """Return the two files of a ROS map, of which one is `path`: its settings and its image."""
+    is_text = path.suffix.lower() in (".yaml", ".yml")
+    return path if is_text else path.with_suffix(".yaml"), path.with_suffix(".pgm")
 
 
 def free_cells(

@@ -122,25 +122,25 @@ def judge_of(condition: Condition) -> kernel.Judge:
 _JUDGE = "_judge"
 """Key under which a condition keeps what decides about it."""
 
+
+def _overlapping(given: Overlapping) -> kernel.Judge:
+    one, other = given.one, given.other
+    # Boxes above each other overlap by nothing, however near they are along the floor.
+    depth = given.depth if one.is_level_with(other) else math.inf
+    return kernel.Overlapping(
+        one.length / 2, one.width / 2, other.length / 2, other.width / 2, depth
+    )
+
+
 _JUDGES: dict[type, Callable[[Any], kernel.Judge]] = {
     TooClose: lambda given: kernel.TooClose(kernel_of(given.law), ROUNDING),
     Moving: lambda given: kernel.Faster(given.speed),
     Approaching: lambda given: kernel.Approaching(),
     Apart: lambda given: kernel.Apart(given.metres),
-    Overlapping: lambda given: _overlapping(given),
+    Overlapping: _overlapping,
     Not: lambda given: kernel.Not(judge_of(given.condition)),
     Both: lambda given: kernel.Both(judge_of(given.first), judge_of(given.second)),
 }
-
-
-def _overlapping(given: Overlapping) -> kernel.Judge:
-    one, other = given.one, given.other
-    # Boxes above each other overlap by nothing, however near they are along the floor.
-    never = one.top <= other.bottom or other.top <= one.bottom
-    depth = math.inf if never else given.depth
-    return kernel.Overlapping(
-        one.length / 2, one.width / 2, other.length / 2, other.width / 2, depth
-    )
 
 
 def _keeps_nothing(condition: Condition) -> bool:

@@ -68,6 +68,10 @@ class Box:
     def __post_init__(self) -> None:
         _require_solid(self)
 
+    def is_level_with(self, other: Box) -> bool:
+        """Return whether their heights overlap: neither is above the other."""
+        return self.bottom < other.top and other.bottom < self.top
+
     @property
     def corners(self) -> tuple[tuple[float, float], ...]:
         """The points whose hull, grown by `rounding`, is the footprint."""

@@ -36,6 +36,8 @@ cdef class Overlapping(Judge):
     cdef double other_along
     cdef double other_across
     cdef double depth
+    cdef double reach
+    cdef double other_reach
     cdef int holds(self, Encounter encounter, double begin, double end) except -2
 
 cdef double turned(Follower body, double u, double half) noexcept

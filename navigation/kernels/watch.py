@@ -174,6 +174,8 @@ class Overlapping(Judge):
         self.other_along = other_along
         self.other_across = other_across
         self.depth = depth
+        self.reach = sqrt(along * along + across * across)
+        self.other_reach = sqrt(other_along * other_along + other_across * other_across)
 
     def holds(self, encounter: Encounter, begin: float, end: float) -> cython.int:
         one: Follower = encounter.person
@@ -200,10 +202,6 @@ class Overlapping(Judge):
         s: float = sin(turn)
         other_c: float = cos(other_turn)
         other_s: float = sin(other_turn)
-        reach: float = sqrt(self.along * self.along + self.across * self.across)
-        other_reach: float = sqrt(
-            self.other_along * self.other_along + self.other_across * self.other_across
-        )
         # How far apart they are at least throughout, and at most, along the best of the normals.
         low: float = -_INFINITE
         high: float = -_INFINITE
@@ -224,14 +222,14 @@ class Overlapping(Judge):
             low = max(low, apart - moved)
             high = max(high, apart + moved)
         # The normals of the least stay where they are while the corners turn.
-        low -= reach * swing + other_reach * other_swing
+        low -= self.reach * swing + self.other_reach * other_swing
         if low >= -self.depth - _SURE:
             return 0
         # Those of the most turn with the bodies, which are no farther from each other than this.
         if swing > 0.0 or other_swing > 0.0:
             away: float = sqrt(x * x + y * y) + half * sqrt(vx * vx + vy * vy)
             away += half * half * (sqrt(ax * ax + ay * ay) + half * sqrt(x3 * x3 + y3 * y3))
-            high += (away + reach + other_reach) * (swing + other_swing)
+            high += (away + self.reach + self.other_reach) * (swing + other_swing)
         return 1 if high < -self.depth - _SURE / 2 else UNDECIDED
 
 

@@ -34,7 +34,8 @@ def convert(
     plan = floorplan.load(source)
     print_floor_notices(plan)
     suffix = ".pgm" if resolution is not None else target.suffix.lower()
-    written = _files_of(target) if suffix == ".pgm" else [target]
+    files = floorplan.map_files(target) if suffix == ".pgm" else (target,)
+    written = sorted(files, key=lambda file: file != target)  # OUT itself comes first
     if Path(source).exists():
         for one in written:
             if one.exists() and one.samefile(source):
@@ -43,8 +44,3 @@ def convert(
     if lost := floorplan.lost(plan, suffix):
         say(f"{target} has no room for: {', '.join(lost)}", err=True)
     say(f"Wrote {' and '.join(map(str, written))}")
-
-
-def _files_of(target: Path) -> list[Path]:
-    """Return the two files of a ROS map, `target` first."""
-    return [target, target.with_suffix(".yaml" if target.suffix.lower() == ".pgm" else ".pgm")]

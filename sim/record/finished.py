@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -26,6 +26,7 @@ from ..core.machine import Category, Machine
 from ..core.scenario import Scenario
 from ..people.person import Person
 from ..safety.referee import Referee
+from ..safety.watches import SeparationWatch
 from .zone_exposure import Stay, zone_exposures
 
 CAUSES = ("gantry", "person")
@@ -77,16 +78,14 @@ class Finished:
         With its `time` (s), and the distance `required` then (m).
         """
         found: dict[str, dict[str, float]] = {}
-        for watch in self.referee.watches:
-            person, machine = watch.pair.person.name, watch.pair.machine
-            if machine.shape.category != "robot" or (stay := self._stays[person]) is None:
-                continue
-            tracks = (self.motions[person], self.motions[machine.name])
-            time, distance = minimum_separation(*tracks, *stay)
-            if person not in found or distance < found[person]["distance"]:
-                # A violation ends in a jump: what counts is the plan until then.
-                required = watch.required_before(time, *tracks)
-                found[person] = {"distance": distance, "time": time, "required": required}
+        for watch, one, other, spans in self._together("robot"):
+            person = watch.pair.person.name
+            for begin, end in spans:
+                time, distance = minimum_separation(one, other, begin, end)
+                if person not in found or distance < found[person]["distance"]:
+                    # A violation ends in a jump: what counts is the plan until then.
+                    required = watch.required_before(time, one, other)
+                    found[person] = {"distance": distance, "time": time, "required": required}
         return found
 
     @property
@@ -101,18 +100,11 @@ class Finished:
         With its `time` (s), the distance `required` then (m) and which `agv` it was.
         """
         found: dict[str, dict[str, Any]] = {}
-        for watch in self.referee.watches:
+        for watch, one, other, spans in self._together("vehicle"):
             person, machine = watch.pair.person.name, watch.pair.machine
-            if machine.shape.category != "vehicle" or (stay := self._stays[person]) is None:
-                continue
-            started, end = stay
-            one, other = self.motions[person], self.motions[machine.name]
             measured = other.translated(*self.trial.rules.measured_at(machine.shape))
-            for since, until in self._drives[machine.name]:
-                begin, last = max(since, started), min(until, end)
-                if begin >= last:
-                    continue
-                time, distance = minimum_separation(one, measured, begin, last)
+            for begin, end in spans:
+                time, distance = minimum_separation(one, measured, begin, end)
                 if person not in found or distance < found[person]["distance"]:
                     required = watch.required_before(time, one, other)
                     figures = {"distance": distance, "time": time, "required": required}
@@ -131,27 +123,35 @@ class Finished:
         """Number of times that the box of a machine that counts as moving touched a person."""
         humans = {person.name: person.walker.human for person in self.people}
         count = 0
-        for watch in self.referee.watches:
-            person, machine = watch.pair.person.name, watch.pair.machine
-            if (stay := self._stays[person]) is None:
-                continue
-            human, box = humans[person], machine.shape.box
-            tracks = (self.motions[person], self.motions[machine.name])
+        for watch, one, other, spans in (*self._together("robot"), *self._together("vehicle")):
+            human, box = humans[watch.pair.person.name], watch.pair.machine.shape.box
             reach = human.radius + math.hypot(box.length, box.width) / 2
-            shapes = Shapes(person=Cylinder(radius=human.radius, top=human.height), machine=(box,))
-            robot = machine.shape.category == "robot"
-            for since, until in [stay] if robot else self._drives[machine.name]:
-                begin, end = max(since, stay[0]), min(until, stay[1])
-                if begin < end and minimum_separation(*tracks, begin, end)[1] < reach:
-                    count += len(violations(*tracks, TOUCH, begin, end, shapes=shapes))
+            for begin, end in spans:
+                if minimum_separation(one, other, begin, end)[1] < reach:
+                    body = Cylinder(radius=human.radius, top=human.height)
+                    shapes = Shapes(person=body, machine=(box,))
+                    count += len(violations(one, other, TOUCH, begin, end, shapes=shapes))
         return count
 
-    @cached_property
-    def _stays(self) -> dict[str, tuple[float, float] | None]:
-        """From when to when (s) each person was on the floor; None for who never started."""
-        ends = {p.name: self.duration if p.left_at is None else p.left_at for p in self.people}
-        begins = {person.name: person.started_at for person in self.people}
-        return {who: None if t is None else (t, ends[who]) for who, t in begins.items()}
+    def _together(
+        self, category: Category
+    ) -> Iterator[tuple[SeparationWatch, Motion, Motion, list[tuple[float, float]]]]:
+        """Yield each watch on a person beside such a machine, their motions, and spans (seconds).
+
+        These are those in which the person was on the floor and, if it is a vehicle, it drove.
+        """
+        started = {p.name: p.started_at for p in self.people}
+        left = {p.name: self.duration if p.left_at is None else p.left_at for p in self.people}
+        for watch in self.referee.watches:
+            person, machine = watch.pair.person.name, watch.pair.machine
+            begin, end = started[person], left[person]
+            if machine.shape.category != category or begin is None:
+                continue
+            spans = [(begin, end)]
+            if category == "vehicle":
+                cut = [(max(a, begin), min(b, end)) for a, b in self._drives[machine.name]]
+                spans = [(a, b) for a, b in cut if a < b]
+            yield watch, self.motions[person], self.motions[machine.name], spans
 
     @cached_property
     def _drives(self) -> dict[str, list[tuple[float, float]]]:

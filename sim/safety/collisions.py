@@ -33,7 +33,7 @@ class Collisions:
         self._stage = stage
         boxes = [(machine, machine.shape.box) for machine in machines]
         for (one, box), (other, others) in combinations(boxes, 2):
-            if box.bottom < others.top and others.bottom < box.top:
+            if box.is_level_with(others):
                 near, parted = _conditions(box, others)
                 notify = partial(self._changed, one, other)
                 NearWatch(stage, (one.body, other.body), near, parted, notify)
