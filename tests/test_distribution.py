@@ -20,6 +20,8 @@ FILES = (
     "README.md",
     "LICENSE",
     "CHANGELOG.md",
+    "CITATION.cff",
+    "CONTRIBUTING.md",
     "MANIFEST.in",
     "mkdocs.yml",
     "noxfile.py",
