@@ -672,6 +672,11 @@ def namespace_of(functor: str) -> str:
     return prefix if separator else "default"
 
 
+def is_placed(term: Term) -> bool:
+    """Return True for a literal in a namespace, for which a variable without one cannot stand."""
+    return term.__class__ is Literal and "::" in term.functor
+
+
 def placed(literal: Literal, namespace: str, negated: bool | None = None) -> Literal:
     """Return a literal in another namespace; `negated` makes it negated or not."""
     bare = literal.functor.rpartition("::")[2]

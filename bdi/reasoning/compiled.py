@@ -14,7 +14,7 @@ from typing import TypeAlias
 
 from ..language.program import Rule, made_once
 from ..language.substitution import Unifier, rename, value_of
-from ..language.terms import TRUE, And, Literal, Not, Relation, Term, Var, is_ground
+from ..language.terms import TRUE, And, Literal, Not, Relation, Term, Var, is_ground, is_placed
 from ..language.unification import matched, unify
 from .builders import builder
 from .lasting import KeptAnswers, Question, Values
@@ -275,11 +275,11 @@ def _proved(logic: Logic, query: Literal, question: Question, u: Unifier) -> Ite
         scope: Unifier = {}
         asked = []
         for inside, value in zip(clause.head.args, question, strict=True):
-            if value is None:
+            if value is None and not is_placed(inside):
                 asked.append(inside)
-            elif inside.__class__ is Var:
+            elif inside.__class__ is Var and not is_placed(value):
                 scope[inside.name] = value
-            elif not unify(inside, value, scope):
+            elif value is None or not unify(inside, value, scope):
                 break
         else:
             for found in _answers_of(clause)(logic, scope):
