@@ -65,10 +65,13 @@ class Test:
 
 @dataclass(frozen=True)
 class Update:
-    """Change of the belief base; `operator` is one of + +< +> ++ - -- -+."""
+    """Change of the belief base; `operator` is one of + +< +> ++ - -- -+.
+
+    `belief` is a belief, or a rule in braces.
+    """
 
     operator: str
-    belief: Event
+    belief: Event | Quoted
     place: Place = field(default=NOWHERE, compare=False)
 
     def __str__(self) -> str:

@@ -575,6 +575,10 @@ class Quoted:
         """Return it with everything inside replaced for which `change` returns not None."""
         return self
 
+    def annotated(self, annots: tuple[Term, ...]) -> Quoted:
+        """Return it with these annotations beside those it has, if it may have any."""
+        return self
+
 
 Term: TypeAlias = "float | str | Literal | Var | Nil | Cons | Operation | TriggerTerm | Quoted"
 """Everything that can stand in a literal or a context; numbers and strings are Python's own."""
