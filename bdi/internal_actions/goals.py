@@ -117,11 +117,15 @@ def desire(call: Call, goal: Term, *identity: Term) -> Iterator[Unifier]:
     """Yield the goals that are intended, or whose event is to be dealt with."""
     pattern = a_goal("desire", goal)
     circumstance = call.agent.circumstance
-    for event in (circumstance.selected_event, *circumstance.all_events()):
-        if event is not None:
-            solution = dict(call.unifier)
-            if event.is_for(pattern, solution):
-                yield solution
+    events = (*circumstance.all_events(), *circumstance.suspended_events)
+    for event in (circumstance.selected_event, *events):
+        solution: Unifier | None = dict(call.unifier)
+        if event is None or solution is None or not event.is_for(pattern, solution):
+            continue
+        if identity and event.intention is not None:
+            solution = unified(identity[0], float(event.intention.number), solution)
+        if solution is not None:
+            yield solution
     yield from _intended(call, pattern, identity, suspended=True)
 
 

@@ -144,14 +144,29 @@ def _note_failure(
     """Note the states of a goal that has failed, and of those it was for."""
     states = agent.circumstance.states
     assert states is not None  # called where there are some
-    errors = [a.args[0] for a in annots if isinstance(a, Literal) and a.functor == "error"]
-    states.note("failed", sort, goal, errors[0] if errors else None)
+    states.note("failed", sort, goal, _reason(annots))
     if failure is not None:
         states.note("executing", sort, goal, Literal("has_failure_plan"))
         return
     states.note("finished", sort, goal)
     if intention is not None:
         states.note_all("failed", intention, but=goal)
+
+
+_REASONS = ("action_failed", "ask_failed", "constraint_failed", "test_goal_failed", "wait_timeout")
+
+
+def _reason(annots: tuple[Term, ...]) -> Literal | None:
+    """Return the reason of the state `failed`: what has failed, whatever its error."""
+    for annot in annots:
+        error = annot.args[0] if isinstance(annot, Literal) and annot.functor == "error" else None
+        if isinstance(error, Literal):
+            if error.functor.startswith("body_var"):
+                return None
+            if error.functor.startswith("no_"):
+                return Literal(f"{error.functor}_plan")
+            return error if error.functor in _REASONS else Literal("ia_failed")
+    return None
 
 
 def end(agent: AgentState, intention: Intention) -> None:
