@@ -66,7 +66,7 @@ def add_plan(call: Call, plans: Term, *more: Term) -> bool:
     agent = call.agent
     for term in plans if isinstance(plans, Nil | Cons) else (plans,):
         plan = _plan(term)
-        if plan.name.startswith("l__"):
+        if plan.name.startswith("p__"):
             plan = replace(plan, label=None)
         try:
             load_plan(agent, plan, source, first=first)

@@ -102,7 +102,7 @@ class Finish:
         goal = self._goals.goal
         wanted = dropped.literal if goal is None else substitute(goal, u)
         failed = Event("+!", wanted if isinstance(wanted, Literal) else dropped.literal, intention)
-        event = find_failure_event(agent, intention, failed)
+        event = find_failure_event(agent, intention, failed, has_plan=False)
         if event is None:
             self._note(dropped.literal, "finished")
             end(agent, intention)

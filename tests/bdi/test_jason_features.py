@@ -132,7 +132,7 @@ def test_an_agent_answers_by_its_plans_and_learns_some():
     )
     assert lines == [
         *("d(9)[source(human)]", "[[q(1)[source(human)],q(2)[source(human),w]]]", "false"),
-        "{ @l__2[source(self)] +!k(1) <- .print(k) }",
+        "{ @p__2[source(self)] +!k(1) <- .print(k) }",
         *("told", "selfx", "humancook", "[human]"),
     ]
 
